@@ -1,0 +1,116 @@
+// Whole APGD iterations on a bed: the two passes and their scalar updates alone, and the solver
+// itself with its residual checks. Both report the residual reached: a speed without it is not a
+// result.
+
+#include <utility>
+
+#include "bench/apgd_arrays.h"
+#include "bench/suite.h"
+#include "solvers/apgd.h"
+
+namespace scree::bench {
+namespace {
+
+constexpr int kCheckEvery = 10;
+
+/// RMS residual of impulses, evaluated like any solver's.
+template <class B, class Real>
+double residual_rms(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma) {
+  Buffer<B, Twist<Real>> velocity(b, p.body_count);
+  copy(b, p.free_velocity, velocity.view(p.body_count));
+  for_each(b, p.free_count, BodyVelocity<RadialRows<Real>, Real>{p, gamma, velocity.view()});
+  ResidualEvaluator<B, Real> evaluator(b);
+  return evaluator
+      .template evaluate<RadialRows<Real>>(b, p, gamma, std::as_const(velocity).view(p.body_count))
+      .rms;
+}
+
+/// Contact pass and body pass in turn, as Apgd runs them between checks: from a random guess on,
+/// with momentum, restarts and rejected trials.
+template <class B, class Real>
+void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetricKind kind) {
+  B& b = suite.backend();
+  const auto& bed = suite.template bed_problem<Real>(spheres);
+  ApgdArrays<B, Real> arrays(b, bed, kind);
+  suite.poison(arrays.gamma.next(0));
+  const double first =
+      residual_rms(b, bed.problem(), Span<const Vec3<Real>>(arrays.gamma.current(0)));
+  double applications = 0;
+  suite.measure(state, Suite<B>::contact_work(bed, apgd_iteration_traffic<Real>(kind)), [&] {
+    arrays.iterate(b);
+    ++applications;
+  });
+  Suite<B>::report_size(state, bed);
+  Buffer<B, ApgdCheck> check(b, 1);
+  arrays.residual_pass(b, check.data());
+  const Index last = fetch(b, check.data()).state.accepted;
+  const double reached =
+      residual_rms(b, bed.problem(), Span<const Vec3<Real>>(arrays.gamma.current(last)));
+  state.counters["applications"] = applications;
+  state.counters["residual_rms"] = reached;
+  if (!(reached < first)) state.SkipWithError("the residual did not fall");
+}
+
+/// Cost of one more iteration of Apgd::solve, residual checks included: a long solve minus a short
+/// one, over the difference of their operator applications.
+template <class B, class Real>
+void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetricKind kind) {
+  constexpr int kShort = kCheckEvery;
+  constexpr int kLong = (B::kIsDevice ? 11 : 4) * kCheckEvery;
+  B& b = suite.backend();
+  const auto& bed = suite.template bed_problem<Real>(spheres);
+  const Index n = bed.contact_count();
+  Buffer<B, Vec3<Real>> guess(b, n), gamma(b, n);
+  bed.random_impulses(b, 51, guess.view(n));
+  Apgd<B, Real> short_solver(
+      {.max_iterations = kShort, .check_every = kCheckEvery, .metric = kind});
+  Apgd<B, Real> long_solver({.max_iterations = kLong, .check_every = kCheckEvery, .metric = kind});
+  SolveStats stats;
+  const auto solve = [&](Apgd<B, Real>& solver) {
+    copy(b, std::as_const(guess).view(n), gamma.view(n));
+    solver.restore_memory({});
+    stats = solver.solve(b, bed.problem(), gamma.view(n), 0);
+  };
+  const auto solve_short = [&] { solve(short_solver); };
+  const auto solve_long = [&] { solve(long_solver); };
+  solve_long();
+  const int applications = stats.applications - kShort;
+  const SolveStats reached = stats;
+  const int runs = B::kIsDevice ? 1 : suite.runs_per_batch(solve_short);
+  if (stats.applications != kShort) return state.SkipWithError("the solver stopped early");
+  std::vector<double> seconds;
+  for (auto _ : state) {
+    const double of_short = suite.seconds_of(solve_short, runs);
+    const double of_long = suite.seconds_of(solve_long, runs);
+    seconds.push_back((of_long - of_short) / runs / applications);
+    state.SetIterationTime(std::max(seconds.back(), 0.0));
+  }
+  state.counters["runs_per_batch"] = runs;
+  const Traffic traffic =
+      apgd_iteration_traffic<Real>(kind) + (1.0 / kCheckEvery) * residual_traffic<Real>();
+  suite.report(state, Suite<B>::contact_work(bed, traffic), seconds);
+  Suite<B>::report_size(state, bed);
+  state.counters["applications"] = reached.applications;
+  state.counters["residual_rms"] = reached.residual.rms;
+}
+
+template <class B, class Real>
+void add_typed_apgd(Suite<B>& suite, Index n) {
+  using S = Suite<B>;
+  using State = benchmark::State;
+  for (const ApgdMetricKind kind : {ApgdMetricKind::diagonal, ApgdMetricKind::euclidean}) {
+    suite.add("apgd_iteration", variant_name<Real>(kind), n,
+              [n, kind](S& s, State& state) { run_iteration<B, Real>(s, state, n, kind); });
+    suite.add("apgd_solve", variant_name<Real>(kind), n,
+              [n, kind](S& s, State& state) { run_solve<B, Real>(s, state, n, kind); });
+  }
+}
+
+}  // namespace
+
+void add_apgd(Suite<BenchBackend>& suite, Index spheres) {
+  add_typed_apgd<BenchBackend, float>(suite, spheres);
+  add_typed_apgd<BenchBackend, double>(suite, spheres);
+}
+
+}  // namespace scree::bench

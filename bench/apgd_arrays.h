@@ -1,0 +1,105 @@
+#pragma once
+// The arrays of a running APGD solve outside the solver, set up as Apgd::solve does it.
+
+#include <string>
+#include <vector>
+
+#include "bench/bed_problem.h"
+#include "kernels/apgd_passes.h"
+#include "solvers/solver.h"
+
+namespace scree::bench {
+
+template <class B, class Real>
+class ApgdArrays {
+ public:
+  using R = RadialRows<Real>;
+
+  /// State before the first iteration, from random impulses.
+  ApgdArrays(B& b, const BedProblem<B, Real>& bed, ApgdMetricKind kind)
+      : problem_(bed.problem()), metric_(b), state_(b, 1) {
+    const ContactProblem<Real>& p = problem_;
+    for (int k = 0; k < 3; ++k) {
+      impulses_.emplace_back(b, p.contact_count);
+      gamma.buffer[k] = impulses_.back().view(p.contact_count);
+    }
+    for (int k = 0; k < 2; ++k) {
+      for (Span<Twist<Real>>* view : {&velocity.of_iterate[k], &velocity.of_extrapolated[k]}) {
+        twists_.emplace_back(b, p.body_count);
+        *view = twists_.back().view(p.body_count);
+        copy(b, p.free_velocity, *view);
+      }
+    }
+    bed.random_impulses(b, 51, gamma.buffer[0]);
+    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.buffer[0]});
+    copy(b, Span<const Vec3<Real>>(gamma.buffer[0]), gamma.buffer[2]);
+    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma.buffer[0], velocity.of_iterate[0]});
+    copy(b, Span<const Twist<Real>>(velocity.of_iterate[0]), velocity.of_extrapolated[0]);
+    if (kind == ApgdMetricKind::diagonal) {
+      const Offset values = static_cast<Offset>(p.contact_count) * R::kMetricValues;
+      metric_.reserve_discard(values);
+      metric.values = metric_.view(values);
+    }
+    reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
+                          ApgdStart{state_.data(), 0, 1});
+  }
+
+  /// Unrelated random numbers in all arrays a pass reads, and a momentum as in the middle of a
+  /// solve.
+  void scramble(B& b, const BedProblem<B, Real>& bed) {
+    for (unsigned k = 0; k < 3; ++k) {
+      bed.random_impulses(b, 20 + k, gamma.buffer[k]);
+      for_each(b, problem_.contact_count, ProjectImpulses<R, Real>{problem_, gamma.buffer[k]});
+    }
+    for (unsigned k = 0; k < 2; ++k) {
+      bed.random_velocities(b, 30 + k, velocity.of_iterate[k]);
+      bed.random_velocities(b, 40 + k, velocity.of_extrapolated[k]);
+    }
+    ApgdState middle = fetch(b, state_.data());
+    middle.theta = 0.2;
+    middle.beta = middle.next_beta = 0.6;
+    upload(b, &middle, state_.view());
+  }
+
+  void contact_pass(B& b) {
+    reduce<Sums<2>>(b, problem_.contact_count,
+                    ApgdContactPass<R, Real>{problem_, gamma, velocity, metric, state_.data()},
+                    ApgdContactFinish{state_.data()});
+  }
+  /// @param finish  ApgdBodyFinish in a solve
+  template <class Finish>
+  void body_pass(B& b, Finish finish) {
+    reduce<Sums<1>>(b, problem_.free_count,
+                    ApgdBodyPass<R, Real>{problem_, gamma, velocity, state_.data()}, finish);
+  }
+  /// One trial of the line search, accepted or not.
+  void iterate(B& b) {
+    contact_pass(b);
+    body_pass(b, ApgdBodyFinish{state_.data()});
+  }
+  void residual_pass(B& b, ApgdCheck* check) {
+    reduce<ResidualSums>(b, problem_.contact_count,
+                         ApgdResidual<R, Real>{problem_, gamma, velocity, state_.data()},
+                         ApgdCheckFinish{state_.data(), check, problem_.contact_count});
+  }
+
+  ApgdImpulses<Real> gamma;
+  ApgdVelocities<Real> velocity;
+  StoredMetric<R, Real> metric;
+
+ private:
+  ContactProblem<Real> problem_;
+  std::vector<Buffer<B, Vec3<Real>>> impulses_;
+  std::vector<Buffer<B, Twist<Real>>> twists_;
+  Buffer<B, Real> metric_;
+  Buffer<B, ApgdState> state_;
+};
+
+/// Name of a benchmark's variant: the default metric is not named.
+template <class Real>
+std::string variant_name(ApgdMetricKind kind) {
+  const std::string real = sizeof(Real) == 4 ? "float" : "double";
+  return kind == SolverParams{}.metric ? real : real + "_euclidean";
+}
+
+}  // namespace scree::bench

@@ -1,0 +1,117 @@
+#pragma once
+// Bytes each benchmarked pass moves, in one place. R = sizeof(Real), ids and list entries are 4
+// bytes.
+//
+//   least      each array element the pass needs crosses the memory bus once: what gathers read
+//   again
+//              comes from cache. The floor of a pass is least bytes / copy bandwidth.
+//   requested  every load and store the program executes: what the pass moves when no gather hits
+//   the
+//              cache. A measured time between the two floors is a matter of cache hits.
+//
+// Radial layout, uniform friction, no adhesion (two arrays that are then not read). When a kernel
+// changes what it reads or writes, change its function here and its docstring together.
+
+#include "solvers/solver.h"
+
+namespace scree::bench {
+
+/// Bytes of one pass over a bed.
+struct Traffic {
+  double contact_least = 0;
+  double body_least = 0;
+  double contact_requested = 0;
+  double body_requested = 0;
+
+  constexpr double least(double contacts, double bodies) const {
+    return contact_least * contacts + body_least * bodies;
+  }
+  constexpr double requested(double contacts, double bodies) const {
+    return contact_requested * contacts + body_requested * bodies;
+  }
+  friend constexpr Traffic operator+(const Traffic& a, const Traffic& b) {
+    return {a.contact_least + b.contact_least, a.body_least + b.body_least,
+            a.contact_requested + b.contact_requested, a.body_requested + b.body_requested};
+  }
+  friend constexpr Traffic operator*(double s, const Traffic& t) {
+    return {s * t.contact_least, s * t.body_least, s * t.contact_requested, s * t.body_requested};
+  }
+};
+
+/// ApgdContactPass. Contact: normal 3R, bias R, ids 8, two impulses 6R, diagonal metric 2R (none
+/// when Euclidean) read, one impulse 3R written. Twists of the extrapolated point, 6R a body: once
+/// each, or two per contact.
+template <class Real>
+constexpr Traffic apgd_contact_pass_traffic(ApgdMetricKind kind) {
+  constexpr double r = sizeof(Real);
+  const double streamed = (kind == ApgdMetricKind::diagonal ? 15 : 13) * r + 8;
+  return {streamed, 6 * r, streamed + 12 * r, 0};
+}
+
+/// ApgdBodyPass. Body: v*, V, V_y 18R, inertia 2R, two list starts 8 read; V, V_y 12R written.
+/// Contact: impulse 3R and normal 3R, once each or for both of its bodies; list entry 4.
+template <class Real>
+constexpr Traffic apgd_body_pass_traffic() {
+  constexpr double r = sizeof(Real);
+  constexpr double body = 32 * r + 8;
+  return {6 * r + 4, body, 12 * r + 4, body};
+}
+
+/// One APGD iteration (one trial of the line search).
+template <class Real>
+constexpr Traffic apgd_iteration_traffic(ApgdMetricKind kind) {
+  return apgd_contact_pass_traffic<Real>(kind) + apgd_body_pass_traffic<Real>();
+}
+
+/// ApgdResidual (ContactResidual). Contact: normal 3R, bias R, ids 8, impulse 3R.
+/// Twists 6R and inertia 2R a body: once each, or two per contact.
+template <class Real>
+constexpr Traffic residual_traffic() {
+  constexpr double r = sizeof(Real);
+  constexpr double streamed = 7 * r + 8;
+  return {streamed, 8 * r, streamed + 16 * r, 0};
+}
+
+/// BodyVelocity. Body: v* 6R, inertia 2R, starts 8 read; V 6R written. Contact: as in the body
+/// pass.
+template <class Real>
+constexpr Traffic body_velocity_traffic() {
+  constexpr double r = sizeof(Real);
+  constexpr double body = 14 * r + 8;
+  return {6 * r + 4, body, 12 * r + 4, body};
+}
+
+/// Cone projection from one array to another: normal 3R and impulse 3R read, 3R written.
+template <class Real>
+constexpr Traffic cone_projection_traffic() {
+  constexpr double contact = 9 * sizeof(Real);
+  return {contact, 0, contact, 0};
+}
+
+/// Bits of one digit of the backends' radix sorts: cpu.h, and CUB's choice for 12-byte pairs.
+constexpr int radix_digit_bits(bool is_device) { return is_device ? 8 : 11; }
+
+/// sort_pairs, bytes per pair of 8-byte key and 4-byte value. Each digit reads and writes the
+/// pair, 24. Counting reads the keys, 8: all digits in one go on the device (onesweep), once a
+/// digit on the CPU. The copy back after an odd number of digits is not needed by the method and
+/// not counted.
+constexpr double sort_bytes(int bits, bool is_device) {
+  const int digit = radix_digit_bits(is_device);
+  const int passes = (bits + digit - 1) / digit;
+  return 24.0 * passes + 8.0 * (is_device ? 1 : passes);
+}
+
+/// BodyContacts::build. Contact: id of B 4 read, key and value 12 written, the sort, id of A 4 and
+/// key 8 read to find where runs start. Body: two starts 8 written.
+constexpr Traffic body_contacts_traffic(int bits, bool is_device) {
+  const double contact = 28 + sort_bytes(bits, is_device);
+  return {contact, 8, contact, 8};
+}
+
+// The figures in the kernels' docstrings.
+static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_least == 68);
+static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_requested == 116);
+static_assert(apgd_body_pass_traffic<float>().contact_requested == 52);
+static_assert(apgd_body_pass_traffic<float>().body_least == 136);
+
+}  // namespace scree::bench

@@ -1,0 +1,51 @@
+# Enables CUDA as SCREE_CUDA asks and sets SCREE_CUDA_ENABLED and SCREE_CUDA_STATE (text).
+
+set(SCREE_CUDA_ENABLED OFF)
+set(SCREE_CUDA_STATE "off")
+if(NOT SCREE_CUDA MATCHES "^(AUTO|ON|OFF)$")
+  message(FATAL_ERROR "SCREE_CUDA must be AUTO, ON or OFF, got '${SCREE_CUDA}'")
+endif()
+if(SCREE_CUDA STREQUAL "OFF")
+  return()
+endif()
+
+if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
+  find_program(SCREE_NVCC nvcc HINTS ENV CUDA_HOME ENV CUDA_PATH PATHS /usr/local/cuda
+    PATH_SUFFIXES bin DOC "CUDA compiler")
+  if(SCREE_NVCC)
+    set(ENV{CUDACXX} "${SCREE_NVCC}")
+  endif()
+endif()
+if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
+  set(CMAKE_CUDA_ARCHITECTURES "${SCREE_CUDA_ARCHITECTURES}")
+endif()
+include(CheckLanguage)
+check_language(CUDA)
+if(NOT CMAKE_CUDA_COMPILER)
+  if(SCREE_CUDA STREQUAL "ON")
+    message(FATAL_ERROR "SCREE_CUDA is ON but no working CUDA compiler was found; "
+      "put nvcc on the PATH, set CUDACXX, or configure with -DSCREE_CUDA=OFF")
+  endif()
+  set(SCREE_CUDA_STATE "off (no working CUDA compiler found)")
+  return()
+endif()
+enable_language(CUDA)
+if(NOT CMAKE_CUDA20_STANDARD_COMPILE_OPTION) # CMake 3.25.1 does not know that nvcc has C++20
+  set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
+  set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
+endif()
+set(CMAKE_CUDA_STANDARD 20)
+set(CMAKE_CUDA_STANDARD_REQUIRED ON)
+set(CMAKE_CUDA_EXTENSIONS OFF)
+find_package(CUDAToolkit REQUIRED)
+set(SCREE_CUDA_ENABLED ON)
+set(SCREE_CUDA_STATE
+  "${CMAKE_CUDA_COMPILER_VERSION} for architectures ${CMAKE_CUDA_ARCHITECTURES}")
+
+# Compiling CUDA takes about 2 GB a job: do not start more jobs than the memory holds.
+if(NOT CMAKE_JOB_POOL_COMPILE)
+  cmake_host_system_information(RESULT memory_mb QUERY TOTAL_PHYSICAL_MEMORY)
+  math(EXPR jobs "${memory_mb} / 2000 + 1")
+  set_property(GLOBAL APPEND PROPERTY JOB_POOLS scree_compile=${jobs})
+  set(CMAKE_JOB_POOL_COMPILE scree_compile)
+endif()

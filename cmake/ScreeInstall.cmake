@@ -1,0 +1,25 @@
+# Installs headers, libraries, program and scenes, and exports the targets for find_package(scree).
+
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/scree")
+
+get_property(libraries GLOBAL PROPERTY SCREE_LIBRARIES)
+install(TARGETS ${libraries} EXPORT screeTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+if(TARGET scree)
+  install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
+install(DIRECTORY kernels collision solvers host scenes DESTINATION include/scree
+  FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh"
+  PATTERN "*.inst.h" EXCLUDE PATTERN "host/cli" EXCLUDE PATTERN "host/python" EXCLUDE)
+install(FILES "${SCREE_GENERATED_DIR}/solver_registry.inc" DESTINATION include/scree)
+install(DIRECTORY scenes DESTINATION "${CMAKE_INSTALL_DATADIR}/scree" FILES_MATCHING PATTERN "*.json")
+install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/scree")
+
+install(EXPORT screeTargets NAMESPACE scree:: DESTINATION "${package_dir}")
+configure_package_config_file(cmake/screeConfig.cmake.in "${PROJECT_BINARY_DIR}/screeConfig.cmake"
+  INSTALL_DESTINATION "${package_dir}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/screeConfigVersion.cmake"
+  COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/screeConfig.cmake" "${PROJECT_BINARY_DIR}/screeConfigVersion.cmake"
+  DESTINATION "${package_dir}")

@@ -1,0 +1,52 @@
+# Options, output folders, and the one set of compiler flags that every target shares.
+
+set(SCREE_CUDA AUTO CACHE STRING "CUDA backend: AUTO (when a compiler is found), ON or OFF")
+set_property(CACHE SCREE_CUDA PROPERTY STRINGS AUTO ON OFF)
+set(SCREE_CUDA_ARCHITECTURES 90 CACHE STRING "CUDA architectures to build for")
+set(SCREE_SANITIZE "" CACHE STRING "Host sanitizers, for instance address;undefined")
+set(SCREE_TEST_LAUNCHER "" CACHE STRING "Command (a list) put before the CUDA test program")
+option(SCREE_NATIVE "Build for the processor of this machine" ON)
+option(SCREE_WERROR "Treat warnings as errors" OFF)
+option(SCREE_CHECK_SYNC "Synchronize after each kernel launch, so that a fault names its kernel" OFF)
+option(SCREE_REQUIRE_GPU "A skipped CUDA test fails" OFF)
+option(SCREE_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(SCREE_BUILD_BENCH "Build the benchmarks" ${PROJECT_IS_TOP_LEVEL})
+
+if(PROJECT_IS_TOP_LEVEL)
+  if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+  endif()
+  set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+endif()
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+# Floating point is the same everywhere: IEEE arithmetic (no -ffast-math), with multiply-add
+# contraction named on both compilers rather than left to their defaults.
+set(host_flags -Wall -Wextra -ffp-contract=fast -fno-math-errno)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  list(APPEND host_flags -Wno-restrict) # false alarms in std::string, GCC bug 105651
+endif()
+if(SCREE_NATIVE)
+  list(APPEND host_flags -march=native)
+endif()
+if(SCREE_WERROR)
+  list(APPEND host_flags -Werror)
+endif()
+if(SCREE_SANITIZE)
+  list(TRANSFORM SCREE_SANITIZE PREPEND "-fsanitize=" OUTPUT_VARIABLE sanitizer_flags)
+  list(APPEND host_flags ${sanitizer_flags} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+endif()
+list(TRANSFORM host_flags PREPEND "-Xcompiler=" OUTPUT_VARIABLE xcompiler_flags)
+set(cuda_flags ${xcompiler_flags} -Xcompiler=-fopenmp -fmad=true --expt-relaxed-constexpr -lineinfo)
+if(SCREE_WERROR)
+  list(APPEND cuda_flags --Werror=all-warnings)
+endif()
+
+add_library(scree_options INTERFACE)
+target_compile_options(scree_options INTERFACE
+  "$<$<COMPILE_LANGUAGE:C,CXX>:${host_flags}>" "$<$<COMPILE_LANGUAGE:CUDA>:${cuda_flags}>")
+target_link_options(scree_options INTERFACE ${sanitizer_flags})

@@ -1,0 +1,67 @@
+#pragma once
+// The order of free bodies in storage: along the Morton curve, so that neighbors in space are
+// neighbors in memory. Bodies move, so the order is renewed now and then.
+
+#include <algorithm>
+
+#include "collision/growth.h"
+#include "kernels/body_order.h"
+#include "kernels/permute.h"
+
+namespace scree {
+
+template <class B>
+class BodyOrder {
+ public:
+  explicit BodyOrder(B& b)
+      : key_(b), order_(b), new_of_old_(b), center_(b, 1), distance_(b, 1), scratch_(b), sort_(b) {}
+
+  /// Mean distance between bodies that follow each other in storage [m]. It grows as the order
+  /// decays: sort again when it has grown by half since the last sort. One host read.
+  double spread(B& b, Span<const Vec3<double>> position) {
+    const auto count = static_cast<Index>(position.size);
+    if (count < 2) return 0;
+    reduce<Sums<1>>(b, count - 1, StorageDistance{position},
+                    StoreResult<Sums<1>>{distance_.data()});
+    return fetch(b, distance_.data()).value[0] / (count - 1);
+  }
+
+  /// Computes the order for these positions; apply() then moves the arrays. No host read.
+  void compute(B& b, Span<const Vec3<double>> position) {
+    count_ = static_cast<Index>(position.size);
+    reduce<Sums<4>>(b, count_, SumPositions{position}, StoreResult<Sums<4>>{center_.data()});
+    reduce<Sums<1>>(b, count_, SumDeviations{position, center_.data()},
+                    StoreResult<Sums<1>>{distance_.data()});
+    const Span<std::uint64_t> key = sized(key_, count_);
+    const Span<Index> order = sized(order_, count_);
+    for_each(b, count_, MortonKeys{position, center_.data(), distance_.data(), key, order});
+    sort_pairs(b, sort_, key, order, 3 * kMortonBits);
+    for_each(b, count_, InvertOrder{order, sized(new_of_old_, count_)});
+  }
+
+  /// [count] old storage index of the body that comes to each place.
+  Span<const Index> order() const { return order_.view(count_); }
+  /// [count] new storage index of each body.
+  Span<const Index> new_of_old() const { return new_of_old_.view(count_); }
+
+  /// Moves the first `count` elements of one array into the new order.
+  template <class T>
+  void apply(B& b, Span<T> array) {
+    const auto bytes = static_cast<Offset>(sizeof(T)) * count_;
+    const Span<T> moved{reinterpret_cast<T*>(sized(scratch_, (bytes + 7) / 8).data), count_};
+    for_each(b, count_, Gather<T>{order(), array.first(count_), moved});
+    copy(b, Span<const T>(moved), array.first(count_));
+  }
+
+ private:
+  Index count_ = 0;
+  Buffer<B, std::uint64_t> key_;
+  Buffer<B, Index> order_;
+  Buffer<B, Index> new_of_old_;
+  Buffer<B, Sums<4>> center_;
+  Buffer<B, Sums<1>> distance_;
+  Buffer<B, double> scratch_;
+  SortSpace<B> sort_;
+};
+
+}  // namespace scree

@@ -1,0 +1,151 @@
+#pragma once
+// Shapes, walls and meshes in backend memory.
+
+#include <stdexcept>
+#include <string>
+
+#include "collision/growth.h"
+#include "collision/obstacles.h"
+#include "kernels/wall_contacts.h"
+
+namespace scree {
+
+template <class B, class Real>
+class ObstacleBuffers {
+ public:
+  /// @throws std::runtime_error for walls of an unknown kind and for boxes that would need a pair
+  /// function
+  ///         which does not exist: two free boxes, or a free box with a box or mesh wall
+  ObstacleBuffers(B& b, const ObstacleData<Real>& data)
+      : shapes_(b),
+        sources_(b),
+        planes_(b),
+        solids_(b),
+        points_(b),
+        vertex_normal_(b),
+        edge_normal_(b),
+        vertices_(b),
+        neighbors_(b),
+        edges_(b),
+        triangles_(b),
+        nodes_(b),
+        meshes_(b) {
+    const MeshTopology<Real> topology = build_mesh_topology<Real>(data.meshes);
+    std::vector<PlaneSource> sources;
+    std::vector<WallSolid> solids;
+    std::vector<bool> is_wall(data.shapes.size(), false);
+    for (const Index s : data.walls) {
+      is_wall[static_cast<std::size_t>(s)] = true;
+      add_wall(s, data.shapes[static_cast<std::size_t>(s)], topology, sources, solids);
+    }
+    Index free_boxes = 0;
+    for (std::size_t s = 0; s < data.shapes.size(); ++s) free_boxes += !is_wall[s];
+    if (free_boxes > 1 || (free_boxes > 0 && !solids.empty())) {
+      throw std::runtime_error(
+          "contact between boxes, or of a box with a mesh, is not available: " +
+          std::to_string(free_boxes) + " free boxes and " + std::to_string(solids.size()) +
+          " box or mesh walls");
+    }
+    mix_ = free_boxes > 0   ? ShapeMix::any
+           : solids.empty() ? ShapeMix::spheres_and_planes
+                            : ShapeMix::spheres;
+    plane_count_ = static_cast<Index>(sources.size());
+    solid_count_ = static_cast<Index>(solids.size());
+    planes_.reserve_discard(plane_count_);
+    upload(b, data.shapes, shapes_);
+    upload(b, sources, sources_);
+    upload(b, solids, solids_);
+    upload(b, topology.points, points_);
+    upload(b, topology.vertex_normal, vertex_normal_);
+    upload(b, topology.edge_normal, edge_normal_);
+    upload(b, topology.vertices, vertices_);
+    upload(b, topology.neighbors, neighbors_);
+    upload(b, topology.edges, edges_);
+    upload(b, topology.triangles, triangles_);
+    upload(b, topology.nodes, nodes_);
+    upload(b, topology.meshes, meshes_);
+  }
+
+  ShapeMix mix() const { return mix_; }
+  Index plane_count() const { return plane_count_; }
+  /// Contact elements that box and mesh walls take.
+  std::uint64_t solid_elements() const { return solid_elements_; }
+  Span<const ShapeRecord<Real>> shapes() const { return whole(shapes_); }
+
+  /// Takes over the poses and motions of the wall bodies.
+  void refresh(B& b, const BodyView<Real>& bodies, const ContactKeys& keys) {
+    for_each(b, plane_count_,
+             RefreshPlanes<Real>{bodies, shapes(), whole(sources_), planes_.view(plane_count_)});
+    for_each(b, solid_count_,
+             RefreshSolids<Real>{bodies, keys.solid_begin, solids_.view(solid_count_)});
+  }
+
+  WallView<Real> walls() const {
+    const MeshView<Real> meshes{whole(points_),    whole(vertex_normal_), whole(edge_normal_),
+                                whole(vertices_),  whole(neighbors_),     whole(edges_),
+                                whole(triangles_), whole(nodes_),         whole(meshes_)};
+    return {planes_.view(plane_count_), solids_.view(solid_count_), meshes};
+  }
+
+ private:
+  void add_wall(Index s, const ShapeRecord<Real>& shape, const MeshTopology<Real>& topology,
+                std::vector<PlaneSource>& sources, std::vector<WallSolid>& solids) {
+    WallSolid solid;
+    solid.kind = shape.kind;
+    solid.body = shape.body;
+    solid.mesh = shape.mesh;
+    solid.half_extents = Vec3d(shape.half_extents);
+    solid.element_offset = static_cast<std::uint32_t>(solid_elements_);
+    switch (shape.kind) {
+      case ShapeKind::half_space:
+        sources.push_back({s, -1});
+        return;
+      case ShapeKind::container:
+        for (int face = 0; face < kContainerFaces; ++face) {
+          if ((shape.open_faces >> face & 1) == 0) sources.push_back({s, face});
+        }
+        return;
+      case ShapeKind::box:
+        solids.push_back(solid);
+        solid_elements_ += 1;
+        return;
+      case ShapeKind::mesh:
+        if (shape.mesh < 0 || shape.mesh >= static_cast<Index>(topology.meshes.size())) {
+          throw std::runtime_error("wall names mesh " + std::to_string(shape.mesh) + " of " +
+                                   std::to_string(topology.meshes.size()));
+        }
+        solids.push_back(solid);
+        solid_elements_ += static_cast<std::uint64_t>(
+            topology.meshes[static_cast<std::size_t>(shape.mesh)].triangle_count);
+        return;
+      case ShapeKind::sphere:
+        break;
+    }
+    throw std::runtime_error("shape " + std::to_string(s) + " is a sphere and cannot be a wall");
+  }
+
+  template <class T>
+  static Span<const T> whole(const Buffer<B, T>& buffer) {
+    return buffer.view(buffer.capacity());
+  }
+
+  ShapeMix mix_ = ShapeMix::spheres_and_planes;
+  Index plane_count_ = 0;
+  Index solid_count_ = 0;
+  std::uint64_t solid_elements_ = 0;
+  Buffer<B, ShapeRecord<Real>> shapes_;
+  Buffer<B, PlaneSource> sources_;
+  Buffer<B, WallPlane> planes_;
+  Buffer<B, WallSolid> solids_;
+  Buffer<B, Vec3<Real>> points_;
+  Buffer<B, Vec3<Real>> vertex_normal_;
+  Buffer<B, Vec3<Real>> edge_normal_;
+  Buffer<B, MeshVertex> vertices_;
+  Buffer<B, Index> neighbors_;
+  Buffer<B, MeshEdge> edges_;
+  Buffer<B, MeshTriangle> triangles_;
+  Buffer<B, MeshNode> nodes_;
+  Buffer<B, MeshInfo> meshes_;
+};
+
+}  // namespace scree

@@ -1,0 +1,19 @@
+#pragma once
+// What bodies touch besides each other: shape records, walls and meshes, handed over once per run.
+
+#include <vector>
+
+#include "collision/mesh_topology.h"
+#include "kernels/body_view.h"
+
+namespace scree {
+
+template <class Real>
+struct ObstacleData {
+  std::vector<ShapeRecord<Real>>
+      shapes;                ///< of all bodies that are not spheres; BodyView::shape points here
+  std::vector<Index> walls;  ///< indices into `shapes`: fixed and kinematic bodies
+  std::vector<MeshSource> meshes;  ///< ShapeRecord::mesh points here
+};
+
+}  // namespace scree

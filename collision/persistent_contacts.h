@@ -1,0 +1,91 @@
+#pragma once
+// Contacts remembered from one step to the next, with their impulses.
+
+#include <algorithm>
+#include <vector>
+
+#include "collision/growth.h"
+#include "kernels/contact_match.h"
+#include "kernels/permute.h"
+
+namespace scree {
+
+template <class B, class Real>
+class PersistentContacts {
+ public:
+  explicit PersistentContacts(B& b) : key_(b), impulse_(b) {}
+
+  Index count() const { return count_; }
+  int vectors() const { return vectors_; }
+  Span<const std::uint64_t> keys() const { return key_.view(count_); }
+  Span<const Vec3<Real>> impulses() const {
+    return impulse_.view(static_cast<Offset>(count_) * vectors_);
+  }
+
+  /// Warm start: impulses of contacts that were there before, zero for new ones.
+  /// Bytes per contact (float, one vector): 28 read, 12 written, and a few cached reads to find it.
+  /// @param vectors  impulse vectors per contact, next to each other
+  /// @param impulse  [vectors * keys.size] out [N s]
+  void match(B& b, Span<const std::uint64_t> keys, int vectors, Span<Vec3<Real>> impulse) const {
+    // Impulses of another layout mean nothing here.
+    const Index known = vectors == vectors_ ? count_ : 0;
+    for_each(
+        b, static_cast<Index>(keys.size),
+        MatchImpulses<Real>{key_.view(known), impulse_.view(static_cast<Offset>(known) * vectors),
+                            keys, vectors, impulse});
+  }
+
+  /// Remembers a step: ascending keys and [vectors * keys.size] impulses.
+  void keep(B& b, Span<const std::uint64_t> keys, int vectors, Span<const Vec3<Real>> impulse) {
+    resize(static_cast<Index>(keys.size), vectors);
+    copy(b, keys, key_.view(count_));
+    copy(b, impulse, impulse_.view(impulse.size));
+  }
+
+  /// Follows a reordering of the free bodies: renames the bodies in the keys and sorts again. Rare,
+  /// so it takes its working memory for the moment.
+  /// @param new_of_old  [free_count] new storage index of each free body
+  void remap(B& b, SortSpace<B>& sort, const ContactKeys& names, Span<const Index> new_of_old) {
+    Buffer<B, Index> order(b, count_);
+    Buffer<B, Vec3<Real>> sorted(b, static_cast<Offset>(count_) * vectors_);
+    const Span<std::uint64_t> key = key_.view(count_);
+    const Span<Vec3<Real>> impulse = impulse_.view(sorted.capacity());
+    for_each(b, count_,
+             RenameContacts<Real>{names, new_of_old, vectors_, key, impulse, order.view()});
+    sort_pairs(b, sort, key, order.view(),
+               32 + bits_for(static_cast<std::uint64_t>(std::max<Offset>(new_of_old.size, 1))));
+    for_each(b, count_, Gather<Vec3<Real>>{order.view(), impulse, sorted.view(), vectors_});
+    copy(b, Span<const Vec3<Real>>(sorted.view()), impulse);
+  }
+
+  void forget() { count_ = 0; }
+
+  /// Everything remembered, for a checkpoint; double holds float exactly.
+  void save(B& b, std::vector<std::uint64_t>& key, std::vector<Vec3<double>>& impulse) const {
+    key = download(b, keys());
+    const auto values = download(b, impulses());
+    impulse = std::vector<Vec3<double>>(values.begin(), values.end());
+  }
+  void restore(B& b, const std::vector<std::uint64_t>& key,
+               const std::vector<Vec3<double>>& impulse, int vectors) {
+    resize(static_cast<Index>(key.size()), vectors);
+    const std::vector<Vec3<Real>> values(impulse.begin(), impulse.end());
+    upload(b, key.data(), key_.view(count_));
+    upload(b, values.data(), impulse_.view(static_cast<Offset>(values.size())));
+  }
+
+ private:
+  void resize(Index count, int vectors) {
+    count_ = count;
+    vectors_ = vectors;
+    sized(key_, count);
+    sized(impulse_, static_cast<Offset>(count) * vectors);
+  }
+
+  Buffer<B, std::uint64_t> key_;
+  Buffer<B, Vec3<Real>> impulse_;
+  Index count_ = 0;
+  int vectors_ = 1;
+};
+
+}  // namespace scree

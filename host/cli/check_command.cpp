@@ -1,0 +1,74 @@
+#include "host/cli/check_command.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host/scene_reader.h"
+#include "host/scene_summary.h"
+
+namespace scree {
+namespace {
+
+const char* layout_name(ContactLayout layout) {
+  switch (layout) {
+    case ContactLayout::radial: return "radial";
+    case ContactLayout::general: return "general";
+    case ContactLayout::rolling: break;
+  }
+  return "rolling";
+}
+
+}  // namespace
+
+CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
+  CLI::App* command = app.add_subcommand("check", "Validate a scene; print bodies, memory and time step");
+  add_target_options(*command, options.target);
+  command->add_flag("--json", options.target.json, "print JSON");
+  return command;
+}
+
+int check_scene(const CheckOptions& options) {
+  const Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
+  const WorldOptions world = resolve_options(options.target, scene, /*quiet=*/true);
+  const SceneSummary s = summarize(scene);
+  const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
+  const std::size_t memory = expected_memory(scene, world);
+  const DeviceInfo device = device_info(world.backend);
+  const char* backend = world.backend == BackendKind::cuda ? "cuda" : "cpu";
+  const char* precision = world.precision == Precision::double_precision ? "double" : "float";
+  if (options.target.json) {
+    const nlohmann::json out = {{"scene", scene.name},
+                                {"valid", true},
+                                {"free_bodies", s.free_capacity},
+                                {"fixed_bodies", s.fixed_count},
+                                {"median_diameter_m", s.median_diameter},
+                                {"envelope_m", s.envelope},
+                                {"contact_layout", layout_name(s.layout)},
+                                {"time_step_s", scene.stepping.time_step},
+                                {"steps", steps},
+                                {"solver", scene.solver.name},
+                                {"backend", backend},
+                                {"precision", precision},
+                                {"device", device.name},
+                                {"device_memory_bytes", device.memory_bytes},
+                                {"expected_memory_bytes", memory}};
+    fmt::print("{}\n", out.dump(2));
+    return 0;
+  }
+  fmt::print("scene       {}: valid\n", scene.name);
+  fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity, s.fixed_count,
+             s.median_diameter);
+  fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", layout_name(s.layout), s.envelope);
+  fmt::print("time step   {:g} s, {} steps for {:g} s\n", scene.stepping.time_step, steps,
+             scene.stepping.duration);
+  fmt::print("solver      {}{}, at most {} iterations a step\n", scene.solver.name,
+             scene.solver.exact_coulomb ? ", exact Coulomb" : "", scene.solver.max_iterations);
+  fmt::print("device      {} ({}, {})\n", device.name, backend, precision);
+  fmt::print("memory      {:.1f} MiB expected, {:.0f} MiB there\n", static_cast<double>(memory) / (1 << 20),
+             static_cast<double>(device.memory_bytes) / (1 << 20));
+  if (memory > device.memory_bytes) fmt::print("warning     the scene does not fit in memory\n");
+  return 0;
+}
+
+}  // namespace scree

@@ -1,0 +1,15 @@
+#pragma once
+// scree check: validates a scene and says what a run would take, without running it.
+
+#include "host/cli/options.h"
+
+namespace scree {
+
+struct CheckOptions {
+  RunTarget target;
+};
+
+CLI::App* add_check_command(CLI::App& app, CheckOptions& options);
+int check_scene(const CheckOptions& options);
+
+}  // namespace scree

@@ -1,0 +1,57 @@
+// The program scree. Exit codes: 0 done, 1 a run failed, 2 bad input.
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <fmt/format.h>
+#include <new>
+
+#include "host/cli/bench_command.h"
+#include "host/cli/check_command.h"
+#include "host/cli/info_command.h"
+#include "host/cli/run_command.h"
+#include "host/error.h"
+#include "host/version.h"
+
+namespace {
+
+int fail(const char* what, int code) {
+  fmt::print(stderr, "scree: {}\n", what);
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("scree: rigid bodies in frictional contact, by the million");
+  app.set_version_flag("--version", fmt::format("scree {} ({})", scree::version(), scree::commit()));
+  app.require_subcommand(1);
+
+  scree::RunOptions run;
+  run.command_line.assign(argv, argv + argc);
+  scree::CheckOptions check;
+  scree::BenchOptions bench;
+  scree::InfoOptions info;
+  const CLI::App* run_command = scree::add_run_command(app, run);
+  const CLI::App* check_command = scree::add_check_command(app, check);
+  const CLI::App* bench_command = scree::add_bench_command(app, bench);
+  const CLI::App* info_command = scree::add_info_command(app, info);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    if (*run_command) return scree::run_scene(run);
+    if (*check_command) return scree::check_scene(check);
+    if (*bench_command) return scree::bench_scene(bench);
+    if (*info_command) return scree::print_info(info);
+  } catch (const scree::InputError& error) {
+    return fail(error.what(), 2);
+  } catch (const std::bad_alloc&) {
+    return fail("host memory exhausted", 1);
+  } catch (const std::exception& error) {
+    return fail(error.what(), 1);
+  }
+  return 0;
+}

@@ -1,0 +1,68 @@
+#include "host/cli/options.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+#include "host/error.h"
+
+namespace scree {
+namespace fs = std::filesystem;
+
+void add_target_options(CLI::App& command, RunTarget& target) {
+  command.add_option("scene", target.scene, "scene file, or name of a scene in the scenes folder")->required();
+  command.add_option("--backend", target.backend, "cuda, cpu or auto (default: what the scene says)");
+  command.add_option("--precision", target.precision, "float or double (default: what the scene says)");
+  command.add_option("--threads", target.threads, "CPU threads (default: all)")->check(CLI::Range(0, 4096));
+  command.add_option("--set", target.overrides, "key.path=value, replaces a value of the scene; repeatable")
+      ->type_name("KEY=VALUE")
+      ->take_all()
+      ->expected(1);
+}
+
+fs::path find_scene(const std::string& name_or_path) {
+  if (fs::exists(name_or_path)) return name_or_path;
+  const fs::path folder = SCREE_SCENE_DIR;
+  const fs::path by_name = folder / (name_or_path + ".json");
+  if (name_or_path.find('/') == std::string::npos && fs::exists(by_name)) return by_name;
+  std::vector<std::string> names;
+  if (fs::is_directory(folder)) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() == ".json" && entry.path().stem() != "schema") {
+        names.push_back(entry.path().stem());
+      }
+    }
+  }
+  std::sort(names.begin(), names.end());
+  throw InputError(fmt::format("{}: no such file, and no scene of that name; known scenes: {}", name_or_path,
+                               fmt::join(names, ", ")));
+}
+
+WorldOptions resolve_options(const RunTarget& target, const Scene& scene, bool quiet) {
+  const std::string backend = target.backend.empty() ? scene.backend : target.backend;
+  const std::string precision = target.precision.empty() ? scene.precision : target.precision;
+  WorldOptions options;
+  options.threads = target.threads;
+  if (precision == "double") {
+    options.precision = Precision::double_precision;
+  } else if (precision != "float") {
+    throw InputError(fmt::format("--precision: \"{}\" is not allowed: expected float or double", precision));
+  }
+  std::string reason;
+  if (backend == "cuda") {
+    if (!backend_available(BackendKind::cuda, &reason)) {
+      throw InputError(fmt::format("--backend cuda: {}; use --backend cpu, or auto", reason));
+    }
+    options.backend = BackendKind::cuda;
+  } else if (backend == "auto") {
+    if (backend_available(BackendKind::cuda, &reason)) {
+      options.backend = BackendKind::cuda;
+    } else if (!quiet) {
+      fmt::print(stderr, "no GPU in use ({}): running on the CPU\n", reason);
+    }
+  } else if (backend != "cpu") {
+    throw InputError(fmt::format("--backend: \"{}\" is not allowed: expected cuda, cpu or auto", backend));
+  }
+  return options;
+}
+
+}  // namespace scree

@@ -1,0 +1,33 @@
+#pragma once
+// Options that several commands share.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "host/world.h"
+
+namespace scree {
+
+struct RunTarget {
+  std::string scene;                    ///< file, or name of a scene in the scene folder
+  std::string backend;                  ///< empty: what the scene says
+  std::string precision;                ///< empty: what the scene says
+  int threads = 0;                      ///< 0: all
+  std::vector<std::string> overrides;   ///< key.path=value
+  bool json = false;
+};
+
+/// Adds SCENE, --backend, --precision, --threads and --set to a command.
+void add_target_options(CLI::App& command, RunTarget& target);
+
+/// The file of a scene given by path or by name. @throws InputError listing the known names
+std::filesystem::path find_scene(const std::string& name_or_path);
+
+/// Backend and precision to use: the command line before the scene; `auto` takes CUDA when it is there
+/// and says so on standard error when it is not.
+/// @throws InputError when the backend that was asked for is not available
+WorldOptions resolve_options(const RunTarget& target, const Scene& scene, bool quiet);
+
+}  // namespace scree

@@ -1,0 +1,223 @@
+#include "host/cli/run_command.h"
+
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "host/io/checkpoint.h"
+#include "host/io/frames.h"
+#include "host/io/output_directory.h"
+#include "host/io/png_file.h"
+#include "host/io/progress.h"
+#include "host/io/run_record.h"
+#include "host/io/signals.h"
+#include "host/io/steps_csv.h"
+#include "host/io/walls.h"
+#include "host/io/writer_thread.h"
+#include "host/scene_reader.h"
+
+namespace scree {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Calls for output at multiples of an interval, whatever the time step is.
+class Schedule {
+ public:
+  /// @param interval  [s]; not positive: never due
+  Schedule(double interval, double time_step) : interval_(interval), slack_(1e-6 * time_step) {}
+  bool due(double before, double now) const {
+    return interval_ > 0 && std::floor((now + slack_) / interval_) > std::floor((before + slack_) / interval_);
+  }
+
+ private:
+  double interval_;
+  double slack_;
+};
+
+ExistingOutput existing_output(const RunOptions& options) {
+  if (options.resume) return ExistingOutput::resume;
+  return options.force ? ExistingOutput::replace : ExistingOutput::refuse;
+}
+
+std::int64_t step_target(const RunOptions& options, const Scene& scene) {
+  if (options.steps >= 0) return options.steps;
+  return std::llround(scene.stepping.duration / scene.stepping.time_step);
+}
+
+/// One run from open files to the last byte.
+class Run {
+ public:
+  Run(const RunOptions& options, const fs::path& scene_file)
+      : options_(options),
+        scene_(read_scene(scene_file, options.target.overrides)),
+        scene_text_(scree::scene_text(scene_file, options.target.overrides)),
+        world_options_(resolve_options(options.target, scene_, options.quiet)),
+        directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out, existing_output(options),
+                   scene_text_, {"/duration", "/output"}),
+        target_(step_target(options, scene_)) {
+    record_.scene_file = scene_file.string();
+  }
+
+  int go() {
+    const std::optional<Checkpoint> checkpoint = directory_.take_checkpoint();
+    if (checkpoint) require_same_arithmetic(*checkpoint);
+    start_clock_ = std::chrono::steady_clock::now();
+    World world(scene_, world_options_);
+    if (checkpoint) world.restore(checkpoint->state);
+    directory_.prepare();
+    start_record(world, checkpoint ? std::optional(checkpoint->state.step) : std::nullopt);
+    try {
+      simulate(world, checkpoint ? &checkpoint->state : nullptr);
+    } catch (const std::exception& error) {
+      record_.status = RunStatus::failed;
+      record_.message = error.what();
+      finish_record(world);
+      throw;
+    }
+    finish_record(world);
+    return 0;
+  }
+
+ private:
+  /// Another backend or precision would not go on bit for bit.
+  void require_same_arithmetic(const Checkpoint& c) const {
+    if (c.backend == world_options_.backend && c.precision == world_options_.precision) return;
+    throw InputError(fmt::format("{}: was written with backend {} in {}, this run uses {} in {}",
+                                 directory_.checkpoint_file().string(), to_string(c.backend),
+                                 to_string(c.precision), to_string(world_options_.backend),
+                                 to_string(world_options_.precision)));
+  }
+
+  void simulate(World& world, const WorldState* resumed) {
+    const double h = scene_.stepping.time_step;
+    const std::optional<double> resume_time = resumed ? std::optional(resumed->time) : std::nullopt;
+    const std::optional<std::int64_t> resume_step = resumed ? std::optional(resumed->step) : std::nullopt;
+    StepsCsv steps(directory_.steps_csv(), resume_step);
+    FrameWriter frames(directory_.frames(), scene_, resume_time);
+    WriterThread writer;
+    SignalGuard signals;
+    Progress progress(progress_options(options_.quiet), world.time(), static_cast<double>(target_) * h);
+    const Schedule frame_schedule(scene_.output.frame_interval, h);
+    const Schedule picture_schedule(scene_.output.picture.interval, h);
+    const Schedule checkpoint_schedule(scene_.output.checkpoint_interval, h);
+
+    const auto write_frame = [&] {
+      auto states = std::make_shared<BodyStates>(world.states());
+      writer.post([&frames, states, t = world.time()] { frames.append(t, *states); });
+    };
+    const auto write_picture = [&] {
+      auto image = std::make_shared<Image>(world.render(scene_.output.picture));
+      writer.post([image, path = directory_.picture(picture_count_++)] {
+        write_png(path, *image);
+      });
+    };
+    const auto save_checkpoint = [&] {
+      steps.flush();
+      auto state = std::make_shared<WorldState>(world.save());
+      writer.post([this, state] {
+        write_checkpoint(directory_.checkpoint_file(), *state, scene_, scene_text_, world_options_.backend,
+                         world_options_.precision);
+      });
+    };
+
+    if (!resumed) {
+      write_frame();
+      write_walls(directory_.walls(), scene_);
+    }
+    double before = world.time();
+    while (world.steps_done() < target_ && signals.received() == 0) {
+      const StepReport report = world.step();
+      steps.append(report);
+      record_.totals.add(report);
+      progress.update(report);
+      writer.check();
+      if (frame_schedule.due(before, report.time)) write_frame();
+      if (picture_schedule.due(before, report.time)) write_picture();
+      if (checkpoint_schedule.due(before, report.time)) save_checkpoint();
+      before = report.time;
+    }
+    write_frame();
+    if (scene_.output.picture.interval >= 0) write_picture();
+    save_checkpoint();
+    writer.finish();
+    steps.flush();
+    progress.finish();
+    record_.status = signals.received() == 0 ? RunStatus::done : RunStatus::interrupted;
+    if (signals.received() != 0) progress.note("interrupted: checkpoint written, continue with --resume");
+    if (!options_.quiet) progress.note(summary());
+  }
+
+  std::string summary() const {
+    const RunTotals& t = record_.totals;
+    const StageTimes ms = t.mean_ms();
+    std::string text = fmt::format(
+        "{} steps, {:.1f} iterations a step; ms a step: collision {:.2f}, setup {:.2f}, solve {:.2f}, integrate "
+        "{:.2f}, total {:.2f}\nlargest penetration {:.3g} m, worst residual {:.3g} m/s; results in {}",
+        t.steps(), t.mean_iterations(), ms.collision, ms.setup, ms.solve, ms.integrate, ms.total,
+        t.max_penetration(), t.max_residual_rms(), directory_.path().string());
+    if (t.steps_not_converged() > 0) {
+      text += fmt::format("\n{} of {} steps ended at the iteration cap (solver.max_iterations {}) above the "
+                          "tolerance",
+                          t.steps_not_converged(), t.steps(), scene_.solver.max_iterations);
+    }
+    return text;
+  }
+
+  void start_record(const World& world, std::optional<std::int64_t> resumed_from) {
+    const DeviceInfo device = device_info(world_options_.backend);
+    record_.scene_name = scene_.name;
+    record_.scene_text = scene_text_;
+    record_.command_line = options_.command_line;
+    record_.backend = world_options_.backend;
+    record_.precision = world_options_.precision;
+    record_.device = device.name;
+    record_.threads = world_options_.threads > 0 ? world_options_.threads : device.threads;
+    record_.seed = scene_.seed;
+    record_.body_count = world.body_count();
+    record_.start_time = utc_now();
+    record_.resumed_from_step = resumed_from;
+    write_run_record(directory_.run_json(), record_);
+  }
+
+  void finish_record(const World& world) {
+    record_.end_time = utc_now();
+    record_.body_count = world.body_count();
+    record_.peak_memory_bytes = world.peak_memory();
+    record_.wall_seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start_clock_).count();
+    write_run_record(directory_.run_json(), record_);
+  }
+
+  const RunOptions& options_;
+  Scene scene_;
+  std::string scene_text_;
+  WorldOptions world_options_;
+  OutputDirectory directory_;
+  int picture_count_ = 0;
+  std::int64_t target_;
+  RunRecord record_;
+  std::chrono::steady_clock::time_point start_clock_;
+};
+
+}  // namespace
+
+CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
+  CLI::App* command = app.add_subcommand("run", "Simulate a scene");
+  add_target_options(*command, options.target);
+  command->add_option("--steps", options.steps, "time steps (default: the scene's duration)")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--out", options.out, "output directory (default: out/<scene name>)");
+  command->add_flag("--resume", options.resume, "continue from the checkpoint in the output directory");
+  command->add_flag("--force", options.force, "replace the results in the output directory");
+  command->add_flag("--quiet", options.quiet, "no progress line and no summary");
+  return command;
+}
+
+int run_scene(const RunOptions& options) {
+  if (options.resume && options.force) throw InputError("--resume and --force exclude each other");
+  return Run(options, find_scene(options.target.scene)).go();
+}
+
+}  // namespace scree

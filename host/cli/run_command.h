@@ -1,0 +1,24 @@
+#pragma once
+// scree run: simulates a scene and writes its output directory.
+
+#include "host/cli/options.h"
+
+namespace scree {
+
+struct RunOptions {
+  RunTarget target;
+  std::filesystem::path out;     ///< empty: out/<scene name>
+  std::int64_t steps = -1;       ///< -1: as many as the scene's duration takes
+  bool resume = false;
+  bool force = false;
+  bool quiet = false;
+  std::vector<std::string> command_line;
+};
+
+CLI::App* add_run_command(CLI::App& app, RunOptions& options);
+
+/// @return exit code: 0 done, or ended cleanly after an interrupt
+/// @throws InputError, RunError
+int run_scene(const RunOptions& options);
+
+}  // namespace scree

@@ -1,0 +1,29 @@
+#pragma once
+// The simulation behind World, one implementation per backend and precision. Internal to host/.
+
+#include "host/world.h"
+
+namespace scree {
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual StepReport step() = 0;
+  virtual std::int64_t steps_done() const = 0;
+  virtual double time() const = 0;
+  virtual int body_count() const = 0;
+  virtual BodyStates states() = 0;
+  virtual BodyConstants constants() const = 0;
+  virtual std::vector<ContactRecord> contacts() = 0;
+  virtual WorldState save() = 0;
+  virtual void restore(const WorldState& state) = 0;
+  virtual Image render(const PictureSettings& settings) = 0;
+  virtual std::size_t memory() const = 0;
+  virtual std::size_t peak_memory() const = 0;
+};
+
+/// Compiled once per backend: B is Cpu or Cuda.
+template <class B>
+std::unique_ptr<Engine> make_engine(Scene scene, const WorldOptions& options);
+
+}  // namespace scree

@@ -1,0 +1,365 @@
+#pragma once
+// One time step, stage by stage, on backend B with solver precision Real.
+
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "collision/body_order.h"
+#include "collision/contact_detector.h"
+#include "host/body_store.h"
+#include "host/engine.h"
+#include "host/motion.h"
+#include "host/obstacles.h"
+#include "host/problem_assembly.h"
+#include "host/render/renderer.h"
+#include "host/scene_summary.h"
+#include "kernels/integrate.h"
+#include "solvers/coulomb.h"
+#include "solvers/solver.h"
+
+namespace scree {
+
+/// Wall clock of a stage; waits for the device so that stages do not run into each other.
+template <class B>
+class StageClock {
+ public:
+  explicit StageClock(B& b) : b_(&b), last_(Clock::now()) {}
+  double lap() {
+    b_->synchronize();
+    const auto now = Clock::now();
+    return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  B* b_;
+  Clock::time_point last_;
+};
+
+template <class B, class Real>
+class EngineOf final : public Engine {
+ public:
+  EngineOf(std::unique_ptr<B> backend, Scene scene)
+      : backend_(std::move(backend)),
+        scene_(std::move(scene)),
+        summary_(summarize(scene_)),
+        store_(*backend_, summary_.free_capacity, summary_.fixed_count),
+        obstacles_(*backend_, scene_, store_.fixed_begin()),
+        detector_(*backend_, collision_settings(), obstacles_.data()),
+        order_(*backend_),
+        assembly_(*backend_, scene_, summary_.layout),
+        gamma_(*backend_),
+        integrate_sums_(*backend_, 1),
+        renderer_(*backend_),
+        solver_(make_step_solver()) {
+    load_bodies();
+    insert_due();
+  }
+
+  StepReport step() override {
+    B& b = *backend_;
+    const double h = scene_.stepping.time_step;
+    StageClock<B> clock(b);
+    StepReport report;
+
+    insert_due();
+    set_motion(time_);
+    if (step_ % kReorderEvery == 0) reorder();
+    const BodyView<Real> bodies = store_.view();
+    detector_.detect(b, bodies, h);
+    const ContactView<Real> contacts = detector_.contacts();
+    const Offset vectors = static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
+    gamma_.reserve_discard(vectors);
+    const Span<Vec3<Real>> gamma = gamma_.view(vectors);
+    if (scene_.solver.warm_start) {
+      detector_.match(b, vectors_per_contact(summary_.layout), gamma);
+    } else {
+      fill(b, gamma, Vec3<Real>{});
+    }
+    report.ms.collision = clock.lap();
+
+    const auto [problem, sums] =
+        assembly_.assemble(b, bodies, contacts, scene_.stepping, summary_.envelope, gravity_step());
+    const double reference = reference_speed(sums);
+    report.ms.setup = clock.lap();
+
+    const SolveStats stats = solver_->solve(b, problem, gamma, tolerance(reference));
+    if (stats.residual.bad_contact >= 0) throw_bad_contact(contacts, stats.residual.bad_contact);
+    report.ms.solve = clock.lap();
+
+    reduce<IntegrateSums>(b, bodies.free_count,
+                          Integrate<Real>{bodies, solver_->velocity(),
+                                          summary_.layout == ContactLayout::radial, h, periodic_box()},
+                          StoreResult<IntegrateSums>{integrate_sums_.data()});
+    const IntegrateSums moved = fetch(b, integrate_sums_.data());
+    if (moved.bad_body >= 0) throw_bad_body(moved.bad_body);
+    detector_.keep(b, vectors_per_contact(summary_.layout), gamma);
+    ++step_;
+    time_ = static_cast<double>(step_) * h;
+    set_motion(time_);
+    report.ms.integrate = clock.lap();
+
+    fill_report(report, stats, sums, contacts);
+    report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
+    report.kinetic_energy = moved.kinetic_energy;
+    return report;
+  }
+
+  std::int64_t steps_done() const override { return step_; }
+  double time() const override { return time_; }
+  int body_count() const override { return store_.free_count() + store_.count() - store_.fixed_begin(); }
+  BodyStates states() override { return store_.states(); }
+  BodyConstants constants() const override {
+    BodyConstants c = summary_.constants;
+    const auto n = static_cast<std::size_t>(body_count());
+    c.radius.resize(n);
+    c.mass.resize(n);
+    c.group.resize(n);
+    c.kind.resize(n);
+    c.shape.resize(n);
+    return c;
+  }
+
+  std::vector<ContactRecord> contacts() override {
+    B& b = *backend_;
+    const ContactView<Real> view = detector_.contacts();
+    const std::vector<Index> id = store_.ids();
+    const auto body_a = download(b, view.body_a);
+    const auto body_b = download(b, view.body_b);
+    const auto normal = download(b, view.normal);
+    const auto gap = download(b, view.gap);
+    const int vectors = vectors_per_contact(summary_.layout);
+    const auto gamma = download(b, gamma_.view(static_cast<Offset>(view.count) * vectors));
+    std::vector<ContactRecord> out(static_cast<std::size_t>(view.count));
+    for (std::size_t c = 0; c < out.size(); ++c) {
+      out[c] = {id[static_cast<std::size_t>(body_a[c])], id[static_cast<std::size_t>(body_b[c])],
+                Vec3d(normal[c]), static_cast<double>(gap[c]),
+                Vec3d(gamma[c * static_cast<std::size_t>(vectors)])};
+    }
+    return out;
+  }
+
+  WorldState save() override {
+    WorldState s;
+    s.step = step_;
+    s.time = time_;
+    s.insertions_done = insertions_done_;
+    store_.save_free(s);
+    detector_.save(*backend_, s.contact_key, s.contact_impulse);
+    s.solver_memory = solver_->memory();
+    return s;
+  }
+
+  void restore(const WorldState& s) override {
+    if (s.insertions_done > scene_.insertions.size()) {
+      throw InputError(fmt::format("checkpoint: {} insertions done, the scene has {}", s.insertions_done,
+                                   scene_.insertions.size()));
+    }
+    while (insertions_done_ < s.insertions_done) insert_next();
+    const auto n = static_cast<std::size_t>(store_.free_count());
+    if (s.id.size() != n) {
+      throw InputError(
+          fmt::format("checkpoint: {} free bodies, the scene has {} at that time", s.id.size(), n));
+    }
+    store_.arrange(s.id);
+    store_.restore_free(s);
+    detector_.restore(*backend_, s.contact_key, s.contact_impulse);
+    solver_->restore_memory(s.solver_memory);
+    step_ = s.step;
+    time_ = s.time;
+    set_motion(time_);
+  }
+
+  Image render(const PictureSettings& settings) override {
+    return renderer_.render(*backend_, store_.view(), obstacles_.shapes(), obstacles_.mesh_set(), settings);
+  }
+  std::size_t memory() const override { return backend_->allocated(); }
+  std::size_t peak_memory() const override { return backend_->peak(); }
+
+ private:
+  /// Steps between two looks at the order of the bodies; a function of the step number only, so that a
+  /// resumed run reorders at the same steps.
+  static constexpr std::int64_t kReorderEvery = 64;
+
+  std::unique_ptr<Solver<B, Real>> make_step_solver() const {
+    SolverParams params;
+    params.max_iterations = scene_.solver.max_iterations;
+    params.check_every = scene_.solver.check_every;
+    params.relaxation = scene_.solver.relaxation;
+    auto solver = make_solver<B, Real>(scene_.solver.name, params);
+    if (!scene_.solver.exact_coulomb) return solver;
+    return std::make_unique<CoulombFixedPoint<B, Real>>(std::move(solver), scene_.solver.max_outer_iterations);
+  }
+
+  CollisionSettings collision_settings() const {
+    return {summary_.envelope, summary_.layout, periodic_box().length};
+  }
+
+  Vec3<Real> gravity_step() const { return Vec3<Real>(scene_.stepping.time_step * scene_.gravity); }
+
+  PeriodicBox periodic_box() const {
+    PeriodicBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!scene_.periodicity.periodic[static_cast<std::size_t>(axis)]) continue;
+      box.lower[axis] = scene_.periodicity.lower[axis];
+      box.length[axis] = scene_.periodicity.upper[axis] - scene_.periodicity.lower[axis];
+    }
+    return box;
+  }
+
+  /// v*: the speed loads give a body in one step, else that at which touching bodies approach [m/s].
+  double reference_speed(const SetupSums& sums) const {
+    const double loads = norm(scene_.stepping.time_step * scene_.gravity);
+    if (loads > 0) return loads;
+    return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
+  }
+
+  /// RMS residual at which the solver stops [m/s]. docs/theory.md, section "Residual".
+  double tolerance(double reference) const {
+    const double length = summary_.median_diameter / scene_.stepping.time_step;
+    const auto level = [&](double speed, double depth) {
+      return reference > 0 ? std::min(speed * reference, depth * length) : depth * length;
+    };
+    switch (scene_.solver.stop.level) {
+      case StopRule::Level::quality: return level(0.01, 3e-5);
+      case StopRule::Level::preview: return level(0.03, 1e-4);
+      case StopRule::Level::absolute: return scene_.solver.stop.residual;
+      case StopRule::Level::fixed_iterations: break;
+    }
+    return 0;
+  }
+
+  void load_bodies() {
+    std::vector<typename BodyStore<B, Real>::Entry> free, fixed;
+    Index id = 0;
+    for (const BodyDescription& body : scene_.bodies) {
+      const auto radius = summary_.constants.radius[static_cast<std::size_t>(id)];
+      if (body.kind == BodyKind::free) {
+        free.push_back({&body, id, obstacles_.shape(id), radius});
+      } else {
+        fixed.push_back({&body, id, obstacles_.shape(id), radius});
+        walls_.push_back(body);
+        has_motion_ = has_motion_ || body.kind == BodyKind::kinematic;
+      }
+      ++id;
+    }
+    store_.append_free(free);
+    store_.set_fixed(fixed);
+    next_id_ = id;
+    scene_.bodies = {};  // a million descriptions are not needed any more
+    set_motion(0);
+  }
+
+  void insert_due() {
+    // A batch enters before the first step that starts at or after its time; half an ulp of a step of slack.
+    const double now = time_ + 1e-9 * scene_.stepping.time_step;
+    while (insertions_done_ < scene_.insertions.size() && scene_.insertions[insertions_done_].time <= now) {
+      insert_next();
+    }
+  }
+
+  void insert_next() {
+    std::vector<BodyDescription>& bodies = scene_.insertions[insertions_done_].bodies;
+    std::vector<typename BodyStore<B, Real>::Entry> entries;
+    for (const BodyDescription& body : bodies) {
+      entries.push_back({&body, next_id_, obstacles_.shape(next_id_),
+                         summary_.constants.radius[static_cast<std::size_t>(next_id_)]});
+      ++next_id_;
+    }
+    store_.append_free(entries);
+    bodies = {};
+    ++insertions_done_;
+  }
+
+  /// Puts kinematic bodies at their pose of time t with the velocity of the step that starts there.
+  void set_motion(double t) {
+    if (!has_motion_) return;
+    const double h = scene_.stepping.time_step;
+    std::vector<Vec3d> position;
+    std::vector<Quat<Real>> orientation;
+    std::vector<Vec3<Real>> velocity, angular_velocity;
+    for (const BodyDescription& wall : walls_) {
+      const Pose now = pose_at(wall, t);
+      const Rates rates = rates_between(now, pose_at(wall, t + h), h);
+      position.push_back(now.position);
+      orientation.emplace_back(now.orientation);
+      velocity.emplace_back(rates.velocity);
+      angular_velocity.emplace_back(rates.angular_velocity);
+    }
+    store_.set_fixed_motion(position, orientation, velocity, angular_velocity);
+  }
+
+  /// Sorts the free bodies along the Morton curve and renames the kept contacts accordingly.
+  void reorder() {
+    B& b = *backend_;
+    order_.compute(b, store_.view().position.first(store_.free_count()));
+    store_.for_each_array([&](auto& array) { order_.apply(b, array.view()); });
+    detector_.remap(b, order_.new_of_old());
+  }
+
+  int id_of(Index storage) { return fetch(*backend_, store_.view().id.data + storage); }
+
+  void fill_report(StepReport& report, const SolveStats& stats, const SetupSums& sums,
+                   const ContactView<Real>& contacts) {
+    const Residual& residual = stats.residual;
+    report.step = step_;
+    report.time = time_;
+    report.body_count = store_.free_count();
+    report.contact_count = contacts.count;
+    report.iterations = stats.iterations;
+    report.applications = stats.applications;
+    report.converged = stats.converged;
+    report.residual_rms = residual.rms;
+    report.residual_max = residual.max;
+    report.exact_residual_rms = residual.exact_rms;
+    report.objective = residual.objective;
+    report.max_cone_violation = residual.cone_violation;
+    report.max_penetration = sums.max_penetration;
+    if (residual.max_contact >= 0) {
+      report.residual_max_body_a = id_of(fetch(*backend_, contacts.body_a.data + residual.max_contact));
+      report.residual_max_body_b = id_of(fetch(*backend_, contacts.body_b.data + residual.max_contact));
+    }
+    const StageTimes& t = report.ms;
+    report.ms.total = t.collision + t.setup + t.solve + t.integrate;
+  }
+
+  [[noreturn]] void throw_bad_body(Index storage) {
+    const BodyView<Real> view = store_.view();
+    const Vec3d x = fetch(*backend_, view.position.data + storage);
+    const Vec3<Real> v = fetch(*backend_, view.velocity.data + storage);
+    throw RunError(fmt::format(
+        "step {}: body {} has a state that is not finite: position ({}, {}, {}) m, velocity ({}, {}, {}) m/s; "
+        "the time step may be too large",
+        step_ + 1, id_of(storage), x.x, x.y, x.z, v.x, v.y, v.z));
+  }
+
+  [[noreturn]] void throw_bad_contact(const ContactView<Real>& contacts, Index c) {
+    throw RunError(fmt::format(
+        "step {}: the contact of bodies {} and {} has a residual that is not finite; the time step may be too "
+        "large or a body's state is broken",
+        step_ + 1, id_of(fetch(*backend_, contacts.body_a.data + c)),
+        id_of(fetch(*backend_, contacts.body_b.data + c))));
+  }
+
+  std::unique_ptr<B> backend_;
+  Scene scene_;                         ///< without the descriptions already loaded
+  SceneSummary summary_;
+  BodyStore<B, Real> store_;
+  Obstacles<B, Real> obstacles_;
+  ContactDetector<B, Real> detector_;
+  BodyOrder<B> order_;
+  ProblemAssembly<B, Real> assembly_;
+  Buffer<B, Vec3<Real>> gamma_;         ///< impulses of the last step
+  Buffer<B, IntegrateSums> integrate_sums_;
+  Renderer<B, Real> renderer_;
+  std::unique_ptr<Solver<B, Real>> solver_;
+  std::vector<BodyDescription> walls_;  ///< fixed and kinematic bodies, in storage order
+  bool has_motion_ = false;
+  Index next_id_ = 0;
+  std::uint64_t insertions_done_ = 0;
+  std::int64_t step_ = 0;
+  double time_ = 0;
+};
+
+}  // namespace scree

@@ -1,0 +1,29 @@
+#include "host/scene_summary.h"
+#include "host/world.h"
+
+namespace scree {
+namespace {
+
+/// Contacts a sphere has in a dense bed, listed ones that do not touch included.
+constexpr double kContactsPerBody = 3.2;
+
+}  // namespace
+
+std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
+  const SceneSummary s = summarize(scene);
+  const double real = options.precision == Precision::double_precision ? 8 : 4;
+  const double vec = 3 * real, twist = 6 * real;
+  const bool radial = s.layout == ContactLayout::radial;
+  const double vectors = vectors_per_contact(s.layout);
+  // Per body: state (position 24, orientation, rates, mass, inertia, radius, five integers), bins 56, free
+  // velocity, inertia, four solver velocities, starts of the contact lists.
+  const double inertia = radial ? 2 * real : 16 * real;
+  const double body = 24 + 4 * real + 2 * vec + real + vec + real + 14 + 56 + twist + inertia + 4 * twist + 8;
+  // Per contact: key, ids, normal, gap and sort space; arms; bias; kept impulse, present one and three of
+  // the solver; list of contacts as B with its sort space.
+  const double contact = 8 + 8 + vec + real + 20 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
+  const double bodies = s.free_capacity + s.fixed_count;
+  return static_cast<std::size_t>(bodies * (body + kContactsPerBody * contact));
+}
+
+}  // namespace scree

@@ -1,0 +1,75 @@
+#pragma once
+// run.json: what was run, with what, on what, and how it ended.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/world.h"
+
+namespace scree {
+
+/// Sums over the steps of a run, kept up step by step.
+class RunTotals {
+ public:
+  void add(const StepReport& report);
+
+  std::int64_t steps() const { return steps_; }
+  std::int64_t steps_not_converged() const { return steps_not_converged_; }
+  double simulated_time() const { return simulated_time_; }  ///< at the end [s]
+  StageTimes mean_ms() const;                                ///< zero without steps
+  double mean_iterations() const;
+  double max_residual_rms() const { return max_residual_rms_; }  ///< [m/s]
+  double max_residual_relative() const { return max_residual_relative_; }
+  double max_penetration() const { return max_penetration_; }  ///< [m]
+  int max_contacts() const { return max_contacts_; }
+  const StepReport& last() const { return last_; }
+
+ private:
+  std::int64_t steps_ = 0;
+  std::int64_t steps_not_converged_ = 0;
+  std::int64_t iterations_ = 0;
+  double simulated_time_ = 0;
+  StageTimes sum_ms_;
+  double max_residual_rms_ = 0;
+  double max_residual_relative_ = 0;
+  double max_penetration_ = 0;
+  int max_contacts_ = 0;
+  StepReport last_;
+};
+
+enum class RunStatus { running, done, interrupted, failed };
+
+struct RunRecord {
+  std::string scene_name;
+  std::string scene_file;  ///< as given
+  std::string scene_text;  ///< resolved scene; stored as JSON when it is
+  std::vector<std::string> command_line;
+  BackendKind backend = BackendKind::cpu;
+  Precision precision = Precision::single_precision;
+  std::string device;  ///< name of the processor or GPU
+  int threads = 0;
+  std::uint64_t seed = 0;
+  int body_count = 0;       ///< of the whole scene, all kinds
+  std::string start_time;   ///< utc_now() at the start
+  std::string end_time;     ///< empty while running
+  double wall_seconds = 0;  ///< of this process, time in set-up included
+  std::optional<std::int64_t> resumed_from_step;
+  RunStatus status = RunStatus::running;
+  std::string message;                  ///< why it failed, or what a user should know
+  std::uint64_t peak_memory_bytes = 0;  ///< backend memory
+  RunTotals totals;
+};
+
+/// Replaces run.json in one rename, with the version and commit of this program.
+/// @throws RunError naming the file and the reason
+void write_run_record(const std::filesystem::path& path, const RunRecord& record);
+
+/// Time now, ISO 8601 in UTC with seconds: 2024-05-31T12:34:56Z.
+std::string utc_now();
+
+const char* to_string(RunStatus status);
+
+}  // namespace scree

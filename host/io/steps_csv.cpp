@@ -1,0 +1,212 @@
+#include "host/io/steps_csv.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include "host/error.h"
+#include "host/io/atomic_file.h"
+
+namespace scree {
+namespace {
+
+/// Calls visit(column name with unit, field) for each column in order. Report: StepReport or const.
+template <class Report, class Visit>
+void for_each_column(Report& r, Visit visit) {
+  visit("step", r.step);
+  visit("time_s", r.time);
+  visit("bodies", r.body_count);
+  visit("contacts", r.contact_count);
+  visit("iterations", r.iterations);
+  visit("applications", r.applications);
+  visit("converged", r.converged);
+  visit("residual_rms_m_per_s", r.residual_rms);
+  visit("residual_max_m_per_s", r.residual_max);
+  visit("residual_max_body_a", r.residual_max_body_a);
+  visit("residual_max_body_b", r.residual_max_body_b);
+  visit("residual_relative", r.residual_relative);
+  visit("exact_residual_rms_m_per_s", r.exact_residual_rms);
+  visit("objective_J", r.objective);
+  visit("max_penetration_m", r.max_penetration);
+  visit("max_cone_violation_N_s", r.max_cone_violation);
+  visit("kinetic_energy_J", r.kinetic_energy);
+  visit("collision_ms", r.ms.collision);
+  visit("setup_ms", r.ms.setup);
+  visit("solve_ms", r.ms.solve);
+  visit("integrate_ms", r.ms.integrate);
+  visit("total_ms", r.ms.total);
+}
+
+std::string header() {
+  std::string line;
+  StepReport report;
+  for_each_column(report, [&](const char* name, auto) {
+    if (!line.empty()) line += ',';
+    line += name;
+  });
+  return line + '\n';
+}
+
+/// Shortest text that reads back as the same number; true and false as 1 and 0.
+void append_line(std::string& out, const StepReport& report) {
+  const char* separator = "";
+  for_each_column(report, [&](const char*, auto value) {
+    if constexpr (std::is_same_v<decltype(value), bool>)
+      fmt::format_to(std::back_inserter(out), "{}{}", separator, value ? 1 : 0);
+    else
+      fmt::format_to(std::back_inserter(out), "{}{}", separator, value);
+    separator = ",";
+  });
+  out += '\n';
+}
+
+/// The field up to the next comma; shortens the line to what follows.
+std::string_view take_field(std::string_view& line) {
+  const std::size_t comma = line.find(',');
+  const std::string_view field = line.substr(0, comma);
+  line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
+  return field;
+}
+
+/// The line up to and with its end; shortens the text to what follows.
+std::string_view take_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find('\n') + 1);
+  text.remove_prefix(line.size());
+  return line;
+}
+
+template <class T>
+bool parse(std::string_view text, T* value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    *value = text == "1";
+    return text == "0" || text == "1";
+  } else {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *value);
+    return error == std::errc() && end == text.data() + text.size();
+  }
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, std::size_t line_number,
+                         const std::string& what) {
+  throw InputError(fmt::format("{} line {}: {}", path.string(), line_number, what));
+}
+
+/// Calls visit(line number, offset of the next line, line) for each whole line but the header,
+/// until visit returns false.
+template <class Visit>
+void for_each_line(const std::filesystem::path& path, Visit visit) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(fmt::format("cannot read {}", path.string()));
+  std::string expected = header();
+  expected.pop_back();
+  std::string line;
+  std::size_t line_number = 0;
+  std::uint64_t offset = 0;
+  while (std::getline(in, line) && !in.eof()) {  // a line without its end was torn by a kill
+    offset += line.size() + 1;
+    line_number += 1;
+    if (line_number > 1) {
+      if (!visit(line_number, offset, std::string_view(line))) return;
+    } else if (line != expected) {
+      refuse(path, 1, fmt::format("found the columns \"{}\", expected \"{}\"", line, expected));
+    }
+  }
+}
+
+}  // namespace
+
+StepsCsv::StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resume_step)
+    : path_(std::move(path)), last_flush_(std::chrono::steady_clock::now()) {
+  std::uint64_t kept_bytes = 0;
+  if (resume_step && std::filesystem::exists(path_)) {
+    for_each_line(path_, [&](std::size_t number, std::uint64_t end, std::string_view line) {
+      std::int64_t step = 0;
+      if (!parse(take_field(line), &step)) refuse(path_, number, "expected the number of a step");
+      if (step > *resume_step) return false;
+      kept_bytes = end;
+      return true;
+    });
+  }
+  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) throw RunError(io_message("cannot write", path_, errno));
+  if (::ftruncate(descriptor_, static_cast<off_t>(kept_bytes)) != 0) {
+    const int reason = errno;
+    ::close(descriptor_);
+    throw RunError(io_message("cannot shorten", path_, reason));
+  }
+  if (kept_bytes == 0) {
+    pending_ = header();
+    try {
+      flush();
+    } catch (...) {
+      ::close(descriptor_);
+      throw;
+    }
+  }
+}
+
+StepsCsv::~StepsCsv() {
+  try {
+    flush();
+  } catch (const RunError&) {
+    // Nothing can be done here; the file ends with a whole line.
+  }
+  ::close(descriptor_);
+}
+
+void StepsCsv::append(const StepReport& report) {
+  append_line(pending_, report);
+  pending_lines_ += 1;
+  if (pending_lines_ >= 100 ||
+      std::chrono::steady_clock::now() - last_flush_ >= std::chrono::seconds(1))
+    flush();
+}
+
+void StepsCsv::flush() {
+  last_flush_ = std::chrono::steady_clock::now();
+  pending_lines_ = 0;
+  const std::string lines = std::exchange(pending_, {});
+  if (lines.empty()) return;
+  for (std::string_view rest = lines; !rest.empty();) write_line(take_line(rest));
+}
+
+void StepsCsv::write_line(std::string_view line) {
+  const off_t start = ::lseek(descriptor_, 0, SEEK_END);
+  while (!line.empty()) {
+    const ssize_t written = ::write(descriptor_, line.data(), line.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      const int reason = errno;
+      // When even this fails, readers leave the torn line out.
+      [[maybe_unused]] const int cut = ::ftruncate(descriptor_, start);
+      throw RunError(io_message("cannot write", path_, reason, "the earlier lines are kept"));
+    }
+    line.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+std::vector<StepReport> read_steps_csv(const std::filesystem::path& path) {
+  std::vector<StepReport> reports;
+  for_each_line(path, [&](std::size_t number, std::uint64_t, std::string_view line) {
+    StepReport report;
+    for_each_column(report, [&](const char* name, auto& value) {
+      const std::string_view field = take_field(line);
+      if (!parse(field, &value))
+        refuse(path, number, fmt::format("column {} holds \"{}\", expected a number", name, field));
+    });
+    if (!line.empty()) refuse(path, number, "there are more values than columns");
+    reports.push_back(report);
+    return true;
+  });
+  return reports;
+}
+
+}  // namespace scree

@@ -1,0 +1,54 @@
+#pragma once
+// steps.csv: one line per step with every field of StepReport.
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "host/world.h"
+
+namespace scree {
+
+/// Appends lines to steps.csv, held back for at most a second or 100 lines. A line is written in
+/// one piece. The system finishes such a piece even for a process being killed, unless the line
+/// lies across two memory pages and the kill hits between them: then readers find, and leave out, a
+/// torn last line.
+class StepsCsv {
+ public:
+  /// Starts a new file, or continues one after the given step.
+  /// @param resume_step  number of steps done by the checkpoint: later lines, and a torn last one,
+  /// are
+  ///                     cut off. Not set, or no file there: a new file
+  /// @throws InputError when the file to continue has other columns, @throws RunError when the file
+  ///         cannot be written
+  explicit StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resume_step = {});
+  ~StepsCsv();  ///< flushes; errors are lost, call flush() to see them
+  StepsCsv(const StepsCsv&) = delete;
+  StepsCsv& operator=(const StepsCsv&) = delete;
+
+  /// @throws RunError when a flush is due and the file cannot be written
+  void append(const StepReport& report);
+
+  /// Writes the lines held back. Call it before a checkpoint is written, so that no step of the
+  /// checkpoint can be missing here. @throws RunError; the file then ends after a whole line
+  void flush();
+
+ private:
+  void write_line(std::string_view line);
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  std::string pending_;
+  int pending_lines_ = 0;
+  std::chrono::steady_clock::time_point last_flush_;
+};
+
+/// Reads the lines of a steps.csv back; a torn last line is left out.
+/// @throws InputError naming the file, the line and what was expected
+std::vector<StepReport> read_steps_csv(const std::filesystem::path& path);
+
+}  // namespace scree

@@ -1,0 +1,87 @@
+#pragma once
+// Initial packings of spheres. Every function is deterministic for a given seed, on every platform,
+// and returns spheres that overlap neither each other nor the border of the region.
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/layouts/random_numbers.h"
+#include "host/scene.h"
+
+namespace scree {
+
+/// Space to fill: an upright box or a cylinder of any direction.
+struct Region {
+  enum class Kind { box, cylinder };
+  Kind kind = Kind::box;
+  Vec3d lower;          ///< box [m]
+  Vec3d upper;          ///< box [m]
+  Vec3d axis{0, 0, 1};  ///< cylinder: unit
+  Vec3d center;         ///< cylinder: middle of the axis [m]
+  double radius = 0;    ///< cylinder [m]
+  double length = 0;    ///< cylinder, along the axis [m]
+
+  /// True when a sphere lies inside entirely.
+  bool contains(const Vec3d& center, double sphere_radius) const;
+  /// Corners of the smallest upright box around the region.
+  void bounds(Vec3d& low, Vec3d& high) const;
+};
+
+/// How radii are drawn [m].
+struct RadiusLaw {
+  enum class Kind { constant, uniform, discrete, normal };
+  Kind kind = Kind::constant;
+  double low = 0;        ///< constant: the radius; uniform, normal: smallest
+  double high = 0;       ///< uniform, normal: largest
+  double mean = 0;       ///< normal
+  double deviation = 0;  ///< normal: standard deviation before values beyond the ends are redrawn
+  std::vector<double> values;   ///< discrete
+  std::vector<double> weights;  ///< discrete: relative numbers of spheres, one per value
+
+  double draw(RandomNumbers& random) const;
+  double largest() const;
+};
+
+struct PlacedSphere {
+  Vec3d center;   ///< [m]
+  double radius;  ///< [m]
+};
+
+/// The region cannot hold as many spheres as were asked for.
+struct DoesNotFit : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A cubic lattice, filled from the bottom (lowest z) up.
+struct LatticeLayout {
+  Region region;
+  double spacing = 0;  ///< between neighbors [m]; at least the largest diameter
+  double jitter = 0;   ///< random displacement, 1: up to touching the neighbor's cell [-], 0 to 1
+};
+
+/// @param count  spheres; -1: as many as the region holds. @throws DoesNotFit
+std::vector<PlacedSphere> place_on_lattice(const LatticeLayout& layout, const RadiusLaw& radius,
+                                           long long count, RandomNumbers& random);
+
+/// Random sequential addition, the largest spheres first (they come first in the result too).
+/// Reaches a solid fraction of about 0.35. @throws DoesNotFit naming how many fitted
+std::vector<PlacedSphere> place_at_random(const Region& region, const RadiusLaw& radius,
+                                          long long count, RandomNumbers& random);
+
+/// One batch of rain: `count` sites of a jittered lattice, chosen at random from as few of its
+/// lowest planes as hold them. @param thickness  out: height taken by the batch [m]
+/// @throws DoesNotFit
+std::vector<PlacedSphere> place_rain_batch(const LatticeLayout& layout, const RadiusLaw& radius,
+                                           long long count, RandomNumbers& random,
+                                           double& thickness);
+
+/// Sites of the lattice of a layout, in the order bottom up; shared by lattice and rain.
+/// @param margin  radius of the largest sphere [m]
+struct LatticeSites {
+  std::vector<Vec3d> sites;
+  std::vector<std::size_t> plane_ends;  ///< number of sites up to the end of each horizontal plane
+};
+LatticeSites lattice_sites(const LatticeLayout& layout, double margin, std::size_t limit);
+
+}  // namespace scree

@@ -1,0 +1,139 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/layouts/layouts.h"
+
+namespace scree {
+namespace {
+
+constexpr int kAttempts = 5000;  // failed places of one sphere before the region counts as full
+
+/// Uniform grid; a sphere is listed in every cell that its bounding box touches, so two spheres
+/// that overlap share a cell whatever their sizes.
+class SphereGrid {
+ public:
+  SphereGrid(const Vec3d& low, const Vec3d& high, double cell, std::size_t most_cells) : low_(low) {
+    for (;; cell *= 1.25) {
+      double total = 1;
+      for (int k = 0; k < 3; ++k) {
+        cells_[k] = std::max(1.0, std::ceil((high[k] - low[k]) / cell));
+        total *= cells_[k];
+      }
+      if (total <= static_cast<double>(most_cells)) break;
+    }
+    cell_ = cell;
+    heads_.resize(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]));
+  }
+
+  bool is_clear(const PlacedSphere& s, const std::vector<PlacedSphere>& spheres) const {
+    bool clear = true;
+    for_cells(s, [&](std::size_t cell) {
+      if (!clear) return;
+      for (const int other : heads_[cell]) {
+        const PlacedSphere& o = spheres[static_cast<std::size_t>(other)];
+        const double reach = s.radius + o.radius;
+        if (norm2(s.center - o.center) < reach * reach) {
+          clear = false;
+          return;
+        }
+      }
+    });
+    return clear;
+  }
+
+  void insert(const PlacedSphere& s, int index) {
+    for_cells(s, [&](std::size_t cell) { heads_[cell].push_back(index); });
+  }
+
+ private:
+  template <class F>
+  void for_cells(const PlacedSphere& s, F f) const {
+    int from[3];
+    int to[3];
+    for (int k = 0; k < 3; ++k) {
+      const double last = cells_[k] - 1;
+      from[k] = static_cast<int>(
+          std::clamp(std::floor((s.center[k] - s.radius - low_[k]) / cell_), 0.0, last));
+      to[k] = static_cast<int>(
+          std::clamp(std::floor((s.center[k] + s.radius - low_[k]) / cell_), 0.0, last));
+    }
+    for (int z = from[2]; z <= to[2]; ++z)
+      for (int y = from[1]; y <= to[1]; ++y)
+        for (int x = from[0]; x <= to[0]; ++x)
+          f((static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_[1]) +
+             static_cast<std::size_t>(y)) *
+                static_cast<std::size_t>(cells_[0]) +
+            static_cast<std::size_t>(x));
+  }
+
+  Vec3d low_;
+  double cell_ = 0;
+  double cells_[3] = {1, 1, 1};
+  std::vector<std::vector<int>> heads_;
+};
+
+/// A uniformly distributed center for which the sphere lies inside, or false when one draw missed.
+bool draw_center(const Region& region, const Vec3d& low, const Vec3d& high, double r,
+                 RandomNumbers& random, Vec3d& center) {
+  if (region.kind == Region::Kind::box) {
+    for (int k = 0; k < 3; ++k) center[k] = random.uniform(low[k] + r, high[k] - r);
+    return true;
+  }
+  const double a = random.uniform(-1, 1) * (region.radius - r);
+  const double b = random.uniform(-1, 1) * (region.radius - r);
+  const double along = random.uniform(-0.5, 0.5) * (region.length - 2 * r);
+  const Vec3d e1 = any_orthogonal(region.axis);
+  const Vec3d e2 = cross(region.axis, e1);
+  for (int k = 0; k < 3; ++k)
+    center[k] =
+        std::fma(a, e1[k], std::fma(b, e2[k], std::fma(along, region.axis[k], region.center[k])));
+  return region.contains(center, r);
+}
+
+bool can_hold(const Region& region, const Vec3d& low, const Vec3d& high, double r) {
+  if (region.kind == Region::Kind::cylinder) return r <= region.radius && 2 * r <= region.length;
+  for (int k = 0; k < 3; ++k)
+    if (2 * r > high[k] - low[k]) return false;
+  return true;
+}
+
+}  // namespace
+
+std::vector<PlacedSphere> place_at_random(const Region& region, const RadiusLaw& radius,
+                                          long long count, RandomNumbers& random) {
+  std::vector<double> radii(static_cast<std::size_t>(count));
+  for (double& r : radii) r = radius.draw(random);
+  std::sort(radii.begin(), radii.end(), std::greater<>());
+  std::vector<PlacedSphere> spheres;
+  if (radii.empty()) return spheres;
+  spheres.reserve(radii.size());
+
+  Vec3d low;
+  Vec3d high;
+  region.bounds(low, high);
+  const auto fail = [&](const char* why) {
+    throw DoesNotFit(fmt::format("{} of {} spheres fit{}", spheres.size(), count, why));
+  };
+  if (!can_hold(region, low, high, radii.front()))
+    fail(": the largest sphere is wider than the region");
+  SphereGrid grid(low, high, 2 * radii[radii.size() / 2], 4 * radii.size() + 64);
+  for (const double r : radii) {
+    PlacedSphere sphere{{}, r};
+    for (int attempt = 0;; ++attempt) {
+      if (attempt == kAttempts)
+        fail(
+            " without overlap; random placement fills about a third of a region, use a larger one "
+            "or the layout \"lattice\" or \"rain\"");
+      if (draw_center(region, low, high, r, random, sphere.center) &&
+          grid.is_clear(sphere, spheres))
+        break;
+    }
+    grid.insert(sphere, static_cast<int>(spheres.size()));
+    spheres.push_back(sphere);
+  }
+  return spheres;
+}
+
+}  // namespace scree

@@ -1,0 +1,23 @@
+#pragma once
+// Triangle meshes from STL (binary and ASCII) and OBJ files.
+
+#include <filesystem>
+
+#include "host/scene.h"
+
+namespace scree {
+
+struct MeshOptions {
+  double scale =
+      1;  ///< coordinates of the file are multiplied by this [m per unit of the file], > 0
+  bool closed = true;  ///< the surface must be watertight; false: edges with one triangle are fine
+};
+
+/// Reads a mesh; equal vertices (to 1e-9 of the diagonal) become one, polygons become triangles,
+/// and a closed mesh that is inside out is turned right.
+/// @throws InputError naming the file: missing, unreadable, truncated, a number that is not one, an
+/// index out of range, a degenerate triangle, an edge that is open or shared by more than two
+/// triangles, or neighbors of opposite orientation
+TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& options = {});
+
+}  // namespace scree

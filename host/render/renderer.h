@@ -1,0 +1,67 @@
+#pragma once
+// Pictures of the bodies, made in backend memory; only the finished pixels come to the host.
+
+#include "host/render/camera.h"
+#include "host/scene.h"
+#include "host/world.h"
+#include "kernels/backend/backend.h"
+#include "kernels/body_view.h"
+#include "kernels/render/shade.h"
+#include "kernels/render/statistics.h"
+
+namespace scree {
+
+/// Draws bodies. Keeps its buffers from picture to picture; they grow with the picture and the
+/// scene (about 32 bytes a sample, four samples a pixel, and 24 bytes a body).
+///
+/// The same bodies give the same bytes for any number of threads and on every run.
+template <class B, class Real>
+class Renderer {
+ public:
+  explicit Renderer(B& backend);
+
+  /// @param bodies    all in backend memory, as are `shapes` and `meshes`
+  /// @param shapes    records that BodyView::shape points to
+  /// @param settings  picture size, colors and camera
+  /// @throws InputError when the scene has more triangles than 32-bit numbers can count
+  /// @throws OutOfMemory
+  Image render(B& backend, const BodyView<Real>& bodies, Span<const ShapeRecord<Real>> shapes,
+               const MeshSetView<Real>& meshes, const PictureSettings& settings);
+
+ private:
+  /// Where the bodies are and how large they are.
+  struct Extent {
+    render::Box keep;        ///< centers outside are those of escaped bodies
+    render::Box free;        ///< free bodies, escaped ones left out
+    render::Box walls;       ///< fixed bodies, as far as they are near the free ones
+    render::Box framed;      ///< both: what an automatic camera shows
+    double mean_radius = 0;  ///< of the free bodies [m]
+  };
+
+  using Shapes = Span<const ShapeRecord<Real>>;
+
+  render::BodyStatistics measure(B&, const BodyView<Real>&, Shapes, Index first, Index count,
+                                 const Vec3d& reference, const render::Box& keep);
+  Extent find_extent(B&, const BodyView<Real>&, Shapes);
+  CameraSettings automatic_camera(B&, const BodyView<Real>&, const Extent&, const PictureSettings&);
+  render::DrawList<Real> make_draw_list(B&, const BodyView<Real>&, Shapes, const MeshSetView<Real>&,
+                                        const Vec3d& eye, const Vec3d& focus);
+  void color_bodies(B&, const BodyView<Real>&, const PictureSettings&, double mean_radius);
+  /// Clears `samples` and draws every primitive of the source into it.
+  template <class Source>
+  void draw(B&, const Source&, Index primitive_count, Span<std::uint64_t> samples);
+
+  Buffer<B, std::uint64_t> samples_;
+  Buffer<B, std::uint64_t> light_samples_;
+  Buffer<B, std::uint64_t> edge_samples_;
+  Buffer<B, Index> counts_;
+  Buffer<B, Offset> begins_;
+  Buffer<B, Offset> triangle_begin_;
+  Buffer<B, render::Vec3f> color_;
+  Buffer<B, std::uint8_t> rgb_;
+  Buffer<B, render::BodyStatistics> body_statistics_;
+  Buffer<B, render::FrameSides> frame_sides_;
+  Buffer<B, render::ValueStatistics> value_statistics_;
+};
+
+}  // namespace scree

@@ -1,0 +1,251 @@
+#pragma once
+// Member functions of Renderer; included where it is instantiated, after the backend.
+
+#include "host/error.h"
+#include "host/render/renderer.h"
+
+namespace scree {
+
+template <class B, class Real>
+Renderer<B, Real>::Renderer(B& b)
+    : samples_(b),
+      light_samples_(b),
+      edge_samples_(b),
+      counts_(b),
+      begins_(b),
+      triangle_begin_(b),
+      color_(b),
+      rgb_(b),
+      body_statistics_(b),
+      frame_sides_(b),
+      value_statistics_(b) {}
+
+template <class B, class Real>
+render::BodyStatistics Renderer<B, Real>::measure(B& b, const BodyView<Real>& bodies, Shapes shapes,
+                                                  Index first, Index count, const Vec3d& reference,
+                                                  const render::Box& keep) {
+  const render::MeasureBodies<Real> program{
+      first,      bodies.position,    bodies.radius, reference, keep.lower,
+      keep.upper, bodies.orientation, bodies.shape,  shapes};
+  body_statistics_.reserve_discard(1);
+  reduce<render::BodyStatistics>(b, count, program,
+                                 StoreResult<render::BodyStatistics>{body_statistics_.data()});
+  return fetch(b, body_statistics_.data());
+}
+
+template <class B, class Real>
+typename Renderer<B, Real>::Extent Renderer<B, Real>::find_extent(B& b,
+                                                                  const BodyView<Real>& bodies,
+                                                                  Shapes shapes) {
+  const auto box_of = [](const render::BodyStatistics& s) {
+    if (s.count == 0) return render::Box{};
+    return render::Box{{s.lower[0], s.lower[1], s.lower[2]}, {s.upper[0], s.upper[1], s.upper[2]}};
+  };
+  Extent extent;
+  extent.keep = {{-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300}};
+  const render::Box fixed = box_of(measure(b, bodies, shapes, bodies.fixed_begin,
+                                           bodies.count - bodies.fixed_begin, {}, extent.keep));
+  auto s = measure(b, bodies, shapes, 0, bodies.free_count, {}, extent.keep);
+  if (s.count == 0) {
+    extent.walls = extent.framed = fixed;
+    return extent;
+  }
+  // A few bodies that escaped must not shrink all others to a dot: what is six standard deviations
+  // away is left out. With fewer than 37 bodies nothing can be that far.
+  const Vec3d mean = (1.0 / s.count) * Vec3d{s.sum[0], s.sum[1], s.sum[2]};
+  s = measure(b, bodies, shapes, 0, bodies.free_count, mean, extent.keep);
+  const double reach = 6.0 * std::sqrt(s.sum_squares / s.count) + s.sum_radius / s.count;
+  extent.keep = render::grown({mean, mean}, reach);
+  s = measure(b, bodies, shapes, 0, bodies.free_count, mean, extent.keep);
+  extent.mean_radius = s.sum_radius / s.count;
+  extent.free = box_of(s);
+  const Vec3d size = extent.free.upper - extent.free.lower;
+  const double margin = 0.15 * std::max({size.x, size.y, size.z});
+  extent.walls = render::cut(fixed, render::grown(extent.free, margin));
+  extent.framed = render::join(extent.free, extent.walls);
+  return extent;
+}
+
+template <class B, class Real>
+CameraSettings Renderer<B, Real>::automatic_camera(B& b, const BodyView<Real>& bodies,
+                                                   const Extent& extent,
+                                                   const PictureSettings& settings) {
+  if (extent.framed.empty()) return settings.camera;
+  const double aspect = static_cast<double>(settings.width) / settings.height;
+  render::FrameAxes axes = render::automatic_axes(settings.camera, extent.framed.center(), aspect);
+  frame_sides_.reserve_discard(1);
+  for (int pass = 1;; ++pass) {
+    const render::MeasureFrame<Real> program{axes, bodies.position, bodies.radius,
+                                             extent.keep.lower, extent.keep.upper};
+    reduce<render::FrameSides>(b, bodies.free_count, program,
+                               StoreResult<render::FrameSides>{frame_sides_.data()});
+    render::FrameSides sides = fetch(b, frame_sides_.data());
+    sides.combine(render::box_sides(axes, extent.walls));
+    if (pass == render::kFramingPasses) {
+      return render::framing_camera(settings.camera, axes, sides, extent.framed.diagonal());
+    }
+    axes = render::narrowed(axes, sides);
+  }
+}
+
+template <class B, class Real>
+render::DrawList<Real> Renderer<B, Real>::make_draw_list(B& b, const BodyView<Real>& bodies,
+                                                         Shapes shapes,
+                                                         const MeshSetView<Real>& meshes,
+                                                         const Vec3d& eye, const Vec3d& focus) {
+  render::DrawList<Real> list;
+  list.free_count = bodies.free_count;
+  list.fixed_begin = bodies.fixed_begin;
+  list.count = bodies.count;
+  list.position = bodies.position;
+  list.orientation = bodies.orientation;
+  list.radius = bodies.radius;
+  list.shape = bodies.shape;
+  list.shapes = shapes;
+  list.meshes = meshes;
+  list.eye = eye;
+  list.focus = focus;
+  if (meshes.ranges.empty() || shapes.empty()) return list;
+
+  counts_.reserve_discard(shapes.size);
+  triangle_begin_.reserve_discard(shapes.size + 1);
+  const auto shape_count = static_cast<Index>(shapes.size);
+  for_each(b, shape_count, render::CountTriangles<Real>{list, counts_.view(shape_count)});
+  exclusive_scan(b, Span<const Index>(counts_.view(shape_count)),
+                 triangle_begin_.view(shape_count + 1));
+  const Offset triangles = fetch(b, triangle_begin_.data() + shape_count);
+  if (triangles + list.body_count() > Offset{0x7fffffff}) {
+    throw InputError("picture: more than 2147483647 triangles and bodies");
+  }
+  list.triangle_begin = triangle_begin_.view(shape_count + 1);
+  list.triangle_count = static_cast<Index>(triangles);
+  return list;
+}
+
+template <class B, class Real>
+void Renderer<B, Real>::color_bodies(B& b, const BodyView<Real>& bodies,
+                                     const PictureSettings& settings, double mean_radius) {
+  static_assert(static_cast<int>(ColorBy::speed) == static_cast<int>(render::ColorMode::speed) &&
+                static_cast<int>(ColorBy::size) == static_cast<int>(render::ColorMode::size) &&
+                static_cast<int>(ColorBy::id) == static_cast<int>(render::ColorMode::id) &&
+                static_cast<int>(ColorBy::group) == static_cast<int>(render::ColorMode::group));
+  const render::ColorValue<Real> value{static_cast<render::ColorMode>(settings.color_by),
+                                       bodies.velocity, bodies.radius};
+  double low = settings.color_min, high = settings.color_max;
+  const bool by_value = settings.color_by == ColorBy::speed || settings.color_by == ColorBy::size;
+  if (by_value && low == high) {
+    value_statistics_.reserve_discard(1);
+    reduce<render::ValueStatistics>(b, bodies.free_count, render::MeasureValues<Real>{value},
+                                    StoreResult<render::ValueStatistics>{value_statistics_.data()});
+    const auto s = fetch(b, value_statistics_.data());
+    const double mean = s.count > 0 ? s.sum / s.count : 0;
+    const double variance = s.count > 0 ? s.sum_squares / s.count - mean * mean : 0;
+    const double deviation = std::sqrt(std::max(variance, 0.0));
+    if (settings.color_by == ColorBy::speed) {
+      // From rest to nearly the fastest; single fast bodies may go past the end. Below a twentieth
+      // of a diameter per second everything is at rest, and noise is not shown as motion.
+      low = 0;
+      high = std::max(std::min(s.high, mean + 3 * deviation), 0.1 * mean_radius);
+    } else {
+      low = s.low;
+      high = s.high;
+      if (!(high - low > 1e-3 * high))
+        low = 0.4 * high, high = 1.9 * high;  // one size: a middle color
+    }
+  }
+  if (!(high > low)) high = low + 1;
+  color_.reserve_discard(bodies.count);
+  for_each(b, bodies.count,
+           render::ColorBodies<Real>{value, static_cast<float>(low), static_cast<float>(high),
+                                     bodies.free_count, bodies.fixed_begin, bodies.group, bodies.id,
+                                     color_.view(bodies.count)});
+}
+
+template <class B, class Real>
+template <class Source>
+void Renderer<B, Real>::draw(B& b, const Source& source, Index primitive_count,
+                             Span<std::uint64_t> samples) {
+  fill(b, samples, render::kNothing);
+  if (primitive_count == 0 || samples.empty()) return;
+  counts_.reserve_discard(primitive_count);
+  begins_.reserve_discard(Offset{primitive_count} + 1);
+  const auto counts = counts_.view(primitive_count);
+  const auto begins = begins_.view(Offset{primitive_count} + 1);
+  for_each(b, primitive_count, render::CountChunks<Source>{source, counts});
+  exclusive_scan(b, Span<const Index>(counts), begins);
+  const Offset items = fetch(b, begins.data + primitive_count);
+  constexpr Offset kItemsPerPass = Offset{1} << 30;  // element numbers are 32-bit
+  for (Offset first = 0; first < items; first += kItemsPerPass) {
+    for_each(b, static_cast<Index>(std::min(items - first, kItemsPerPass)),
+             render::DrawChunk<Source>{source, begins, first, samples});
+  }
+}
+
+template <class B, class Real>
+Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
+                                Span<const ShapeRecord<Real>> shapes,
+                                const MeshSetView<Real>& meshes, const PictureSettings& settings) {
+  const Extent extent = find_extent(b, bodies, shapes);
+  const CameraSettings camera =
+      settings.camera.automatic ? automatic_camera(b, bodies, extent, settings) : settings.camera;
+  const double scene_size = extent.framed.empty() ? norm(camera.target - camera.position)
+                                                  : std::max(extent.framed.diagonal(), 1e-12);
+  const Vec3d focus = extent.framed.empty() ? camera.target
+                      : extent.free.empty() ? extent.framed.center()
+                                            : extent.free.center();
+
+  const auto list = make_draw_list(b, bodies, shapes, meshes, camera.position, focus);
+  color_bodies(b, bodies, settings, extent.mean_radius);
+
+  const render::View view =
+      render::camera_view(camera, settings.width, settings.height, scene_size);
+  samples_.reserve_discard(view.sample_count());
+  const auto samples = samples_.view(view.sample_count());
+  draw(b, render::SolidSource<Real>{list, view, false}, list.primitive_count(), samples);
+
+  // A shadow sample is about as large as a sample of the picture when the scene fills it.
+  const Vec3d to_light = render::key_light_direction(camera);
+  const int light_side = std::clamp(3 * std::max(settings.width, settings.height) / 2, 256, 8192);
+  const render::View light = render::light_view(extent.framed, to_light, light_side);
+  light_samples_.reserve_discard(light.sample_count());
+  const auto light_samples = light_samples_.view(light.sample_count());
+  draw(b, render::SolidSource<Real>{list, light, true}, list.primitive_count(), light_samples);
+
+  Span<std::uint64_t> edges;
+  const render::EdgeSource<Real> edge_source{list, view, 0.5f * render::kSupersampling};
+  if (edge_source.primitive_count() > 0) {
+    edge_samples_.reserve_discard(view.sample_count());
+    edges = edge_samples_.view(view.sample_count());
+    draw(b, edge_source, edge_source.primitive_count(), edges);
+  }
+
+  const auto body_size =
+      static_cast<float>(extent.mean_radius > 0 ? extent.mean_radius : 0.05 * scene_size);
+  const Index pixel_count = settings.width * settings.height;
+  rgb_.reserve_discard(3 * Offset{pixel_count});
+  const auto rgb = rgb_.view(3 * Offset{pixel_count});
+  render::ShadePixel<Real> shade;
+  shade.list = list;
+  shade.view = view;
+  shade.samples = samples;
+  shade.edges = edges;
+  shade.color = color_.view(bodies.count);
+  shade.disk = render::make_tap_disk();
+  shade.shadow = {light, light_samples, render::Vec3f(view.origin - light.origin),
+                  0.22f * body_size};
+  shade.occlusion = {view, samples, 1.3f * body_size, 5.0f * body_size};
+  shade.to_light = render::Vec3f(to_light);
+  shade.sky_up = render::Vec3f(normalized(camera.up));
+  shade.scene_size = static_cast<float>(scene_size);
+  shade.rgb = rgb;
+  for_each(b, pixel_count, shade);
+
+  Image image;
+  image.width = settings.width;
+  image.height = settings.height;
+  image.rgb.resize(static_cast<std::size_t>(rgb.size));
+  download(b, Span<const std::uint8_t>(rgb), image.rgb.data());
+  return image;
+}
+
+}  // namespace scree

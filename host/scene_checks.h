@@ -1,0 +1,26 @@
+#pragma once
+// Checks shared by validate() and the scene reader, which name the same fault by different paths.
+
+#include <optional>
+#include <string>
+
+#include "host/scene.h"
+
+namespace scree {
+
+/// What is wrong with one value: the field below the body's path, its value and what was expected.
+struct Fault {
+  std::string field;     ///< such as "radius"; empty: the body as a whole
+  std::string value;     ///< as text
+  std::string expected;  ///< such as "must be positive [m]"
+};
+
+/// "<path>: <value> is not allowed: <expected>", the one format of messages about a value.
+std::string fault_text(const std::string& path, const std::string& value,
+                       const std::string& expected);
+
+/// First fault of one body: shape, pose, velocity, mass, indices and motion. The scene gives the
+/// lists that its indices point into.
+std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body);
+
+}  // namespace scree

@@ -1,0 +1,72 @@
+#include "host/scene_reader.h"
+
+#include <fstream>
+#include <iterator>
+
+#include "host/error.h"
+#include "host/scene_reader/parts.h"
+
+namespace scree {
+
+using namespace reader;
+
+namespace {
+
+std::string read_text(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InputError(file.string() + ": no such file");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream) throw InputError(file.string() + ": cannot be read");
+  return text;
+}
+
+Json document(const std::string& text, Source& source, const std::vector<std::string>& overrides) {
+  Json json = parse_json(text, source.file_name);
+  for (const std::string& text_of_one : overrides)
+    source.overridden.push_back(apply_override(json, text_of_one));
+  return json;
+}
+
+}  // namespace
+
+Scene parse_scene(const std::string& text, const std::string& file_name,
+                  const std::filesystem::path& base_directory,
+                  const std::vector<std::string>& overrides) {
+  Source source{file_name, base_directory, {}};
+  const Json json = document(text, source, overrides);
+  const Node root(json, "", source);
+  root.check_keys(scene_keys("scene"));
+
+  Draft draft;
+  read_settings(root, draft.scene);
+  read_materials(root, draft);
+  if (const auto bodies = root.find("bodies"))
+    for (const Node& body : bodies->elements()) read_body(body, draft);
+  if (const auto particles = root.find("particles")) {
+    const std::vector<Node> entries = particles->elements();
+    for (std::size_t i = 0; i < entries.size(); ++i) read_particles(entries[i], i, draft);
+  }
+  for (auto& [time, bodies] : draft.inserted)
+    draft.scene.insertions.push_back({time, std::move(bodies)});
+  try {
+    validate(draft.scene);
+  } catch (const InputError& fault) {
+    throw InputError(file_name + ": " + fault.what());
+  }
+  return std::move(draft.scene);
+}
+
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  return parse_scene(read_text(file), file.string(), file.parent_path(), overrides);
+}
+
+std::string scene_text(const std::filesystem::path& file,
+                       const std::vector<std::string>& overrides) {
+  Source source{file.string(), file.parent_path(), {}};
+  const Json json = document(read_text(file), source, overrides);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace scree

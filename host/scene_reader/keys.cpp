@@ -1,0 +1,73 @@
+#include "host/scene_reader/keys.h"
+
+#include <stdexcept>
+
+namespace scree {
+
+const std::vector<KeyTable>& scene_key_tables() {
+  static const std::vector<KeyTable> tables{
+      {"scene",
+       {"$schema", "name", "gravity", "seed", "backend", "precision", "time_step", "duration",
+        "materials", "material_pairs", "periodic", "bodies", "particles", "solver", "stepping",
+        "collision", "output"}},
+      {"material",
+       {"friction", "restitution", "cohesion", "rolling_friction", "spinning_friction"}},
+      {"material_pair",
+       {"between", "friction", "restitution", "cohesion", "rolling_friction", "spinning_friction"}},
+      {"periodic", {"x", "y", "z"}},
+      {"body",
+       {"shape",
+        "kind",
+        "radius",
+        "size",
+        "normal",
+        "point",
+        "min",
+        "max",
+        "open",
+        "file",
+        "scale",
+        "closed",
+        "position",
+        "orientation",
+        "rotation_deg",
+        "velocity",
+        "angular_velocity",
+        "mass",
+        "density",
+        "inertia",
+        "material",
+        "group",
+        "lock",
+        "motion",
+        "insert_at"}},
+      {"rotation", {"axis", "angle"}},
+      {"motion",
+       {"type", "velocity", "axis", "center", "rate", "amplitude", "frequency", "phase", "start",
+        "stop", "times", "positions", "orientations", "file"}},
+      {"particles",
+       {"layout", "count", "radius", "density", "material", "group", "velocity", "angular_velocity",
+        "lock", "region", "spacing", "jitter", "layers", "rate", "start", "interval", "file"}},
+      {"radius", {"min", "max", "values", "weights", "normal"}},
+      {"radius_normal", {"mean", "deviation", "min", "max"}},
+      {"region", {"min", "max", "cylinder"}},
+      {"cylinder", {"axis", "center", "radius", "length"}},
+      {"solver",
+       {"name", "stop", "max_iterations", "check_every", "warm_start", "model",
+        "max_outer_iterations", "relaxation"}},
+      {"stepping", {"max_recovery_speed", "restitution_threshold"}},
+      {"collision", {"envelope"}},
+      {"output", {"frame_interval", "checkpoint_interval", "picture"}},
+      {"picture", {"interval", "width", "height", "color_by", "color_range", "camera"}},
+      {"camera", {"position", "target", "up", "vertical_angle_deg"}},
+  };
+  return tables;
+}
+
+const KeyTable& scene_keys(const std::string& object) {
+  for (const KeyTable& table : scene_key_tables())
+    if (table.object == object) return table;
+  throw std::logic_error("no key table " + object);
+}
+
+}  // namespace scree

@@ -1,0 +1,38 @@
+#pragma once
+// The parts of the scene reader, one function per part of the document.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "host/scene.h"
+#include "host/scene_reader/node.h"
+
+namespace scree::reader {
+
+/// A scene being read.
+struct Draft {
+  Scene scene;
+  std::map<double, std::vector<BodyDescription>> inserted;  ///< by time [s]
+  std::map<std::string, int> meshes;                        ///< file and options to index
+};
+
+/// Material named by the key "material" of the node; without the key, the one called "default", or
+/// else the first.
+int read_material(const Node& node, const Draft& draft);
+/// Index of a material name. The node is blamed when there is none.
+int material_index(const Node& node, const std::string& name, const Draft& draft);
+/// Index of a group name, which is added when new.
+int group_index(const std::string& name, Draft& draft);
+/// Bits of Lock from "x" or ["x", "rz"].
+std::uint8_t read_locks(const Node& node);
+
+void read_body(const Node& node, Draft& draft);
+void read_motion(const Node& node, Motion& motion);
+/// @param index  position in the list `particles`, which selects the random sequence
+void read_particles(const Node& node, std::size_t index, Draft& draft);
+
+void read_materials(const Node& scene, Draft& draft);
+void read_settings(const Node& scene, Scene& result);  ///< all but materials, bodies, particles
+
+}  // namespace scree::reader

@@ -1,0 +1,152 @@
+#pragma once
+// The simulation as a program sees it: make a World from a Scene, step it, read it. No CUDA type is
+// visible here; the backend and the precision are chosen at run time.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/scene.h"
+
+namespace scree {
+
+enum class BackendKind { cpu, cuda };
+enum class Precision { single_precision, double_precision };
+
+struct WorldOptions {
+  BackendKind backend = BackendKind::cpu;
+  Precision precision = Precision::single_precision;
+  int threads = 0;  ///< CPU backend: 0 takes what OpenMP offers
+};
+
+/// Wall-clock time of the stages of one step [ms].
+struct StageTimes {
+  double collision = 0;  ///< bins, pairs, narrow phase, sort, warm-start matching
+  double setup = 0;      ///< right-hand side, body-to-contact lists, solver data
+  double solve = 0;
+  double integrate = 0;
+  double total = 0;
+};
+
+/// What one step did. Residuals are the natural map of solvers/residual.h.
+struct StepReport {
+  std::int64_t step = 0;        ///< number of steps done, this one included
+  double time = 0;              ///< simulated time after the step [s]
+  int body_count = 0;           ///< free bodies in the simulation
+  int contact_count = 0;
+  int iterations = 0;           ///< solver iterations
+  int applications = 0;         ///< operator applications (passes over contacts and bodies)
+  bool converged = true;        ///< false: the iteration cap came first
+  double residual_rms = 0;      ///< [m/s]
+  double residual_max = 0;      ///< [m/s]
+  int residual_max_body_a = -1; ///< ids of the bodies of the worst contact, -1 without contacts
+  int residual_max_body_b = -1;
+  double residual_relative = 0; ///< residual_rms / v*
+  double exact_residual_rms = 0;///< the same with the De Saxce velocity [m/s]
+  double objective = 0;         ///< 1/2 gamma N gamma + r gamma [J]
+  double max_penetration = 0;   ///< deepest overlap at the start of the step [m]
+  double max_cone_violation = 0;///< max(|gamma_t| - mu gamma_n) [N s]
+  double kinetic_energy = 0;    ///< after the step [J]
+  StageTimes ms;
+};
+
+/// State of all bodies inserted so far, ordered by id.
+struct BodyStates {
+  std::vector<Vec3d> position;
+  std::vector<Quatd> orientation;
+  std::vector<Vec3d> velocity;
+  std::vector<Vec3d> angular_velocity;  ///< world frame [rad/s]
+};
+
+/// What does not change about the bodies inserted so far, ordered by id.
+struct BodyConstants {
+  std::vector<double> radius;  ///< sphere radius, else bounding radius [m]; 0: unbounded
+  std::vector<double> mass;    ///< [kg]; 0 for fixed and kinematic bodies
+  std::vector<int> group;
+  std::vector<BodyKind> kind;
+  std::vector<Shape::Kind> shape;
+};
+
+/// One contact of the last step, for analysis; ids, not storage indices.
+struct ContactRecord {
+  int body_a = -1;
+  int body_b = -1;
+  Vec3d normal;      ///< unit, from A to B
+  double gap = 0;    ///< at the start of the step [m]
+  Vec3d impulse;     ///< world frame, acting on B [N s]
+  double friction = 0;
+};
+
+/// All that decides how a run goes on: a World made from the same Scene and restored from this continues
+/// bit for bit. Values of float runs are stored as double, which is exact.
+struct WorldState {
+  std::int64_t step = 0;
+  double time = 0;
+  std::uint64_t insertions_done = 0;
+  std::vector<int> id;                  ///< [free_count] storage order of the free bodies
+  std::vector<Vec3d> position;          ///< [free_count] the next four in storage order
+  std::vector<Quatd> orientation;
+  std::vector<Vec3d> velocity;
+  std::vector<Vec3d> angular_velocity;
+  std::vector<std::uint64_t> contact_key;  ///< [contact_count] of the last step
+  std::vector<Vec3d> contact_impulse;      ///< [vectors_per_contact * contact_count]
+  std::vector<double> solver_memory;       ///< what the solver carries from step to step
+};
+
+/// A picture, 8-bit RGB, rows from the top.
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+class Engine;  // host/engine.h: implemented once, compiled per backend and precision
+
+class World {
+ public:
+  /// @throws InputError when the scene is invalid, the backend is not there, or memory cannot hold it
+  World(Scene scene, const WorldOptions& options);
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  /// Advances by one time step. @throws RunError naming the body when a state is not finite
+  StepReport step();
+
+  std::int64_t steps_done() const;
+  double time() const;
+  int body_count() const;  ///< bodies inserted so far: free, fixed and kinematic
+  BodyStates states() const;
+  BodyConstants constants() const;
+  std::vector<ContactRecord> contacts() const;
+
+  WorldState save() const;
+  /// @throws InputError when the state does not fit the scene
+  void restore(const WorldState& state);
+
+  Image render(const PictureSettings& settings) const;
+
+  /// Bytes held in backend memory now, and the most ever held.
+  std::size_t memory() const;
+  std::size_t peak_memory() const;
+
+ private:
+  std::unique_ptr<Engine> engine_;
+};
+
+/// Whether this build and machine can run the backend; the reason when they cannot.
+bool backend_available(BackendKind kind, std::string* reason = nullptr);
+
+/// Name and memory of the device the backend runs on.
+struct DeviceInfo {
+  std::string name;
+  std::size_t memory_bytes = 0;
+  int threads = 0;  ///< CPU threads or multiprocessors
+};
+DeviceInfo device_info(BackendKind kind);
+
+/// Backend memory a scene is expected to need at its fullest [bytes].
+std::size_t expected_memory(const Scene& scene, const WorldOptions& options);
+
+}  // namespace scree

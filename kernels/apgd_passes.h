@@ -1,0 +1,227 @@
+#pragma once
+// The two fused passes of one APGD iteration and the scalar updates that end them. All scalars live in
+// backend memory; impulses and velocities rotate through buffers by the count of accepted iterations, so
+// nothing is copied and a rejected trial costs nothing but its pass.
+// Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section "APGD".
+
+#include "kernels/contact_operator.h"
+
+namespace scree {
+
+/// Scalars of a running solve, in backend memory.
+struct ApgdState {
+  double lipschitz = 1;      ///< L, inverse step: [-] in the diagonal metric, [1/kg] in the Euclidean one
+  double lipschitz_max = 1;  ///< upper bound of the largest eigenvalue of H^-1 N
+  double theta = 1;          ///< momentum parameter of the extrapolated point in use
+  double beta = 0;           ///< its extrapolation factor
+  double next_theta = 1;     ///< those of the trial
+  double next_beta = 0;
+  double step_squares = 0;   ///< |gamma+ - y|_H^2 of the trial
+  Index accepted = 0;        ///< accepted iterations: selects the roles of the buffers
+  Index restarts = 0;
+  double best_residual = -1; ///< smallest checked RMS residual [m/s]; negative: none yet
+};
+
+/// Three impulse buffers: previous, current and next iterate by turns.
+template <class Real>
+struct ApgdImpulses {
+  Span<Vec3<Real>> buffer[3];
+  SCREE_HD Span<Vec3<Real>> current(Index k) const { return buffer[k % 3]; }
+  SCREE_HD Span<Vec3<Real>> previous(Index k) const { return buffer[(k + 2) % 3]; }
+  SCREE_HD Span<Vec3<Real>> next(Index k) const { return buffer[(k + 1) % 3]; }
+};
+
+/// V of the current iterate and V_y of the extrapolated point, each with room for the trial's.
+template <class Real>
+struct ApgdVelocities {
+  Span<Twist<Real>> of_iterate[2];
+  Span<Twist<Real>> of_extrapolated[2];
+};
+
+/// Metric weights of every contact, or none: then the metric is Euclidean and no memory is read.
+template <class R, class Real>
+struct StoredMetric {
+  Span<Real> values;  ///< [R::kMetricValues * contact_count], or empty
+  SCREE_HD ContactMetric<Real> load(Index c) const {
+    if (values.empty()) return euclidean_metric<Real>();
+    const Offset first = static_cast<Offset>(c) * R::kMetricValues;
+    ContactMetric<Real> m{values[first], values[first + 1], 1};
+    if constexpr (R::kMetricValues == 3) m.moment = values[first + 2];
+    return m;
+  }
+  SCREE_HD void store(Index c, const ContactMetric<Real>& m) const {
+    const Offset first = static_cast<Offset>(c) * R::kMetricValues;
+    values[first] = m.normal;
+    values[first + 1] = m.tangential;
+    if constexpr (R::kMetricValues == 3) values[first + 2] = m.moment;
+  }
+};
+
+/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L).
+/// Bytes per contact (radial, float): read normal and bias 16, ids 8, two impulses 24, metric 8, two twists
+/// 48 gathered (from cache when bodies are in Morton order); written 12.
+template <class R, class Real>
+struct ApgdContactPass {
+  static constexpr const char* name = "apgd_contact_pass";
+  ContactProblem<Real> p;
+  ApgdImpulses<Real> gamma;
+  ApgdVelocities<Real> velocity;
+  StoredMetric<R, Real> metric;
+  const ApgdState* state;
+
+  SCREE_HD Sums<2> operator()(Index c) const {
+    const Index k = state->accepted;
+    const Span<const Twist<Real>> v = velocity.of_extrapolated[k & 1];
+    const auto current = R::load(gamma.current(k), c);
+    const auto y = current + static_cast<Real>(state->beta) * (current - R::load(gamma.previous(k), c));
+    const auto g = R::velocity(p, c, v[p.body_a[c]], v[p.body_b[c]]);
+    const ContactMetric<Real> h = metric.load(c);
+    const Vec3<Real> n = p.normal[c];
+    const auto next =
+        R::project(p, c, y - static_cast<Real>(1 / state->lipschitz) * solve_metric(h, n, g), h);
+    R::store(gamma.next(k), c, next);
+    const auto move = next - y;
+    return {{static_cast<double>(dot(g, next - current)), static_cast<double>(metric_norm2(h, n, move))}};
+  }
+};
+
+/// Next momentum, or a restart when the step goes against the gradient.
+struct ApgdContactFinish {
+  ApgdState* state;
+  SCREE_HD void operator()(const Sums<2>& sums) const {
+    const double t = state->theta;
+    state->next_theta = (-t * t + t * std::sqrt(t * t + 4)) / 2;
+    state->next_beta = t * (1 - t) / (t * t + state->next_theta);
+    if (sums.value[0] > 0) {
+      state->next_theta = 1;
+      state->next_beta = 0;
+    }
+    state->step_squares = sums.value[1];
+  }
+};
+
+/// V+ = v* + M^-1 J^T gamma+, V_y+ = V+ + beta+ (V+ - V), and |V+ - V_y|_M^2 = (gamma+ - y)^T N (gamma+ - y).
+/// The momentum is linear, so N y+ needs no application of its own.
+/// Bytes per body (radial, float): read v*, V, V_y 72, inertia 8, starts 8; written 48; per contact gathered
+/// twice impulse and normal 24, list 4.
+template <class R, class Real>
+struct ApgdBodyPass {
+  static constexpr const char* name = "apgd_body_pass";
+  ContactProblem<Real> p;
+  ApgdImpulses<Real> gamma;
+  ApgdVelocities<Real> velocity;
+  const ApgdState* state;
+
+  SCREE_HD Sums<1> operator()(Index i) const {
+    const Index k = state->accepted;
+    const Twist<Real> next =
+        p.free_velocity[i] + R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
+    const Twist<Real> extrapolated = velocity.of_extrapolated[k & 1][i];
+    const Twist<Real> momentum = static_cast<Real>(state->next_beta) * (next - velocity.of_iterate[k & 1][i]);
+    velocity.of_iterate[(k + 1) & 1][i] = next;
+    velocity.of_extrapolated[(k + 1) & 1][i] = next + momentum;
+    return {{R::mass_norm2(p, i, next - extrapolated)}};
+  }
+};
+
+/// Accepts the trial when (gamma+ - y)^T N (gamma+ - y) <= L |gamma+ - y|^2, else doubles L. At the upper
+/// bound of the spectrum the test holds in exact arithmetic, so the trial is accepted whatever rounding says.
+struct ApgdBodyFinish {
+  ApgdState* state;
+  SCREE_HD void operator()(const Sums<1>& energy) const {
+    const bool at_bound = state->lipschitz >= state->lipschitz_max;
+    if (energy.value[0] <= state->lipschitz * state->step_squares || at_bound) {
+      ++state->accepted;
+      if (state->next_beta == 0 && state->theta != 1) ++state->restarts;
+      state->theta = state->next_theta;
+      state->beta = state->next_beta;
+      state->lipschitz *= 0.9;
+    } else {
+      const double doubled = 2 * state->lipschitz;
+      state->lipschitz = doubled < state->lipschitz_max ? doubled : state->lipschitz_max;
+    }
+  }
+};
+
+/// Residual of the current iterate, wherever the rotation left it.
+template <class R, class Real>
+struct ApgdResidual {
+  static constexpr const char* name = "apgd_residual";
+  ContactProblem<Real> p;
+  ApgdImpulses<Real> gamma;
+  ApgdVelocities<Real> velocity;
+  const ApgdState* state;
+  SCREE_HD ResidualSums operator()(Index c) const {
+    const Index k = state->accepted;
+    return ContactResidual<R, Real>{p, gamma.current(k), velocity.of_iterate[k & 1]}(c);
+  }
+};
+
+/// What the host reads at a check, in one transfer.
+struct ApgdCheck {
+  ApgdState state;
+  ResidualSums residual;
+};
+
+/// Stores the residual and marks whether this iterate is the best so far.
+struct ApgdCheckFinish {
+  ApgdState* state;
+  ApgdCheck* check;
+  Index contact_count;
+  SCREE_HD void operator()(const ResidualSums& sums) const {
+    check->state = *state;  // with the best residual before this one: the host compares
+    check->residual = sums;
+    const double rms = std::sqrt(sums.sum_squares / contact_count);
+    if (state->best_residual < 0 || rms < state->best_residual) state->best_residual = rms;
+  }
+};
+
+struct LargestWeight {
+  double value = 0;
+  SCREE_HD void combine(const LargestWeight& o) {
+    if (o.value > value) value = o.value;
+  }
+};
+
+/// Chooses the metric of every contact and bounds the spectrum: N <= P (mass splitting) gives
+/// H^-1 N <= max(P / H). The diagonal metric is H = sqrt(P D) with D the bound of the contact's own block:
+/// between Jacobi's scaling, too long for contacts of crowded bodies, and the safe one, too short elsewhere.
+template <class R, class Real>
+struct ApgdMetric {
+  static constexpr const char* name = "apgd_metric";
+  ContactProblem<Real> p;
+  StoredMetric<R, Real> metric;  ///< out; empty: Euclidean
+
+  SCREE_HD LargestWeight operator()(Index c) const {
+    const ContactMetric<Real> split = mass_split_metric<R>(p, c);
+    ContactMetric<Real> h = euclidean_metric<Real>();
+    if (!metric.values.empty()) {
+      const ContactMetric<Real> block = R::block_metric(p, c);
+      h = {std::sqrt(split.normal * block.normal), std::sqrt(split.tangential * block.tangential),
+           R::kVectors == 2 ? std::sqrt(split.moment * block.moment) : Real(1)};
+      metric.store(c, h);
+    }
+    Real largest = split.normal / h.normal;
+    if (split.tangential / h.tangential > largest) largest = split.tangential / h.tangential;
+    if (R::kVectors == 2 && split.moment / h.moment > largest) largest = split.moment / h.moment;
+    return {static_cast<double>(largest)};
+  }
+};
+
+/// First state of a solve.
+struct ApgdStart {
+  ApgdState* state;
+  double carried_lipschitz;  ///< L at the end of the last solve, or 0
+  double first_theta;
+  SCREE_HD void operator()(const LargestWeight& bound) const {
+    ApgdState s;
+    s.lipschitz_max = bound.value > 0 ? bound.value * (1 + 1e-5) : 1;
+    // A quarter of the bound: backtracking finds the local step within a few trials.
+    s.lipschitz = carried_lipschitz > 0 ? carried_lipschitz : s.lipschitz_max / 4;
+    if (s.lipschitz > s.lipschitz_max) s.lipschitz = s.lipschitz_max;
+    s.theta = first_theta;
+    *state = s;
+  }
+};
+
+}  // namespace scree

@@ -1,0 +1,191 @@
+#pragma once
+// What both backends provide: owning buffers, transfers, and the short closed list of parallel primitives
+// (for_each, reduce, exclusive_scan, sort_pairs, fill, copy). Only cpu.h and cuda.cuh are written twice;
+// everything above them is one source.
+//
+//   for_each(b, n, f)            f(i) for i in [0, n), any order
+//   reduce<R>(b, n, f, finish)   combines the R returned by f(i) in a fixed order, then runs finish(total)
+//                                once on the backend; f may also write its own element
+//   exclusive_scan(b, in, out)   out[i] = sum of in[0..i), out has one element more than in
+//   sort_pairs(b, keys, values, bits)  stable ascending radix sort of 64-bit keys with 32-bit values
+//
+// R is trivially copyable with a default constructor giving the identity and `void combine(const R&)`.
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "kernels/types.h"
+
+namespace scree {
+
+/// A fault of the device or its runtime. what() names the operation and, where known, the kernel.
+class DeviceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Device (or host) memory ran out. Carries the size that was asked for.
+class OutOfMemory : public DeviceError {
+ public:
+  OutOfMemory(std::size_t bytes, const std::string& where)
+      : DeviceError(where + " memory exhausted: could not allocate " +
+                    std::to_string(bytes / (1024 * 1024) + 1) + " MiB") {}
+};
+
+/// Owns `capacity` elements in the memory of backend B. Move-only; contents start uninitialized.
+template <class B, class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  explicit Buffer(B& backend, Offset count = 0) : backend_(&backend) { reserve_discard(count); }
+  ~Buffer() { release(); }
+  Buffer(Buffer&& o) noexcept
+      : backend_(o.backend_),
+        data_(std::exchange(o.data_, nullptr)),
+        capacity_(std::exchange(o.capacity_, 0)) {}
+  Buffer& operator=(Buffer&& o) noexcept {
+    if (this != &o) {
+      release();
+      backend_ = o.backend_;
+      data_ = std::exchange(o.data_, nullptr);
+      capacity_ = std::exchange(o.capacity_, 0);
+    }
+    return *this;
+  }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+
+  /// Makes room for `count` elements; old contents are lost when the buffer has to grow.
+  void reserve_discard(Offset count) {
+    if (count <= capacity_) return;
+    release();
+    data_ = static_cast<T*>(backend_->allocate(bytes(count)));
+    capacity_ = count;
+  }
+  /// Makes room for `count` elements and keeps the first `keep` ones.
+  void reserve_keep(Offset count, Offset keep) {
+    if (count <= capacity_) return;
+    Buffer grown(*backend_, count);
+    copy(*backend_, Span<const T>{data_, keep}, grown.view(keep));
+    std::swap(data_, grown.data_);
+    std::swap(capacity_, grown.capacity_);
+  }
+
+  Offset capacity() const { return capacity_; }
+  Span<T> view() { return {data_, capacity_}; }
+  Span<T> view(Offset count) { return view().first(count); }
+  Span<const T> view(Offset count) const { return Span<const T>{data_, capacity_}.first(count); }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  friend void swap(Buffer& a, Buffer& b) noexcept {
+    std::swap(a.backend_, b.backend_);
+    std::swap(a.data_, b.data_);
+    std::swap(a.capacity_, b.capacity_);
+  }
+
+ private:
+  static std::size_t bytes(Offset count) { return static_cast<std::size_t>(count) * sizeof(T); }
+  void release() noexcept {
+    if (data_) backend_->deallocate(data_, bytes(capacity_));
+    data_ = nullptr;
+    capacity_ = 0;
+  }
+
+  B* backend_;
+  T* data_ = nullptr;
+  Offset capacity_ = 0;
+};
+
+/// Workspace of sort_pairs, specialized by each backend; owned by the caller, so repeated sorts do not
+/// allocate.
+template <class B>
+struct SortSpace;
+
+/// Copies between two views in the memory of the same backend.
+template <class B, class T>
+void copy(B& b, Span<const T> source, Span<T> destination) {
+  b.copy_bytes(destination.data, source.data, static_cast<std::size_t>(source.size) * sizeof(T));
+}
+
+/// Host to backend memory.
+template <class B, class T>
+void upload(B& b, const T* source, Span<T> destination) {
+  b.upload_bytes(destination.data, source, static_cast<std::size_t>(destination.size) * sizeof(T));
+}
+template <class B, class T>
+void upload(B& b, const std::vector<T>& source, Buffer<B, T>& destination) {
+  const auto count = static_cast<Offset>(source.size());
+  destination.reserve_discard(count);
+  upload(b, source.data(), destination.view(count));
+}
+
+/// Backend memory to host; complete when it returns.
+template <class B, class T>
+void download(B& b, Span<const T> source, T* destination) {
+  b.download_bytes(destination, source.data, static_cast<std::size_t>(source.size) * sizeof(T));
+}
+template <class B, class T>
+std::vector<std::remove_const_t<T>> download(B& b, Span<T> source) {
+  std::vector<std::remove_const_t<T>> host(static_cast<std::size_t>(source.size));
+  download(b, Span<const std::remove_const_t<T>>{source.data, source.size}, host.data());
+  return host;
+}
+
+/// One element, read back to the host: a synchronization, never inside a solver iteration.
+template <class B, class T>
+T fetch(B& b, const T* element) {
+  T value;
+  b.download_bytes(&value, element, sizeof(T));
+  return value;
+}
+
+/// Element program: array[i] = value.
+template <class T>
+struct FillElements {
+  static constexpr const char* name = "fill";
+  Span<T> array;
+  T value;
+  SCREE_HD void operator()(Index i) const { array[i] = value; }
+};
+
+template <class B, class T>
+void fill(B& b, Span<T> array, T value) {
+  for_each(b, static_cast<Index>(array.size), FillElements<T>{array, value});
+}
+
+/// Does nothing with a finished reduction that f's own side effects made superfluous.
+struct NoFinish {
+  template <class R>
+  SCREE_HD void operator()(const R&) const {}
+};
+
+/// Stores a finished reduction in backend memory.
+template <class R>
+struct StoreResult {
+  R* result;
+  SCREE_HD void operator()(const R& total) const { *result = total; }
+};
+
+/// Sum of K doubles: the usual reduction record.
+template <int K>
+struct Sums {
+  double value[K] = {};
+  SCREE_HD void combine(const Sums& o) {
+    for (int k = 0; k < K; ++k) value[k] += o.value[k];
+  }
+};
+
+/// Bits needed to tell `count` values apart, at least 1: the length of a radix sort.
+inline int bits_for(std::uint64_t count) {
+  int bits = 1;
+  while (bits < 64 && (count - 1) >> bits) ++bits;
+  return bits;
+}
+
+}  // namespace scree

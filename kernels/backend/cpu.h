@@ -1,0 +1,170 @@
+#pragma once
+// The CPU backend. One thread is the reference; any number of threads gives the same bits, because
+// reductions run over fixed chunks combined in order and the radix sort is stable.
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include "kernels/backend/backend.h"
+
+namespace scree {
+
+class Cpu {
+ public:
+  static constexpr bool kIsDevice = false;
+  static constexpr const char* kName = "cpu";
+
+  /// @param threads  worker threads; 0 takes what OpenMP offers
+  explicit Cpu(int threads = 0) : threads_(threads > 0 ? threads : omp_get_max_threads()) {}
+
+  int threads() const { return threads_; }
+  void synchronize() {}
+
+  void* allocate(std::size_t bytes) {
+    void* p = std::aligned_alloc(kAlignment, (bytes + kAlignment - 1) / kAlignment * kAlignment);
+    if (p == nullptr) throw OutOfMemory(bytes, "host");
+    allocated_ += bytes;
+    peak_ = std::max(peak_, allocated_);
+    return p;
+  }
+  void deallocate(void* p, std::size_t bytes) noexcept {
+    std::free(p);
+    allocated_ -= bytes;
+  }
+  /// Bytes held now, and the most ever held at once.
+  std::size_t allocated() const { return allocated_; }
+  std::size_t peak() const { return peak_; }
+
+  void copy_bytes(void* destination, const void* source, std::size_t bytes) {
+    if (bytes > 0) std::memmove(destination, source, bytes);
+  }
+  void upload_bytes(void* d, const void* s, std::size_t bytes) { copy_bytes(d, s, bytes); }
+  void download_bytes(void* d, const void* s, std::size_t bytes) { copy_bytes(d, s, bytes); }
+
+  /// Uninitialized scratch for reductions; valid until the next call.
+  void* scratch(std::size_t bytes) {
+    if (scratch_.size() < bytes) scratch_.resize(bytes);
+    return scratch_.data();
+  }
+
+ private:
+  static constexpr std::size_t kAlignment = 64;
+  int threads_;
+  std::size_t allocated_ = 0;
+  std::size_t peak_ = 0;
+  std::vector<unsigned char> scratch_;
+};
+
+/// Below this many elements a parallel region costs more than it saves.
+inline constexpr Index kSerialBelow = 512;
+
+template <class F>
+void for_each(Cpu& cpu, Index n, F f) {
+  if (n < kSerialBelow || cpu.threads() == 1) {
+    for (Index i = 0; i < n; ++i) f(i);
+    return;
+  }
+#pragma omp parallel for num_threads(cpu.threads()) schedule(static)
+  for (Index i = 0; i < n; ++i) f(i);
+}
+
+/// Chunks have a fixed size, so partial sums do not depend on the thread count.
+template <class R, class F, class G = NoFinish>
+void reduce(Cpu& cpu, Index n, F f, G finish = {}) {
+  constexpr Index kChunk = 1024;
+  const Index chunk_count = (n + kChunk - 1) / kChunk;
+  R* partial = static_cast<R*>(cpu.scratch(sizeof(R) * static_cast<std::size_t>(chunk_count)));
+  const auto run_chunk = [&](Index chunk) {
+    R sum;
+    const Index end = std::min(n, (chunk + 1) * kChunk);
+    for (Index i = chunk * kChunk; i < end; ++i) sum.combine(f(i));
+    partial[chunk] = sum;
+  };
+  if (chunk_count < 2 || cpu.threads() == 1) {
+    for (Index chunk = 0; chunk < chunk_count; ++chunk) run_chunk(chunk);
+  } else {
+#pragma omp parallel for num_threads(cpu.threads()) schedule(static)
+    for (Index chunk = 0; chunk < chunk_count; ++chunk) run_chunk(chunk);
+  }
+  R total;
+  for (Index chunk = 0; chunk < chunk_count; ++chunk) total.combine(partial[chunk]);
+  finish(total);
+}
+
+/// Adds up in 64 bits; a list may pass 2^31 entries.
+inline void exclusive_scan(Cpu&, Span<const Index> in, Span<Offset> out) {
+  Offset sum = 0;
+  for (Offset i = 0; i < in.size; ++i) {
+    out[i] = sum;
+    sum += in[i];
+  }
+  out[in.size] = sum;
+}
+
+template <>
+struct SortSpace<Cpu> {
+  explicit SortSpace(Cpu& cpu) : keys(cpu), values(cpu) {}
+  Buffer<Cpu, std::uint64_t> keys;
+  Buffer<Cpu, Index> values;
+};
+
+/// Least significant digit radix sort, stable: equal keys keep their order for any thread count.
+inline void sort_pairs(Cpu& cpu, SortSpace<Cpu>& space, Span<std::uint64_t> keys, Span<Index> values,
+                       int bits) {
+  constexpr int kDigitBits = 11;
+  constexpr int kDigits = 1 << kDigitBits;
+  const Offset n = keys.size;
+  if (n < 2) return;
+  space.keys.reserve_discard(n);
+  space.values.reserve_discard(n);
+  Span<std::uint64_t> from_keys = keys, to_keys = space.keys.view(n);
+  Span<Index> from_values = values, to_values = space.values.view(n);
+
+  const int threads = n < 1 << 14 ? 1 : cpu.threads();
+  std::vector<Offset> counts(static_cast<std::size_t>(threads) * kDigits);
+  for (int shift = 0; shift < bits; shift += kDigitBits) {
+    std::fill(counts.begin(), counts.end(), 0);
+    const auto digit = [&](Offset i) { return (from_keys[i] >> shift) & (kDigits - 1); };
+#pragma omp parallel num_threads(threads) if (threads > 1)
+    {
+      // The share of a thread is computed from the number of threads asked for, so the two loops agree.
+#pragma omp for schedule(static, 1)
+      for (int t = 0; t < threads; ++t) {
+        Offset* count = counts.data() + static_cast<std::size_t>(t) * kDigits;
+        for (Offset i = n * t / threads; i < n * (t + 1) / threads; ++i) ++count[digit(i)];
+      }
+#pragma omp single
+      {
+        Offset sum = 0;
+        for (int d = 0; d < kDigits; ++d) {
+          for (int t = 0; t < threads; ++t) {
+            Offset& c = counts[static_cast<std::size_t>(t) * kDigits + d];
+            sum += std::exchange(c, sum);
+          }
+        }
+      }
+#pragma omp for schedule(static, 1)
+      for (int t = 0; t < threads; ++t) {
+        Offset* position = counts.data() + static_cast<std::size_t>(t) * kDigits;
+        for (Offset i = n * t / threads; i < n * (t + 1) / threads; ++i) {
+          const Offset p = position[digit(i)]++;
+          to_keys[p] = from_keys[i];
+          to_values[p] = from_values[i];
+        }
+      }
+    }
+    std::swap(from_keys, to_keys);
+    std::swap(from_values, to_values);
+  }
+  if (from_keys.data != keys.data) {
+    copy(cpu, Span<const std::uint64_t>(from_keys), keys);
+    copy(cpu, Span<const Index>(from_values), values);
+  }
+}
+
+}  // namespace scree

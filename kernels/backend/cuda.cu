@@ -1,0 +1,107 @@
+// The parts of the CUDA backend that need no template: device set-up, memory, and CUB's scan and sort.
+// CUB is included in this unit only, which keeps every other one quick to compile.
+#include "kernels/backend/cuda.cuh"
+
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+#include <thrust/iterator/transform_iterator.h>
+
+namespace scree {
+
+Cuda::Cuda(int device) : device_(device) {
+  check_cuda(cudaSetDevice(device), "select device");
+  check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "create stream");
+  // Freed blocks stay in the pool: buffers that grow during a run do not go back to the driver each time.
+  cudaMemPool_t pool = nullptr;
+  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
+  std::uint64_t keep = ~std::uint64_t{0};
+  check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), "memory pool");
+  check_cuda(cudaMalloc(&partials_, kMaxReduceRecord * kReduceBlocks), "allocate reduction scratch");
+  check_cuda(cudaMalloc(&ticket_, sizeof(unsigned)), "allocate reduction ticket");
+  check_cuda(cudaMemsetAsync(ticket_, 0, sizeof(unsigned), stream_), "clear reduction ticket");
+}
+
+Cuda::~Cuda() {
+  if (stream_ != nullptr) cudaStreamSynchronize(stream_);
+  cudaFree(partials_);
+  cudaFree(ticket_);
+  if (stream_ != nullptr) cudaStreamDestroy(stream_);
+}
+
+void* Cuda::allocate(std::size_t bytes) {
+  void* p = nullptr;
+  const cudaError_t error = cudaMallocAsync(&p, std::max<std::size_t>(bytes, 1), stream_);
+  if (error == cudaErrorMemoryAllocation) {
+    cudaGetLastError();  // clear it: the caller may shrink and go on
+    throw OutOfMemory(bytes, "device");
+  }
+  check_cuda(error, "allocate");
+  allocated_ += bytes;
+  peak_ = std::max(peak_, allocated_);
+  return p;
+}
+
+void Cuda::deallocate(void* p, std::size_t bytes) noexcept {
+  cudaFreeAsync(p, stream_);
+  allocated_ -= bytes;
+}
+
+void Cuda::copy_bytes(void* destination, const void* source, std::size_t bytes) {
+  if (bytes == 0) return;
+  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToDevice, stream_), "copy");
+}
+
+void Cuda::upload_bytes(void* destination, const void* source, std::size_t bytes) {
+  if (bytes == 0) return;
+  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyHostToDevice, stream_), "upload");
+  synchronize();  // the source may be a temporary
+}
+
+void Cuda::download_bytes(void* destination, const void* source, std::size_t bytes) {
+  if (bytes == 0) return;
+  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToHost, stream_), "download");
+  synchronize();
+}
+
+namespace {
+struct Widen {
+  __host__ __device__ Offset operator()(Index i) const { return i; }
+};
+}  // namespace
+
+void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Offset> out) {
+  // The total lands in out[n]: an inclusive scan shifted by one, behind a leading zero.
+  check_cuda(cudaMemsetAsync(out.data, 0, sizeof(Offset), cuda.stream()), "exclusive_scan");
+  if (in.size == 0) return;
+  const auto wide = thrust::make_transform_iterator(in.data, Widen{});
+  std::size_t bytes = 0;
+  check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, wide, out.data + 1, in.size, cuda.stream()),
+             "exclusive_scan");
+  Buffer<Cuda, unsigned char> temporary(cuda, static_cast<Offset>(bytes));
+  check_cuda(
+      cub::DeviceScan::InclusiveSum(temporary.data(), bytes, wide, out.data + 1, in.size, cuda.stream()),
+      "exclusive_scan");
+}
+
+void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values, int bits) {
+  const Offset n = keys.size;
+  if (n < 2) return;
+  space.keys.reserve_discard(n);
+  space.values.reserve_discard(n);
+  cub::DoubleBuffer<std::uint64_t> key_buffers(keys.data, space.keys.data());
+  cub::DoubleBuffer<Index> value_buffers(values.data, space.values.data());
+  std::size_t bytes = 0;
+  check_cuda(cub::DeviceRadixSort::SortPairs(nullptr, bytes, key_buffers, value_buffers, n, 0, bits,
+                                             cuda.stream()),
+             "sort_pairs");
+  space.temporary.reserve_discard(static_cast<Offset>(bytes));
+  check_cuda(cub::DeviceRadixSort::SortPairs(space.temporary.data(), bytes, key_buffers, value_buffers, n, 0,
+                                             bits, cuda.stream()),
+             "sort_pairs");
+  if (key_buffers.Current() != keys.data) {
+    copy(cuda, Span<const std::uint64_t>{key_buffers.Current(), n}, keys);
+    copy(cuda, Span<const Index>{value_buffers.Current(), n}, values);
+  }
+}
+
+}  // namespace scree

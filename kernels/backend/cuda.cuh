@@ -1,0 +1,149 @@
+#pragma once
+// The CUDA backend: one device, one stream. Element programs run as grid-stride kernels; reductions
+// combine in a fixed order, so the same input gives the same bits on every run.
+
+#include <cuda_runtime.h>
+
+#include <algorithm>
+
+#include "kernels/backend/backend.h"
+
+namespace scree {
+
+inline void check_cuda(cudaError_t error, const char* what) {
+  if (error != cudaSuccess) {
+    throw DeviceError(std::string("CUDA: ") + cudaGetErrorString(error) + " (" + what + ")");
+  }
+}
+
+class Cuda {
+ public:
+  static constexpr bool kIsDevice = true;
+  static constexpr const char* kName = "cuda";
+  static constexpr int kBlock = 256;
+  /// Most blocks of a reduction: a constant, so that the order of summation is the same on every device.
+  static constexpr int kReduceBlocks = 2048;
+  static constexpr std::size_t kMaxReduceRecord = 128;
+
+  explicit Cuda(int device = 0);
+  ~Cuda();
+  Cuda(const Cuda&) = delete;
+  Cuda& operator=(const Cuda&) = delete;
+
+  int device() const { return device_; }
+  cudaStream_t stream() const { return stream_; }
+  int threads() const { return 0; }
+  void synchronize() { check_cuda(cudaStreamSynchronize(stream_), "synchronize"); }
+
+  void* allocate(std::size_t bytes);
+  void deallocate(void* p, std::size_t bytes) noexcept;
+  std::size_t allocated() const { return allocated_; }
+  std::size_t peak() const { return peak_; }
+
+  void copy_bytes(void* destination, const void* source, std::size_t bytes);
+  void upload_bytes(void* destination, const void* source, std::size_t bytes);
+  void download_bytes(void* destination, const void* source, std::size_t bytes);
+
+  /// Partial results of a reduction, kReduceBlocks records; and its ticket counter, zero between calls.
+  void* partials() { return partials_; }
+  unsigned* ticket() { return ticket_; }
+
+  /// Reports a failed launch under the kernel's name; with SCREE_CHECK_SYNC also waits for it.
+  void check_launch(const char* name) {
+    check_cuda(cudaGetLastError(), name);
+#ifdef SCREE_CHECK_SYNC
+    check_cuda(cudaStreamSynchronize(stream_), name);
+#endif
+  }
+
+ private:
+  int device_ = 0;
+  cudaStream_t stream_ = nullptr;
+  void* partials_ = nullptr;
+  unsigned* ticket_ = nullptr;
+  std::size_t allocated_ = 0;
+  std::size_t peak_ = 0;
+};
+
+template <class F>
+__global__ void __launch_bounds__(Cuda::kBlock) for_each_kernel(Index n, F f) {
+  const Offset stride = static_cast<Offset>(gridDim.x) * blockDim.x;
+  for (Offset i = static_cast<Offset>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) {
+    f(static_cast<Index>(i));
+  }
+}
+
+template <class F>
+void for_each(Cuda& cuda, Index n, F f) {
+  if (n <= 0) return;  // an empty launch is an error
+  const auto blocks = static_cast<unsigned>((static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock);
+  for_each_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(n, f);
+  cuda.check_launch(F::name);
+}
+
+/// Combines one record per thread into thread 0's, by a fixed tree.
+template <class R>
+__device__ R block_combine(R mine) {
+  __shared__ alignas(R) unsigned char storage[sizeof(R) * Cuda::kBlock];
+  R* shared = reinterpret_cast<R*>(storage);
+  shared[threadIdx.x] = mine;
+  __syncthreads();
+  for (int half = Cuda::kBlock / 2; half > 0; half /= 2) {
+    if (threadIdx.x < half) shared[threadIdx.x].combine(shared[threadIdx.x + half]);
+    __syncthreads();
+  }
+  return shared[0];
+}
+
+/// Each block reduces its share; the block that finishes last combines the partial results in block order
+/// and runs `finish`. The ticket is an integer, so its order of arrival does not touch the sums.
+template <class R, class F, class G>
+__global__ void __launch_bounds__(Cuda::kBlock)
+    reduce_kernel(Index n, F f, G finish, R* partials, unsigned* ticket) {
+  R mine;
+  const Offset stride = static_cast<Offset>(gridDim.x) * blockDim.x;
+  for (Offset i = static_cast<Offset>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) {
+    mine.combine(f(static_cast<Index>(i)));
+  }
+  const R block_total = block_combine(mine);
+  __shared__ bool is_last;
+  if (threadIdx.x == 0) {
+    partials[blockIdx.x] = block_total;
+    __threadfence();
+    is_last = atomicInc(ticket, gridDim.x - 1) == gridDim.x - 1;  // wraps to zero for the next call
+  }
+  __syncthreads();
+  if (!is_last) return;
+  __threadfence();
+  R rest;
+  for (unsigned k = threadIdx.x; k < gridDim.x; k += blockDim.x) rest.combine(partials[k]);
+  __syncthreads();
+  const R total = block_combine(rest);
+  if (threadIdx.x == 0) finish(total);
+}
+
+template <class R, class F, class G = NoFinish>
+void reduce(Cuda& cuda, Index n, F f, G finish = {}) {
+  static_assert(sizeof(R) <= Cuda::kMaxReduceRecord);
+  const Offset wanted = (static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock;
+  const auto blocks = static_cast<unsigned>(std::clamp<Offset>(wanted, 1, Cuda::kReduceBlocks));
+  reduce_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(n, f, finish, static_cast<R*>(cuda.partials()),
+                                                            cuda.ticket());
+  cuda.check_launch(F::name);
+}
+
+/// Adds up in 64 bits (CUB). @param out one element more than in
+void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Offset> out);
+
+template <>
+struct SortSpace<Cuda> {
+  explicit SortSpace(Cuda& cuda) : keys(cuda), values(cuda), temporary(cuda) {}
+  Buffer<Cuda, std::uint64_t> keys;
+  Buffer<Cuda, Index> values;
+  Buffer<Cuda, unsigned char> temporary;
+};
+
+/// Stable radix sort of the low `bits` of the keys (CUB).
+void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values, int bits);
+
+}  // namespace scree

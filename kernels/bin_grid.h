@@ -1,0 +1,153 @@
+#pragma once
+// The hierarchy of bins of the broad phase: how many levels, how many cells, where a body belongs.
+//
+// A body of inflated radius r sits in the finest level whose cell edge is at least 2 r. Every axis
+// of a level wraps: along a periodic axis after its whole number of cells, else after a number of
+// cells chosen so that a table over all cells stays in proportion to the bodies of the level.
+// Bodies that are a multiple of the wrap length apart share a cell, which costs candidates but
+// loses none: distances are first compared modulo the wrap length, which never makes them larger.
+
+#include "kernels/math/vec3.h"
+#include "kernels/morton.h"
+
+namespace scree {
+
+inline constexpr int kMaxLevels =
+    16;  ///< sizes up to 2^15 to 1; smaller bodies share the finest level
+/// Phases of the edge of the finest level within a factor of two.
+inline constexpr int kEdgePhases = 16;
+
+/// Extent and sizes of all binned bodies: the record of a reduction (128 bytes).
+struct BodyExtent {
+  double lower[3] = {1e300, 1e300, 1e300};  ///< [m]
+  double upper[3] = {-1e300, -1e300, -1e300};
+  double min_diameter = 1e300;  ///< inflated [m]
+  double max_diameter = 0;
+  Index phase_count[kEdgePhases] = {};  ///< bodies by the fractional part of log2 of their diameter
+
+  SCREE_HD void combine(const BodyExtent& o) {
+    for (int k = 0; k < 3; ++k) {
+      if (o.lower[k] < lower[k]) lower[k] = o.lower[k];
+      if (o.upper[k] > upper[k]) upper[k] = o.upper[k];
+    }
+    if (o.min_diameter < min_diameter) min_diameter = o.min_diameter;
+    if (o.max_diameter > max_diameter) max_diameter = o.max_diameter;
+    for (int k = 0; k < kEdgePhases; ++k) phase_count[k] += o.phase_count[k];
+  }
+};
+
+/// Phase of a diameter: edge 2^(phase/16 + integer) is the smallest of its kind that holds it.
+SCREE_HD inline int edge_phase(double diameter) {
+  const int k = static_cast<int>(std::ceil(kEdgePhases * std::log2(diameter)));
+  return ((k % kEdgePhases) + kEdgePhases) % kEdgePhases;
+}
+
+/// Edge of the finest level: among the phases the one that costs the fewest candidates, a body
+/// costing (edge of its level / diameter)^3.
+SCREE_HD inline double finest_edge(const BodyExtent& e) {
+  if (!(e.max_diameter > 0)) return 1;
+  constexpr double kStep = 1.1387886347566916;  // 2^(3/16): one phase more costs that much more
+  int best = 0;
+  double best_cost = 1e300;
+  for (int phase = 0; phase < kEdgePhases; ++phase) {
+    double cost = 0, weight = 1;
+    for (int excess = 0; excess < kEdgePhases; ++excess, weight *= kStep) {
+      cost += weight * e.phase_count[(phase - excess + kEdgePhases) % kEdgePhases];
+    }
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = phase;
+    }
+  }
+  const double fraction = static_cast<double>(best) / kEdgePhases;
+  double edge = std::exp2(std::ceil(std::log2(e.min_diameter) - fraction) + fraction);
+  while (edge < e.min_diameter) edge *= 2;  // rounding of the logarithm
+  while (edge * (1 << (kMaxLevels - 1)) < e.max_diameter) edge *= 2;
+  return edge;
+}
+
+/// Bodies per level, levels being edge, 2 edge, 4 edge...
+struct LevelCounts {
+  Index count[kMaxLevels] = {};
+  SCREE_HD void combine(const LevelCounts& o) {
+    for (int k = 0; k < kMaxLevels; ++k) count[k] += o.count[k];
+  }
+};
+
+SCREE_HD inline int level_of(double diameter, double edge) {
+  int level = 0;
+  while (level < kMaxLevels - 1 && diameter > edge) {
+    edge *= 2;
+    ++level;
+  }
+  return level;
+}
+
+/// One level that holds bodies.
+struct BinLevel {
+  double max_diameter = 0;  ///< largest inflated diameter of its bodies [m]
+  Vec3<double> edge;        ///< cell edges [m], at least max_diameter
+  Vec3<double> wrap;        ///< cells * edge [m]
+  Vec3<float> wrap_f;
+  Vec3<float> inv_wrap;
+  Vec3<float> inv_edge;
+  float slack = 0;  ///< bound on the rounding of a coordinate in float [m]
+  Index cells[3] = {1, 1, 1};
+  int block_bits = 0;  ///< cells are in Morton order within blocks of 2^block_bits per axis
+  Index stride[3] = {1, 1, 1};  ///< blocks follow each other row by row, the shortest axis first
+  Index first_cell = 0;         ///< number of the level's first cell in the table of all levels
+};
+
+struct BinGrid {
+  Vec3<double> lower;     ///< origin of all coordinates [m]
+  Index level_count = 0;  ///< levels with bodies, finest first
+  Index cell_count = 0;   ///< over all levels
+  BinLevel level[kMaxLevels];
+};
+
+/// Contribution of one coordinate to the number of a cell; the three add up.
+SCREE_HD inline Index cell_part(const BinLevel& l, int axis, Index c) {
+  const auto low = static_cast<std::uint32_t>(c) & ((1u << l.block_bits) - 1);
+  return static_cast<Index>(spread_bits_10(low) << axis) +
+         (((c >> l.block_bits) * l.stride[axis]) << (3 * l.block_bits));
+}
+
+/// Coordinate in [0, wrap).
+SCREE_HD inline double wrapped(double x, double lower, double wrap) {
+  x -= lower;
+  x -= wrap * std::floor(x / wrap);
+  return x >= 0 && x < wrap ? x : 0;  // rounding may land on the upper end, which is the lower one
+}
+
+SCREE_HD inline Vec3<double> wrapped(const BinGrid& grid, const BinLevel& l,
+                                     const Vec3<double>& x) {
+  return {wrapped(x.x, grid.lower.x, l.wrap.x), wrapped(x.y, grid.lower.y, l.wrap.y),
+          wrapped(x.z, grid.lower.z, l.wrap.z)};
+}
+
+/// Number of the cell that holds a wrapped position.
+SCREE_HD inline Index cell_of(const BinLevel& l, const Vec3<double>& x) {
+  Index cell = l.first_cell;
+  for (int axis = 0; axis < 3; ++axis) {
+    Index c = static_cast<Index>(x[axis] / l.edge[axis]);
+    if (c >= l.cells[axis]) c = l.cells[axis] - 1;
+    cell += cell_part(l, axis, c);
+  }
+  return cell;
+}
+
+/// Index among the levels with bodies.
+SCREE_HD inline Index find_level(const BinGrid& grid, double diameter) {
+  Index l = 0;
+  while (l < grid.level_count - 1 && diameter > grid.level[l].max_diameter) ++l;
+  return l;
+}
+
+/// The level a cell number belongs to.
+SCREE_HD inline Index level_of_cell(const BinGrid& grid, Index cell) {
+  Index l = 0;
+  while (l < grid.level_count - 1 && cell >= grid.level[l + 1].first_cell) ++l;
+  return l;
+}
+
+}  // namespace scree

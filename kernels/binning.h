@@ -1,0 +1,153 @@
+#pragma once
+// Element programs that sort bodies into bins.
+
+#include "kernels/bin_plan.h"
+#include "kernels/body_view.h"
+
+namespace scree {
+
+/// How far contacts are looked for.
+struct ContactRange {
+  double envelope = 0;  ///< contacts are listed up to this gap [m]
+  double h = 0;         ///< time step [s]; approaching surfaces are listed when they meet within it
+  Vec3<double> period;  ///< [m]; zero: not periodic
+};
+
+/// Bodies that are binned: free ones, and fixed or kinematic spheres. Other bodies in
+/// [fixed_begin, count) are walls.
+struct BinnedRange {
+  Index free_count = 0;
+  Index fixed_begin = 0;
+  Index count = 0;
+
+  SCREE_HD Index size() const { return free_count + count - fixed_begin; }
+  SCREE_HD Index body(Index m) const { return m < free_count ? m : m - free_count + fixed_begin; }
+  /// Inverse of body().
+  SCREE_HD Index slot(Index i) const { return i < free_count ? i : i - fixed_begin + free_count; }
+};
+
+/// Radius of a binned body that covers all it may touch within the step: two bodies can have a
+/// contact only when their centers are at most the sum of their inflated radii apart. Zero for
+/// bodies that are not binned.
+template <class Real>
+SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange& range, Index i) {
+  const bool is_sphere = bodies.shape[i] < 0;
+  if (i >= bodies.fixed_begin && !is_sphere) return 0;
+  const double radius = bodies.radius[i];
+  double speed = norm(Vec3<double>(bodies.velocity[i]));
+  if (!is_sphere) speed += radius * norm(Vec3<double>(bodies.angular_velocity[i]));
+  const double inflated = radius + 0.5 * range.envelope + range.h * speed;
+  // A state that is not finite has no contacts; the integration pass names it.
+  if (!(inflated > 0 && inflated < 1e30) || !is_finite(bodies.position[i])) return 0;
+  return static_cast<float>(inflated) * (1.0f + 2.4e-7f);
+}
+
+/// Inflated radii and the extent they need. Bytes per body: 44 read, 4 written.
+template <class Real>
+struct MeasureBodies {
+  static constexpr const char* name = "measure_bodies";
+  BodyView<Real> bodies;
+  BinnedRange binned;
+  ContactRange range;
+  Span<float> inflated;  ///< [binned.size()] out [m]
+
+  SCREE_HD BodyExtent operator()(Index m) const {
+    const Index i = binned.body(m);
+    const float r = inflated_radius(bodies, range, i);
+    inflated[m] = r;
+    BodyExtent e;
+    if (r > 0) {
+      const Vec3<double> x = bodies.position[i];
+      for (int k = 0; k < 3; ++k) e.lower[k] = e.upper[k] = x[k];
+      const double diameter = 2.0 * r;
+      e.min_diameter = e.max_diameter = diameter;
+      const int phase = edge_phase(diameter);
+      for (int k = 0; k < kEdgePhases; ++k) e.phase_count[k] = k == phase;
+    }
+    return e;
+  }
+};
+
+/// Bodies per level. Bytes per body: 4 read.
+struct CountLevels {
+  static constexpr const char* name = "count_levels";
+  Span<const float> inflated;
+  const double* edge;  ///< of the finest level [m]
+
+  SCREE_HD LevelCounts operator()(Index m) const {
+    LevelCounts counts;
+    if (inflated[m] > 0) {
+      const int level = level_of(2.0 * inflated[m], *edge);
+      for (int k = 0; k < kMaxLevels; ++k) counts.count[k] = k == level;
+    }
+    return counts;
+  }
+};
+
+/// Cell of each body, the sort key. Bytes per body: 28 read, 12 written.
+template <class Real>
+struct BinBodies {
+  static constexpr const char* name = "bin_bodies";
+  BodyView<Real> bodies;
+  BinnedRange binned;
+  Span<const float> inflated;
+  const BinGrid* grid;
+  Span<std::uint64_t>
+      cell;          ///< [binned.size()] out; the number of cells for bodies that are not binned
+  Span<Index> body;  ///< [binned.size()] out: storage index
+
+  SCREE_HD void operator()(Index m) const {
+    const Index i = binned.body(m);
+    body[m] = i;
+    const float r = inflated[m];
+    Index c = grid->cell_count;
+    if (r > 0) {
+      const BinLevel& l = grid->level[find_level(*grid, 2.0 * r)];
+      c = cell_of(l, wrapped(*grid, l, bodies.position[i]));
+    }
+    cell[m] = static_cast<std::uint64_t>(c);
+  }
+};
+
+/// What the search reads of a candidate, in cell order: 16 bytes.
+struct alignas(16) BinRecord {
+  Vec3<float> position;  ///< wrapped, relative to the grid's origin [m]
+  float radius = 0;  ///< inflated, with room for the rounding of the position [m]; 0: not binned
+};
+
+/// Bodies of one cell: positions [begin, end) in cell order.
+struct CellRange {
+  Index begin = 0;
+  Index end = 0;
+};
+
+/// Records in cell order, and the range of each cell. Bytes per body: 40 read, 16 written, and 8
+/// per cell.
+template <class Real>
+struct GatherBins {
+  static constexpr const char* name = "gather_bins";
+  BodyView<Real> bodies;
+  BinnedRange binned;
+  Span<const float> inflated;
+  const BinGrid* grid;
+  Span<const std::uint64_t> cell;  ///< [n] sorted
+  Span<const Index> body;          ///< [n]
+  Span<BinRecord> record;          ///< [n] out
+  Span<CellRange> cells;           ///< [grid->cell_count] out, zero before
+
+  SCREE_HD void operator()(Index p) const {
+    const auto c = static_cast<Index>(cell[p]);
+    BinRecord r;
+    if (c < grid->cell_count) {
+      const Index i = body[p];
+      const BinLevel& l = grid->level[level_of_cell(*grid, c)];
+      r.position = Vec3<float>(wrapped(*grid, l, bodies.position[i]));
+      r.radius = inflated[binned.slot(i)] + l.slack;
+      if (p == 0 || cell[p - 1] != cell[p]) cells[c].begin = p;
+      if (p == cell.size - 1 || cell[p + 1] != cell[p]) cells[c].end = p + 1;
+    }
+    record[p] = r;
+  }
+};
+
+}  // namespace scree

@@ -1,0 +1,76 @@
+#pragma once
+// Projections onto the Coulomb cone and its relatives. docs/theory.md, section "Cones".
+
+#include "kernels/math/vec3.h"
+
+namespace scree {
+
+/// Euclidean projection of x onto the Coulomb cone K = {(n, t) : |t| <= mu n}.
+/// @param mu  friction coefficient [-], >= 0
+/// @param x   contact-frame impulse (n, t1, t2) [N s]
+/// @return    nearest point of K [N s]; zero when x lies in the polar cone
+/// Source: Mazhar et al., ACM TOG 34(3), 2015; docs/theory.md eq. (6).
+template <class Real>
+SCREE_HD ContactVec<Real> project_cone(Real mu, const ContactVec<Real>& x) {
+  const Real tangential = std::sqrt(x.t1 * x.t1 + x.t2 * x.t2);
+  if (tangential <= mu * x.n) return x;
+  if (mu * tangential <= -x.n) return {0, 0, 0};
+  const Real n = (x.n + mu * tangential) / (Real(1) + mu * mu);
+  const Real scale = tangential > Real(0) ? mu * n / tangential : Real(0);
+  return {n, scale * x.t1, scale * x.t2};
+}
+
+/// Projection of the world vector y onto the Coulomb cone about the unit normal, in the metric
+/// a_n (normal) and a_t (tangential); equal weights give the Euclidean projection.
+/// For a contact whose 3x3 Delassus block is diag(a_n, a_t, a_t) this is the exact minimizer of its
+/// one-contact problem.
+/// @param y  impulse, world frame [N s]
+/// Source: docs/theory.md eq. (7).
+template <class Real>
+SCREE_HD Vec3<Real> project_cone(Real mu, const Vec3<Real>& normal, const Vec3<Real>& y, Real a_n,
+                                 Real a_t) {
+  const Real y_n = dot(normal, y);
+  const Vec3<Real> y_t = y - y_n * normal;
+  const Real tangential = norm(y_t);
+  if (tangential <= mu * y_n) return y;
+  const Real pull = a_n * y_n + mu * a_t * tangential;
+  if (pull <= Real(0)) return {0, 0, 0};
+  const Real n = pull / (a_n + mu * mu * a_t);
+  const Real scale = tangential > Real(0) ? mu * n / tangential : Real(0);
+  return n * normal + scale * y_t;
+}
+
+/// One bounded part of a contact impulse that shares the contact's normal force.
+template <class Real>
+struct BoundedPart {
+  Real mu;      ///< bound per unit of normal impulse [-], >= 0
+  Real weight;  ///< metric weight, > 0
+  Real length;  ///< norm of the part before projection [N s]
+};
+
+/// Normal component of the projection onto {|t_k| <= mu_k n for every part k}.
+/// The derivative of the distance is increasing, concave and piecewise linear in n, so Newton's method from
+/// n = 0 walks monotonically and lands exactly after at most one step per part and one more.
+/// @param a_n  metric weight of the normal
+/// @param y_n  normal impulse before projection [N s]
+/// Source: docs/theory.md eq. (8); cones of Tasora & Anitescu, Meccanica 48, 2013.
+template <int Parts, class Real>
+SCREE_HD Real shared_normal(Real a_n, Real y_n, const BoundedPart<Real> (&part)[Parts]) {
+  Real n = 0;
+  for (int iteration = 0; iteration <= Parts; ++iteration) {
+    Real pull = a_n * y_n;
+    Real stiffness = a_n;
+    for (int k = 0; k < Parts; ++k) {
+      if (part[k].length > part[k].mu * n) {
+        pull += part[k].weight * part[k].mu * part[k].length;
+        stiffness += part[k].weight * part[k].mu * part[k].mu;
+      }
+    }
+    const Real next = pull / stiffness;
+    if (next <= n) break;
+    n = next;
+  }
+  return n;
+}
+
+}  // namespace scree

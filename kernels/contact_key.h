@@ -1,0 +1,47 @@
+#pragma once
+// Names of contacts: 64-bit keys that stay the same from step to step.
+//
+//   key = a << 32 | element        a: the free body with the lower storage index
+//   element, in 32 bits:
+//     [0, wall_begin)              body b << feature_bits | feature
+//     [wall_begin, solid_begin)    plane p of the walls, slot corner: wall_begin + 8 p + corner
+//     [solid_begin, end)           solid walls, each with a range of its own: one slot for a box,
+//     one per
+//                                  triangle for a mesh
+
+#include "kernels/types.h"
+
+namespace scree {
+
+inline constexpr int kPlaneSlots = 8;
+
+struct ContactKeys {
+  int feature_bits = 0;   ///< 0 when every pair of bodies has at most one contact
+  int element_bits = 32;  ///< enough for every element; sorting uses no more
+  std::uint32_t wall_begin = 0;
+  std::uint32_t solid_begin = 0;
+
+  SCREE_HD std::uint32_t body_element(Index b, std::uint32_t feature) const {
+    return static_cast<std::uint32_t>(b) << feature_bits | feature;
+  }
+  SCREE_HD bool is_body(std::uint32_t element) const { return element < wall_begin; }
+  SCREE_HD Index body(std::uint32_t element) const {
+    return static_cast<Index>(element >> feature_bits);
+  }
+  SCREE_HD std::uint32_t feature(std::uint32_t element) const {
+    return element & ((1u << feature_bits) - 1);
+  }
+  SCREE_HD std::uint32_t plane_element(Index plane, int corner) const {
+    return wall_begin + static_cast<std::uint32_t>(plane * kPlaneSlots + corner);
+  }
+};
+
+SCREE_HD inline std::uint64_t make_key(Index a, std::uint32_t element) {
+  return static_cast<std::uint64_t>(a) << 32 | element;
+}
+SCREE_HD inline Index key_body(std::uint64_t key) { return static_cast<Index>(key >> 32); }
+SCREE_HD inline std::uint32_t key_element(std::uint64_t key) {
+  return static_cast<std::uint32_t>(key);
+}
+
+}  // namespace scree

@@ -1,0 +1,122 @@
+#pragma once
+// Which primitive each sample sees. A drawing pass has three steps: count the 8x8-sample chunks of
+// every primitive's rectangle, scan the counts, and run one work item per chunk. Small and large
+// solids thus cost each thread the same, and a sphere of one pixel costs one item.
+
+#include <cstring>
+
+#include "kernels/backend/atomic.h"
+#include "kernels/render/solids.h"
+
+namespace scree::render {
+
+/// A sample of the visibility buffer: depth in the high half, primitive number in the low half.
+/// Depths are positive, and positive floats order like their bits, so the smallest entry is the
+/// nearest solid and a tie goes to the lower number.
+inline constexpr std::uint64_t kNothing = ~std::uint64_t{0};
+
+SCREE_HD inline std::uint64_t pack_sample(float depth, Index primitive) {
+  std::uint32_t bits;
+  memcpy(&bits, &depth, sizeof bits);
+  return (static_cast<std::uint64_t>(bits) << 32) | static_cast<std::uint32_t>(primitive);
+}
+SCREE_HD inline Index primitive_of(std::uint64_t sample) {
+  return static_cast<Index>(static_cast<std::uint32_t>(sample));
+}
+/// Depth of a sample [m]; 1e30 where nothing is seen.
+SCREE_HD inline float depth_of(std::uint64_t sample) {
+  if (sample == kNothing) return 1e30f;
+  const auto bits = static_cast<std::uint32_t>(sample >> 32);
+  float depth;
+  memcpy(&depth, &bits, sizeof depth);
+  return depth;
+}
+
+/// Triangles of each shape record; zero for other shapes and for bodies that are not there.
+template <class Real>
+struct CountTriangles {
+  static constexpr const char* name = "render_count_triangles";
+  DrawList<Real> list;
+  Span<Index> counts;  ///< [shapes] out
+  SCREE_HD void operator()(Index s) const {
+    const ShapeRecord<Real>& record = list.shapes[s];
+    const bool drawn = record.kind == ShapeKind::mesh && record.mesh >= 0 &&
+                       list.is_present(record.body) && list.shape[record.body] == s;
+    counts[s] = drawn ? list.meshes.ranges[record.mesh].triangle_count : 0;
+  }
+};
+
+/// Solids of a view, as the drawing pass takes them.
+template <class Real>
+struct SolidSource {
+  static constexpr const char* count_name = "render_count_solids";
+  static constexpr const char* draw_name = "render_draw_solids";
+  DrawList<Real> list;
+  View view;
+  bool solid_only = false;  ///< see resolve()
+
+  SCREE_HD SampleRect rect(Index primitive) const {
+    return resolve(list, view, primitive, solid_only).rect(view);
+  }
+  SCREE_HD void draw(Index primitive, Index chunk, Span<std::uint64_t> samples) const {
+    const Solid solid = resolve(list, view, primitive, solid_only);
+    const SampleRect area = solid.rect(view).chunk(chunk);
+    // The kind is told apart once per chunk, not once per sample.
+    switch (solid.kind) {
+      case SolidKind::sphere:
+        return draw_kind<SolidKind::sphere>(solid, area, primitive, samples);
+      case SolidKind::box:
+        return draw_kind<SolidKind::box>(solid, area, primitive, samples);
+      case SolidKind::half_space:
+        return draw_kind<SolidKind::half_space>(solid, area, primitive, samples);
+      case SolidKind::container:
+        return draw_kind<SolidKind::container>(solid, area, primitive, samples);
+      case SolidKind::triangle:
+        return draw_kind<SolidKind::triangle>(solid, area, primitive, samples);
+      case SolidKind::none:
+        return;
+    }
+  }
+
+ private:
+  template <SolidKind kind>
+  SCREE_HD void draw_kind(const Solid& solid, const SampleRect& area, Index primitive,
+                          Span<std::uint64_t> samples) const {
+    for (int j = area.y_begin; j < area.y_end; ++j) {
+      const float y = view.plane_y(j);
+      std::uint64_t* row = samples.data + static_cast<Offset>(j) * view.width;
+      for (int i = area.x_begin; i < area.x_end; ++i) {
+        const float depth = solid.hit<kind>(solid.eye.ray(view.plane_x(i), y));
+        // The upper limit also rejects what is not finite.
+        if (depth > view.near_depth && depth < 1e20f)
+          atomic_min(row + i, pack_sample(depth, primitive));
+      }
+    }
+  }
+};
+
+/// Work items of each primitive.
+template <class Source>
+struct CountChunks {
+  static constexpr const char* name = Source::count_name;
+  Source source;
+  Span<Index> counts;  ///< [primitives] out
+  SCREE_HD void operator()(Index p) const { counts[p] = source.rect(p).chunk_count(); }
+};
+
+/// One chunk of one primitive into the visibility buffer.
+template <class Source>
+struct DrawChunk {
+  static constexpr const char* name = Source::draw_name;
+  Source source;
+  Span<const Offset> chunk_begin;  ///< [primitives + 1] scanned counts
+  Offset first_item = 0;           ///< item number of i = 0
+  Span<std::uint64_t> samples;     ///< [view.sample_count()] in and out
+  SCREE_HD void operator()(Index i) const {
+    const Offset item = first_item + i;
+    const Index primitive = owner_of(chunk_begin, item);
+    source.draw(primitive, static_cast<Index>(item - chunk_begin[primitive]), samples);
+  }
+};
+
+}  // namespace scree::render

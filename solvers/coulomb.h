@@ -1,0 +1,114 @@
+#pragma once
+// Exact Coulomb friction: the De Saxce fixed point around any solver of the convex problem.
+//
+// A sliding contact of the convex problem lifts off at mu |u_t|. Adding that speed to the bias and solving
+// again, until it no longer changes, gives Coulomb's law: gamma in K, u + mu |u_t| n in K*, orthogonal.
+// One slipping contact with k = N_tt / N_nn contracts by k mu^2 / (1 + k mu^2) per outer iteration.
+// Source: De Saxce & Feng, Math. Comput. Modelling 28, 1998; Cadoux 2009; docs/theory.md, section "Coulomb".
+// Memory passes per outer iteration: those of the inner solve, and two over contacts.
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "kernels/coulomb_pass.h"
+#include "solvers/residual.h"
+
+namespace scree {
+
+/// The recorded curve holds the exact residual after each outer iteration, over the work of all inner ones.
+template <class B, class Real>
+class CoulombFixedPoint final : public Solver<B, Real> {
+ public:
+  /// @param inner                 solver of the convex problem; warm-started from one iteration to the next
+  /// @param max_outer_iterations  [-], > 0
+  /// @throws InvalidParameter
+  CoulombFixedPoint(std::unique_ptr<Solver<B, Real>> inner, int max_outer_iterations)
+      : inner_(std::move(inner)), max_outer_iterations_(max_outer_iterations) {
+    if (!inner_) throw InvalidParameter("solver.coulomb needs an inner solver, got none");
+    if (max_outer_iterations_ <= 0) {
+      throw InvalidParameter("solver.max_outer_iterations must be positive, got " +
+                             std::to_string(max_outer_iterations_));
+    }
+  }
+
+  /// `converged` is judged on the exact residual; both residuals are of the original problem.
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+    return with_rows<Real>(p.layout,
+                           [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
+  }
+  Span<const Twist<Real>> velocity() const override { return velocity_; }
+
+  std::vector<double> memory() const override { return inner_->memory(); }
+  void restore_memory(const std::vector<double>& m) override { inner_->restore_memory(m); }
+
+ private:
+  struct Workspace {
+    explicit Workspace(B& b) : velocity(b), shift(b), bias(b), change(b, 1), residual(b) {}
+    Buffer<B, Twist<Real>> velocity;  ///< of the guess
+    Buffer<B, Real> shift;
+    Buffer<B, Real> bias;
+    Buffer<B, Sums<1>> change;
+    ResidualEvaluator<B, Real> residual;
+  };
+
+  template <class R>
+  SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
+    if (!space_) space_ = std::make_unique<Workspace>(b);
+    Workspace& w = *space_;
+    w.velocity.reserve_discard(p.body_count);
+    const Span<Twist<Real>> guess_velocity = w.velocity.view(p.body_count);
+    copy(b, p.free_velocity.first(p.body_count), guess_velocity);
+    velocity_ = guess_velocity;
+    if (p.contact_count == 0) return {0, 0, true, {}};
+
+    w.shift.reserve_discard(p.contact_count);
+    w.bias.reserve_discard(p.contact_count);
+    const Span<Real> shift = w.shift.view(p.contact_count), bias = w.bias.view(p.contact_count);
+    ContactProblem<Real> shifted = p;
+    shifted.bias = bias;
+    // RMS change of the shift when it is taken at the present velocities.
+    const auto update_bias = [&] {
+      reduce<Sums<1>>(b, p.contact_count, ShiftBias<R, Real>{p, velocity_, shift, bias},
+                      StoreResult<Sums<1>>{w.change.data()});
+      return std::sqrt(fetch(b, w.change.data()).value[0] / p.contact_count);
+    };
+
+    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
+    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, guess_velocity});
+    fill(b, shift, Real(0));
+    update_bias();
+
+    SolveStats stats;
+    stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
+    this->add_to_curve(0, 0, stats.residual.exact_rms);
+    stats.converged = stats.residual.exact_rms <= tolerance;
+    for (int outer = 0; outer < max_outer_iterations_ && !stats.converged; ++outer) {
+      if (stats.residual.bad_contact >= 0) break;
+      // No use in solving a problem accurately whose bias is still far off.
+      const double inner_tolerance =
+          std::max(kShareOfTolerance * tolerance, kShareOfResidual * stats.residual.exact_rms);
+      const SolveStats inner = inner_->solve(b, shifted, gamma, tolerance > 0 ? inner_tolerance : 0);
+      velocity_ = inner_->velocity();
+      stats.iterations += inner.iterations;
+      stats.applications += inner.applications;
+      stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
+      this->add_to_curve(stats.iterations, stats.applications, stats.residual.exact_rms);
+      const double change = update_bias();
+      stats.converged = stats.residual.exact_rms <= tolerance && change <= tolerance;
+    }
+    stats.converged = stats.residual.exact_rms <= tolerance;
+    stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity_);
+    return stats;
+  }
+
+  static constexpr double kShareOfTolerance = 0.25;  ///< of the tolerance that an inner solve may leave
+  static constexpr double kShareOfResidual = 0.02;   ///< of the last exact residual
+
+  std::unique_ptr<Solver<B, Real>> inner_;
+  int max_outer_iterations_;
+  std::unique_ptr<Workspace> space_;
+  Span<const Twist<Real>> velocity_;
+};
+
+}  // namespace scree

@@ -1,0 +1,54 @@
+#pragma once
+// Projected Gauss-Seidel in contact order, one 3x3 (6x6 with rolling friction) block at a time, on one CPU
+// thread: the classic reference for convergence per sweep.
+//
+// Source: docs/theory.md, section "Jacobi and Gauss-Seidel"; Jourdan, Alart, Jean, CMAME 155, 1998 (block
+// relaxation). Memory passes per sweep: one over contacts in place, bodies read and written at each
+// contact; at each check one pass over bodies and one over contacts more.
+
+#include "kernels/gauss_seidel_pass.h"
+#include "solvers/relaxation.h"
+
+namespace scree {
+
+template <class B, class Real>
+class GaussSeidel final : public RelaxationSolver<B, Real> {
+  static_assert(!B::kIsDevice, "sequential Gauss-Seidel runs on the CPU");
+
+ public:
+  using RelaxationSolver<B, Real>::RelaxationSolver;
+
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+    return with_rows<Real>(p.layout,
+                           [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
+  }
+
+ private:
+  template <class R>
+  SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
+    const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
+    if (p.contact_count == 0) return {0, 0, true, {}};
+    const Span<ContactMetric<Real>> metric = this->metric(p);
+    for_each(b, p.contact_count, StoreBlockMetric<R, Real>{p, metric});
+
+    const GaussSeidelPass<R, Real> pass{p, metric, velocity, gamma, this->relaxation()};
+    const auto sweep = [&] {
+      for (Index c = 0; c < p.contact_count; ++c) pass(c);
+    };
+    return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, [] {});
+  }
+};
+
+/// @throws InvalidParameter on a device backend
+template <class B, class Real>
+std::unique_ptr<Solver<B, Real>> make_gauss_seidel(const SolverParams& params) {
+  if constexpr (B::kIsDevice) {
+    throw InvalidParameter(
+        "solver.name \"gauss_seidel\" is sequential and runs on the cpu backend only; use "
+        "\"gauss_seidel_colored\"");
+  } else {
+    return std::make_unique<GaussSeidel<B, Real>>(params);
+  }
+}
+
+}  // namespace scree

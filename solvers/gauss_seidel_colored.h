@@ -1,0 +1,134 @@
+#pragma once
+// Projected block Gauss-Seidel in parallel: contacts of one color share no free body and are solved at once.
+//
+// Source: docs/theory.md, section "Jacobi and Gauss-Seidel". Once per solve: a coloring and one pass that
+// brings contact data into the order of colors, so that a sweep reads contacts as a stream. Memory passes
+// per sweep: one over contacts (48 B read and 12 B written in float) and two bodies gathered and scattered
+// at each (64 B read, 48 B written), in as many launches as there are colors; at each check one pass over
+// bodies and two over contacts more. A sweep cannot be faster than the launches of its colors: a body with
+// 2000 contacts makes 2000.
+
+#include "kernels/gauss_seidel_pass.h"
+#include "solvers/contact_coloring.h"
+#include "solvers/relaxation.h"
+
+namespace scree {
+
+template <class B, class Real>
+class GaussSeidelColored final : public RelaxationSolver<B, Real> {
+ public:
+  using RelaxationSolver<B, Real>::RelaxationSolver;
+
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+    return with_rows<Real>(p.layout,
+                           [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
+  }
+
+  /// Colors of the last solve.
+  Index color_count() const { return space_ ? space_->coloring.color_count() : 0; }
+
+ private:
+  struct Workspace {
+    explicit Workspace(B& b)
+        : coloring(b),
+          body_a(b),
+          body_b(b),
+          normal(b),
+          bias(b),
+          friction(b),
+          adhesion(b),
+          arm_a(b),
+          arm_b(b),
+          rolling(b),
+          gamma(b) {}
+    ContactColoring<B> coloring;
+    Buffer<B, Index> body_a;
+    Buffer<B, Index> body_b;
+    Buffer<B, Vec3<Real>> normal;
+    Buffer<B, Real> bias;
+    Buffer<B, Real> friction;
+    Buffer<B, Real> adhesion;
+    Buffer<B, Vec3<Real>> arm_a;
+    Buffer<B, Vec3<Real>> arm_b;
+    Buffer<B, RollingRow<Real>> rolling;
+    Buffer<B, Vec3<Real>> gamma;
+  };
+
+  /// A view of the buffer as large as the original field; empty when the problem has none.
+  template <class T>
+  static Span<T> sized_like(Span<const T> original, Buffer<B, T>& buffer) {
+    buffer.reserve_discard(original.size);
+    return buffer.view(original.size);
+  }
+
+  /// The problem with its contacts in the order of colors; its body-to-contact lists are not usable.
+  template <class R>
+  ContactProblem<Real> order_contacts(B& b, const ContactProblem<Real>& p, Span<ContactMetric<Real>> metric) {
+    Workspace& w = *space_;
+    OrderedContacts<Real> to;
+    to.body_a = sized_like(p.body_a.first(p.contact_count), w.body_a);
+    to.body_b = sized_like(p.body_b.first(p.contact_count), w.body_b);
+    to.normal = sized_like(p.normal.first(p.contact_count), w.normal);
+    to.bias = sized_like(p.bias.first(p.contact_count), w.bias);
+    to.friction = sized_like(p.friction.values, w.friction);
+    to.adhesion = sized_like(p.adhesion.values, w.adhesion);
+    if (p.layout != ContactLayout::radial) {
+      to.arm_a = sized_like(p.arm_a, w.arm_a);
+      to.arm_b = sized_like(p.arm_b, w.arm_b);
+    }
+    if (p.layout == ContactLayout::rolling) to.rolling = sized_like(p.rolling, w.rolling);
+    to.metric = metric;
+    for_each(b, p.contact_count, GatherContacts<R, Real>{p, w.coloring.order(), to});
+
+    ContactProblem<Real> ordered = p;
+    ordered.body_a = to.body_a;
+    ordered.body_b = to.body_b;
+    ordered.normal = to.normal;
+    ordered.bias = to.bias;
+    ordered.friction.values = to.friction;
+    ordered.adhesion.values = to.adhesion;
+    ordered.arm_a = to.arm_a;
+    ordered.arm_b = to.arm_b;
+    ordered.rolling = to.rolling;
+    ordered.a_start = ordered.b_start = ordered.b_contact = {};
+    return ordered;
+  }
+
+  template <class R>
+  SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
+    if (!space_) space_ = std::make_unique<Workspace>(b);
+    ContactColoring<B>& coloring = space_->coloring;
+    const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
+    coloring.compute(b, p);
+    if (p.contact_count == 0) return {0, 0, true, {}};
+    const Span<ContactMetric<Real>> metric = this->metric(p);
+    const ContactProblem<Real> ordered = order_contacts<R>(b, p, metric);
+
+    const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
+    space_->gamma.reserve_discard(vectors);
+    const Span<Vec3<Real>> ordered_gamma = space_->gamma.view(vectors);
+    for_each(b, p.contact_count, GatherImpulses<R, Real>{coloring.order(), gamma, ordered_gamma});
+
+    const std::vector<Index>& starts = coloring.starts();
+    GaussSeidelPass<R, Real> pass{ordered, metric, velocity, ordered_gamma, this->relaxation()};
+    const auto sweep = [&] {
+      for (Index color = 0; color < coloring.color_count(); ++color) {
+        pass.first = starts[color];
+        for_each(b, starts[color + 1] - starts[color], pass);
+      }
+    };
+    const auto collect = [&] {
+      for_each(b, p.contact_count, ScatterImpulses<R, Real>{coloring.order(), ordered_gamma, gamma});
+    };
+    return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, collect);
+  }
+
+  std::unique_ptr<Workspace> space_;
+};
+
+template <class B, class Real>
+std::unique_ptr<Solver<B, Real>> make_gauss_seidel_colored(const SolverParams& params) {
+  return std::make_unique<GaussSeidelColored<B, Real>>(params);
+}
+
+}  // namespace scree

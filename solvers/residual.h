@@ -1,0 +1,56 @@
+#pragma once
+// Evaluates the one residual (see Residual in solver.h) and the objective of given impulses.
+
+#include <cmath>
+
+#include "kernels/contact_operator.h"
+#include "solvers/solver.h"
+
+namespace scree {
+
+template <class B, class Real>
+class ResidualEvaluator {
+ public:
+  explicit ResidualEvaluator(B& backend) : contact_sums_(backend, 1), body_sums_(backend, 1) {}
+
+  /// Contact part only: one pass, one host read.
+  /// @param velocity  V = v* + M^-1 J^T gamma
+  template <class R>
+  Residual evaluate(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
+                    Span<const Twist<Real>> velocity) {
+    if (p.contact_count == 0) return {};
+    reduce<ResidualSums>(b, p.contact_count, ContactResidual<R, Real>{p, gamma, velocity},
+                         StoreResult<ResidualSums>{contact_sums_.data()});
+    return from_sums(fetch(b, contact_sums_.data()), p.contact_count);
+  }
+
+  /// Adds the objective: f = gamma . (N gamma + r) - 1/2 |V - v*|_M^2.
+  template <class R>
+  Residual evaluate_with_objective(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
+                                   Span<const Twist<Real>> velocity) {
+    if (p.contact_count == 0) return {};
+    reduce<Sums<1>>(b, p.free_count, ImpulseEnergy<R, Real>{p, velocity},
+                    StoreResult<Sums<1>>{body_sums_.data()});
+    Residual r = evaluate<R>(b, p, gamma, velocity);
+    r.objective -= fetch(b, body_sums_.data()).value[0];
+    return r;
+  }
+
+  static Residual from_sums(const ResidualSums& s, Index contact_count) {
+    Residual r;
+    r.rms = std::sqrt(s.sum_squares / contact_count);
+    r.exact_rms = std::sqrt(s.exact_squares / contact_count);
+    r.max = std::sqrt(std::max(s.max_square, 0.0));
+    r.max_contact = s.max_contact;
+    r.objective = s.work;
+    r.cone_violation = s.cone_violation;
+    r.bad_contact = s.bad_contact;
+    return r;
+  }
+
+ private:
+  Buffer<B, ResidualSums> contact_sums_;
+  Buffer<B, Sums<1>> body_sums_;
+};
+
+}  // namespace scree

@@ -1,0 +1,110 @@
+#pragma once
+// What every solver is: something that takes a contact problem and a guess, and returns impulses, body
+// velocities and an account of how good they are.
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "kernels/backend/backend.h"
+#include "kernels/contact_problem.h"
+
+namespace scree {
+
+/// A parameter outside its range. what() names the parameter, the value and what was expected.
+class InvalidParameter : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Metric in which APGD takes its steps and projections.
+enum class ApgdMetricKind {
+  euclidean,  ///< as in the paper
+  diagonal    ///< two or three weights per contact, see ApgdMetric: fewer iterations, most with mixed sizes
+};
+
+struct SolverParams {
+  int max_iterations = 400;  ///< [-], > 0
+  int check_every = 10;      ///< iterations between residual checks (host reads), > 0
+  double relaxation = 1.0;   ///< over-relaxation of Gauss-Seidel and Jacobi, in (0, 2)
+  ApgdMetricKind metric = ApgdMetricKind::diagonal;
+};
+
+/// @throws InvalidParameter
+inline void validate(const SolverParams& p) {
+  const auto require = [](bool ok, const std::string& what) {
+    if (!ok) throw InvalidParameter(what);
+  };
+  require(p.max_iterations > 0,
+          "solver.max_iterations must be positive, got " + std::to_string(p.max_iterations));
+  require(p.check_every > 0, "solver.check_every must be positive, got " + std::to_string(p.check_every));
+  require(p.relaxation > 0 && p.relaxation < 2,
+          "solver.relaxation must lie in (0, 2), got " + std::to_string(p.relaxation));
+}
+
+/// The one measure every solver is judged by: e_c = (gamma_c - P_K(gamma_c - rho_c u_c)) / rho_c with
+/// rho_c = 3 / trace(N_cc), over all contacts. Does not depend on problem size. docs/theory.md eq. (12).
+struct Residual {
+  double rms = 0;             ///< [m/s]
+  double max = 0;             ///< [m/s]
+  Index max_contact = -1;     ///< contact of the largest residual
+  double exact_rms = 0;       ///< with the De Saxce velocity u + mu |u_t| n [m/s]
+  double objective = 0;       ///< 1/2 gamma^T N gamma + r^T gamma [J]
+  double cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
+  Index bad_contact = -1;     ///< a contact whose residual is not finite, or -1
+};
+
+struct SolveStats {
+  int iterations = 0;
+  int applications = 0;    ///< operator applications: passes over all contacts and bodies
+  bool converged = false;  ///< residual reached the tolerance
+  Residual residual;       ///< of the returned impulses
+};
+
+/// A point of a convergence curve.
+struct CurvePoint {
+  int iterations = 0;
+  int applications = 0;
+  double residual_rms = 0;  ///< [m/s]
+};
+
+template <class B, class Real>
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  /// Solves to `tolerance` (RMS residual [m/s]; 0 runs all iterations).
+  /// @param gamma  in: guess (any values; projected first); out: impulses, world frame [N s]
+  /// All buffers grow here, before the first iteration; none of the iterations allocates.
+  virtual SolveStats solve(B& backend, const ContactProblem<Real>& problem, Span<Vec3<Real>> gamma,
+                           double tolerance) = 0;
+
+  /// V = v* + M^-1 J^T gamma of the returned impulses [body_count]; valid until the next solve.
+  virtual Span<const Twist<Real>> velocity() const = 0;
+
+  /// What is carried from step to step beside the impulses, for checkpoints.
+  virtual std::vector<double> memory() const { return {}; }
+  virtual void restore_memory(const std::vector<double>&) {}
+
+  /// When set, every residual check of a solve is appended here.
+  void record_curve(std::vector<CurvePoint>* curve) { curve_ = curve; }
+
+ protected:
+  void add_to_curve(int iterations, int applications, double rms) {
+    if (curve_ != nullptr) curve_->push_back({iterations, applications, rms});
+  }
+
+ private:
+  std::vector<CurvePoint>* curve_ = nullptr;
+};
+
+/// Makes a solver by its registered name.
+/// @throws InvalidParameter naming the known solvers when the name is none of them
+template <class B, class Real>
+std::unique_ptr<Solver<B, Real>> make_solver(const std::string& name, const SolverParams& params);
+
+/// Names that make_solver knows.
+std::vector<std::string> solver_names();
+
+}  // namespace scree

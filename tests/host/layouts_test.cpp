@@ -1,0 +1,229 @@
+#include "host/layouts/layouts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+namespace {
+
+constexpr double kRounding = 1e-12;
+
+Region unit_box() {
+  Region region;
+  region.upper = {1, 1, 1};
+  return region;
+}
+Region tilted_cylinder() {
+  Region region;
+  region.kind = Region::Kind::cylinder;
+  region.axis = normalized(Vec3d{1, 2, 3});
+  region.center = {1, 1, 1};
+  region.radius = 0.6;
+  region.length = 2;
+  return region;
+}
+RadiusLaw constant(double r) {
+  RadiusLaw law;
+  law.low = law.high = r;
+  return law;
+}
+RadiusLaw uniform(double low, double high) {
+  RadiusLaw law;
+  law.kind = RadiusLaw::Kind::uniform;
+  law.low = low;
+  law.high = high;
+  return law;
+}
+
+/// By brute force: no two spheres overlap, and all lie in the region.
+void expect_clear(const std::vector<PlacedSphere>& spheres, const Region& region) {
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    EXPECT_TRUE(region.contains(spheres[i].center, spheres[i].radius - kRounding)) << i;
+    for (std::size_t j = 0; j < i; ++j)
+      ASSERT_GE(norm(spheres[i].center - spheres[j].center),
+                spheres[i].radius + spheres[j].radius - kRounding)
+          << i << " and " << j;
+  }
+}
+
+TEST(RandomNumbers, AreTheSameOnEveryPlatform) {
+  // Recorded values: a change here changes every scene that draws numbers.
+  RandomNumbers random(1, 0);
+  EXPECT_EQ(random.unit(), 0x1.109f48cd2b63p-1);
+  EXPECT_EQ(random.unit(), 0x1.c90fc93c4f5b7p-1);
+  EXPECT_EQ(random.normal(), 0x1.bbb94362af2p-1);
+  EXPECT_NE(RandomNumbers(1, 1).unit(), 0x1.109f48cd2b63p-1);
+  EXPECT_NE(RandomNumbers(2, 0).unit(), 0x1.109f48cd2b63p-1);
+}
+
+TEST(RandomNumbers, HaveTheirMoments) {
+  RandomNumbers random(3, 0);
+  constexpr int count = 200000;
+  double sum = 0;
+  double square = 0;
+  double fourth = 0;
+  double uniform_sum = 0;
+  for (int i = 0; i < count; ++i) {
+    const double x = random.normal();
+    sum += x;
+    square += x * x;
+    fourth += x * x * x * x;
+    uniform_sum += random.uniform(2, 4);
+  }
+  EXPECT_NEAR(sum / count, 0, 0.01);
+  EXPECT_NEAR(square / count, 1, 0.02);
+  EXPECT_NEAR(fourth / count, 3, 0.1);
+  EXPECT_NEAR(uniform_sum / count, 3, 0.01);
+}
+
+TEST(RadiusLaw, DrawsWithinItsRange) {
+  RandomNumbers random(1, 0);
+  RadiusLaw normal = uniform(0.9, 1.3);
+  normal.kind = RadiusLaw::Kind::normal;
+  normal.mean = 1;
+  normal.deviation = 0.2;
+  RadiusLaw discrete;
+  discrete.kind = RadiusLaw::Kind::discrete;
+  discrete.values = {1, 2, 3};
+  discrete.weights = {1, 0, 3};
+  int small = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const double n = normal.draw(random);
+    EXPECT_TRUE(n >= 0.9 && n <= 1.3);
+    const double d = discrete.draw(random);
+    EXPECT_NE(d, 2);
+    small += d == 1;
+  }
+  EXPECT_NEAR(small, 2500, 200);
+  EXPECT_EQ(discrete.largest(), 3);
+  EXPECT_EQ(normal.largest(), 1.3);
+}
+
+TEST(Region, BoundsOfATiltedCylinderAreTight) {
+  Region region;
+  region.kind = Region::Kind::cylinder;
+  region.axis = {1, 0, 0};
+  region.radius = 2;
+  region.length = 6;
+  Vec3d low;
+  Vec3d high;
+  region.bounds(low, high);
+  EXPECT_EQ(low, Vec3d(-3, -2, -2));
+  EXPECT_EQ(high, Vec3d(3, 2, 2));
+}
+
+TEST(Lattice, FillsABoxExactly) {
+  RandomNumbers random(1, 0);
+  LatticeLayout layout{unit_box(), 0.1, 0};
+  const auto all = place_on_lattice(layout, constant(0.05), -1, random);
+  EXPECT_EQ(all.size(), 1000u);
+  expect_clear(all, layout.region);
+  const auto some = place_on_lattice(layout, constant(0.05), 150, random);
+  EXPECT_EQ(some.size(), 150u);
+  for (const PlacedSphere& s : some) EXPECT_LT(s.center.z, 0.2);  // from the bottom up
+}
+
+TEST(Lattice, JitterKeepsSpheresApart) {
+  RandomNumbers random(1, 0);
+  for (const Region& region : {unit_box(), tilted_cylinder()}) {
+    LatticeLayout layout{region, 0.11, 1};
+    const auto spheres = place_on_lattice(layout, uniform(0.01, 0.05), -1, random);
+    EXPECT_GT(spheres.size(), 400u);
+    expect_clear(spheres, region);
+  }
+}
+
+TEST(Lattice, SaysHowManyFit) {
+  RandomNumbers random(1, 0);
+  try {
+    place_on_lattice({unit_box(), 0.5, 0}, constant(0.1), 9, random);
+    FAIL();
+  } catch (const DoesNotFit& fault) {
+    EXPECT_STREQ(fault.what(), "the region holds 8 spheres at a spacing of 0.5 m");
+  }
+}
+
+TEST(RandomLayout, PlacesWithoutOverlap) {
+  RandomNumbers random(1, 0);
+  for (const Region& region : {unit_box(), tilted_cylinder()}) {
+    const auto spheres = place_at_random(region, uniform(0.02, 0.05), 800, random);
+    EXPECT_EQ(spheres.size(), 800u);
+    expect_clear(spheres, region);
+  }
+}
+
+TEST(RandomLayout, HandlesSizesOneToFifty) {
+  RandomNumbers random(1, 0);
+  RadiusLaw law;
+  law.kind = RadiusLaw::Kind::discrete;
+  law.values = {0.2, 0.004};
+  law.weights = {1, 999};
+  const auto spheres = place_at_random(unit_box(), law, 2000, random);
+  expect_clear(spheres, unit_box());
+  EXPECT_EQ(spheres.front().radius, 0.2);
+  EXPECT_EQ(spheres.back().radius, 0.004);
+}
+
+TEST(RandomLayout, ReachesATightFillAndSaysWhenItIsFull) {
+  RandomNumbers random(1, 0);
+  EXPECT_EQ(place_at_random(unit_box(), constant(0.05), 480, random).size(), 480u);  // 25 %
+  try {
+    place_at_random(unit_box(), constant(0.05), 2000, random);
+    FAIL();
+  } catch (const DoesNotFit& fault) {
+    EXPECT_THAT(fault.what(), testing::ContainsRegex("^[5-7][0-9][0-9] of 2000 spheres fit"));
+  }
+}
+
+TEST(RandomLayout, ZeroSpheres) {
+  RandomNumbers random(1, 0);
+  EXPECT_TRUE(place_at_random(unit_box(), constant(0.1), 0, random).empty());
+}
+
+TEST(Rain, BatchesTakeTheLowestPlanesAndDoNotOverlap) {
+  RandomNumbers random(1, 0);
+  LatticeLayout layout{unit_box(), 0.1, 1};
+  double thickness = 0;
+  const auto one_plane = place_rain_batch(layout, uniform(0.02, 0.04), 60, random, thickness);
+  EXPECT_EQ(one_plane.size(), 60u);
+  EXPECT_DOUBLE_EQ(thickness, 0.1);
+  expect_clear(one_plane, layout.region);
+  const auto two_planes = place_rain_batch(layout, constant(0.05), 101, random, thickness);
+  EXPECT_DOUBLE_EQ(thickness, 0.2);
+  expect_clear(two_planes, layout.region);
+  EXPECT_THROW(place_rain_batch(layout, constant(0.05), 1001, random, thickness), DoesNotFit);
+}
+
+TEST(Layouts, AreDeterministic) {
+  const auto equal = [](const std::vector<PlacedSphere>& a, const std::vector<PlacedSphere>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& p, const auto& q) {
+      return p.center == q.center && p.radius == q.radius;
+    });
+  };
+  const RadiusLaw law = uniform(0.02, 0.04);
+  double thickness = 0;
+  const auto random_layout = [&](std::uint64_t seed) {
+    RandomNumbers random(seed, 0);
+    return place_at_random(unit_box(), law, 200, random);
+  };
+  const auto lattice = [&](std::uint64_t seed) {
+    RandomNumbers random(seed, 0);
+    return place_on_lattice({unit_box(), 0.1, 0.5}, law, 200, random);
+  };
+  const auto rain = [&](std::uint64_t seed) {
+    RandomNumbers random(seed, 0);
+    return place_rain_batch({unit_box(), 0.1, 0.5}, law, 200, random, thickness);
+  };
+  EXPECT_TRUE(equal(random_layout(1), random_layout(1)));
+  EXPECT_FALSE(equal(random_layout(1), random_layout(2)));
+  EXPECT_TRUE(equal(lattice(1), lattice(1)));
+  EXPECT_FALSE(equal(lattice(1), lattice(2)));
+  EXPECT_TRUE(equal(rain(1), rain(1)));
+  EXPECT_FALSE(equal(rain(1), rain(2)));
+}
+
+}  // namespace
+}  // namespace scree

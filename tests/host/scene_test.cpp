@@ -1,0 +1,195 @@
+#include "host/scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "tests/host/input_files.h"
+
+namespace scree {
+namespace {
+
+using test::refusal;
+using testing::StartsWith;
+
+BodyDescription sphere(double radius = 0.1) {
+  BodyDescription body;
+  body.shape.radius = radius;
+  set_mass_from_density(body, 1000);
+  return body;
+}
+BodyDescription wall(Shape::Kind kind) {
+  BodyDescription body;
+  body.kind = BodyKind::fixed;
+  body.shape.kind = kind;
+  body.shape.half_extents = {1, 1, 1};
+  return body;
+}
+Scene scene_with(std::vector<BodyDescription> bodies) {
+  Scene scene;
+  scene.bodies = std::move(bodies);
+  return scene;
+}
+/// The refusal of a good scene after a change.
+std::string refused(const std::function<void(Scene&)>& change) {
+  Scene scene = scene_with({sphere(), wall(Shape::Kind::half_space)});
+  change(scene);
+  return refusal([&] { validate(scene); });
+}
+
+TEST(Validate, AcceptsAGoodScene) {
+  EXPECT_EQ(refused([](Scene&) {}), "no error");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(Shape::Kind::container)); }),
+            "no error");
+}
+
+TEST(Validate, RefusesNonFiniteAndOutOfRangeValues) {
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].shape.radius = NAN; }),
+            "bodies[0].radius: nan is not allowed: must be positive [m]");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].velocity.y = INFINITY; }),
+            "bodies[0].velocity: [0, inf, 0] is not allowed: must be three finite numbers [m/s]");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].mass = 0; }),
+            "bodies[0].mass: 0 is not allowed: a free body needs a positive mass [kg]");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].orientation.w = 1.1; }),
+            "bodies[0].orientation: [1.1, 0, 0, 0] is not allowed: must be a unit quaternion "
+            "[w, x, y, z]");
+  EXPECT_EQ(refused([](Scene& s) {
+              s.bodies[1].shape.normal = {0, 0, 2};
+            }),
+            "bodies[1].normal: [0, 0, 2] is not allowed: must have length 1");
+  EXPECT_EQ(refused([](Scene& s) { s.stepping.time_step = NAN; }),
+            "time_step: nan is not allowed: must be positive [s]");
+  EXPECT_EQ(refused([](Scene& s) { s.gravity.x = NAN; }),
+            "gravity: [nan, 0, -9.81] is not allowed: must be three finite numbers [m/s^2]");
+  EXPECT_EQ(refused([](Scene& s) { s.solver.name = "magic"; }),
+            "solver.name: \"magic\" is not allowed: must be one of \"apgd\", \"jacobi\", "
+            "\"gauss_seidel\", \"gauss_seidel_colored\"");
+  EXPECT_EQ(refused([](Scene& s) { s.materials[0].friction = NAN; }),
+            "materials.default.friction: nan is not allowed: must be zero or positive [-]");
+}
+
+TEST(Validate, RefusesBadIndices) {
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].material = 1; }),
+            "bodies[0].material: 1 is not allowed: must be an index below 1");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[1].group = -1; }),
+            "bodies[1].group: -1 is not allowed: must be an index below 1");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(Shape::Kind::mesh)); }),
+            "bodies[2].mesh: -1 is not allowed: must be an index below 0");
+  EXPECT_EQ(refused([](Scene& s) {
+              s.meshes.push_back({"m", {{0, 0, 0}}, {{0, 1, 2}}, true});
+            }),
+            "meshes[0] (m).triangles[0]: 1 is not allowed: must be a vertex index below 1");
+}
+
+TEST(Validate, RefusesImpossibleBodies) {
+  EXPECT_THAT(refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
+              StartsWith("bodies[1].kind: \"free\" is not allowed: only spheres and boxes"));
+  EXPECT_THAT(refused([](Scene& s) { s.bodies[1].motion.kind = Motion::Kind::linear; }),
+              StartsWith("bodies[1].motion: a motion is not allowed: only kinematic bodies"));
+  EXPECT_THAT(refused([](Scene& s) { s.bodies.erase(s.bodies.begin()); }),
+              StartsWith("bodies: a scene of 1 bodies, none free is not allowed"));
+}
+
+TEST(Validate, RefusesBadInsertions) {
+  EXPECT_EQ(refused([](Scene& s) {
+              s.insertions = {{1, {sphere()}}, {1, {sphere()}}};
+            }),
+            "insertions[1].time: 1 is not allowed: must be later than the insertion before [s]");
+  EXPECT_EQ(refused([](Scene& s) {
+              s.insertions = {{-1, {sphere()}}};
+            }),
+            "insertions[0].time: -1 is not allowed: must be zero or positive [s]");
+  EXPECT_EQ(refused([](Scene& s) {
+              s.insertions = {{1, {wall(Shape::Kind::half_space)}}};
+            }),
+            "insertions[0].bodies[0].kind: a fixed or kinematic body is not allowed: only free "
+            "bodies can be inserted during a run");
+  EXPECT_EQ(
+      refused([](Scene& s) {
+        s.insertions = {{1, {sphere(0.1), sphere(0.2)}}};
+        s.insertions[0].bodies[1].mass = NAN;
+      }),
+      "insertions[0].bodies[1].mass: nan is not allowed: a free body needs a positive mass [kg]");
+}
+
+TEST(Validate, ContainersMayTouchOrNestButNotOverlapInPart) {
+  const auto containers = [](const Vec3d& offset, double size, double angle) {
+    BodyDescription a = wall(Shape::Kind::container);
+    BodyDescription b = wall(Shape::Kind::container);
+    b.position = offset;
+    b.shape.half_extents = {size, size, size};
+    b.orientation = exp_map(Vec3d{0, 0, angle});
+    return refusal([&] { validate(scene_with({sphere(), a, b})); });
+  };
+  EXPECT_EQ(containers({2, 0, 0}, 1, 0), "no error");         // touching
+  EXPECT_EQ(containers({0.1, 0, 0}, 0.5, 0.3), "no error");   // inside
+  EXPECT_EQ(containers({2.5, 0, 0}, 1, 0.7854), "no error");  // apart, turned
+  EXPECT_THAT(containers({2.3, 0, 0}, 1, 0.7854),
+              StartsWith("bodies[2]: a container is not allowed"));
+  EXPECT_THAT(containers({1, 0, 0}, 0.5, 0), StartsWith("bodies[2]: a container is not allowed"));
+}
+
+TEST(Validate, BoxesMayMeetSpheresAndPlanesOnly) {
+  BodyDescription box = wall(Shape::Kind::box);
+  const BodyDescription fixed_box = box;
+  box.kind = BodyKind::free;
+  set_mass_from_density(box, 1000);
+  const auto check = [](std::vector<BodyDescription> bodies) {
+    return refusal([&] { validate(scene_with(std::move(bodies))); });
+  };
+  EXPECT_EQ(check({box, sphere(), wall(Shape::Kind::half_space), wall(Shape::Kind::container)}),
+            "no error");
+  EXPECT_EQ(check({sphere(), fixed_box, fixed_box}), "no error");
+  EXPECT_THAT(check({box, box}), StartsWith("bodies[1]: a second free box is not allowed"));
+  EXPECT_THAT(check({fixed_box, box}), StartsWith("bodies[1]: a free box is not allowed: it could "
+                                                  "meet bodies[0], and contact between boxes"));
+}
+
+TEST(Validate, PeriodsHoldTwoOfTheLargestBodyAndTheEnvelope) {
+  const auto period = [](double length) {
+    return refused([&](Scene& s) {
+      s.stepping.envelope = 0.01;
+      s.periodicity.periodic[1] = true;
+      s.periodicity.upper.y = length;
+    });
+  };
+  EXPECT_EQ(period(0.4201), "no error");
+  EXPECT_EQ(period(0.41),
+            "periodic.y: [0, 0.41] is not allowed: must span at least 0.42 m: twice the "
+            "largest free body and the contact envelope");
+}
+
+TEST(MassFromDensity, SphereAndBox) {
+  const BodyDescription ball = sphere(0.5);
+  EXPECT_NEAR(ball.mass, 1000 * 3.14159265358979 / 6, 1e-9);
+  EXPECT_NEAR(ball.inertia.x, 0.1 * ball.mass, 1e-12);
+  BodyDescription box;
+  box.shape.kind = Shape::Kind::box;
+  box.shape.half_extents = {0.5, 1, 1.5};
+  set_mass_from_density(box, 2);
+  EXPECT_DOUBLE_EQ(box.mass, 12);
+  EXPECT_DOUBLE_EQ(box.inertia.x, 4 + 9);
+  EXPECT_DOUBLE_EQ(box.inertia.y, 1 + 9);
+  EXPECT_DOUBLE_EQ(box.inertia.z, 1 + 4);
+  EXPECT_EQ(refusal([&] { set_mass_from_density(box, -1); }),
+            "density: -1 is not allowed: must be positive [kg/m^3]");
+}
+
+TEST(PairValues, MixOrListedPairInEitherOrder) {
+  Scene scene;
+  scene.materials = {{"a", 0.2, 0.5, 3, 0.1, 0.2}, {"b", 0.8, 0.1, 4, 0.2, 0.1}};
+  const Material mix = pair_values(scene, 0, 1);
+  EXPECT_DOUBLE_EQ(mix.friction, 0.4);
+  EXPECT_EQ(mix.restitution, 0.1);
+  EXPECT_EQ(mix.cohesion, 3);
+  EXPECT_EQ(mix.rolling_friction, 0.1);
+  EXPECT_EQ(mix.spinning_friction, 0.1);
+  scene.material_pairs = {{0, 1, {"ab", 0.9, 0, 0, 0, 0}}};
+  EXPECT_EQ(pair_values(scene, 1, 0).friction, 0.9);
+  EXPECT_DOUBLE_EQ(pair_values(scene, 1, 1).friction, 0.8);
+}
+
+}  // namespace
+}  // namespace scree

@@ -1,0 +1,88 @@
+// The published schema, the reader and the scene files agree.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "host/scene_reader.h"
+#include "host/scene_reader/keys.h"
+
+namespace scree {
+namespace {
+
+using Json = nlohmann::json;
+
+Json schema() {
+  std::ifstream file(SCREE_SCENE_DIR "/schema.json");
+  return Json::parse(file);
+}
+
+/// The part of the schema that describes an object of a key table.
+const Json& part(const Json& schema, const std::string& object) {
+  return object == "scene" ? schema : schema.at("$defs").at(object);
+}
+
+TEST(Schema, KnowsTheKeysOfTheReaderAndNoOthers) {
+  const Json document = schema();
+  for (const KeyTable& table : scene_key_tables()) {
+    const Json& object = part(document, table.object);
+    std::set<std::string> described;
+    for (const auto& [key, value] : object.at("properties").items()) described.insert(key);
+    EXPECT_EQ(described, std::set<std::string>(table.keys.begin(), table.keys.end()))
+        << table.object;
+    EXPECT_EQ(object.at("additionalProperties"), Json(false)) << table.object;
+  }
+}
+
+TEST(Schema, DescribesEveryObjectThatTheReaderKnows) {
+  std::set<std::string> known;
+  for (const KeyTable& table : scene_key_tables()) known.insert(table.object);
+  const Json document = schema();
+  for (const auto& [name, definition] : document.at("$defs").items())
+    EXPECT_TRUE(known.count(name) == 1 || !definition.contains("properties")) << name;
+}
+
+TEST(Schema, DescribesEveryKey) {
+  const Json document = schema();
+  for (const KeyTable& table : scene_key_tables())
+    for (const auto& [key, value] : part(document, table.object).at("properties").items()) {
+      const bool itself = value.contains("description");
+      const bool by_reference =
+          value.contains("$ref") &&
+          part(document, value["$ref"].get<std::string>().substr(8)).contains("description");
+      EXPECT_TRUE(itself || by_reference) << table.object << "." << key;
+    }
+}
+
+TEST(Schema, RequiredKeysOfTheDocumentAreThoseOfTheReader) {
+  EXPECT_EQ(schema().at("required"), Json({"time_step", "duration"}));
+}
+
+TEST(SceneFiles, AllPassTheReader) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(SCREE_SCENE_DIR)) {
+    const std::filesystem::path path = entry.path();
+    if (path.extension() != ".json" || path.filename() == "schema.json") continue;
+    // A million bodies are a matter of seconds and memory; the layout is the same with fewer.
+    std::vector<std::string> overrides;
+    if (path.stem() == "million") overrides = {"particles.0.count=20000"};
+    const Scene scene = read_scene(path, overrides);
+    EXPECT_EQ(scene.name, path.stem().string());
+    EXPECT_FALSE(scene.output.picture.camera.automatic) << path;
+    ++count;
+  }
+  EXPECT_GE(count, 7);
+}
+
+TEST(SceneFiles, PileHasTenThousandSpheres) {
+  const Scene scene = read_scene(SCREE_SCENE_DIR "/pile.json");
+  std::size_t count = 0;
+  for (const Insertion& insertion : scene.insertions) count += insertion.bodies.size();
+  EXPECT_EQ(count, 10000u);
+}
+
+}  // namespace
+}  // namespace scree

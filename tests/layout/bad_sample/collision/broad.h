@@ -1,0 +1,5 @@
+#pragma once
+#include "../kernels/types.h"
+#include "collision/bins.h"
+#include "kernels/types.h"
+#include "solvers/solver.h"

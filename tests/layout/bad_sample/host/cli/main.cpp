@@ -1,0 +1,3 @@
+#include "bench/timer.h"
+#include "host/cli/progress.h"
+#include "scenes/wall.h"

@@ -1,0 +1,110 @@
+// The ends of the range, on every backend there is: no contact, one contact, far more contacts than
+// expected, and states that are not finite.
+
+#include <limits>
+
+#include "host/error.h"
+#include "tests/parity/parity.h"
+
+namespace scree::parity {
+namespace {
+
+class Limits : public ::testing::TestWithParam<std::tuple<BackendKind, Precision>> {
+ protected:
+  void SetUp() override {
+    std::string reason;
+    if (!backend_available(backend(), &reason)) GTEST_SKIP() << "no such backend: " << reason;
+  }
+  BackendKind backend() const { return std::get<0>(GetParam()); }
+  Precision precision() const { return std::get<1>(GetParam()); }
+  World world(const Scene& scene) const { return world_on(backend(), scene, precision()); }
+  double tolerance() const { return precision() == Precision::single_precision ? 1e-6 : 1e-12; }
+};
+INSTANTIATE_TEST_SUITE_P(All, Limits,
+                         ::testing::Combine(::testing::ValuesIn(kBackends),
+                                            ::testing::ValuesIn(kPrecisions)),
+                         [](const auto& info) {
+                           return std::string(name_of(std::get<0>(info.param))) + "_" +
+                                  name_of(std::get<1>(info.param));
+                         });
+
+TEST_P(Limits, NoContact) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  add_sphere(scene, {0, 0, 1}, 0.1, 1);
+  World w = world(scene);
+  const StepReport report = w.step();
+  EXPECT_EQ(report.contact_count, 0);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.residual_max_body_a, -1);
+  EXPECT_NEAR(w.states().velocity[0].z, -kGravity * 1e-3, tolerance());
+  EXPECT_TRUE(w.contacts().empty());
+}
+
+TEST_P(Limits, OneContact) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  solve_to(scene, precision() == Precision::single_precision ? 1e-6 : 1e-12);
+  add_sphere(scene, {0, 0, 0.1}, 0.1, 2);
+  add_plane(scene);
+  World w = world(scene);
+  const StepReport report = w.step();
+  EXPECT_EQ(report.contact_count, 1);
+  EXPECT_TRUE(report.converged);
+  EXPECT_NEAR(w.states().velocity[0].z, 0, 10 * tolerance());
+  ASSERT_EQ(w.contacts().size(), 1u);
+  const ContactRecord c = w.contacts()[0];
+  const double up = c.body_b == 0 ? 1 : -1;
+  EXPECT_NEAR(up * c.impulse.z, 2 * kGravity * 1e-3, 10 * tolerance());
+  EXPECT_NEAR(up * c.normal.z, 1, tolerance());
+}
+
+TEST_P(Limits, BodiesCreatedInOnePlace) {
+  // Every pair is in contact: 400 bodies have 79800, far beyond the usual six per body.
+  const int n = 400;
+  Scene scene = empty_scene(1e-3, 0.5);
+  scene.solver.max_iterations = 20;
+  for (int i = 0; i < n; ++i)
+    add_sphere(scene, {1e-3 * (i % 7), 1e-3 * (i % 11), 1e-3 * (i % 13)}, 0.1, 1);
+  World w = world(scene);
+  EXPECT_EQ(w.step().contact_count, n * (n - 1) / 2);
+  EXPECT_EQ(w.contacts().size(), static_cast<std::size_t>(n * (n - 1) / 2));
+  for (int k = 0; k < 5; ++k) w.step();
+  for (const Vec3d& x : w.states().position) EXPECT_TRUE(is_finite(x));
+}
+
+TEST_P(Limits, AVelocityThatIsNotFiniteNamesTheBody) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  for (int i = 0; i < 50; ++i) add_sphere(scene, {0.205 * i, 0, 0.1}, 0.1, 1);
+  add_plane(scene);
+  for (const bool touching : {true, false}) {
+    if (!touching) scene.bodies.pop_back();
+    World w = world(scene);
+    w.step();
+    WorldState state = w.save();
+    const int bad = 17;
+    for (std::size_t i = 0; i < state.id.size(); ++i)
+      if (state.id[i] == bad) state.velocity[i].y = std::numeric_limits<double>::quiet_NaN();
+    w.restore(state);
+    try {
+      w.step();
+      ADD_FAILURE() << "the step went through, " << (touching ? "touching" : "free");
+    } catch (const RunError& error) {
+      EXPECT_NE(std::string(error.what()).find("17"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_P(Limits, AVelocityBeyondTheRangeNamesTheBody) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  for (int i = 0; i < 20; ++i) add_sphere(scene, {0.3 * i, 0, 0.1}, 0.1, 1);
+  scene.bodies[13].velocity = {0, 0, precision() == Precision::single_precision ? 1e30 : 1e200};
+  World w = world(scene);
+  try {
+    w.step();
+    ADD_FAILURE() << "the step went through";
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("13"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace scree::parity

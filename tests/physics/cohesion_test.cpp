@@ -1,0 +1,108 @@
+// Contacts that pull: p_n >= -c h and |p_t| <= mu (p_n + c h).
+
+#include <gtest/gtest.h>
+
+#include "tests/physics/scene_builder.h"
+
+namespace scree::physics {
+namespace {
+
+/// Moves by less than this [m] within 0.5 s: holds. A load 1 % over the limit moves a body by 12
+/// mm.
+constexpr double kHolds = 1e-6;
+constexpr double kLetsGo = 5e-3;
+
+Scene sticky_scene(double force, double mu) {
+  Scene scene = empty_scene(1e-3, mu);
+  scene.materials[0].cohesion = force;
+  scene.stepping.envelope = 1e-4;
+  return scene;
+}
+
+double shift_of_body_1(const Scene& scene) {
+  World world = reference_world(scene);
+  const Vec3d start = world.states().position[1];
+  run_for(world, scene, 0.5);
+  return norm(world.states().position[1] - start);
+}
+
+TEST(Cohesion, C60_SphereHangsUnderASphere) {
+  const double m = 0.2, r = 0.02;
+  for (const double share : {0.99, 1.01}) {
+    Scene scene = sticky_scene(share * m * kGravity, 0.4);
+    add_sphere(scene, {0, 0, 2 * r}, r, m).kind = BodyKind::fixed;
+    add_sphere(scene, {}, r, m);
+    const double shift = shift_of_body_1(scene);
+    if (share > 1) {
+      EXPECT_LT(shift, kHolds);
+    }
+    if (share < 1) {
+      EXPECT_GT(shift, kLetsGo);
+    }
+  }
+}
+
+/// A block with one resultant contact: a sphere that cannot turn, on a plane.
+Scene sticky_block(double force, double mu, double m) {
+  Scene scene = sticky_scene(force, mu);
+  add_plane(scene);
+  add_sphere(scene, {0, 0, 0.05}, 0.05, m).locks = lock_rotation;
+  return scene;
+}
+
+TEST(Cohesion, C61_BlockOnAnIncline) {
+  const double m = 0.7, mu = 0.3;
+  for (const double ratio : {0.5, 1.0}) {  // c / (m g)
+    // sin(theta) = mu (cos(theta) + ratio)
+    const double limit = std::asin(mu * ratio / std::sqrt(1 + mu * mu)) + std::atan(mu);
+    if (ratio == 1) {
+      EXPECT_NEAR(limit / kPi * 180, 33.398, 5e-4);
+    }
+    for (const double share : {0.99, 1.01}) {
+      Scene scene = sticky_block(ratio * m * kGravity, mu, m);
+      tilt(scene, share * limit / kPi * 180);
+      const double shift = shift_of_body_1(scene);
+      if (share < 1) {
+        EXPECT_LT(shift, kHolds) << "c/(m g) = " << ratio;
+      }
+      if (share > 1) {
+        EXPECT_GT(shift, kLetsGo) << "c/(m g) = " << ratio;
+      }
+    }
+  }
+}
+
+TEST(Cohesion, C61_BlockHangsFromACeiling) {
+  const double m = 0.7;
+  for (const double share : {0.99, 1.01}) {
+    Scene scene = sticky_block(share * m * kGravity, 0.3, m);
+    tilt(scene, 180);
+    const double shift = shift_of_body_1(scene);
+    if (share > 1) {
+      EXPECT_LT(shift, kHolds);
+    }
+    if (share < 1) {
+      EXPECT_GT(shift, kLetsGo);
+    }
+  }
+}
+
+TEST(Cohesion, C62_FourContactsHoldFourTimesTheForce) {
+  const double m = 0.3;
+  for (const double share : {0.99, 1.01}) {  // load / (4 c)
+    Scene scene = sticky_scene(m * kGravity / (4 * share), 0.4);
+    scene.gravity = {0, 0, kGravity};  // pulls the cube off the plane
+    add_plane(scene);
+    add_box(scene, {0, 0, 0.05}, {0.05, 0.05, 0.05}, m);
+    const double shift = shift_of_body_1(scene);
+    if (share < 1) {
+      EXPECT_LT(shift, kHolds);
+    }
+    if (share > 1) {
+      EXPECT_GT(shift, kLetsGo);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace scree::physics

@@ -1,0 +1,80 @@
+#pragma once
+// An upright cylinder of settled spheres, as high as its radius, that collapses when it is let go.
+
+#include <algorithm>
+
+#include "tests/physics/scene_builder.h"
+
+namespace scree::physics {
+
+inline constexpr double kGrain = 0.01;  ///< diameter of the grains [m]
+
+struct Column {
+  std::vector<Vec3d> centers;  ///< [m], axis at x = y = 0, floor at z = 0
+  double radius = 0;           ///< equal to the height [m]
+};
+
+/// Settles a wider bed in a tank and cuts `count` spheres out of its middle.
+inline Column cut_column(int count) {
+  // A cylinder of radius = height = R holds count grains at a solid fraction of 0.6.
+  const double expected = std::cbrt(count * kPi / 6 / (0.6 * kPi)) * kGrain;
+  const double side = 1.08 * expected;
+  Scene scene = empty_scene(1e-3, 0.5);
+  scene.precision = "double";
+  scene.solver.stop = {StopRule::Level::quality, 0};
+  scene.solver.max_iterations = 500;
+  const double spacing = 1.08 * kGrain;
+  const int across = static_cast<int>(2 * side / spacing);
+  const int layers = static_cast<int>(1.35 * expected / kGrain);
+  add_lattice(scene, layers * across * across, across, across,
+              {-0.5 * (across - 1) * spacing, -0.5 * (across - 1) * spacing, 0.55 * kGrain},
+              spacing, kGrain / 2, 2500, 3);
+  add_tank(scene, -side, side, -side, side);
+  World world(scene, cpu_options(0));
+  run_for(world, scene, 0.3);
+
+  std::vector<Vec3d> centers = world.states().position;
+  centers.resize(static_cast<std::size_t>(layers * across * across));
+  const auto extent = [](const Vec3d& x) {
+    return std::max(std::hypot(x.x, x.y), x.z) + kGrain / 2;
+  };
+  std::sort(centers.begin(), centers.end(),
+            [&](const Vec3d& a, const Vec3d& b) { return extent(a) < extent(b); });
+  Column column;
+  column.radius = extent(centers[static_cast<std::size_t>(count - 1)]);
+  column.centers.assign(centers.begin(), centers.begin() + count);
+  return column;
+}
+
+/// The column at rest on a floor, nothing holding it; bodies 0 to count - 1 are the grains.
+inline Scene column_scene(const Column& column, double time_step) {
+  Scene scene = empty_scene(time_step, 0.5);
+  scene.solver.stop = {StopRule::Level::quality, 0};
+  scene.solver.max_iterations = 500;
+  for (const Vec3d& center : column.centers)
+    set_mass_from_density(add_sphere(scene, center, kGrain / 2, 1), 2500);
+  add_plane(scene);
+  return scene;
+}
+
+/// Radius at which the mean thickness of the deposit falls below half a grain [m]. A few grains
+/// roll on beyond it, since nothing but friction at a point stops a sphere.
+inline double deposit_radius(const std::vector<Vec3d>& positions, int count) {
+  std::vector<double> radii;
+  for (int i = 0; i < count; ++i) radii.push_back(std::hypot(positions[i].x, positions[i].y));
+  const double ring = kGrain, grain_volume = kPi / 6 * std::pow(kGrain, 3);
+  for (int k = 0;; ++k) {
+    const double inner = k * ring, outer = inner + ring;
+    const auto inside = std::count_if(radii.begin(), radii.end(),
+                                      [&](double r) { return r >= inner && r < outer; });
+    const double area = kPi * (outer * outer - inner * inner);
+    if (static_cast<double>(inside) * grain_volume / 0.6 / area < 0.5 * kGrain) return inner;
+  }
+}
+
+/// (r_end - r_0) / r_0 of a column that has come to rest.
+inline double run_out(const Column& column, const std::vector<Vec3d>& positions) {
+  return deposit_radius(positions, static_cast<int>(column.centers.size())) / column.radius - 1;
+}
+
+}  // namespace scree::physics

@@ -1,0 +1,161 @@
+// Equal bits: for any number of threads, on every run, and after a restart. And an answer that does
+// not depend on the order in which bodies are listed.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "tests/physics/scene_builder.h"
+#include "tests/physics/state_hash.h"
+
+namespace scree::physics {
+namespace {
+
+/// A loose column that falls apart: enough spheres for several chunks of every parallel sum.
+Scene collapsing_column() {
+  Scene scene = empty_scene(1e-3, 0.4);
+  scene.solver = SolverSettings{};
+  add_lattice(scene, 3000, 10, 10, {0, 0, 0.0055}, 0.0102, 0.005, 2500, 9);
+  for (BodyDescription& body : scene.bodies) body.velocity = {0, 0, -1};
+  add_plane(scene);
+  return scene;
+}
+
+std::vector<std::uint64_t> hashes(const Scene& scene, const WorldOptions& options, int steps) {
+  World world(scene, options);
+  std::vector<std::uint64_t> out;
+  for (int k = 0; k < steps; ++k) {
+    world.step();
+    out.push_back(hash_of(world.states()));
+  }
+  return out;
+}
+
+class Determinism : public ::testing::TestWithParam<Precision> {};
+INSTANTIATE_TEST_SUITE_P(Bits, Determinism,
+                         ::testing::Values(Precision::single_precision,
+                                           Precision::double_precision),
+                         [](const auto& info) {
+                           return info.param == Precision::single_precision ? "float" : "double";
+                         });
+
+TEST_P(Determinism, TheThreadCountChangesNoBit) {
+  const Scene scene = collapsing_column();
+  const auto one = hashes(scene, cpu_options(1, GetParam()), 50);
+  EXPECT_EQ(one, hashes(scene, cpu_options(2, GetParam()), 50));
+  EXPECT_EQ(one, hashes(scene, cpu_options(3, GetParam()), 50));
+}
+
+TEST_P(Determinism, RunsRepeat) {
+  const Scene scene = collapsing_column();
+  EXPECT_EQ(hashes(scene, cpu_options(2, GetParam()), 50),
+            hashes(scene, cpu_options(2, GetParam()), 50));
+}
+
+TEST(Determinism, EverySolverRepeatsForAnyThreadCount) {
+  for (const char* solver : {"apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored"}) {
+    Scene scene = collapsing_column();
+    scene.solver.name = solver;
+    scene.solver.max_iterations = 40;
+    const auto options = [](int threads) {
+      return cpu_options(threads, Precision::single_precision);
+    };
+    EXPECT_EQ(hashes(scene, options(1), 20), hashes(scene, options(2), 20)) << solver;
+  }
+}
+
+/// Rain onto a rotating paddle in a tank.
+Scene rain_on_a_paddle(bool exact) {
+  Scene scene = empty_scene(1e-3, 0.4);
+  scene.solver = SolverSettings{};
+  scene.solver.exact_coulomb = exact;
+  add_lattice(scene, 300, 8, 8, {-0.04, -0.04, 0.03}, 0.0106, 0.005, 2500, 4);
+  add_tank(scene, -0.05, 0.05, -0.05, 0.05);
+  BodyDescription& paddle =
+      add_wall_box(scene, {0, 0, 0.012}, {0.04, 0.004, 0.01}, BodyKind::kinematic);
+  paddle.motion.kind = Motion::Kind::rotating;
+  paddle.motion.axis = {0, 0, 1};
+  paddle.motion.rate = 10;
+  for (int k = 0; k < 3; ++k) {
+    Scene batch;
+    add_lattice(batch, 64, 8, 8, {-0.04, -0.04, 0.12}, 0.0106, 0.005, 2500, 50 + k);
+    for (BodyDescription& body : batch.bodies) body.velocity = {0, 0, -1};
+    scene.insertions.push_back({0.020 + 0.021 * k, batch.bodies});
+  }
+  return scene;
+}
+
+TEST_P(Determinism, ARestoredRunContinuesBitForBit) {
+  for (const bool exact : {false, true}) {
+    const Scene scene = rain_on_a_paddle(exact);
+    for (const int half : {33, 50}) {  // between and after insertions
+      World whole(scene, cpu_options(2, GetParam()));
+      for (int k = 0; k < half; ++k) whole.step();
+      const WorldState saved = whole.save();
+      World resumed(scene, cpu_options(1, GetParam()));
+      resumed.restore(saved);
+      EXPECT_EQ(resumed.time(), whole.time());
+      EXPECT_EQ(resumed.steps_done(), whole.steps_done());
+      EXPECT_EQ(hash_of(resumed.states()), hash_of(whole.states()));
+      for (int k = 0; k < half; ++k) {
+        const StepReport a = whole.step(), b = resumed.step();
+        ASSERT_EQ(a.iterations, b.iterations) << "step " << a.step;
+        ASSERT_EQ(a.contact_count, b.contact_count) << "step " << a.step;
+        ASSERT_EQ(a.body_count, b.body_count) << "step " << a.step;
+        ASSERT_EQ(hash_of(whole.states()), hash_of(resumed.states())) << "step " << a.step;
+      }
+    }
+  }
+}
+
+TEST_P(Determinism, AWorldCanGoBackToAnEarlierState) {
+  const Scene scene = rain_on_a_paddle(false);
+  World world(scene, cpu_options(2, GetParam()));
+  for (int k = 0; k < 25; ++k) world.step();
+  const WorldState saved = world.save();
+  for (int k = 0; k < 10; ++k) world.step();
+  const std::uint64_t once = hash_of(world.states());
+  World other(scene, cpu_options(2, GetParam()));
+  other.restore(saved);
+  for (int k = 0; k < 10; ++k) other.step();
+  EXPECT_EQ(hash_of(other.states()), once);
+}
+
+TEST(Permutation, TheOrderOfBodiesDoesNotChangeTheAnswer) {
+  // 300 spheres pressed into each other at random speeds; one step from a cold start.
+  Scene scene = empty_scene(1e-3, 0.4);
+  solve_to(scene, 1e-12);
+  scene.solver.max_iterations = 100000;
+  add_plane(scene);
+  add_lattice(scene, 300, 7, 7, {0, 0, 0.005}, 0.00999, 0.005, 2500, 2);
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal(0, 0.2);
+  for (BodyDescription& body : scene.bodies) {
+    if (body.kind != BodyKind::free) continue;
+    const double vx = normal(random), vy = normal(random), vz = normal(random);
+    body.velocity = {vx, vy, vz};
+  }
+  std::vector<std::size_t> order(scene.bodies.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), random);
+  Scene shuffled = scene;
+  for (std::size_t i = 0; i < order.size(); ++i) shuffled.bodies[i] = scene.bodies[order[i]];
+
+  World world = reference_world(scene), other = reference_world(shuffled);
+  const StepReport a = world.step(), b = other.step();
+  EXPECT_TRUE(a.converged) << a.residual_rms;
+  EXPECT_TRUE(b.converged) << b.residual_rms;
+  EXPECT_EQ(a.contact_count, b.contact_count);
+  EXPECT_GT(a.contact_count, 500);
+  EXPECT_NEAR(a.objective, b.objective, 1e-12 * std::abs(a.objective));
+  const BodyStates s = world.states(), t = other.states();
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    EXPECT_LT(norm(s.velocity[order[i]] - t.velocity[i]), 1e-9) << "body " << order[i];
+    EXPECT_LT(0.005 * norm(s.angular_velocity[order[i]] - t.angular_velocity[i]), 1e-9)
+        << "body " << order[i];
+  }
+}
+
+}  // namespace
+}  // namespace scree::physics

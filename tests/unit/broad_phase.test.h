@@ -1,0 +1,267 @@
+#pragma once
+// Contacts of many spheres against brute force, written from the definition of a contact.
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/backend_fixture.h"
+#include "tests/unit/collision_scene.h"
+
+namespace scree {
+namespace {
+
+template <class Real>
+class BroadPhaseTest : public BackendTest<Real> {
+ protected:
+  using Scene = CollisionScene<Real>;
+
+  /// Pairs (a, b) with a contact, by comparing all with all.
+  static std::vector<std::pair<Index, Index>> brute_force(const Scene& s) {
+    std::vector<std::pair<Index, Index>> pairs;
+    const auto n = static_cast<Index>(s.position.size());
+    for (Index i = 0; i < s.free_count; ++i) {
+      for (Index j = i + 1; j < n; ++j) {
+        if (s.shape[j] >= 0) continue;
+        double d[3], distance2 = 0, closing = 0;
+        for (int k = 0; k < 3; ++k) {
+          d[k] = s.position[j][k] - s.position[i][k];
+          const double period = s.settings.period[k];
+          if (period > 0) d[k] = std::remainder(d[k], period);
+          distance2 += d[k] * d[k];
+          closing += d[k] * (static_cast<double>(s.velocity[j][k]) - s.velocity[i][k]);
+        }
+        const double distance = std::sqrt(distance2);
+        const double gap = distance - s.radius[i] - s.radius[j];
+        const double at_end = distance > 0 ? gap + s.h * std::min(closing / distance, 0.0) : gap;
+        if (std::min(gap, at_end) <= s.settings.envelope) pairs.emplace_back(i, j);
+      }
+    }
+    return pairs;
+  }
+
+  /// Runs the scene and compares pairs, order, normals and gaps.
+  void expect_brute_force(const Scene& scene) {
+    CollisionRun<TestBackend, Real> run(this->backend(), scene);
+    const auto contacts = run.detect();
+    const auto expected = brute_force(scene);
+    ASSERT_EQ(contacts.size(), expected.size());
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      const HostContact& found = contacts[c];
+      ASSERT_EQ(found.a, expected[c].first) << "contact " << c;
+      ASSERT_EQ(found.b, expected[c].second) << "contact " << c;
+      ASSERT_TRUE(c == 0 || contacts[c - 1].key < found.key);
+      Vec3<double> d = scene.position[found.b] - scene.position[found.a];
+      for (int k = 0; k < 3; ++k) {
+        if (scene.settings.period[k] > 0) d[k] = std::remainder(d[k], scene.settings.period[k]);
+      }
+      const double distance = norm(d),
+                   sum = static_cast<double>(scene.radius[found.a]) + scene.radius[found.b];
+      EXPECT_NEAR(found.gap, distance - sum,
+                  this->tolerance(1e-14, 1e-6) * (sum + std::abs(found.gap)));
+      EXPECT_NEAR(norm(found.normal), 1, this->tolerance(1e-14, 1e-6));
+      if (distance > 0) {
+        EXPECT_NEAR(dot(found.normal, d) / distance, 1, this->tolerance(1e-14, 1e-6));
+      }
+    }
+  }
+
+  /// Spheres at random places in a box, sizes from small to large with as much volume in each size.
+  static Scene random_scene(Index count, double extent, double small, double large, unsigned seed) {
+    Scene s;
+    s.settings.envelope = 0.02 * small;
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (Index i = 0; i < count; ++i) {
+      const double a = std::pow(small, -2), b = std::pow(large, -2);
+      const double r = std::pow(a + (b - a) * uniform(random), -0.5);
+      s.add_free({extent * uniform(random), extent * uniform(random), extent * uniform(random)}, r);
+    }
+    return s;
+  }
+};
+TYPED_TEST_SUITE(BroadPhaseTest, Reals);
+
+TYPED_TEST(BroadPhaseTest, EqualSpheres) {
+  this->expect_brute_force(this->random_scene(3000, 1.0, 0.04, 0.04, 1));
+}
+
+TYPED_TEST(BroadPhaseTest, SizesUpToOneHundredToOne) {
+  for (const double ratio : {1.5, 10.0, 100.0}) {
+    auto scene = this->random_scene(2500, 1.0, 0.004, 0.004 * ratio, 2);
+    scene.add_free({0.5, 0.5, 0.5}, 0.002 * ratio);  // the largest meets the smallest
+    this->expect_brute_force(scene);
+  }
+}
+
+TYPED_TEST(BroadPhaseTest, MoreLevelsThanTheHierarchyHas) {
+  auto scene = this->random_scene(500, 1.0, 0.01, 0.02, 3);
+  for (int k = 0; k < 24; ++k) scene.add_free({0.3, 0.4, 0.5 + 0.01 * k}, std::ldexp(0.01, -k));
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, EmptySceneAndOneBody) {
+  CollisionScene<TypeParam> scene;
+  this->expect_brute_force(scene);
+  scene.add_free({1, 2, 3}, 0.5);
+  this->expect_brute_force(scene);
+  scene.add({1, 2, 3.9}, 0.5);
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, OnlyFixedBodies) {
+  CollisionScene<TypeParam> scene;
+  for (int k = 0; k < 40; ++k) scene.add({0.1 * k, 0, 0}, 0.5);
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, AllBodiesInOneCell) {
+  auto scene = this->random_scene(200, 0.01, 0.5, 0.5, 4);
+  this->expect_brute_force(scene);  // 199 contacts a body: more than the slots a body has
+  for (auto& x : scene.position) x = {1, 1, 1};
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, TouchingExactlyIsAContact) {
+  CollisionScene<TypeParam> scene;
+  for (int k = 0; k < 5; ++k) scene.add_free({static_cast<double>(k), 0, 0}, 0.5);
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), scene);
+  const auto contacts = run.detect();
+  ASSERT_EQ(contacts.size(), 4u);
+  for (const auto& c : contacts) EXPECT_EQ(c.gap, 0);
+}
+
+TYPED_TEST(BroadPhaseTest, FarOutliers) {
+  auto scene = this->random_scene(1500, 1.0, 0.03, 0.06, 5);
+  const std::vector<Vec3<double>> far{
+      {1e6, 1e6, -1e6}, {1e6, 1e6, -1e6 + 0.05}, {-1e6, 0, 0.3}, {0, 1e9, 0}};
+  for (const auto& x : far) scene.add_free(x, 0.03);
+  this->expect_brute_force(scene);
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), scene);
+  EXPECT_EQ(run.detect().back().a, 1500) << "the two far bodies that touch";
+}
+
+TYPED_TEST(BroadPhaseTest, FarFromTheOrigin) {
+  auto scene = this->random_scene(800, 1.0, 0.05, 0.05, 6);
+  for (auto& x : scene.position) x += {-3e5, 2e5, 1e5};
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, ThinLayersAndLongRows) {
+  auto scene = this->random_scene(2000, 1.0, 0.01, 0.01, 7);
+  for (auto& x : scene.position) x = {50 * x.x, x.y * 0.05, 0.001 * x.z};
+  this->expect_brute_force(scene);
+  for (auto& x : scene.position) x = {x.y, 4000 * x.x, x.z};  // longer than an axis has cells
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, PeriodicDirections) {
+  for (int axes = 1; axes < 8; ++axes) {
+    auto scene = this->random_scene(1200, 1.0, 0.02, 0.1, 10 + axes);
+    for (int k = 0; k < 3; ++k) {
+      if (axes >> k & 1) scene.settings.period[k] = 1.0 + 0.01 * k;
+    }
+    this->expect_brute_force(scene);
+  }
+}
+
+TYPED_TEST(BroadPhaseTest, PeriodicPositionsOutsideTheBox) {
+  auto scene = this->random_scene(700, 1.0, 0.04, 0.08, 20);
+  scene.settings.period = {1, 1, 1};
+  for (std::size_t i = 0; i < scene.position.size(); ++i) {
+    scene.position[i] += {static_cast<double>(i % 3) - 1.0, 2.0 * static_cast<double>(i % 2), -5};
+  }
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, PeriodOfFewCells) {
+  for (const double period :
+       {0.05, 0.11, 0.17, 0.23, 0.31}) {  // 0, 1, 2, 3, 4 cells of the largest
+    auto scene = this->random_scene(150, 1.0, 0.01, 0.035, 30);
+    scene.settings.period = {period, period, 0};
+    this->expect_brute_force(scene);
+  }
+}
+
+TYPED_TEST(BroadPhaseTest, SparsePeriodicBox) {
+  auto scene = this->random_scene(300, 100.0, 0.01, 0.01, 31);
+  scene.settings.period = {100, 100, 100};
+  for (int k = 0; k < 300; k += 2)
+    scene.position[k + 1] = scene.position[k] + Vec3<double>{0.005, 0.01, 0.01};
+  scene.position[0] = {0.001, 50, 50};
+  scene.position[1] = {99.99, 50, 50};
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, FixedSpheresMeetFreeOnesOnly) {
+  auto scene = this->random_scene(600, 1.0, 0.04, 0.08, 40);
+  const auto fixed = this->random_scene(600, 1.0, 0.02, 0.3, 41);
+  for (std::size_t i = 0; i < 600; ++i) scene.add(fixed.position[i], fixed.radius[i]);
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, MovingBodiesAreListedBeforeTheyMeet) {
+  auto scene = this->random_scene(1500, 1.0, 0.01, 0.03, 50);
+  std::mt19937 random(51);
+  std::exponential_distribution<double> speed(1.0);
+  std::normal_distribution<double> direction;
+  for (auto& v : scene.velocity) {
+    const Vec3<double> d =
+        normalized(Vec3<double>{direction(random), direction(random), direction(random)});
+    v = Vec3<TypeParam>(20 * speed(random) * d);
+  }
+  scene.velocity[7] = {static_cast<TypeParam>(900), 0, 0};  // crosses the whole box in one step
+  const auto count_at_rest = [&] {
+    auto rest = scene;
+    for (auto& v : rest.velocity) v = {};
+    return this->brute_force(rest).size();
+  }();
+  EXPECT_GT(this->brute_force(scene).size(), count_at_rest);
+  this->expect_brute_force(scene);
+}
+
+TYPED_TEST(BroadPhaseTest, BodiesThatAreNotFiniteAreLeftOut) {
+  auto scene = this->random_scene(300, 1.0, 0.05, 0.05, 60);
+  auto expected = this->brute_force(scene);
+  scene.position[17].y = std::nan("");
+  scene.velocity[20].x = std::numeric_limits<TypeParam>::infinity();
+  std::erase_if(expected, [](const auto& p) {
+    return p.first == 17 || p.second == 17 || p.first == 20 || p.second == 20;
+  });
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), scene);
+  EXPECT_EQ(run.detect().size(), expected.size());
+}
+
+TYPED_TEST(BroadPhaseTest, RepeatedStepsGiveEqualBits) {
+  const auto scene = this->random_scene(4000, 1.0, 0.02, 0.06, 70);
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), scene);
+  const auto first = run.detect();
+  EXPECT_EQ(run.detect(), first);
+  if constexpr (!TestBackend::kIsDevice) {
+    for (const int threads : {1, 2, 3}) {
+      TestBackend other(threads);
+      CollisionRun<TestBackend, TypeParam> again(other, scene);
+      EXPECT_EQ(again.detect(), first) << threads << " threads";
+    }
+  }
+}
+
+TYPED_TEST(BroadPhaseTest, BuffersAreReused) {
+  const auto scene = this->random_scene(2000, 1.0, 0.03, 0.06, 80);
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), scene);
+  run.detect();
+  const std::size_t peak = this->backend().peak();
+  run.detect();
+  EXPECT_EQ(this->backend().peak(), peak);
+}
+
+TYPED_TEST(BroadPhaseTest, RefusesBadSettings) {
+  CollisionScene<TypeParam> scene;
+  scene.settings.envelope = -1;
+  EXPECT_THROW((CollisionRun<TestBackend, TypeParam>(this->backend(), scene)), std::runtime_error);
+  scene.settings.envelope = 0;
+  scene.settings.period.y = std::nan("");
+  EXPECT_THROW((CollisionRun<TestBackend, TypeParam>(this->backend(), scene)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace scree

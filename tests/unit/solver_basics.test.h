@@ -1,0 +1,203 @@
+// What every registered solver does alike: empty and smallest problems, bits, curves, bad parameters.
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "solvers/coulomb.h"
+#include "solvers/solver.h"
+#include "tests/problem_builder.h"
+#include "tests/unit/backend_fixture.h"
+
+namespace scree {
+namespace {
+
+using testing::PlainProblem;
+using testing::ProblemBuffers;
+using testing::random_problem;
+
+/// Registered solvers that run on the backend.
+template <class Real>
+std::vector<std::string> usable_solvers() {
+  std::vector<std::string> names;
+  for (const std::string& name : solver_names()) {
+    try {
+      make_solver<TestBackend, Real>(name, {});
+      names.push_back(name);
+    } catch (const InvalidParameter&) {
+    }
+  }
+  return names;
+}
+
+template <class Real>
+class SolverBasicsTest : public BackendTest<Real> {};
+TYPED_TEST_SUITE(SolverBasicsTest, Reals);
+
+TYPED_TEST(SolverBasicsTest, NoContactsLeaveTheFreeVelocity) {
+  TestBackend& b = this->backend();
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    PlainProblem plain;
+    plain.data.bodies[plain.add_sphere(2, 1)].velocity = {1, 2, 3};
+    plain.data.free_count = 1;
+    ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+    const auto solver = make_solver<TestBackend, TypeParam>(name, {});
+    const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 1e-6);
+    EXPECT_TRUE(stats.converged) << name;
+    EXPECT_EQ(stats.iterations, 0) << name;
+    const Eigen::VectorXd v = buffers.velocities(solver->velocity());
+    EXPECT_EQ(v.head<3>(), Eigen::Vector3d(1, 2, 3)) << name;
+  }
+}
+
+TYPED_TEST(SolverBasicsTest, OneContactCarriesTheWeight) {
+  TestBackend& b = this->backend();
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    PlainProblem plain;
+    plain.data.bodies[plain.add_sphere(2, 1)].velocity = {0, 0, -0.0981};
+    plain.add_fixed();
+    plain.data.free_count = 1;
+    plain.add_radial_contact(0, 1, {0, 0, -1}, 0.5);
+    ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+    const auto solver = make_solver<TestBackend, TypeParam>(name, {});
+    const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 1e-6);
+    EXPECT_TRUE(stats.converged) << name;
+    EXPECT_NEAR(buffers.impulses()[0].z(), -0.1962, 1e-5) << name;
+    EXPECT_NEAR(buffers.velocities(solver->velocity())(2), 0, 1e-5) << name;
+  }
+}
+
+TYPED_TEST(SolverBasicsTest, SameBitsForAnyNumberOfThreadsAndOnEveryRun) {
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    for (ContactLayout layout : {ContactLayout::radial, ContactLayout::rolling}) {
+      const PlainProblem plain =
+          random_problem({.layout = layout, .free_count = 1500, .contact_count = 4000, .seed = 4});
+      std::vector<Eigen::Vector3d> first;
+      const auto run = [&](TestBackend& b) {
+        ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+        const auto solver = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 25});
+        solver->solve(b, buffers.problem(), buffers.gamma(), 0);
+        const std::vector<Eigen::Vector3d> gamma = buffers.impulses();
+        if (first.empty()) first = gamma;
+        EXPECT_TRUE(gamma == first) << name;
+      };
+      if constexpr (TestBackend::kIsDevice) {
+        for (int repeat = 0; repeat < 3; ++repeat) run(this->backend());
+      } else {
+        for (int threads : {1, 2, 3}) {
+          TestBackend b(threads);
+          run(b);
+        }
+      }
+    }
+  }
+}
+
+TYPED_TEST(SolverBasicsTest, SecondSolveDoesNotDependOnTheFirst) {
+  TestBackend& b = this->backend();
+  const PlainProblem large = random_problem({.free_count = 300, .contact_count = 900, .seed = 5});
+  const PlainProblem small = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    if (name == "apgd") continue;  // carries its step from solve to solve
+    const auto used = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 20});
+    const auto fresh = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 20});
+    ProblemBuffers<TestBackend, TypeParam> first(b, large), second(b, small), third(b, small);
+    used->solve(b, first.problem(), first.gamma(), 0);
+    used->solve(b, second.problem(), second.gamma(), 0);
+    fresh->solve(b, third.problem(), third.gamma(), 0);
+    EXPECT_TRUE(second.impulses() == third.impulses()) << name;
+  }
+}
+
+TYPED_TEST(SolverBasicsTest, RecordsItsConvergenceCurve) {
+  TestBackend& b = this->backend();
+  const PlainProblem plain = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+    const auto solver = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 60, .check_every = 20});
+    std::vector<CurvePoint> curve;
+    solver->record_curve(&curve);
+    const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 0);
+    ASSERT_EQ(curve.size(), 4U) << name;
+    EXPECT_EQ(curve.front().iterations, 0) << name;
+    EXPECT_EQ(curve.back().applications, stats.applications) << name;
+    EXPECT_EQ(stats.applications, 60) << name;
+    EXPECT_LT(curve.back().residual_rms, curve.front().residual_rms) << name;
+    EXPECT_FALSE(stats.converged) << name;
+  }
+}
+
+TYPED_TEST(SolverBasicsTest, WarmStartIsDoneAtOnce) {
+  TestBackend& b = this->backend();
+  const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 1e-4;
+  const PlainProblem plain = random_problem({.free_count = 30, .contact_count = 60, .seed = 6});
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+    const auto solver = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 100000});
+    ASSERT_TRUE(solver->solve(b, buffers.problem(), buffers.gamma(), tolerance).converged) << name;
+    const SolveStats again = solver->solve(b, buffers.problem(), buffers.gamma(), 1.01 * tolerance);
+    EXPECT_TRUE(again.converged) << name;
+    EXPECT_EQ(again.iterations, 0) << name;
+  }
+}
+
+TYPED_TEST(SolverBasicsTest, NonFiniteInputIsReportedAndStops) {
+  TestBackend& b = this->backend();
+  PlainProblem plain = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
+  plain.data.contacts[17].bias = std::numeric_limits<double>::quiet_NaN();
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+    const auto solver = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 100});
+    const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 1e-6);
+    EXPECT_FALSE(stats.converged) << name;
+    EXPECT_EQ(stats.residual.bad_contact, 17) << name;
+    EXPECT_LT(stats.iterations, 100) << name;
+  }
+}
+
+/// Runs the call and returns the message of the InvalidParameter it throws.
+template <class F>
+std::string refusal(F call) {
+  try {
+    call();
+  } catch (const InvalidParameter& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TYPED_TEST(SolverBasicsTest, BadParametersAreNamed) {
+  using ::testing::HasSubstr;
+  const auto make = [](const std::string& name, const SolverParams& params) {
+    return refusal([&] { make_solver<TestBackend, TypeParam>(name, params); });
+  };
+  for (const std::string& name : usable_solvers<TypeParam>()) {
+    EXPECT_EQ(make(name, {.max_iterations = 0}), "solver.max_iterations must be positive, got 0");
+    EXPECT_EQ(make(name, {.check_every = -3}), "solver.check_every must be positive, got -3");
+    EXPECT_THAT(make(name, {.relaxation = 2}), HasSubstr("solver.relaxation must lie in (0, 2), got 2"));
+  }
+  const std::string unknown = make("newton", {});
+  EXPECT_THAT(unknown, HasSubstr("\"newton\" is unknown"));
+  for (const std::string& name : solver_names()) EXPECT_THAT(unknown, HasSubstr(name));
+}
+
+TYPED_TEST(SolverBasicsTest, SequentialGaussSeidelIsForTheCpu) {
+  const std::string message =
+      refusal([] { make_solver<TestBackend, TypeParam>("gauss_seidel", {}); });
+  if (TestBackend::kIsDevice) {
+    EXPECT_THAT(message, ::testing::HasSubstr("cpu backend only"));
+    EXPECT_THAT(message, ::testing::HasSubstr("gauss_seidel_colored"));
+  } else {
+    EXPECT_EQ(message, "nothing was thrown");
+  }
+}
+
+TYPED_TEST(SolverBasicsTest, CoulombRefusesNonsense) {
+  using Coulomb = CoulombFixedPoint<TestBackend, TypeParam>;
+  EXPECT_EQ(refusal([] { Coulomb(nullptr, 5); }), "solver.coulomb needs an inner solver, got none");
+  EXPECT_EQ(refusal([] { Coulomb(make_solver<TestBackend, TypeParam>("apgd", {}), 0); }),
+            "solver.max_outer_iterations must be positive, got 0");
+}
+
+}  // namespace
+}  // namespace scree

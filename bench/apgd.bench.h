@@ -56,7 +56,7 @@ void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, Apgd
 template <class B, class Real>
 void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetricKind kind) {
   constexpr int kShort = kCheckEvery;
-  constexpr int kLong = (B::kIsDevice ? 11 : 4) * kCheckEvery;
+  constexpr int kLong = (B::kIsDevice ? 11 : 2) * kCheckEvery;
   B& b = suite.backend();
   const auto& bed = suite.template bed_problem<Real>(spheres);
   const Index n = bed.contact_count();
@@ -98,7 +98,7 @@ template <class B, class Real>
 void add_typed_apgd(Suite<B>& suite, Index n) {
   using S = Suite<B>;
   using State = benchmark::State;
-  for (const ApgdMetricKind kind : {ApgdMetricKind::diagonal, ApgdMetricKind::euclidean}) {
+  for (const ApgdMetricKind kind : metric_kinds<Real>()) {
     suite.add("apgd_iteration", variant_name<Real>(kind), n,
               [n, kind](S& s, State& state) { run_iteration<B, Real>(s, state, n, kind); });
     suite.add("apgd_solve", variant_name<Real>(kind), n,

@@ -95,6 +95,13 @@ class ApgdArrays {
   Buffer<B, ApgdState> state_;
 };
 
+/// Metrics that are measured: both in float, only the default in double.
+template <class Real>
+std::vector<ApgdMetricKind> metric_kinds() {
+  if (sizeof(Real) == 8) return {SolverParams{}.metric};
+  return {ApgdMetricKind::diagonal, ApgdMetricKind::euclidean};
+}
+
 /// Name of a benchmark's variant: the default metric is not named.
 template <class Real>
 std::string variant_name(ApgdMetricKind kind) {

@@ -128,7 +128,7 @@ template <class B, class Real>
 void add_typed_passes(Suite<B>& suite, Index n) {
   using S = Suite<B>;
   using State = benchmark::State;
-  for (const ApgdMetricKind kind : {ApgdMetricKind::diagonal, ApgdMetricKind::euclidean}) {
+  for (const ApgdMetricKind kind : metric_kinds<Real>()) {
     suite.add("apgd_contact_pass", variant_name<Real>(kind), n,
               [n, kind](S& s, State& state) { run_contact_pass<B, Real>(s, state, n, kind); });
   }

@@ -109,6 +109,7 @@ class Suite {
   int runs_per_batch(F& run) {
     run();
     double once = seconds_of(run, 1);
+    if (once >= kBatchSeconds) return kLeastRuns;
     for (int k = 0; k < 3; ++k) once = std::min(once, seconds_of(run, 2) / 2);
     const double wanted = std::ceil(kBatchSeconds / std::max(once, 1e-9));
     const int runs = static_cast<int>(std::clamp(wanted, double{kLeastRuns}, 1e6));
@@ -198,7 +199,7 @@ class Suite {
   }
 
  private:
-  static constexpr int kBatches = B::kIsDevice ? 20 : 7;
+  static constexpr int kBatches = B::kIsDevice ? 20 : 5;
   static constexpr int kLeastRuns = B::kIsDevice ? 20 : 1;
   static constexpr double kBatchSeconds = B::kIsDevice ? 0.01 : 0.02;
   static constexpr Offset kCopyBytes =

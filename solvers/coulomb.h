@@ -68,8 +68,8 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     ContactProblem<Real> shifted = p;
     shifted.bias = bias;
     // RMS change of the shift when it is taken at the present velocities.
-    const auto update_bias = [&] {
-      reduce<Sums<1>>(b, p.contact_count, ShiftBias<R, Real>{p, velocity_, shift, bias},
+    const auto update_bias = [&](Span<const Vec3<Real>> guess) {
+      reduce<Sums<1>>(b, p.contact_count, ShiftBias<R, Real>{p, velocity_, shift, bias, guess},
                       StoreResult<Sums<1>>{w.change.data()});
       return std::sqrt(fetch(b, w.change.data()).value[0] / p.contact_count);
     };
@@ -77,12 +77,13 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
     for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, guess_velocity});
     fill(b, shift, Real(0));
-    update_bias();
+    // A contact with a guessed impulse probably goes on sliding as it does; any other starts from the convex
+    // problem. Where Coulomb's law has several solutions, a cold start thus finds the one next to it.
+    update_bias(gamma);
 
     SolveStats stats;
     stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
     this->add_to_curve(0, 0, stats.residual.exact_rms);
-    stats.converged = stats.residual.exact_rms <= tolerance;
     for (int outer = 0; outer < max_outer_iterations_ && !stats.converged; ++outer) {
       if (stats.residual.bad_contact >= 0) break;
       // No use in solving a problem accurately whose bias is still far off.
@@ -94,7 +95,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
       stats.applications += inner.applications;
       stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.exact_rms);
-      const double change = update_bias();
+      const double change = update_bias({});
       stats.converged = stats.residual.exact_rms <= tolerance && change <= tolerance;
     }
     stats.converged = stats.residual.exact_rms <= tolerance;

@@ -32,10 +32,13 @@ bool measure(std::istream& file, std::uint64_t* bytes, std::uint64_t* checksum) 
   return file.eof();
 }
 
+/// The whole seal.
 std::string seal_text(const std::string& kind, int version, std::uint64_t bytes,
                       std::uint64_t checksum) {
-  return fmt::format("{}\nversion {}\nbytes {}\nchecksum {:016x}\n", kind, version, bytes,
-                     checksum);
+  std::string text =
+      fmt::format("{}\nversion {}\nbytes {}\nchecksum {:016x}\n", kind, version, bytes, checksum);
+  text.resize(seal_bytes, '\0');
+  return text;
 }
 
 }  // namespace
@@ -48,8 +51,7 @@ void write_seal(const std::filesystem::path& path, const std::string& kind, int 
   if (!file || !measure(file, &bytes, &checksum))
     throw RunError(io_message("cannot read", path, errno));
   file.clear();
-  std::string text = seal_text(kind, version, bytes, checksum);
-  text.resize(seal_bytes, '\0');
+  const std::string text = seal_text(kind, version, bytes, checksum);
   file.seekp(0);
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
   file.flush();
@@ -84,7 +86,7 @@ std::string check_seal(const std::filesystem::path& path, const std::string& kin
   if (bytes != expected_bytes)
     return fmt::format("it has {} bytes where {} should be", bytes + seal_bytes,
                        expected_bytes + seal_bytes);
-  if (fmt::format("{:016x}", checksum) != expected_checksum)
+  if (seal != seal_text(kind, version, bytes, checksum))
     return fmt::format("it is damaged: its checksum is {:016x}, its seal says {}", checksum,
                        expected_checksum);
   return {};

@@ -29,7 +29,7 @@ PlainProblem small_problem(ContactLayout layout, unsigned seed) {
 template <class Real>
 class SolverOracleTest : public BackendTest<Real> {
  protected:
-  static constexpr double kTolerance = std::is_same_v<Real, double> ? 1e-9 : 2e-5;
+  static constexpr double kTolerance = std::is_same_v<Real, double> ? 1e-9 : 5e-5;
 
   void expect_oracle(ContactLayout layout) {
     std::vector<std::string> names;
@@ -37,7 +37,9 @@ class SolverOracleTest : public BackendTest<Real> {
       if (TestBackend::kIsDevice && name == "gauss_seidel") continue;  // sequential
       names.push_back(name);
     }
-    for (unsigned seed = 1; seed <= 50; ++seed) {
+    // Small problems are all launches on a device, so it gets fewer of them.
+    const unsigned count = TestBackend::kIsDevice ? 12 : 50;
+    for (unsigned seed = 1; seed <= count; ++seed) {
       const PlainProblem plain = small_problem<Real>(layout, seed);
       const oracle::Solution expected = oracle::solve_convex(plain.data);
       ASSERT_LE(expected.rms, 1e-12) << "oracle, seed " << seed;
@@ -107,7 +109,7 @@ TYPED_TEST(SolverOracleTest, A05RankDeficientBox) {
 
 /// De Saxce's fixed point against the same fixed point on dense matrices with interior-point solves.
 TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
-  const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 1e-4;
+  const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 3e-4;
   for (ContactLayout layout : {ContactLayout::radial, ContactLayout::general, ContactLayout::rolling}) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
       const PlainProblem plain = small_problem<TypeParam>(layout, seed);
@@ -117,7 +119,7 @@ TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
                      std::to_string(seed));
         ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
         CoulombFixedPoint<TestBackend, TypeParam> solver(
-            make_solver<TestBackend, TypeParam>(inner, {.max_iterations = 20000}), 400);
+            make_solver<TestBackend, TypeParam>(inner, {.max_iterations = 4000}), 100);
         const SolveStats stats =
             solver.solve(this->backend(), buffers.problem(), buffers.gamma(), tolerance);
         EXPECT_TRUE(stats.converged) << "exact residual " << stats.residual.exact_rms;

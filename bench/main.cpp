@@ -27,14 +27,14 @@ constexpr const char* kUsage =
     "            [Google Benchmark flags, for instance --benchmark_filter=REGEX\n"
     "             --benchmark_out=FILE --benchmark_out_format=json]\n";
 
-/// A positive whole number; 1e6 is one.
-Index parse_count(std::string_view flag, const std::string& text, double largest) {
+/// A whole number; 1e6 is one.
+Index parse_count(std::string_view flag, const std::string& text, double least, double largest) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
-  if (text.empty() || *end != '\0' || !(value >= 1 && value <= largest) ||
+  if (text.empty() || *end != '\0' || !(value >= least && value <= largest) ||
       value != std::floor(value)) {
-    throw std::invalid_argument(
-        fmt::format("{} must be a whole number from 1 to {}, got '{}'", flag, largest, text));
+    throw std::invalid_argument(fmt::format("{} must be a whole number from {} to {}, got '{}'",
+                                            flag, least, largest, text));
   }
   return static_cast<Index>(value);
 }
@@ -43,7 +43,7 @@ std::vector<Index> parse_sizes(const std::string& text) {
   std::vector<Index> sizes;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    sizes.push_back(parse_count("--sizes", text.substr(begin, end - begin), 2e8));
+    sizes.push_back(parse_count("--sizes", text.substr(begin, end - begin), 100, 2e8));
     begin = end + 1;
   }
   return sizes;
@@ -61,9 +61,9 @@ Options take_options(std::vector<char*>& arguments) {
     if (flag == "--sizes") {
       options.sizes = parse_sizes(value);
     } else if (flag == "--batches") {
-      options.batches = parse_count(flag, value, 1e6);
+      options.batches = parse_count(flag, value, 1, 1e6);
     } else if (flag == "--threads") {
-      options.threads = parse_count(flag, value, 4096);
+      options.threads = parse_count(flag, value, 1, 4096);
     } else if (flag == "--backend") {
       if (value != "cpu" && value != "cuda") {
         throw std::invalid_argument("--backend must be cpu or cuda, got '" + value + "'");
@@ -101,6 +101,7 @@ int run(int argc, char** argv) {
   benchmark::Initialize(&count, arguments.data(), [] { fmt::print("{}", kUsage); });
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
 
+  benchmark::AddCustomContext("command", fmt::format("{}", fmt::join(argv, argv + argc, " ")));
   benchmark::AddCustomContext("scree_version", version());
   benchmark::AddCustomContext("scree_commit", commit());
   std::shared_ptr<void> suites[2];

@@ -83,7 +83,6 @@ Bed make_bed(const BedParams& params) {
   const Offset n = params.sphere_count;
   const double diameter = params.diameter;
   const Grid grid = choose_grid(n, params.contacts_per_sphere);
-  // At least one contact fewer than this: every kept corner-center pair and every floor site.
   const double expected = grid.contacts_per_sphere(n) * static_cast<double>(n);
   require(1.05 * expected < std::numeric_limits<Index>::max(),
           "more contacts than a 32-bit index counts");

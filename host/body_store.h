@@ -2,11 +2,10 @@
 // The bodies of a running simulation in backend memory, and the maps between storage order and ids.
 
 #include <algorithm>
-#include <fmt/format.h>
 #include <span>
 #include <unordered_map>
 
-#include "host/error.h"
+#include "host/engine_errors.h"
 #include "host/scene.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
@@ -127,7 +126,7 @@ class BodyStore {
     std::vector<Index> order;
     for (const int wanted : id) {
       const auto found = place.find(wanted);
-      if (found == place.end()) throw InputError(fmt::format("checkpoint: body {} is not free here", wanted));
+      if (found == place.end()) throw_unknown_body(wanted);
       order.push_back(found->second);
       place.erase(found);
     }

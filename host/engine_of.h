@@ -3,12 +3,12 @@
 
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"
 #include "host/body_store.h"
 #include "host/engine.h"
+#include "host/engine_errors.h"
 #include "host/motion.h"
 #include "host/obstacles.h"
 #include "host/problem_assembly.h"
@@ -85,7 +85,7 @@ class EngineOf final : public Engine {
     report.ms.setup = clock.lap();
 
     const SolveStats stats = solver_->solve(b, problem, gamma, tolerance(reference));
-    if (stats.residual.bad_contact >= 0) throw_bad_contact(contacts, stats.residual.bad_contact);
+    if (stats.residual.bad_contact >= 0) report_bad_contact(contacts, stats.residual.bad_contact);
     report.ms.solve = clock.lap();
 
     reduce<IntegrateSums>(b, bodies.free_count,
@@ -93,7 +93,7 @@ class EngineOf final : public Engine {
                                           summary_.layout == ContactLayout::radial, h, periodic_box()},
                           StoreResult<IntegrateSums>{integrate_sums_.data()});
     const IntegrateSums moved = fetch(b, integrate_sums_.data());
-    if (moved.bad_body >= 0) throw_bad_body(moved.bad_body);
+    if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
     detector_.keep(b, vectors_per_contact(summary_.layout), gamma);
     ++step_;
     time_ = static_cast<double>(step_) * h;
@@ -153,15 +153,11 @@ class EngineOf final : public Engine {
 
   void restore(const WorldState& s) override {
     if (s.insertions_done > scene_.insertions.size()) {
-      throw InputError(fmt::format("checkpoint: {} insertions done, the scene has {}", s.insertions_done,
-                                   scene_.insertions.size()));
+      throw_wrong_insertions(s.insertions_done, scene_.insertions.size());
     }
     while (insertions_done_ < s.insertions_done) insert_next();
     const auto n = static_cast<std::size_t>(store_.free_count());
-    if (s.id.size() != n) {
-      throw InputError(
-          fmt::format("checkpoint: {} free bodies, the scene has {} at that time", s.id.size(), n));
-    }
+    if (s.id.size() != n) throw_wrong_body_count(s.id.size(), n);
     store_.arrange(s.id);
     store_.restore_free(s);
     detector_.restore(*backend_, s.contact_key, s.contact_impulse);
@@ -324,22 +320,15 @@ class EngineOf final : public Engine {
     report.ms.total = t.collision + t.setup + t.solve + t.integrate;
   }
 
-  [[noreturn]] void throw_bad_body(Index storage) {
+  [[noreturn]] void report_bad_body(Index storage) {
     const BodyView<Real> view = store_.view();
-    const Vec3d x = fetch(*backend_, view.position.data + storage);
-    const Vec3<Real> v = fetch(*backend_, view.velocity.data + storage);
-    throw RunError(fmt::format(
-        "step {}: body {} has a state that is not finite: position ({}, {}, {}) m, velocity ({}, {}, {}) m/s; "
-        "the time step may be too large",
-        step_ + 1, id_of(storage), x.x, x.y, x.z, v.x, v.y, v.z));
+    throw_bad_body(step_ + 1, id_of(storage), fetch(*backend_, view.position.data + storage),
+                   Vec3d(fetch(*backend_, view.velocity.data + storage)));
   }
 
-  [[noreturn]] void throw_bad_contact(const ContactView<Real>& contacts, Index c) {
-    throw RunError(fmt::format(
-        "step {}: the contact of bodies {} and {} has a residual that is not finite; the time step may be too "
-        "large or a body's state is broken",
-        step_ + 1, id_of(fetch(*backend_, contacts.body_a.data + c)),
-        id_of(fetch(*backend_, contacts.body_b.data + c))));
+  [[noreturn]] void report_bad_contact(const ContactView<Real>& contacts, Index c) {
+    throw_bad_contact(step_ + 1, id_of(fetch(*backend_, contacts.body_a.data + c)),
+                      id_of(fetch(*backend_, contacts.body_b.data + c)));
   }
 
   std::unique_ptr<B> backend_;

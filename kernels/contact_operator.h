@@ -78,7 +78,8 @@ SCREE_HD typename R::Rows natural_map(const ContactProblem<Real>& p, Index c, co
 }
 
 /// De Saxce's correction: the speed by which the convex cone lifts a sliding contact, mu |u_t|. Added to
-/// the normal velocity it turns the convex condition into Coulomb's law. Source: docs/theory.md eq. (13).
+/// the normal velocity it turns the convex condition into Coulomb's law. Source: De Saxce & Feng, Math. Comput. Modelling
+/// 28, 1998; docs/theory.md, section "Residual".
 /// @param u  contact velocity [m/s]
 template <class Real>
 SCREE_HD Real de_saxce_shift(const ContactProblem<Real>& p, Index c, const ForceRows<Real>& u) {

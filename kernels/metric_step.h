@@ -35,7 +35,7 @@ SCREE_HD ForceMomentRows<Real> divide_by_metric(const Vec3<Real>& n, const Conta
 /// least (1/omega - 1/2) |move|_D^2; for D = N_cc and omega = 1 it is the contact's exact minimizer.
 /// @param u           contact velocity J V + bias at gamma [m/s]
 /// @param relaxation  omega, in (0, 2)
-/// Source: docs/theory.md, section "Jacobi and Gauss-Seidel".
+/// Source: docs/theory.md, section "Gauss-Seidel and Jacobi".
 template <class R, class Real>
 SCREE_HD typename R::Rows metric_step(const ContactProblem<Real>& p, Index c,
                                       const typename R::Rows& gamma, const typename R::Rows& u,

@@ -4,7 +4,7 @@
 // A sliding contact of the convex problem lifts off at mu |u_t|. Adding that speed to the bias and solving
 // again, until it no longer changes, gives Coulomb's law: gamma in K, u + mu |u_t| n in K*, orthogonal.
 // One slipping contact with k = N_tt / N_nn contracts by k mu^2 / (1 + k mu^2) per outer iteration.
-// Source: De Saxce & Feng, Math. Comput. Modelling 28, 1998; Cadoux 2009; docs/theory.md, section "Coulomb".
+// Source: De Saxce & Feng, Math. Comput. Modelling 28, 1998; docs/theory.md, section "Residual".
 // Memory passes per outer iteration: those of the inner solve, and two over contacts.
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // Projected Gauss-Seidel in contact order, one 3x3 (6x6 with rolling friction) block at a time, on one CPU
 // thread: the classic reference for convergence per sweep.
 //
-// Source: docs/theory.md, section "Jacobi and Gauss-Seidel"; Jourdan, Alart, Jean, CMAME 155, 1998 (block
+// Source: docs/theory.md, section "Gauss-Seidel and Jacobi"; Jourdan, Alart, Jean, CMAME 155, 1998 (block
 // relaxation). Memory passes per sweep: one over contacts in place, bodies read and written at each
 // contact; at each check one pass over bodies and one over contacts more.
 

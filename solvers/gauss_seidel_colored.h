@@ -1,7 +1,7 @@
 #pragma once
 // Projected block Gauss-Seidel in parallel: contacts of one color share no free body and are solved at once.
 //
-// Source: docs/theory.md, section "Jacobi and Gauss-Seidel". Once per solve: a coloring and one pass that
+// Source: docs/theory.md, section "Gauss-Seidel and Jacobi". Once per solve: a coloring and one pass that
 // brings contact data into the order of colors, so that a sweep reads contacts as a stream. Memory passes
 // per sweep: one over contacts (48 B read and 12 B written in float) and two bodies gathered and scattered
 // at each (64 B read, 48 B written), in as many launches as there are colors; at each check one pass over

@@ -113,7 +113,7 @@ TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
   for (ContactLayout layout : {ContactLayout::radial, ContactLayout::general, ContactLayout::rolling}) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
       const PlainProblem plain = small_problem<TypeParam>(layout, seed);
-      const oracle::Solution expected = oracle::solve_coulomb(plain.data, 1e-11);
+      const oracle::Solution expected = oracle::solve_coulomb(plain.data, 1e-10, 60);
       for (const char* inner : {"apgd", "gauss_seidel_colored"}) {
         SCOPED_TRACE(std::string(inner) + ", layout " + std::to_string(static_cast<int>(layout)) + ", seed " +
                      std::to_string(seed));
@@ -128,7 +128,7 @@ TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
         EXPECT_NEAR(stats.residual.exact_rms, dense.exact_rms, 0.3 * tolerance);
         EXPECT_NEAR(stats.residual.rms, dense.rms, 1e-5 + 1e-4 * dense.rms);
         // The oracle itself must have got there for its answer to count; answers may differ where several exist.
-        if (expected.exact_rms > 1e-9) continue;
+        if (expected.exact_rms > 1e-8) continue;
         const Eigen::MatrixXd n = oracle::delassus(plain.data);
         EXPECT_LE((n * (gamma - expected.gamma)).cwiseAbs().maxCoeff(),
                   this->tolerance(1e-6, 1e-3) * std::max(1.0, (n * expected.gamma).cwiseAbs().maxCoeff()));

@@ -2,6 +2,10 @@
 // Contact problems written densely from the equations, and solved to rounding by an interior-point method.
 // Shares no code with kernels/: a mistake there cannot be repeated here by inclusion.
 
+// Matrices here are small: Eigen's threads would cost more than they save.
+#ifndef EIGEN_DONT_PARALLELIZE
+#define EIGEN_DONT_PARALLELIZE
+#endif
 #include <Eigen/Dense>
 #include <vector>
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Everything a GPU machine has to show, in one call: build, GPU tests, sanitizers, benchmarks.
-#   bench/device.sh OUTPUT_DIR [stage...]     stages: build tests sanitize micro scenes
+#   bench/device.sh OUTPUT_DIR [stage...]     stages: build ctest tests sanitize micro scenes
 # Each stage has its own log in OUTPUT_DIR and a time limit; a summary is printed last.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 out=${1:?output directory}
 shift
-stages=${*:-build tests sanitize micro scenes}
+stages=${*:-build ctest tests sanitize micro scenes}
 mkdir -p "$out"
 export PATH=$PATH:/usr/local/cuda/bin
 bin=build/release/bin
@@ -26,14 +26,18 @@ wants() { [[ " $stages " == *" $1 "* ]]; }
 
 note "commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown), $(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader)"
 if wants build; then
-  stage build 400 ./bootstrap build || { tail -40 "$out/build.log" build/release.log; exit 1; }
+  stage build 400 ./bootstrap build || { tail -n 40 "$out/build.log"; exit 1; }
+fi
+if wants ctest; then # everything that needs no GPU
+  stage ctest 300 ctest --test-dir build/release -LE '^(cuda|parity)$' -j 8 --output-on-failure
+  tail -n 30 "$out/ctest.log"
 fi
 if wants tests; then
   stage tests_cuda 240 $bin/scree_tests_cuda
-  grep -E "^\[  (PASSED|FAILED|SKIPPED)|tests ran" "$out/tests_cuda.log" | tail -40
+  grep -E "^\[  (PASSED|FAILED|SKIPPED)|tests ran" "$out/tests_cuda.log" | tail -n 40
   if [ -x $bin/scree_tests_parity ]; then
     stage tests_parity 240 $bin/scree_tests_parity
-    grep -E "^\[  (PASSED|FAILED|SKIPPED)|tests ran" "$out/tests_parity.log" | tail -30
+    grep -E "^\[  (PASSED|FAILED|SKIPPED)|tests ran" "$out/tests_parity.log" | tail -n 30
   fi
 fi
 if wants sanitize; then
@@ -41,16 +45,16 @@ if wants sanitize; then
   for tool in memcheck racecheck; do
     stage "sanitize_$tool" 150 compute-sanitizer --tool $tool --error-exitcode 9 \
       $bin/scree run "${small[@]}" --backend cuda --out "$out/../sanitize_$tool"
-    tail -2 "$out/sanitize_$tool.log"
+    tail -n 2 "$out/sanitize_$tool.log"
   done
   stage sanitize_tests 240 compute-sanitizer --tool memcheck --error-exitcode 9 $bin/scree_tests_cuda \
     --gtest_filter='-*Random*:*Large*:*Properties*:*Oracle*'
-  tail -3 "$out/sanitize_tests.log"
+  tail -n 3 "$out/sanitize_tests.log"
 fi
 if wants micro && [ -x $bin/scree_bench ]; then
   stage micro 200 $bin/scree_bench --benchmark_filter='cuda|Cuda' --benchmark_out="$out/micro.json" \
     --benchmark_out_format=json
-  tail -60 "$out/micro.log"
+  tail -n 60 "$out/micro.log"
 fi
 if wants scenes; then
   for precision in float double; do
@@ -59,4 +63,5 @@ if wants scenes; then
     cat "$out/million_$precision.log"
   done
 fi
+tar -C "$out" -czf "$out/logs.tar.gz" --exclude=logs.tar.gz . && find "$out" -name '*.log' -delete
 cat "$summary"

@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+
+#include "host/error.h"
 #include "host/scene_summary.h"
 #include "host/world.h"
 
@@ -24,6 +27,19 @@ std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
   const double contact = 8 + 8 + vec + real + 20 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
   const double bodies = s.free_capacity + s.fixed_count;
   return static_cast<std::size_t>(bodies * (body + kContactsPerBody * contact));
+}
+
+void require_memory(const Scene& scene, const WorldOptions& options) {
+  const SceneSummary s = summarize(scene);
+  const double bodies = s.free_capacity + s.fixed_count;
+  const double needed = static_cast<double>(expected_memory(scene, options));
+  const double there = static_cast<double>(device_info(options.backend).memory_bytes);
+  if (needed <= there) return;
+  const double mib = 1024.0 * 1024.0;
+  throw InputError(fmt::format("{} bodies need about {:.0f} MiB of {} memory, there are {:.0f} MiB: about {:.0f} bodies "
+                               "fit",
+                               bodies, needed / mib, options.backend == BackendKind::cuda ? "device" : "host",
+                               there / mib, bodies * there / needed));
 }
 
 }  // namespace scree

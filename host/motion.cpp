@@ -68,8 +68,8 @@ Rates rates_between(const Pose& from, const Pose& to, double h) {
 
 bool rotates(const BodyDescription& body) {
   if (body.kind != BodyKind::kinematic) return false;
-  return body.motion.kind == Motion::Kind::rotating ||
-         (body.motion.kind == Motion::Kind::sampled && !body.motion.orientations.empty());
+  return body.motion->kind == Motion::Kind::rotating ||
+         (body.motion->kind == Motion::Kind::sampled && !body.motion->orientations.empty());
 }
 
 }  // namespace scree

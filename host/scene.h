@@ -5,8 +5,10 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernels/math/quat.h"
@@ -52,6 +54,23 @@ struct Motion {
   std::vector<Quatd> orientations;   ///< sampled: rotation applied to the initial pose, may be empty
 };
 
+/// A value that few of very many owners have: kept elsewhere, a shared default where it was never set.
+template <class T>
+class Rare {
+ public:
+  Rare() = default;
+  Rare(T value) : value_(std::make_shared<const T>(std::move(value))) {}
+  operator const T&() const { return **this; }
+  const T& operator*() const {
+    static const T absent{};
+    return value_ ? *value_ : absent;
+  }
+  const T* operator->() const { return &**this; }
+
+ private:
+  std::shared_ptr<const T> value_;
+};
+
 /// A closed (or declared open) triangle surface in its body's frame.
 struct TriangleMesh {
   std::string name;                          ///< file it came from, for messages
@@ -93,7 +112,7 @@ struct BodyDescription {
   int material = 0;           ///< index into Scene::materials
   int group = 0;              ///< index into Scene::groups; colors pictures, names outputs
   std::uint8_t locks = 0;     ///< Lock bits
-  Motion motion;              ///< kinematic bodies only
+  Rare<Motion> motion;        ///< kinematic bodies only
 };
 
 /// Bodies that join a run when their time has come (rain). Ids follow those of earlier bodies.

@@ -146,6 +146,9 @@ struct DeviceInfo {
 };
 DeviceInfo device_info(BackendKind kind);
 
+/// @throws InputError saying how many bodies fit when the scene is expected to need more than the device has
+void require_memory(const Scene& scene, const WorldOptions& options);
+
 /// Backend memory a scene is expected to need at its fullest [bytes].
 std::size_t expected_memory(const Scene& scene, const WorldOptions& options);
 

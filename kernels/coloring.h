@@ -1,14 +1,14 @@
 #pragma once
 // Element programs of contact coloring: contacts that share a free body get different colors.
 //
-// The coloring is the greedy one in priority order: every contact takes the smallest color that no contact
-// of higher priority on its two bodies has. That fixes the result, whatever runs first. Each body holds its
-// contacts sorted by priority and a head; a contact is colored when it is the head of both its bodies
-// (Jones & Plassmann, SIAM J. Sci. Comput. 14(3), 1993). So a round costs O(1) per body however many contacts
-// it has, and reads only the state of the round before.
+// The coloring is the greedy one in priority order: every contact takes the smallest color that no
+// contact of higher priority on its two bodies has. That fixes the result, whatever runs first.
+// Each body holds its contacts sorted by priority and a head; a contact is colored when it is the
+// head of both its bodies (Jones & Plassmann, SIAM J. Sci. Comput. 14(3), 1993). So a round costs
+// O(1) per body however many contacts it has, and reads only the state of the round before.
 //
-// Colors are handed out in batches of 64, one mask per body. What finds no free color in a batch, because a
-// body has used all 64, waits for the next batch; its smallest free color lies there.
+// Colors are handed out in batches of 64, one mask per body. What finds no free color in a batch,
+// because a body has used all 64, waits for the next batch; its smallest free color lies there.
 
 #include "kernels/backend/backend.h"
 #include "kernels/contact_problem.h"
@@ -21,8 +21,8 @@ inline constexpr std::uint64_t kAllColors = ~std::uint64_t{0};
 /// Bits of a contact's priority. Few bits make the sort short; ties go to the lower index.
 inline constexpr int kPriorityBits = 12;
 
-/// The contact that goes first has the lowest value. A hash: neighbors in storage must not form long chains
-/// of waiting. Final mix of MurmurHash3.
+/// The contact that goes first has the lowest value. A hash: neighbors in storage must not form
+/// long chains of waiting. Final mix of MurmurHash3.
 inline SCREE_HD std::uint32_t contact_priority(Index c) {
   auto h = static_cast<std::uint32_t>(c);
   h = (h ^ (h >> 16)) * 0x85ebca6bU;
@@ -61,7 +61,8 @@ inline SCREE_HD ColoringWork coloring_work(const BodyColors& s) {
 }
 
 /// Entries 2c and 2c + 1 of the list to sort: contact c as seen by its bodies. A stable sort by
-/// (body, priority) then lists each body's contacts by (priority, index); fixed bodies go to the end.
+/// (body, priority) then lists each body's contacts by (priority, index); fixed bodies go to the
+/// end.
 struct ColoringEntries {
   static constexpr const char* name = "coloring_entries";
   Span<const Index> body_a;
@@ -83,15 +84,15 @@ struct ColoringEntries {
   }
 };
 
-/// Starts a batch for body active[k] (body k when the list is empty): drops colored contacts from its list
-/// and clears its mask.
+/// Starts a batch for body active[k] (body k when the list is empty): drops colored contacts from
+/// its list and clears its mask.
 struct ColoringBatch {
   static constexpr const char* name = "coloring_batch";
   Span<const Index> a_start;
   Span<const Index> b_start;
   Span<const Index> active;
   Span<const Index> color;
-  Span<Index> incident;    ///< contacts of all bodies, by (body, priority, index)
+  Span<Index> incident;  ///< contacts of all bodies, by (body, priority, index)
   Span<BodyColors> state;
   bool is_first;
   SCREE_HD ColoringWork operator()(Index k) const {
@@ -111,8 +112,8 @@ struct ColoringBatch {
   }
 };
 
-/// One round for body active[k]: its head contact is colored when it is the head of the other body too.
-/// Both bodies see the same two old states and come to the same color; body A writes it down.
+/// One round for body active[k]: its head contact is colored when it is the head of the other body
+/// too. Both bodies see the same two old states and come to the same color; body A writes it down.
 struct ColoringRound {
   static constexpr const char* name = "coloring_round";
   Span<const Index> body_a;

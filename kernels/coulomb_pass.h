@@ -5,14 +5,15 @@
 
 namespace scree {
 
-/// shift[c] = De Saxce correction at the velocities, bias[c] = original bias + shift; sums squared changes.
+/// shift[c] = De Saxce correction at the velocities, bias[c] = original bias + shift; sums squared
+/// changes.
 template <class R, class Real>
 struct ShiftBias {
   static constexpr const char* name = "shift_bias";
   ContactProblem<Real> p;  ///< the original problem
   Span<const Twist<Real>> velocity;
-  Span<Real> shift;  ///< [m/s]
-  Span<Real> bias;   ///< [m/s]
+  Span<Real> shift;              ///< [m/s]
+  Span<Real> bias;               ///< [m/s]
   Span<const Vec3<Real>> guess;  ///< not empty: contacts without an impulse here get no shift
   SCREE_HD Sums<1> operator()(Index c) const {
     const auto u = R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);

@@ -5,10 +5,10 @@
 
 namespace scree {
 
-/// Solves contact `first + k` against the velocities its bodies have now, and moves the two bodies at once.
-/// Contacts run concurrently only when no two of them share a free body; in sequence, in any order.
-/// Bytes per contact (radial, float): read normal and bias 16, ids 8, metric 12, impulse 12, two twists and
-/// inertias 64 gathered; written 12 and two twists 48.
+/// Solves contact `first + k` against the velocities its bodies have now, and moves the two bodies
+/// at once. Contacts run concurrently only when no two of them share a free body; in sequence, in
+/// any order. Bytes per contact (radial, float): read normal and bias 16, ids 8, metric 12, impulse
+/// 12, two twists and inertias 64 gathered; written 12 and two twists 48.
 template <class R, class Real>
 struct GaussSeidelPass {
   static constexpr const char* name = "gauss_seidel_pass";
@@ -24,8 +24,7 @@ struct GaussSeidelPass {
     const Index a = p.body_a[c], b = p.body_b[c];
     const Twist<Real> v_a = velocity[a], v_b = velocity[b];
     const auto old = R::load(gamma, c);
-    const auto next =
-        metric_step<R>(p, c, old, R::velocity(p, c, v_a, v_b), metric[c], relaxation);
+    const auto next = metric_step<R>(p, c, old, R::velocity(p, c, v_a, v_b), metric[c], relaxation);
     const auto move = next - old;
     R::store(gamma, c, next);
     velocity[a] = v_a + R::apply_inverse_mass(p, a, R::wrench(p, c, false, move));
@@ -50,8 +49,8 @@ struct OrderedContacts {
   Span<ContactMetric<Real>> metric;
 };
 
-/// to[k] = data of contact order[k], and its block metric: one pass per solve, so that every sweep reads
-/// the contacts of a color as one contiguous stretch.
+/// to[k] = data of contact order[k], and its block metric: one pass per solve, so that every sweep
+/// reads the contacts of a color as one contiguous stretch.
 template <class R, class Real>
 struct GatherContacts {
   static constexpr const char* name = "gather_contacts";

@@ -1,12 +1,14 @@
 #pragma once
-// One projected step of a contact in a diagonal metric: what Jacobi and Gauss-Seidel have in common.
+// One projected step of a contact in a diagonal metric: what Jacobi and Gauss-Seidel have in
+// common.
 
 #include "kernels/contact_operator.h"
 
 namespace scree {
 
-/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides by weights,
-/// so they are raised to this share of the block's trace. A larger weight is still a bound from above.
+/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides by
+/// weights, so they are raised to this share of the block's trace. A larger weight is still a bound
+/// from above.
 template <class Real>
 SCREE_HD ContactMetric<Real> floor_metric(const ContactMetric<Real>& m, Real trace) {
   const Real least = trace > Real(0) ? Real(1e-5) * trace : Real(1);
@@ -31,8 +33,9 @@ SCREE_HD ForceMomentRows<Real> divide_by_metric(const Vec3<Real>& n, const Conta
   return {divide_by_metric(n, m, ForceRows<Real>{u.force}).force, (Real(1) / m.moment) * u.moment};
 }
 
-/// P_K(gamma - omega D^-1 u), both in the metric D. For D >= N_cc and omega < 2 the objective falls by at
-/// least (1/omega - 1/2) |move|_D^2; for D = N_cc and omega = 1 it is the contact's exact minimizer.
+/// P_K(gamma - omega D^-1 u), both in the metric D. For D >= N_cc and omega < 2 the objective falls
+/// by at least (1/omega - 1/2) |move|_D^2; for D = N_cc and omega = 1 it is the contact's exact
+/// minimizer.
 /// @param u           contact velocity J V + bias at gamma [m/s]
 /// @param relaxation  omega, in (0, 2)
 /// Source: docs/theory.md, section "Gauss-Seidel and Jacobi".
@@ -43,7 +46,8 @@ SCREE_HD typename R::Rows metric_step(const ContactProblem<Real>& p, Index c,
   return R::project(p, c, gamma - relaxation * divide_by_metric(p.normal[c], metric, u), metric);
 }
 
-/// metric[c] = bound of contact c's own block N_cc, for methods that move one contact of a body at a time.
+/// metric[c] = bound of contact c's own block N_cc, for methods that move one contact of a body at
+/// a time.
 template <class R, class Real>
 struct StoreBlockMetric {
   static constexpr const char* name = "block_metric";

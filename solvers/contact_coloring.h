@@ -10,9 +10,9 @@
 namespace scree {
 
 /// The same contacts give the same colors on every backend and for every number of threads.
-/// Cost: one radix sort of 2 * contact_count pairs, about 20 rounds over the bodies (one more per contact of
-/// the most loaded body, then over the few bodies still active), one sort of contact_count pairs; two
-/// host reads per 64 colors and three more.
+/// Cost: one radix sort of 2 * contact_count pairs, about 20 rounds over the bodies (one more per
+/// contact of the most loaded body, then over the few bodies still active), one sort of
+/// contact_count pairs; two host reads per 64 colors and three more.
 template <class B>
 class ContactColoring {
  public:
@@ -74,7 +74,8 @@ class ContactColoring {
     Index body_count = p.free_count;
     for (Index first_color = 0;; first_color += kColorsPerBatch) {
       ColoringWork left = reduce_work(
-          b, body_count, ColoringBatch{p.a_start, p.b_start, active, color, incident, now, first_color == 0});
+          b, body_count,
+          ColoringBatch{p.a_start, p.b_start, active, color, incident, now, first_color == 0});
       if (left.bodies == 0) break;
       // Later batches concern few bodies; the list is worth a pass when it gets much shorter.
       if (left.bodies < body_count - body_count / 4) {
@@ -85,8 +86,8 @@ class ContactColoring {
         const Index rounds = std::clamp(left.longest, kLeastRounds, Index{kColorsPerBatch});
         for (Index r = 0; r < rounds; ++r) {
           for_each(b, body_count,
-                   ColoringRound{p.body_a, p.body_b, p.free_count, active, incident, now, next, color,
-                                 first_color});
+                   ColoringRound{p.body_a, p.body_b, p.free_count, active, incident, now, next,
+                                 color, first_color});
           std::swap(now, next);
         }
         left = reduce_work(b, body_count, ColoringLeft{active, now});
@@ -101,8 +102,8 @@ class ContactColoring {
   }
 
   /// The bodies of the list that have undecided contacts, as a new list.
-  Span<const Index> pack_active(B& b, Span<const Index> active, Span<const BodyColors> state, Index from_count,
-                                Index to_count) {
+  Span<const Index> pack_active(B& b, Span<const Index> active, Span<const BodyColors> state,
+                                Index from_count, Index to_count) {
     flag_.reserve_discard(from_count);
     position_.reserve_discard(static_cast<Offset>(from_count) + 1);
     const Span<Index> flag = flag_.view(from_count);

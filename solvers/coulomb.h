@@ -1,11 +1,12 @@
 #pragma once
 // Exact Coulomb friction: the De Saxce fixed point around any solver of the convex problem.
 //
-// A sliding contact of the convex problem lifts off at mu |u_t|. Adding that speed to the bias and solving
-// again, until it no longer changes, gives Coulomb's law: gamma in K, u + mu |u_t| n in K*, orthogonal.
-// One slipping contact with k = N_tt / N_nn contracts by k mu^2 / (1 + k mu^2) per outer iteration.
-// Source: De Saxce & Feng, Math. Comput. Modelling 28, 1998; docs/theory.md, section "Residual".
-// Memory passes per outer iteration: those of the inner solve, and two over contacts.
+// A sliding contact of the convex problem lifts off at mu |u_t|. Adding that speed to the bias and
+// solving again, until it no longer changes, gives Coulomb's law: gamma in K, u + mu |u_t| n in K*,
+// orthogonal. One slipping contact with k = N_tt / N_nn contracts by k mu^2 / (1 + k mu^2) per
+// outer iteration. Source: De Saxce & Feng, Math. Comput. Modelling 28, 1998; docs/theory.md,
+// section "Residual". Memory passes per outer iteration: those of the inner solve, and two over
+// contacts.
 
 #include <algorithm>
 #include <string>
@@ -16,11 +17,13 @@
 
 namespace scree {
 
-/// The recorded curve holds the exact residual after each outer iteration, over the work of all inner ones.
+/// The recorded curve holds the exact residual after each outer iteration, over the work of all
+/// inner ones.
 template <class B, class Real>
 class CoulombFixedPoint final : public Solver<B, Real> {
  public:
-  /// @param inner                 solver of the convex problem; warm-started from one iteration to the next
+  /// @param inner                 solver of the convex problem; warm-started from one iteration to
+  /// the next
   /// @param max_outer_iterations  [-], > 0
   /// @throws InvalidParameter
   CoulombFixedPoint(std::unique_ptr<Solver<B, Real>> inner, int max_outer_iterations)
@@ -33,7 +36,8 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   }
 
   /// `converged` is judged on the exact residual; both residuals are of the original problem.
-  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                   double tolerance) override {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
@@ -77,8 +81,9 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
     for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, guess_velocity});
     fill(b, shift, Real(0));
-    // A contact with a guessed impulse probably goes on sliding as it does; any other starts from the convex
-    // problem. Where Coulomb's law has several solutions, a cold start thus finds the one next to it.
+    // A contact with a guessed impulse probably goes on sliding as it does; any other starts from
+    // the convex problem. Where Coulomb's law has several solutions, a cold start thus finds the
+    // one next to it.
     update_bias(gamma);
 
     SolveStats stats;
@@ -89,7 +94,8 @@ class CoulombFixedPoint final : public Solver<B, Real> {
       // No use in solving a problem accurately whose bias is still far off.
       const double inner_tolerance =
           std::max(kShareOfTolerance * tolerance, kShareOfResidual * stats.residual.exact_rms);
-      const SolveStats inner = inner_->solve(b, shifted, gamma, tolerance > 0 ? inner_tolerance : 0);
+      const SolveStats inner =
+          inner_->solve(b, shifted, gamma, tolerance > 0 ? inner_tolerance : 0);
       velocity_ = inner_->velocity();
       stats.iterations += inner.iterations;
       stats.applications += inner.applications;
@@ -103,8 +109,9 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     return stats;
   }
 
-  static constexpr double kShareOfTolerance = 0.25;  ///< of the tolerance that an inner solve may leave
-  static constexpr double kShareOfResidual = 0.02;   ///< of the last exact residual
+  static constexpr double kShareOfTolerance =
+      0.25;  ///< of the tolerance that an inner solve may leave
+  static constexpr double kShareOfResidual = 0.02;  ///< of the last exact residual
 
   std::unique_ptr<Solver<B, Real>> inner_;
   int max_outer_iterations_;

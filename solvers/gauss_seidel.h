@@ -1,10 +1,10 @@
 #pragma once
-// Projected Gauss-Seidel in contact order, one 3x3 (6x6 with rolling friction) block at a time, on one CPU
-// thread: the classic reference for convergence per sweep.
+// Projected Gauss-Seidel in contact order, one 3x3 (6x6 with rolling friction) block at a time, on
+// one CPU thread: the classic reference for convergence per sweep.
 //
-// Source: docs/theory.md, section "Gauss-Seidel and Jacobi"; Jourdan, Alart, Jean, CMAME 155, 1998 (block
-// relaxation). Memory passes per sweep: one over contacts in place, bodies read and written at each
-// contact; at each check one pass over bodies and one over contacts more.
+// Source: docs/theory.md, section "Gauss-Seidel and Jacobi"; Jourdan, Alart, Jean, CMAME 155, 1998
+// (block relaxation). Memory passes per sweep: one over contacts in place, bodies read and written
+// at each contact; at each check one pass over bodies and one over contacts more.
 
 #include "kernels/gauss_seidel_pass.h"
 #include "solvers/relaxation.h"
@@ -18,7 +18,8 @@ class GaussSeidel final : public RelaxationSolver<B, Real> {
  public:
   using RelaxationSolver<B, Real>::RelaxationSolver;
 
-  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                   double tolerance) override {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }

@@ -1,12 +1,13 @@
 #pragma once
-// Projected block Gauss-Seidel in parallel: contacts of one color share no free body and are solved at once.
+// Projected block Gauss-Seidel in parallel: contacts of one color share no free body and are solved
+// at once.
 //
-// Source: docs/theory.md, section "Gauss-Seidel and Jacobi". Once per solve: a coloring and one pass that
-// brings contact data into the order of colors, so that a sweep reads contacts as a stream. Memory passes
-// per sweep: one over contacts (48 B read and 12 B written in float) and two bodies gathered and scattered
-// at each (64 B read, 48 B written), in as many launches as there are colors; at each check one pass over
-// bodies and two over contacts more. A sweep cannot be faster than the launches of its colors: a body with
-// 2000 contacts makes 2000.
+// Source: docs/theory.md, section "Gauss-Seidel and Jacobi". Once per solve: a coloring and one
+// pass that brings contact data into the order of colors, so that a sweep reads contacts as a
+// stream. Memory passes per sweep: one over contacts (48 B read and 12 B written in float) and two
+// bodies gathered and scattered at each (64 B read, 48 B written), in as many launches as there are
+// colors; at each check one pass over bodies and two over contacts more. A sweep cannot be faster
+// than the launches of its colors: a body with 2000 contacts makes 2000.
 
 #include "kernels/gauss_seidel_pass.h"
 #include "solvers/contact_coloring.h"
@@ -19,7 +20,8 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
  public:
   using RelaxationSolver<B, Real>::RelaxationSolver;
 
-  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                   double tolerance) override {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
@@ -61,9 +63,11 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
     return buffer.view(original.size);
   }
 
-  /// The problem with its contacts in the order of colors; its body-to-contact lists are not usable.
+  /// The problem with its contacts in the order of colors; its body-to-contact lists are not
+  /// usable.
   template <class R>
-  ContactProblem<Real> order_contacts(B& b, const ContactProblem<Real>& p, Span<ContactMetric<Real>> metric) {
+  ContactProblem<Real> order_contacts(B& b, const ContactProblem<Real>& p,
+                                      Span<ContactMetric<Real>> metric) {
     Workspace& w = *space_;
     OrderedContacts<Real> to;
     to.body_a = sized_like(p.body_a.first(p.contact_count), w.body_a);
@@ -118,7 +122,8 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
       }
     };
     const auto collect = [&] {
-      for_each(b, p.contact_count, ScatterImpulses<R, Real>{coloring.order(), ordered_gamma, gamma});
+      for_each(b, p.contact_count,
+               ScatterImpulses<R, Real>{coloring.order(), ordered_gamma, gamma});
     };
     return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, collect);
   }

@@ -1,11 +1,11 @@
 #pragma once
 // Projected Jacobi in the mass-split metric: every contact at once, descent guaranteed.
 //
-// With k_i contacts on body i, N <= P = blockdiag(k_a N_c,a + k_b N_c,b), so the objective falls for every
-// relaxation below 2. Source: docs/theory.md, section "Gauss-Seidel and Jacobi"; mass splitting: Tonge,
-// Benevolenski, Voroshilov, ACM TOG 31(4), 2012.
-// Memory passes per iteration: one over contacts (108 B in float, 48 of them gathered) and one over bodies
-// (56 B and 52 B gathered per contact); one more contact pass every `check_every` iterations.
+// With k_i contacts on body i, N <= P = blockdiag(k_a N_c,a + k_b N_c,b), so the objective falls
+// for every relaxation below 2. Source: docs/theory.md, section "Gauss-Seidel and Jacobi"; mass
+// splitting: Tonge, Benevolenski, Voroshilov, ACM TOG 31(4), 2012. Memory passes per iteration: one
+// over contacts (108 B in float, 48 of them gathered) and one over bodies (56 B and 52 B gathered
+// per contact); one more contact pass every `check_every` iterations.
 
 #include "kernels/jacobi_pass.h"
 #include "solvers/relaxation.h"
@@ -17,7 +17,8 @@ class Jacobi final : public RelaxationSolver<B, Real> {
  public:
   using RelaxationSolver<B, Real>::RelaxationSolver;
 
-  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                   double tolerance) override {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
@@ -33,7 +34,8 @@ class Jacobi final : public RelaxationSolver<B, Real> {
     bool is_current = false;  // V belongs to gamma
     const auto sweep = [&] {
       if (!is_current) for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
-      for_each(b, p.contact_count, JacobiPass<R, Real>{p, metric, velocity, gamma, this->relaxation()});
+      for_each(b, p.contact_count,
+               JacobiPass<R, Real>{p, metric, velocity, gamma, this->relaxation()});
       is_current = false;
     };
     // The check that follows gathers V, which serves the next sweep.

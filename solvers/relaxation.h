@@ -8,8 +8,8 @@
 
 namespace scree {
 
-/// Base of Jacobi and of the Gauss-Seidel solvers. Their objective falls with every sweep, so the last
-/// iterate is returned.
+/// Base of Jacobi and of the Gauss-Seidel solvers. Their objective falls with every sweep, so the
+/// last iterate is returned.
 template <class B, class Real>
 class RelaxationSolver : public Solver<B, Real> {
  public:
@@ -39,8 +39,8 @@ class RelaxationSolver : public Solver<B, Real> {
     return space_->metric.view(p.contact_count);
   }
 
-  /// Repeats `sweep` until a check stops it. Before each check `collect` brings the impulses into `gamma`
-  /// and V is gathered from them exactly: increments of V pile up rounding errors.
+  /// Repeats `sweep` until a check stops it. Before each check `collect` brings the impulses into
+  /// `gamma` and V is gathered from them exactly: increments of V pile up rounding errors.
   template <class R, class Sweep, class Collect>
   SolveStats iterate(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance,
                      Span<Twist<Real>> velocity, Sweep sweep, Collect collect) {

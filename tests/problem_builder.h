@@ -1,5 +1,6 @@
 #pragma once
-// Contact problems for tests: as plain arrays for the dense oracle, and the same numbers in backend buffers.
+// Contact problems for tests: as plain arrays for the dense oracle, and the same numbers in backend
+// buffers.
 
 #include <algorithm>
 #include <cstdint>
@@ -10,7 +11,7 @@
 #include "kernels/contact_problem.h"
 #include "tests/reference/dense_oracle.h"
 
-namespace scree::testing {
+namespace scree::fixtures {
 
 inline Eigen::Vector3d to_eigen(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 template <class Real>
@@ -18,14 +19,14 @@ Vec3<Real> to_vec3(const Eigen::Vector3d& v) {
   return {static_cast<Real>(v.x()), static_cast<Real>(v.y()), static_cast<Real>(v.z())};
 }
 
-/// A problem in double. In the radial layout the arms are +radius[a] * n and -radius[b] * n, inertia is
-/// isotropic and fixed bodies do not rotate.
+/// A problem in double. In the radial layout the arms are +radius[a] * n and -radius[b] * n,
+/// inertia is isotropic and fixed bodies do not rotate.
 struct PlainProblem {
   ContactLayout layout = ContactLayout::radial;
   oracle::Problem data;
-  std::vector<double> radius;                ///< [m] per body
-  std::vector<double> mass;                  ///< [kg] per body
-  std::vector<Eigen::Matrix3d> inertia;      ///< [kg m^2] per body, not in the radial layout
+  std::vector<double> radius;            ///< [m] per body
+  std::vector<double> mass;              ///< [kg] per body
+  std::vector<Eigen::Matrix3d> inertia;  ///< [kg m^2] per body, not in the radial layout
 
   Index contact_count() const { return static_cast<Index>(data.contacts.size()); }
 
@@ -35,7 +36,8 @@ struct PlainProblem {
     oracle::Body body;
     body.inv_mass.setConstant(1 / m);
     body.inv_inertia = Eigen::Matrix3d::Identity() * (spin_factor / (m * r * r));
-    return add(body, m, r, Eigen::Matrix3d::Identity() * (spin_factor > 0 ? m * r * r / spin_factor : 0));
+    return add(body, m, r,
+               Eigen::Matrix3d::Identity() * (spin_factor > 0 ? m * r * r / spin_factor : 0));
   }
   int add_general(double m, const Eigen::Matrix3d& body_inertia) {
     oracle::Body body;
@@ -78,13 +80,15 @@ struct RandomProblem {
   double mu_max = 1.0;
 };
 
-/// Random bodies and contacts. A velocity strictly inside all dual cones exists by construction, so the
-/// minimum is finite; v* is pushed away from it, so that many contacts are active.
+/// Random bodies and contacts. A velocity strictly inside all dual cones exists by construction, so
+/// the minimum is finite; v* is pushed away from it, so that many contacts are active.
 inline PlainProblem random_problem(const RandomProblem& options) {
   std::mt19937 generator(options.seed);
   std::uniform_real_distribution<double> unit(0, 1);
   std::normal_distribution<double> normal;
-  const auto vector = [&] { return Eigen::Vector3d(normal(generator), normal(generator), normal(generator)); };
+  const auto vector = [&] {
+    return Eigen::Vector3d(normal(generator), normal(generator), normal(generator));
+  };
 
   PlainProblem p;
   p.layout = options.layout;
@@ -96,9 +100,12 @@ inline PlainProblem random_problem(const RandomProblem& options) {
     if (radial) {
       p.add_sphere(m, 0.5 + unit(generator), i % 7 == 3 ? 0.0 : 2.5);
     } else {
-      const Eigen::Matrix3d turn = Eigen::Quaterniond(normal(generator), normal(generator), normal(generator),
-                                                      normal(generator)).normalized().toRotationMatrix();
-      const Eigen::Vector3d moments = m * (Eigen::Vector3d(0.3, 0.3, 0.3) + 0.5 * vector().cwiseAbs());
+      const Eigen::Matrix3d turn = Eigen::Quaterniond(normal(generator), normal(generator),
+                                                      normal(generator), normal(generator))
+                                       .normalized()
+                                       .toRotationMatrix();
+      const Eigen::Vector3d moments =
+          m * (Eigen::Vector3d(0.3, 0.3, 0.3) + 0.5 * vector().cwiseAbs());
       p.add_general(m, turn * moments.asDiagonal() * turn.transpose());
     }
   }
@@ -115,7 +122,8 @@ inline PlainProblem random_problem(const RandomProblem& options) {
     const int a = static_cast<int>(unit(generator) * options.free_count);
     const int b = static_cast<int>(unit(generator) * body_count);
     if (a >= b) continue;
-    oracle::Contact& c = p.add_radial_contact(a, b, vector().normalized(), options.mu_max * unit(generator));
+    oracle::Contact& c =
+        p.add_radial_contact(a, b, vector().normalized(), options.mu_max * unit(generator));
     if (p.contact_count() % 9 == 0) c.mu = 0;
     if (!radial) {
       c.arm_a += 0.5 * vector();
@@ -128,8 +136,9 @@ inline PlainProblem random_problem(const RandomProblem& options) {
       c.spinning = p.contact_count() % 7 == 0 ? 0 : 0.2 * unit(generator);
     }
   }
-  std::stable_sort(p.data.contacts.begin(), p.data.contacts.end(),
-                   [](const auto& x, const auto& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
+  std::stable_sort(
+      p.data.contacts.begin(), p.data.contacts.end(),
+      [](const auto& x, const auto& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
 
   for (oracle::Contact& c : p.data.contacts) {
     const oracle::Body &a = bodies[c.a], &b = bodies[c.b];
@@ -172,8 +181,10 @@ void round_to(PlainProblem& p) {
 template <class Real>
 Sym3<Real> to_sym3(const Eigen::Matrix3d& m) {
   Sym3<Real> s;
-  s.xx = static_cast<Real>(m(0, 0)), s.yy = static_cast<Real>(m(1, 1)), s.zz = static_cast<Real>(m(2, 2));
-  s.xy = static_cast<Real>(m(0, 1)), s.xz = static_cast<Real>(m(0, 2)), s.yz = static_cast<Real>(m(1, 2));
+  s.xx = static_cast<Real>(m(0, 0)), s.yy = static_cast<Real>(m(1, 1)),
+  s.zz = static_cast<Real>(m(2, 2));
+  s.xy = static_cast<Real>(m(0, 1)), s.xz = static_cast<Real>(m(0, 2)),
+  s.yz = static_cast<Real>(m(1, 2));
   return s;
 }
 
@@ -182,9 +193,24 @@ template <class B, class Real>
 class ProblemBuffers {
  public:
   ProblemBuffers(B& b, const PlainProblem& plain)
-      : backend_(&b), plain_(plain), body_a_(b), body_b_(b), normal_(b), bias_(b), friction_(b), adhesion_(b),
-        arm_a_(b), arm_b_(b), rolling_(b), free_velocity_(b), radial_(b), general_(b), a_start_(b),
-        b_start_(b), b_contact_(b), gamma_(b) {
+      : backend_(&b),
+        plain_(plain),
+        body_a_(b),
+        body_b_(b),
+        normal_(b),
+        bias_(b),
+        friction_(b),
+        adhesion_(b),
+        arm_a_(b),
+        arm_b_(b),
+        rolling_(b),
+        free_velocity_(b),
+        radial_(b),
+        general_(b),
+        a_start_(b),
+        b_start_(b),
+        b_contact_(b),
+        gamma_(b) {
     const oracle::Problem& d = plain_.data;
     ContactProblem<Real>& p = problem_;
     p.layout = plain_.layout;
@@ -203,7 +229,8 @@ class ProblemBuffers {
   const PlainProblem& plain() const { return plain_; }
 
   Span<Vec3<Real>> gamma() {
-    return gamma_.view(static_cast<Offset>(problem_.contact_count) * vectors_per_contact(problem_.layout));
+    return gamma_.view(static_cast<Offset>(problem_.contact_count) *
+                       vectors_per_contact(problem_.layout));
   }
   void clear_impulses() { fill(*backend_, gamma(), Vec3<Real>{}); }
   /// World vectors in double.
@@ -214,17 +241,20 @@ class ProblemBuffers {
   }
   std::vector<Eigen::Vector3d> impulses() {
     std::vector<Eigen::Vector3d> vectors;
-    for (const Vec3<Real>& v : download(*backend_, gamma())) vectors.push_back(to_eigen(Vec3<double>(v)));
+    for (const Vec3<Real>& v : download(*backend_, gamma()))
+      vectors.push_back(to_eigen(Vec3<double>(v)));
     return vectors;
   }
-  /// The oracle's twists (v, w) from the solver's: in the radial layout those carry the surface speed r w.
+  /// The oracle's twists (v, w) from the solver's: in the radial layout those carry the surface
+  /// speed r w.
   Eigen::VectorXd velocities(Span<const Twist<Real>> twists) {
     const std::vector<Twist<Real>> host = download(*backend_, twists);
     Eigen::VectorXd v(6 * static_cast<Eigen::Index>(host.size()));
     for (std::size_t i = 0; i < host.size(); ++i) {
       const double scale = plain_.layout == ContactLayout::radial ? 1 / plain_.radius[i] : 1;
       v.segment<3>(6 * static_cast<Eigen::Index>(i)) = to_eigen(Vec3<double>(host[i].linear));
-      v.segment<3>(6 * static_cast<Eigen::Index>(i) + 3) = scale * to_eigen(Vec3<double>(host[i].angular));
+      v.segment<3>(6 * static_cast<Eigen::Index>(i) + 3) =
+          scale * to_eigen(Vec3<double>(host[i].angular));
     }
     return v;
   }
@@ -249,7 +279,8 @@ class ProblemBuffers {
     p.bias = upload_each(bias_, n, [&](std::size_t c) { return real(k[c].bias); });
     p.friction.values = upload_each(friction_, n, [&](std::size_t c) { return real(k[c].mu); });
     if (std::any_of(k.begin(), k.end(), [](const auto& c) { return c.adhesion != 0; })) {
-      p.adhesion.values = upload_each(adhesion_, n, [&](std::size_t c) { return real(k[c].adhesion); });
+      p.adhesion.values =
+          upload_each(adhesion_, n, [&](std::size_t c) { return real(k[c].adhesion); });
     }
     if (p.layout == ContactLayout::radial) return;
     p.arm_a = upload_each(arm_a_, n, [&](std::size_t c) { return to_vec3<Real>(k[c].arm_a); });
@@ -266,7 +297,8 @@ class ProblemBuffers {
     ContactProblem<Real>& p = problem_;
     p.free_velocity = upload_each(free_velocity_, bodies.size(), [&](std::size_t i) {
       const double scale = radial ? plain_.radius[i] : 1;
-      return Twist<Real>{to_vec3<Real>(bodies[i].velocity), to_vec3<Real>(scale * bodies[i].angular_velocity)};
+      return Twist<Real>{to_vec3<Real>(bodies[i].velocity),
+                         to_vec3<Real>(scale * bodies[i].angular_velocity)};
     });
     if (radial) {
       p.radial_inertia = upload_each(radial_, bodies.size(), [&](std::size_t i) {
@@ -301,7 +333,8 @@ class ProblemBuffers {
     for (std::size_t c = 0; c < k.size(); ++c) {
       if (k[c].b < free_count) b_contact.push_back(static_cast<Index>(c));
     }
-    std::stable_sort(b_contact.begin(), b_contact.end(), [&](Index x, Index y) { return k[x].b < k[y].b; });
+    std::stable_sort(b_contact.begin(), b_contact.end(),
+                     [&](Index x, Index y) { return k[x].b < k[y].b; });
     const auto put = [&](const std::vector<Index>& host, Buffer<B, Index>& buffer) {
       upload(*backend_, host, buffer);
       return std::as_const(buffer).view(static_cast<Offset>(host.size()));
@@ -326,4 +359,4 @@ class ProblemBuffers {
   Buffer<B, Vec3<Real>> gamma_;
 };
 
-}  // namespace scree::testing
+}  // namespace scree::fixtures

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <utility>
 
 #include "host/error.h"
 #include "host/io/checkpoint.h"
@@ -16,6 +17,7 @@
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
 #include "host/scene_reader.h"
+#include "host/scene_summary.h"
 
 namespace scree {
 namespace fs = std::filesystem;
@@ -63,13 +65,21 @@ class Run {
   int go() {
     const std::optional<Checkpoint> checkpoint = directory_.take_checkpoint();
     if (checkpoint) require_same_arithmetic(*checkpoint);
-    start_clock_ = std::chrono::steady_clock::now();
-    World world(scene_, world_options_);
-    if (checkpoint) world.restore(checkpoint->state);
+    require_memory(scene_, world_options_);
     directory_.prepare();
-    start_record(world, checkpoint ? std::optional(checkpoint->state.step) : std::nullopt);
+    start_clock_ = std::chrono::steady_clock::now();
+    const WorldState* resumed = checkpoint ? &checkpoint->state : nullptr;
+    FrameWriter frames(directory_.frames(), scene_,
+                       resumed ? std::optional(resumed->time) : std::nullopt);
+    if (!resumed) write_walls(directory_.walls(), scene_);
+    constants_ = summarize(scene_).constants;
+    record_.body_count = static_cast<int>(constants_.radius.size());
+    Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
+    World world(std::move(loaded), world_options_);
+    if (resumed) world.restore(*resumed);
+    start_record(resumed ? std::optional(resumed->step) : std::nullopt);
     try {
-      simulate(world, checkpoint ? &checkpoint->state : nullptr);
+      simulate(world, frames, resumed);
     } catch (const std::exception& error) {
       record_.status = RunStatus::failed;
       record_.message = error.what();
@@ -81,6 +91,17 @@ class Run {
   }
 
  private:
+  /// The scene without its bodies.
+  static Scene settings_of(const Scene& scene) {
+    Scene s;
+    s.name = scene.name;
+    s.seed = scene.seed;
+    s.stepping = scene.stepping;
+    s.solver = scene.solver;
+    s.output = scene.output;
+    return s;
+  }
+
   /// Another backend or precision would not go on bit for bit.
   void require_same_arithmetic(const Checkpoint& c) const {
     if (c.backend == world_options_.backend && c.precision == world_options_.precision) return;
@@ -90,12 +111,10 @@ class Run {
                                  to_string(world_options_.precision)));
   }
 
-  void simulate(World& world, const WorldState* resumed) {
+  void simulate(World& world, FrameWriter& frames, const WorldState* resumed) {
     const double h = scene_.stepping.time_step;
-    const std::optional<double> resume_time = resumed ? std::optional(resumed->time) : std::nullopt;
     const std::optional<std::int64_t> resume_step = resumed ? std::optional(resumed->step) : std::nullopt;
     StepsCsv steps(directory_.steps_csv(), resume_step);
-    FrameWriter frames(directory_.frames(), scene_, resume_time);
     WriterThread writer;
     SignalGuard signals;
     Progress progress(progress_options(options_.quiet), world.time(), static_cast<double>(target_) * h);
@@ -117,15 +136,12 @@ class Run {
       steps.flush();
       auto state = std::make_shared<WorldState>(world.save());
       writer.post([this, state] {
-        write_checkpoint(directory_.checkpoint_file(), *state, scene_, scene_text_, world_options_.backend,
+        write_checkpoint(directory_.checkpoint_file(), *state, constants_, scene_text_, world_options_.backend,
                          world_options_.precision);
       });
     };
 
-    if (!resumed) {
-      write_frame();
-      write_walls(directory_.walls(), scene_);
-    }
+    if (!resumed) write_frame();
     double before = world.time();
     while (world.steps_done() < target_ && signals.received() == 0) {
       const StepReport report = world.step();
@@ -165,7 +181,7 @@ class Run {
     return text;
   }
 
-  void start_record(const World& world, std::optional<std::int64_t> resumed_from) {
+  void start_record(std::optional<std::int64_t> resumed_from) {
     const DeviceInfo device = device_info(world_options_.backend);
     record_.scene_name = scene_.name;
     record_.scene_text = scene_text_;
@@ -175,7 +191,6 @@ class Run {
     record_.device = device.name;
     record_.threads = world_options_.threads > 0 ? world_options_.threads : device.threads;
     record_.seed = scene_.seed;
-    record_.body_count = world.body_count();
     record_.start_time = utc_now();
     record_.resumed_from_step = resumed_from;
     write_run_record(directory_.run_json(), record_);
@@ -183,7 +198,6 @@ class Run {
 
   void finish_record(const World& world) {
     record_.end_time = utc_now();
-    record_.body_count = world.body_count();
     record_.peak_memory_bytes = world.peak_memory();
     record_.wall_seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start_clock_).count();
@@ -195,6 +209,7 @@ class Run {
   std::string scene_text_;
   WorldOptions world_options_;
   OutputDirectory directory_;
+  BodyConstants constants_;  ///< of all bodies, by id
   int picture_count_ = 0;
   std::int64_t target_;
   RunRecord record_;

@@ -184,7 +184,9 @@ void read_body(const Node& node, Draft& draft) {
   if (const auto motion = node.find("motion")) {
     if (body.kind != BodyKind::kinematic)
       motion->fail("only bodies of kind \"kinematic\" have a motion");
-    read_motion(*motion, body.motion);
+    Motion read;
+    read_motion(*motion, read);
+    body.motion = std::move(read);
   } else if (body.kind == BodyKind::kinematic) {
     node.fail_missing("motion", "a kinematic body needs one");
   }

@@ -25,6 +25,7 @@ Cuda::~Cuda() {
   if (stream_ != nullptr) cudaStreamSynchronize(stream_);
   cudaFree(partials_);
   cudaFree(ticket_);
+  if (scan_space_ != nullptr) deallocate(scan_space_, scan_bytes_);
   if (stream_ != nullptr) cudaStreamDestroy(stream_);
 }
 
@@ -44,6 +45,15 @@ void* Cuda::allocate(std::size_t bytes) {
 void Cuda::deallocate(void* p, std::size_t bytes) noexcept {
   cudaFreeAsync(p, stream_);
   allocated_ -= bytes;
+}
+
+void* Cuda::scan_space(std::size_t bytes) {
+  if (bytes > scan_bytes_) {
+    if (scan_space_ != nullptr) deallocate(scan_space_, scan_bytes_);
+    scan_space_ = allocate(bytes);
+    scan_bytes_ = bytes;
+  }
+  return scan_space_;
 }
 
 void Cuda::copy_bytes(void* destination, const void* source, std::size_t bytes) {
@@ -77,10 +87,9 @@ void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Offset> out) {
   std::size_t bytes = 0;
   check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, wide, out.data + 1, in.size, cuda.stream()),
              "exclusive_scan");
-  Buffer<Cuda, unsigned char> temporary(cuda, static_cast<Offset>(bytes));
-  check_cuda(
-      cub::DeviceScan::InclusiveSum(temporary.data(), bytes, wide, out.data + 1, in.size, cuda.stream()),
-      "exclusive_scan");
+  check_cuda(cub::DeviceScan::InclusiveSum(cuda.scan_space(bytes), bytes, wide, out.data + 1, in.size,
+                                           cuda.stream()),
+             "exclusive_scan");
 }
 
 void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values, int bits) {

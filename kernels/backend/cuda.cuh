@@ -44,6 +44,9 @@ class Cuda {
   void upload_bytes(void* destination, const void* source, std::size_t bytes);
   void download_bytes(void* destination, const void* source, std::size_t bytes);
 
+  /// Temporary storage of a scan; grows, and is valid until the next call.
+  void* scan_space(std::size_t bytes);
+
   /// Partial results of a reduction, kReduceBlocks records; and its ticket counter, zero between calls.
   void* partials() { return partials_; }
   unsigned* ticket() { return ticket_; }
@@ -61,6 +64,8 @@ class Cuda {
   cudaStream_t stream_ = nullptr;
   void* partials_ = nullptr;
   unsigned* ticket_ = nullptr;
+  void* scan_space_ = nullptr;
+  std::size_t scan_bytes_ = 0;
   std::size_t allocated_ = 0;
   std::size_t peak_ = 0;
 };

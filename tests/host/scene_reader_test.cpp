@@ -235,7 +235,7 @@ TEST(SceneReader, FilesAreRelativeToTheScene) {
   const Scene scene = read_scene(file);
   ASSERT_EQ(scene.meshes.size(), 1u);  // shared by both bodies
   EXPECT_EQ(scene.meshes[0].triangles.size(), 4u);
-  EXPECT_EQ(scene.bodies.at(1).motion.times.at(1), 2);
+  EXPECT_EQ(scene.bodies.at(1).motion->times.at(1), 2);
   EXPECT_EQ(scene.bodies.at(2).shape.mesh, 0);
 }
 

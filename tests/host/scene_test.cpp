@@ -86,7 +86,11 @@ TEST(Validate, RefusesBadIndices) {
 TEST(Validate, RefusesImpossibleBodies) {
   EXPECT_THAT(refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
               StartsWith("bodies[1].kind: \"free\" is not allowed: only spheres and boxes"));
-  EXPECT_THAT(refused([](Scene& s) { s.bodies[1].motion.kind = Motion::Kind::linear; }),
+  EXPECT_THAT(refused([](Scene& s) {
+                Motion motion;
+                motion.kind = Motion::Kind::linear;
+                s.bodies[1].motion = motion;
+              }),
               StartsWith("bodies[1].motion: a motion is not allowed: only kinematic bodies"));
   EXPECT_THAT(refused([](Scene& s) { s.bodies.erase(s.bodies.begin()); }),
               StartsWith("bodies: a scene of 1 bodies, none free is not allowed"));

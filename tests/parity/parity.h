@@ -37,7 +37,7 @@ inline const char* name_of(Precision p) {
   return p == Precision::single_precision ? "float" : "double";
 }
 
-/// RMS of a - b over the RMS of a - reference; surface speeds count like velocities.
+/// RMS of b - a over the RMS of a, in velocities and surface speeds r w together.
 inline double relative_rms(const BodyStates& a, const BodyStates& b, double radius) {
   double difference = 0, size = 0;
   for (std::size_t i = 0; i < a.velocity.size(); ++i) {

@@ -112,15 +112,23 @@ StoredAnswer evaluate_stored(const PileStates& pile,
   return answer;
 }
 
-/// RMS over the spheres of the difference in velocity and in surface speed r w [m/s].
-double rms_difference(const std::vector<Vec3d>& v, const std::vector<Vec3d>& w,
-                      const PileStates& other) {
-  double squares = 0;
+/// Between two sets of velocities of the pile.
+struct Difference {
+  double rms = 0;     ///< over the spheres, of velocity and surface speed r w together [m/s]
+  double energy = 0;  ///< 1/2 |V - V'|_M^2 [J]
+};
+Difference difference_of(const std::vector<Vec3d>& v, const std::vector<Vec3d>& w,
+                         const PileStates& other, double mass) {
+  Difference d;
   const std::size_t n = other.velocity.size();
-  for (std::size_t i = 0; i < n; ++i)
-    squares +=
-        norm2(v[i] - other.velocity[i]) + norm2(kRadius * (w[i] - other.angular_velocity[i]));
-  return std::sqrt(squares / static_cast<double>(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    const double linear = norm2(v[i] - other.velocity[i]);
+    const double surface = norm2(kRadius * (w[i] - other.angular_velocity[i]));
+    d.rms += (linear + surface) / static_cast<double>(n);
+    d.energy += 0.5 * mass * (linear + 0.4 * surface);
+  }
+  d.rms = std::sqrt(d.rms);
+  return d;
 }
 
 class ChronoStep : public ::testing::TestWithParam<const char*> {};
@@ -143,23 +151,34 @@ TEST_P(ChronoStep, OneStepOfASettledPile) {
   ASSERT_EQ(after.position.size(), 1000u);
 
   const Scene scene = pile_scene(before, h);
-  const StoredAnswer stored = evaluate_stored(before, tables[2], h, scene.bodies[0].mass);
+  const double mass = scene.bodies[0].mass;
+  const StoredAnswer stored = evaluate_stored(before, tables[2], h, mass);
   // The reading of the file is right: its impulses give its velocities.
-  ASSERT_LT(rms_difference(stored.velocity, stored.angular_velocity, after), 1e-12);
+  ASSERT_LT(difference_of(stored.velocity, stored.angular_velocity, after, mass).rms, 1e-12);
 
   World world(scene, cpu_options(0));
   const StepReport report = world.step();
   EXPECT_TRUE(report.converged) << report.residual_rms;
   const BodyStates s = world.states();
-  const double difference = rms_difference(s.velocity, s.angular_velocity, after);
+  const Difference d = difference_of(s.velocity, s.angular_velocity, after, mass);
   RecordProperty("objective", std::to_string(report.objective));
-  RecordProperty("objective_excess", std::to_string(report.objective / stored.objective - 1));
-  RecordProperty("velocity_difference", std::to_string(difference * 1e6) + " um/s");
+  RecordProperty("objective_below_stored_ppm",
+                 std::to_string((report.objective / stored.objective - 1) * 1e6));
+  RecordProperty("velocity_difference_um_per_s", std::to_string(d.rms * 1e6));
   RecordProperty("iterations", report.iterations);
   EXPECT_LT(report.objective, 0);
   EXPECT_LE(report.objective, stored.objective + 1e-9 * std::abs(stored.objective))
       << "stored " << stored.objective;
-  EXPECT_LT(difference, 2e-5);
+
+  // The objective grows at least like 1/2 |V - V_min|_M^2 away from its minimum, so the stored
+  // velocities may be this far from the true ones. For h = 1e-3 that is nothing and the gate is
+  // 2e-5 m/s. The stored impulses of h = 5e-3 are cruder: their objective is 7e-6 above ours and
+  // their velocities are 5e-5 m/s from the minimum, whichever solver finds it.
+  const double allowance = stored.objective - report.objective;
+  EXPECT_LE(d.energy, allowance + 1e-9 * std::abs(stored.objective));
+  if (allowance < 1e-7 * std::abs(stored.objective)) {
+    EXPECT_LT(d.rms, 2e-5);
+  }
 }
 
 }  // namespace

@@ -7,7 +7,9 @@
 
 namespace scree::physics {
 
-inline constexpr double kGrain = 0.01;  ///< diameter of the grains [m]
+/// Diameter of the grains [m]; a power of two, so that the radius is the same number in float and
+/// double.
+inline constexpr double kGrain = 1.0 / 128;
 
 struct Column {
   std::vector<Vec3d> centers;  ///< [m], axis at x = y = 0, floor at z = 0

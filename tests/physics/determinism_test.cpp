@@ -70,13 +70,16 @@ Scene rain_on_a_paddle(bool exact) {
   Scene scene = empty_scene(1e-3, 0.4);
   scene.solver = SolverSettings{};
   scene.solver.exact_coulomb = exact;
+  scene.solver.max_outer_iterations = 10;
   add_lattice(scene, 300, 8, 8, {-0.04, -0.04, 0.03}, 0.0106, 0.005, 2500, 4);
   add_tank(scene, -0.05, 0.05, -0.05, 0.05);
   BodyDescription& paddle =
       add_wall_box(scene, {0, 0, 0.012}, {0.04, 0.004, 0.01}, BodyKind::kinematic);
-  paddle.motion.kind = Motion::Kind::rotating;
-  paddle.motion.axis = {0, 0, 1};
-  paddle.motion.rate = 10;
+  Motion turn;
+  turn.kind = Motion::Kind::rotating;
+  turn.axis = {0, 0, 1};
+  turn.rate = 10;
+  paddle.motion = turn;
   for (int k = 0; k < 3; ++k) {
     Scene batch;
     add_lattice(batch, 64, 8, 8, {-0.04, -0.04, 0.12}, 0.0106, 0.005, 2500, 50 + k);

@@ -38,9 +38,11 @@ Scene silo(double open) {
         add_wall_box(scene, {sign * (kLength / 2 + shelf), 0, -thick}, {shelf, kWidth / 2, thick}));
   BodyDescription& gate = wall(
       add_wall_box(scene, {0, 0, -thick}, {kLength / 2, kWidth / 2, thick}, BodyKind::kinematic));
-  gate.motion.kind = Motion::Kind::linear;
-  gate.motion.velocity = {0, 0, -2};
-  gate.motion.start = open;
+  Motion drop;
+  drop.kind = Motion::Kind::linear;
+  drop.velocity = {0, 0, -2};
+  drop.start = open;
+  gate.motion = drop;
   return scene;
 }
 

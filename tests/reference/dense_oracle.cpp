@@ -32,10 +32,11 @@ std::vector<Part> parts(const Problem& p, int c) {
   return all;
 }
 
-/// Projects the rows of contact c in place. The derivative of half the squared distance in the normal
-/// impulse is the minimum, over sets of parts at their bounds, of increasing linear functions; so its root is
-/// the largest of theirs.
-void project_contact(const Problem& p, int c, const std::vector<Part>& bounded, Eigen::VectorXd& x) {
+/// Projects the rows of contact c in place. The derivative of half the squared distance in the
+/// normal impulse is the minimum, over sets of parts at their bounds, of increasing linear
+/// functions; so its root is the largest of theirs.
+void project_contact(const Problem& p, int c, const std::vector<Part>& bounded,
+                     Eigen::VectorXd& x) {
   const int normal = c * p.rows_per_contact();
   const double apex = p.contacts[c].adhesion;
   double length[3] = {};
@@ -60,10 +61,10 @@ void project_contact(const Problem& p, int c, const std::vector<Part>& bounded, 
   }
 }
 
-/// Block Gauss-Seidel sweeps from a point that is nearly right: the barrier stops short where an optimal
-/// impulse is not unique.
-void polish(const Problem& p, const Eigen::MatrixXd& n, const Eigen::VectorXd& r, Eigen::VectorXd& gamma,
-            int sweeps) {
+/// Block Gauss-Seidel sweeps from a point that is nearly right: the barrier stops short where an
+/// optimal impulse is not unique.
+void polish(const Problem& p, const Eigen::MatrixXd& n, const Eigen::VectorXd& r,
+            Eigen::VectorXd& gamma, int sweeps) {
   const int rows = p.rows_per_contact(), contact_count = static_cast<int>(p.contacts.size());
   std::vector<std::vector<Part>> bounded;
   std::vector<double> stiffness;
@@ -83,7 +84,8 @@ void polish(const Problem& p, const Eigen::MatrixXd& n, const Eigen::VectorXd& r
   }
 }
 
-/// Rows bounded by zero leave the problem; what stays is s = G x + h in a product of second-order cones.
+/// Rows bounded by zero leave the problem; what stays is s = G x + h in a product of second-order
+/// cones.
 struct ConeProgram {
   std::vector<int> kept;  // row of each variable
   Matrix P, G;
@@ -304,7 +306,8 @@ std::vector<Eigen::Vector3d> world_from_rows(const Problem& p, const Eigen::Vect
 
 Eigen::VectorXd project(const Problem& p, const Eigen::VectorXd& x) {
   Eigen::VectorXd y = x;
-  for (int c = 0; c < static_cast<int>(p.contacts.size()); ++c) project_contact(p, c, parts(p, c), y);
+  for (int c = 0; c < static_cast<int>(p.contacts.size()); ++c)
+    project_contact(p, c, parts(p, c), y);
   return y;
 }
 
@@ -343,7 +346,8 @@ Solution solve_convex(const Problem& p) {
   const double velocity = std::max(1e-12, program.q.cwiseAbs().maxCoeff());
   const double impulse = velocity / std::max(1e-12, P.diagonal().maxCoeff());
   Vector x = Vector::Zero(n), s = Vector::Zero(m), z = Vector::Zero(m);
-  for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size()); first += size[k++]) {
+  for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size());
+       first += size[k++]) {
     s(first) = impulse;
     z(first) = velocity;
   }
@@ -365,7 +369,8 @@ Solution solve_convex(const Problem& p) {
 
     std::vector<Scaling> scaling;
     Matrix scaled_g(m, n);
-    for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size()); first += size[k++]) {
+    for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size());
+         first += size[k++]) {
       scaling.push_back(nesterov_todd(s.segment(first, size[k]), z.segment(first, size[k])));
       scaled_g.middleRows(first, size[k]) = scaling[k].w_inverse * G.middleRows(first, size[k]);
     }
@@ -374,37 +379,43 @@ Solution solve_convex(const Problem& p) {
     // b: right side of the linearized complementarity, already divided by lambda.
     const auto direction = [&](const Vector& b) {
       Vector target(m);
-      for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size()); first += size[k++]) {
+      for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size());
+           first += size[k++]) {
         target.segment(first, size[k]) =
             b.segment(first, size[k]) - scaling[k].w_inverse * r_s.segment(first, size[k]);
       }
       d_x = system.solve(-r_x + scaled_g.transpose() * target);
       const Vector scaled_d_z = target - scaled_g * d_x;
       d_s = G * d_x + r_s;
-      for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size()); first += size[k++]) {
+      for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size());
+           first += size[k++]) {
         d_z.segment(first, size[k]) = scaling[k].w_inverse * scaled_d_z.segment(first, size[k]);
       }
     };
     const auto longest = [&] {
       double step = 1;
-      for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size()); first += size[k++]) {
+      for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size());
+           first += size[k++]) {
         step = std::min(step, cone_step(s.segment(first, size[k]), d_s.segment(first, size[k])));
         step = std::min(step, cone_step(z.segment(first, size[k]), d_z.segment(first, size[k])));
       }
       return step;
     };
     Vector b(m);
-    for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size()); first += size[k++]) {
+    for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size());
+         first += size[k++]) {
       b.segment(first, size[k]) = -scaling[k].lambda;
     }
     direction(b);
     const double affine = longest();
     const double sigma = std::pow(1 - affine, 3.0);
     const double correction = affine > 0.3 ? 1 : 0;  // of no use when the affine step fails early
-    for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size()); first += size[k++]) {
+    for (Eigen::Index k = 0, first = 0; k < static_cast<Eigen::Index>(size.size());
+         first += size[k++]) {
       const Scaling& w = scaling[k];
-      Vector right = -jordan(w.lambda, w.lambda) - correction *
-                     jordan(w.w_inverse * d_s.segment(first, size[k]), w.w * d_z.segment(first, size[k]));
+      Vector right = -jordan(w.lambda, w.lambda) -
+                     correction * jordan(w.w_inverse * d_s.segment(first, size[k]),
+                                         w.w * d_z.segment(first, size[k]));
       right(0) += sigma * gap;
       b.segment(first, size[k]) = jordan_divide(w.lambda, right);
     }

@@ -1,6 +1,6 @@
 #pragma once
-// Contact problems written densely from the equations, and solved to rounding by an interior-point method.
-// Shares no code with kernels/: a mistake there cannot be repeated here by inclusion.
+// Contact problems written densely from the equations, and solved to rounding by an interior-point
+// method. Shares no code with kernels/: a mistake there cannot be repeated here by inclusion.
 
 // Matrices here are small: Eigen's threads would cost more than they save.
 #ifndef EIGEN_DONT_PARALLELIZE
@@ -11,11 +11,12 @@
 
 namespace scree::oracle {
 
-/// Inverse mass matrix and rates of a body, world frame. A fixed body has zero inverse mass and inertia.
+/// Inverse mass matrix and rates of a body, world frame. A fixed body has zero inverse mass and
+/// inertia.
 struct Body {
-  Eigen::Vector3d inv_mass = Eigen::Vector3d::Zero();        ///< per axis [1/kg]
-  Eigen::Matrix3d inv_inertia = Eigen::Matrix3d::Zero();     ///< [1/(kg m^2)]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        ///< v* [m/s]
+  Eigen::Vector3d inv_mass = Eigen::Vector3d::Zero();          ///< per axis [1/kg]
+  Eigen::Matrix3d inv_inertia = Eigen::Matrix3d::Zero();       ///< [1/(kg m^2)]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          ///< v* [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  ///< [rad/s]
 };
 
@@ -83,8 +84,8 @@ struct Solution {
 
 /// Minimizer of 1/2 gamma^T N gamma + r^T gamma over the cones. Primal-dual interior point with
 /// Nesterov-Todd scaling and a predictor-corrector step (Vandenberghe, "The CVXOPT linear
-/// and quadratic cone program solvers", 2010), then Gauss-Seidel sweeps to a residual of about 1e-13 m/s. N may
-/// be singular.
+/// and quadratic cone program solvers", 2010), then Gauss-Seidel sweeps to a residual of about
+/// 1e-13 m/s. N may be singular.
 Solution solve_convex(const Problem& p);
 
 /// Coulomb's law: the De Saxce fixed point around solve_convex, to `tolerance` in the shift [m/s].

@@ -1,5 +1,6 @@
 #pragma once
-// Fixture of tests that are compiled once per backend (scree::TestBackend) and typed over float and double.
+// Fixture of tests that are compiled once per backend (scree::TestBackend) and typed over float and
+// double.
 
 #include <gtest/gtest.h>
 
@@ -26,8 +27,8 @@ class BackendTest : public ::testing::Test {
 
   TestBackend& backend() { return *backend_; }
 
-  /// Tolerance of the build: in float twenty times that of double, at least what rounding leaves and never
-  /// more than 1e-3.
+  /// Tolerance of the build: in float twenty times that of double, at least what rounding leaves
+  /// and never more than 1e-3.
   static double tolerance(double in_double, double float_floor = 1e-5) {
     if (std::is_same_v<Real, double>) return in_double;
     return std::min(1e-3, std::max(20 * in_double, float_floor));

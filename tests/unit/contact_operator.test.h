@@ -11,11 +11,12 @@
 namespace scree {
 namespace {
 
-using testing::PlainProblem;
-using testing::ProblemBuffers;
-using testing::random_problem;
+using fixtures::PlainProblem;
+using fixtures::ProblemBuffers;
+using fixtures::random_problem;
 
-const ContactLayout kLayouts[] = {ContactLayout::radial, ContactLayout::general, ContactLayout::rolling};
+const ContactLayout kLayouts[] = {ContactLayout::radial, ContactLayout::general,
+                                  ContactLayout::rolling};
 
 template <class R, class Real>
 struct StoreContactVelocity {
@@ -46,11 +47,14 @@ class ContactOperatorTest : public BackendTest<Real> {
     std::vector<Eigen::Vector3d> v(count);
     for (auto& x : v) {
       x = Eigen::Vector3d(normal(generator), normal(generator), normal(generator))
-              .cast<Real>().template cast<double>();
+              .cast<Real>()
+              .template cast<double>();
     }
     return v;
   }
-  static double rounding(double in_double) { return std::is_same_v<Real, double> ? in_double : 1e-5; }
+  static double rounding(double in_double) {
+    return std::is_same_v<Real, double> ? in_double : 1e-5;
+  }
 };
 TYPED_TEST_SUITE(ContactOperatorTest, Reals);
 
@@ -58,7 +62,8 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
   using Real = TypeParam;
   TestBackend& b = this->backend();
   for (ContactLayout layout : kLayouts) {
-    PlainProblem plain = random_problem({.layout = layout, .free_count = 200, .contact_count = 700, .seed = 2});
+    PlainProblem plain =
+        random_problem({.layout = layout, .free_count = 200, .contact_count = 700, .seed = 2});
     for (auto& c : plain.data.contacts) c.bias = 0;
     for (std::size_t i = 200; i < plain.data.bodies.size(); ++i) {
       plain.data.bodies[i].velocity.setZero();
@@ -66,7 +71,8 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
     }
     ProblemBuffers<TestBackend, Real> buffers(b, plain);
     const ContactProblem<Real>& p = buffers.problem();
-    buffers.set_impulses(this->random_vectors(static_cast<std::size_t>(p.contact_count) * vectors_per_contact(layout), 4));
+    buffers.set_impulses(this->random_vectors(
+        static_cast<std::size_t>(p.contact_count) * vectors_per_contact(layout), 4));
     const std::vector<Vec3<Real>> gamma = download(b, buffers.gamma());
     Buffer<TestBackend, Vec3<Real>> u(b, buffers.gamma().size);
     Buffer<TestBackend, Twist<Real>> wrench(b, p.free_count);
@@ -82,7 +88,8 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
       left += term;
       size += std::abs(term);
     }
-    const std::vector<Twist<Real>> twists = download(b, p.free_velocity), wrenches = download(b, wrench.view());
+    const std::vector<Twist<Real>> twists = download(b, p.free_velocity),
+                                   wrenches = download(b, wrench.view());
     for (Index i = 0; i < p.free_count; ++i) {
       right += dot(Vec3<double>(twists[i].linear), Vec3<double>(wrenches[i].linear)) +
                dot(Vec3<double>(twists[i].angular), Vec3<double>(wrenches[i].angular));
@@ -97,11 +104,11 @@ TYPED_TEST(ContactOperatorTest, VelocitiesAndResidualsMatchDenseMatrices) {
   for (ContactLayout layout : kLayouts) {
     PlainProblem plain = random_problem(
         {.layout = layout, .free_count = 12, .contact_count = 30, .seed = 3, .has_adhesion = true});
-    testing::round_to<Real>(plain);
+    fixtures::round_to<Real>(plain);
     ProblemBuffers<TestBackend, Real> buffers(b, plain);
     const ContactProblem<Real>& p = buffers.problem();
-    const auto vectors =
-        this->random_vectors(static_cast<std::size_t>(p.contact_count) * vectors_per_contact(layout), 6);
+    const auto vectors = this->random_vectors(
+        static_cast<std::size_t>(p.contact_count) * vectors_per_contact(layout), 6);
     buffers.set_impulses(vectors);
     const Eigen::VectorXd gamma = oracle::rows_from_world(plain.data, vectors);
 
@@ -116,10 +123,11 @@ TYPED_TEST(ContactOperatorTest, VelocitiesAndResidualsMatchDenseMatrices) {
     });
 
     const Eigen::MatrixXd j = oracle::jacobian(plain.data);
-    const Eigen::VectorXd expected =
-        oracle::free_velocity(plain.data) + oracle::inverse_mass(plain.data) * j.transpose() * gamma;
+    const Eigen::VectorXd expected = oracle::free_velocity(plain.data) +
+                                     oracle::inverse_mass(plain.data) * j.transpose() * gamma;
     const double scale = expected.cwiseAbs().maxCoeff();
-    EXPECT_LE((buffers.velocities(v.view()) - expected).cwiseAbs().maxCoeff(), this->rounding(1e-13) * scale);
+    EXPECT_LE((buffers.velocities(v.view()) - expected).cwiseAbs().maxCoeff(),
+              this->rounding(1e-13) * scale);
     const oracle::Residual dense = oracle::residual(plain.data, gamma);
     EXPECT_NEAR(residual.rms, dense.rms, this->rounding(1e-12) * dense.rms);
     EXPECT_NEAR(residual.exact_rms, dense.exact_rms, this->rounding(1e-12) * dense.exact_rms);
@@ -132,8 +140,9 @@ TYPED_TEST(ContactOperatorTest, BlockMetricBoundsTheDiagonalBlock) {
   using Real = TypeParam;
   TestBackend& b = this->backend();
   for (ContactLayout layout : kLayouts) {
-    PlainProblem plain = random_problem({.layout = layout, .free_count = 40, .contact_count = 150, .seed = 8});
-    testing::round_to<Real>(plain);
+    PlainProblem plain =
+        random_problem({.layout = layout, .free_count = 40, .contact_count = 150, .seed = 8});
+    fixtures::round_to<Real>(plain);
     ProblemBuffers<TestBackend, Real> buffers(b, plain);
     const ContactProblem<Real>& p = buffers.problem();
     Buffer<TestBackend, ContactMetric<Real>> block(b, p.contact_count), split(b, p.contact_count);
@@ -157,7 +166,8 @@ TYPED_TEST(ContactOperatorTest, BlockMetricBoundsTheDiagonalBlock) {
       const double scale = n_cc.trace();
       const Eigen::VectorXd weights = diagonal(host_block[c]);
       const Eigen::MatrixXd left = weights.asDiagonal().toDenseMatrix() - n_cc;
-      EXPECT_GE(left.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -this->rounding(1e-13) * scale);
+      EXPECT_GE(left.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(),
+                -this->rounding(1e-13) * scale);
       // Exact for spheres, up to the floor of tangential rows that no body can follow.
       if (layout == ContactLayout::radial) {
         EXPECT_LE(left.norm(), this->rounding(1e-13) * scale);

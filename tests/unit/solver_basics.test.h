@@ -1,4 +1,5 @@
-// What every registered solver does alike: empty and smallest problems, bits, curves, bad parameters.
+// What every registered solver does alike: empty and smallest problems, bits, curves, bad
+// parameters.
 #include <gmock/gmock.h>
 
 #include <string>
@@ -12,9 +13,9 @@
 namespace scree {
 namespace {
 
-using testing::PlainProblem;
-using testing::ProblemBuffers;
-using testing::random_problem;
+using fixtures::PlainProblem;
+using fixtures::ProblemBuffers;
+using fixtures::random_problem;
 
 /// Registered solvers that run on the backend.
 template <class Real>
@@ -114,7 +115,8 @@ TYPED_TEST(SolverBasicsTest, RecordsItsConvergenceCurve) {
   const PlainProblem plain = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
   for (const std::string& name : usable_solvers<TypeParam>()) {
     ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
-    const auto solver = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 60, .check_every = 20});
+    const auto solver =
+        make_solver<TestBackend, TypeParam>(name, {.max_iterations = 60, .check_every = 20});
     std::vector<CurvePoint> curve;
     solver->record_curve(&curve);
     const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 0);
@@ -174,7 +176,8 @@ TYPED_TEST(SolverBasicsTest, BadParametersAreNamed) {
   for (const std::string& name : usable_solvers<TypeParam>()) {
     EXPECT_EQ(make(name, {.max_iterations = 0}), "solver.max_iterations must be positive, got 0");
     EXPECT_EQ(make(name, {.check_every = -3}), "solver.check_every must be positive, got -3");
-    EXPECT_THAT(make(name, {.relaxation = 2}), HasSubstr("solver.relaxation must lie in (0, 2), got 2"));
+    EXPECT_THAT(make(name, {.relaxation = 2}),
+                HasSubstr("solver.relaxation must lie in (0, 2), got 2"));
   }
   const std::string unknown = make("newton", {});
   EXPECT_THAT(unknown, HasSubstr("\"newton\" is unknown"));

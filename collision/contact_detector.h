@@ -7,6 +7,7 @@
 #include <string>
 
 #include "collision/broad_phase.h"
+#include "collision/impact_margins.h"
 #include "collision/obstacle_buffers.h"
 #include "collision/persistent_contacts.h"
 #include "kernels/contact_list.h"
@@ -17,6 +18,9 @@ struct CollisionSettings {
   double envelope = 0;                            ///< contacts are listed up to this gap [m], >= 0
   ContactLayout layout = ContactLayout::general;  ///< radial: no lever arms are stored
   Vec3<double> period;                            ///< period lengths [m]; zero: axis not periodic
+  double margin_limit = 0;  ///< largest margin around impacts, as a fraction of the diameter [-]
+  double lift = 0;          ///< largest separation speed that the contact law asks for, per sliding
+                            ///< speed [-]: the friction of the convex law, 0 for the exact one
 };
 
 template <class B, class Real>
@@ -32,7 +36,13 @@ class ContactDetector {
   /// will be within the time step at the present speed of the two surfaces, so that fast bodies do
   /// not tunnel. Contacts through a periodic side are those with the nearest image.
   ///
-  /// Two host reads: the number of cells and the number of contacts.
+  /// A body that is hit within the step moves where it was not expected. So when a contact may push
+  /// its bodies farther than half the envelope, bodies get margins, see ImpactMargins, by which all
+  /// that they may then meet is listed too; bodies that move side by side get none. The detection
+  /// is done again with the margins, and once more when that found contacts, for the bodies behind.
+  ///
+  /// Three host reads: the number of cells, the number of contacts, and the largest push; two more
+  /// for each detection with margins.
   ///
   /// Bytes moved a body, spheres in float with k contacts each, sorting passes of 8 bits, every
   /// array counted once (2^20 bodies, k = 3): extent and levels 52, cell keys 40, their sort 3 *
@@ -81,9 +91,14 @@ class ContactDetector {
   const ContactKeys& keys() const { return keys_; }
 
  private:
+  /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
+  /// in a loose bed, more than two change little.
+  static constexpr int kMaxWidenings = 2;
+
   template <ShapeMix kMix>
   void list_contacts(B& b, const BodyView<Real>& bodies, const BinView& bins,
                      const ContactRange& range);
+  void list_within(B& b, const BodyView<Real>& bodies, const ContactRange& range);
   void name_elements(const BodyView<Real>& bodies);
   Span<std::uint32_t> found_slots(Index positions);
 
@@ -91,6 +106,7 @@ class ContactDetector {
   ObstacleBuffers<B, Real> obstacles_;
   BroadPhase<B, Real> bins_;
   PersistentContacts<B, Real> memory_;
+  ImpactMargins<B, Real> margins_;
   SortSpace<B> sort_;
   ContactKeys keys_;
   Index contact_count_ = 0;
@@ -112,6 +128,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
       obstacles_(b, obstacles),
       bins_(b),
       memory_(b),
+      margins_(b),
       sort_(b),
       found_count_(b),
       found_begin_(b),
@@ -122,13 +139,15 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
       gap_(b),
       arm_a_(b),
       arm_b_(b) {
-  const auto check = [](double value, const char* what) {
+  const auto check = [](double value, const char* what, const char* unit = " m") {
     if (!(value >= 0 && value < 1e30)) {
       throw std::runtime_error(std::string(what) + " must be finite and not negative, got " +
-                               std::to_string(value) + " m");
+                               std::to_string(value) + unit);
     }
   };
   check(settings.envelope, "contact envelope");
+  check(settings.margin_limit, "margin limit", "");
+  check(settings.lift, "lift", "");
   for (int k = 0; k < 3; ++k) check(settings.period[k], "period");
 }
 
@@ -137,8 +156,24 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   contact_count_ = 0;
   name_elements(bodies);
   if (bodies.free_count == 0) return;
-  const ContactRange range{settings_.envelope, h, settings_.period};
+  ContactRange range{settings_.envelope, h, settings_.period, {}};
   obstacles_.refresh(b, bodies, keys_);
+  list_within(b, bodies, range);
+  if (!(settings_.margin_limit > 0) || contact_count_ == 0) return;
+  ImpactGraph<Real> graph{bodies, contacts(), h, settings_.lift, settings_.margin_limit, {}};
+  if (!(margins_.largest_push(b, graph) > 0.5 * settings_.envelope)) return;
+  for (int k = 0; k < kMaxWidenings; ++k) {
+    const Index before = contact_count_;
+    graph.contacts = contacts();
+    range.margin = margins_.compute(b, sort_, graph, key_.view(before));
+    list_within(b, bodies, range);
+    if (contact_count_ == before) return;
+  }
+}
+
+template <class B, class Real>
+void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
+                                           const ContactRange& range) {
   const BinView bins = bins_.build(b, sort_, bodies, range);
   switch (obstacles_.mix()) {
     case ShapeMix::spheres_and_planes:

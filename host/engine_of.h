@@ -1,6 +1,7 @@
 #pragma once
 // One time step, stage by stage, on backend B with solver precision Real.
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -189,7 +190,16 @@ class EngineOf final : public Engine {
   }
 
   CollisionSettings collision_settings() const {
-    return {summary_.envelope, summary_.layout, periodic_box().length};
+    CollisionSettings settings{summary_.envelope, summary_.layout, periodic_box().length};
+    settings.margin_limit = 0.25;
+    if (scene_.solver.exact_coulomb) return settings;
+    const auto materials = static_cast<int>(scene_.materials.size());
+    for (int i = 0; i < materials; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        settings.lift = std::max(settings.lift, pair_values(scene_, i, j).friction);
+      }
+    }
+    return settings;
   }
 
   Vec3<Real> gravity_step() const { return Vec3<Real>(scene_.stepping.time_step * scene_.gravity); }

@@ -11,6 +11,11 @@ struct ContactRange {
   double envelope = 0;  ///< contacts are listed up to this gap [m]
   double h = 0;         ///< time step [s]; approaching surfaces are listed when they meet within it
   Vec3<double> period;  ///< [m]; zero: not periodic
+  Span<const float> margin;  ///< how far a free body may leave its course [m]; empty: not at all
+
+  SCREE_HD double margin_of(Index i) const {
+    return i < margin.size ? static_cast<double>(margin[i]) : 0;
+  }
 };
 
 /// Bodies that are binned: free ones, and fixed or kinematic spheres. Other bodies in
@@ -36,7 +41,7 @@ SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange&
   const double radius = bodies.radius[i];
   double speed = norm(Vec3<double>(bodies.velocity[i]));
   if (!is_sphere) speed += radius * norm(Vec3<double>(bodies.angular_velocity[i]));
-  const double inflated = radius + 0.5 * range.envelope + range.h * speed;
+  const double inflated = radius + 0.5 * range.envelope + range.h * speed + range.margin_of(i);
   // A state that is not finite has no contacts; the integration pass names it.
   if (!(inflated > 0 && inflated < 1e30) || !is_finite(bodies.position[i])) return 0;
   return static_cast<float>(inflated) * (1.0f + 2.4e-7f);

@@ -80,7 +80,8 @@ struct ContactSearch {
                    body, emit);
     }
     if (i < bodies.free_count) {
-      visit_walls<kMix>(walls, range, keys, body, inflated, emit);
+      visit_walls<kMix>(walls, range, keys, body, range.envelope + range.margin_of(i), inflated,
+                        emit);
     }
   }
 
@@ -132,12 +133,13 @@ struct ContactSearch {
     const Index j = bins.body[q];
     if (i >= bodies.fixed_begin && j >= bodies.fixed_begin) return;
     const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
+    const double envelope = range.envelope + range.margin_of(i) + range.margin_of(j);
     if constexpr (kMix != ShapeMix::any) {
       const double distance = norm(d);
       const double gap = distance - body.radius - static_cast<double>(bodies.radius[j]);
-      if (gap > range.envelope) {
+      if (gap > envelope) {
         const double speed = dot(Vec3d(bodies.velocity[j]) - body.motion.linear, d) / distance;
-        if (!is_listed(gap, speed, range.envelope, range.h)) return;
+        if (!is_listed(gap, speed, envelope, range.h)) return;
       }
       emit(keys.body_element(j, 0));
     } else {
@@ -150,7 +152,7 @@ struct ContactSearch {
                                         : body_pair<kMix>(other, body, -d, feature);
         const double speed = i < j ? separation_speed(g, body.motion, other.motion)
                                    : separation_speed(g, other.motion, body.motion);
-        if (is_listed(g.gap, speed, range.envelope, range.h)) emit(keys.body_element(j, feature));
+        if (is_listed(g.gap, speed, envelope, range.h)) emit(keys.body_element(j, feature));
       }
     }
   }

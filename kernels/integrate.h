@@ -29,6 +29,10 @@ SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3
   }
   q = normalized(exp_map(h * w_mid) * q);
   w = rotate(q, hadamard(inverse, rotate_back(q, momentum)));
+  // One step of iterative refinement: without it the rounding of a slightly long or short quaternion adds
+  // up over the steps.
+  const Vec3<Real> missing = momentum - rotate(q, hadamard(moments, rotate_back(q, w)));
+  w += rotate(q, hadamard(inverse, rotate_back(q, missing)));
 }
 
 /// Sums of the integration pass.

@@ -41,22 +41,23 @@ SCREE_HD inline ContactGeometry mesh_contact(const BodySample& a, const WallSoli
 }
 
 /// Calls emit(element) for each listed contact of body A with the walls.
+/// @param envelope  contacts are listed up to this gap [m]
 /// @param inflated  inflated radius of A [m], see inflated_radius()
 template <ShapeMix kMix, class Real, class Emit>
 SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range,
-                          const ContactKeys& keys, const BodySample& a, double inflated,
-                          Emit&& emit) {
+                          const ContactKeys& keys, const BodySample& a, double envelope,
+                          double inflated, Emit&& emit) {
   const bool is_box = kMix == ShapeMix::any && a.kind == ShapeKind::box;
   for (Index p = 0; p < static_cast<Index>(walls.planes.size); ++p) {
     const WallPlane& plane = walls.planes[p];
-    // Half an envelope and the way of A in one step are in the inflated radius already.
+    // Half of it, and the way of A in one step, are in the inflated radius already.
     const double height = dot(a.position - plane.point, plane.normal);
-    if (!plane.moves && height > inflated + 0.5 * range.envelope) continue;
+    if (!plane.moves && height > inflated + 0.5 * envelope) continue;
     const int corners = is_box ? kBoxCorners : 1;
     for (int corner = 0; corner < corners; ++corner) {
       const ContactGeometry g = plane_contact<kMix>(a, plane, corner);
-      if (g.gap > range.envelope &&
-          !is_listed(g.gap, separation_speed(g, a.motion, plane.motion), range.envelope, range.h)) {
+      if (g.gap > envelope &&
+          !is_listed(g.gap, separation_speed(g, a.motion, plane.motion), envelope, range.h)) {
         continue;
       }
       emit(keys.plane_element(p, corner));
@@ -69,7 +70,7 @@ SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range
     const Vec3d d = minimum_image(solid.center - a.position, range.period);
     if (solid.kind == ShapeKind::box) {
       const ContactGeometry g = sphere_box(d, a.radius, solid.orientation, solid.half_extents);
-      if (is_listed(g.gap, separation_speed(g, a.motion, solid.motion), range.envelope, range.h)) {
+      if (is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h)) {
         emit(solid.first_element);
       }
       continue;
@@ -77,14 +78,13 @@ SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range
     // Along the normal, every point of the wall body approaches the center of A as the point there
     // does.
     const Vec3d u = solid.motion.linear - cross(solid.motion.angular, d) - a.motion.linear;
-    const double reach = a.radius + range.envelope + range.h * norm(u);
+    const double reach = a.radius + envelope + range.h * norm(u);
     const MeshInfo& info = walls.meshes.meshes[solid.mesh];
     visit_sphere_mesh(
         walls.meshes, info, rotate_back(solid.orientation, -d), reach,
         [&](Index t, const Vec3d& offset, const Vec3d& normal) {
           const ContactGeometry g = mesh_contact(a, solid, d, offset, normal);
-          if (is_listed(g.gap, separation_speed(g, a.motion, solid.motion), range.envelope,
-                        range.h)) {
+          if (is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h)) {
             emit(solid.first_element + static_cast<std::uint32_t>(t - info.first_triangle));
           }
         });

@@ -11,6 +11,8 @@
 namespace scree {
 namespace {
 
+constexpr int kMostSteps = 1'000'000;
+
 struct Spread {
   double minimum = 0, median = 0, maximum = 0;
 };
@@ -29,18 +31,20 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
   CLI::App* command = app.add_subcommand("bench", "Time the steps of a scene, stage by stage");
   add_target_options(*command, options.target);
   command->get_option("scene")->required(false);
-  command->add_option("--warmup", options.warmup, "steps before measuring")->check(CLI::NonNegativeNumber);
-  command->add_option("--steps", options.steps, "steps measured")->check(CLI::PositiveNumber);
-  command->add_option("--from", options.from, "checkpoint of this scene to start from");
+  command->add_option("--warmup", options.warmup, "steps before measuring")->check(CLI::Range(0, kMostSteps))->take_last();
+  command->add_option("--steps", options.steps, "steps measured")->check(CLI::Range(1, kMostSteps))->take_last();
+  command->add_option("--from", options.from, "checkpoint of this scene to start from")->take_last();
   command->add_flag("--json", options.target.json, "print JSON");
   return command;
 }
 
 int bench_scene(const BenchOptions& options) {
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
-  const WorldOptions world_options = resolve_options(options.target, scene, options.target.json);
+  std::string notice;
+  const WorldOptions world_options = resolve_options(options.target, scene, &notice);
   World world(scene, world_options);
   if (!options.from.empty()) world.restore(read_checkpoint(options.from).state);
+  if (!notice.empty() && !options.target.json) fmt::print(stderr, "{}\n", notice);
   for (int k = 0; k < options.warmup; ++k) world.step();
   std::vector<StepReport> reports;
   for (int k = 0; k < options.steps; ++k) reports.push_back(world.step());

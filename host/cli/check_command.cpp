@@ -30,7 +30,7 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
 
 int check_scene(const CheckOptions& options) {
   const Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
-  const WorldOptions world = resolve_options(options.target, scene, /*quiet=*/true);
+  const WorldOptions world = resolve_options(options.target, scene);
   const SceneSummary s = summarize(scene);
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
   const std::size_t memory = expected_memory(scene, world);

@@ -4,6 +4,8 @@
 #include <exception>
 #include <fmt/format.h>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "host/cli/bench_command.h"
 #include "host/cli/check_command.h"
@@ -17,6 +19,22 @@ namespace {
 int fail(const char* what, int code) {
   fmt::print(stderr, "scree: {}\n", what);
   return code;
+}
+
+/// One line for what is wrong with the command line.
+std::string usage_fault(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  std::vector<std::string> names;
+  const CLI::App* chosen = nullptr;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+    if (command->parsed()) chosen = command;
+  }
+  if (chosen != nullptr) return fmt::format("{}; see scree {} --help", error.what(), chosen->get_name());
+  if (argc > 1) {
+    return fmt::format("{}: no such {}; expected a command: {}", argv[1],
+                       argv[1][0] == '-' ? "option" : "command", fmt::join(names, ", "));
+  }
+  return fmt::format("no command given; expected one of {}; see scree --help", fmt::join(names, ", "));
 }
 
 }  // namespace
@@ -39,7 +57,8 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return fail(usage_fault(app, error, argc, argv).c_str(), 2);
   }
   try {
     if (*run_command) return scree::run_scene(run);

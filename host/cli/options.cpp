@@ -10,9 +10,12 @@ namespace fs = std::filesystem;
 
 void add_target_options(CLI::App& command, RunTarget& target) {
   command.add_option("scene", target.scene, "scene file, or name of a scene in the scenes folder")->required();
-  command.add_option("--backend", target.backend, "cuda, cpu or auto (default: what the scene says)");
-  command.add_option("--precision", target.precision, "float or double (default: what the scene says)");
-  command.add_option("--threads", target.threads, "CPU threads (default: all)")->check(CLI::Range(0, 4096));
+  command.add_option("--backend", target.backend, "cuda, cpu or auto (default: what the scene says)")
+      ->take_last();
+  command.add_option("--precision", target.precision, "float or double (default: what the scene says)")->take_last();
+  command.add_option("--threads", target.threads, "CPU threads (default: all)")
+      ->check(CLI::Range(0, 4096))
+      ->take_last();
   command.add_option("--set", target.overrides, "key.path=value, replaces a value of the scene; repeatable")
       ->type_name("KEY=VALUE")
       ->take_all()
@@ -20,10 +23,12 @@ void add_target_options(CLI::App& command, RunTarget& target) {
 }
 
 fs::path find_scene(const std::string& name_or_path) {
-  if (fs::exists(name_or_path)) return name_or_path;
+  const bool is_directory = fs::is_directory(name_or_path);  // may be the output of the scene of that name
+  if (fs::exists(name_or_path) && !is_directory) return name_or_path;
   const fs::path folder = SCREE_SCENE_DIR;
   const fs::path by_name = folder / (name_or_path + ".json");
   if (name_or_path.find('/') == std::string::npos && fs::exists(by_name)) return by_name;
+  if (is_directory) throw InputError(fmt::format("{}: is a directory, expected a scene file", name_or_path));
   std::vector<std::string> names;
   if (fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) {
@@ -37,7 +42,7 @@ fs::path find_scene(const std::string& name_or_path) {
                                fmt::join(names, ", ")));
 }
 
-WorldOptions resolve_options(const RunTarget& target, const Scene& scene, bool quiet) {
+WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::string* notice) {
   const std::string backend = target.backend.empty() ? scene.backend : target.backend;
   const std::string precision = target.precision.empty() ? scene.precision : target.precision;
   WorldOptions options;
@@ -56,8 +61,8 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, bool q
   } else if (backend == "auto") {
     if (backend_available(BackendKind::cuda, &reason)) {
       options.backend = BackendKind::cuda;
-    } else if (!quiet) {
-      fmt::print(stderr, "no GPU in use ({}): running on the CPU\n", reason);
+    } else if (notice != nullptr) {
+      *notice = fmt::format("no GPU in use ({}): running on the CPU", reason);
     }
   } else if (backend != "cpu") {
     throw InputError(fmt::format("--backend: \"{}\" is not allowed: expected cuda, cpu or auto", backend));

@@ -30,7 +30,11 @@ class Schedule {
   /// @param interval  [s]; not positive: never due
   Schedule(double interval, double time_step) : interval_(interval), slack_(1e-6 * time_step) {}
   bool due(double before, double now) const {
-    return interval_ > 0 && std::floor((now + slack_) / interval_) > std::floor((before + slack_) / interval_);
+    return count(now) > count(before);
+  }
+  /// How many were due up to a time.
+  int count(double time) const {
+    return interval_ > 0 ? static_cast<int>(std::floor((time + slack_) / interval_)) : 0;
   }
 
  private:
@@ -55,7 +59,7 @@ class Run {
       : options_(options),
         scene_(read_scene(scene_file, options.target.overrides)),
         scene_text_(scree::scene_text(scene_file, options.target.overrides)),
-        world_options_(resolve_options(options.target, scene_, options.quiet)),
+        world_options_(resolve_options(options.target, scene_, &notice_)),
         directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out, existing_output(options),
                    scene_text_, {"/duration", "/output"}),
         target_(step_target(options, scene_)) {
@@ -65,8 +69,18 @@ class Run {
   int go() {
     const std::optional<Checkpoint> checkpoint = directory_.take_checkpoint();
     if (checkpoint) require_same_arithmetic(*checkpoint);
+    if (checkpoint && checkpoint->state.step >= target_) {
+      if (!options_.quiet) {
+        fmt::print(stderr,
+                   "nothing to do: the run in {} is at step {}, the end is step {}; go on with a larger duration "
+                   "or --steps\n",
+                   directory_.path().string(), checkpoint->state.step, target_);
+      }
+      return 0;
+    }
     require_memory(scene_, world_options_);
     directory_.prepare();
+    if (!notice_.empty() && !options_.quiet) fmt::print(stderr, "{}\n", notice_);
     start_clock_ = std::chrono::steady_clock::now();
     const WorldState* resumed = checkpoint ? &checkpoint->state : nullptr;
     FrameWriter frames(directory_.frames(), scene_,
@@ -111,6 +125,14 @@ class Run {
                                  to_string(world_options_.precision)));
   }
 
+  /// A step as the progress line and the totals tell it: with the residual of the model that is solved.
+  StepReport judged(StepReport report) const {
+    if (!scene_.solver.exact_coulomb) return report;
+    if (report.residual_rms > 0) report.residual_relative *= report.exact_residual_rms / report.residual_rms;
+    report.residual_rms = report.exact_residual_rms;
+    return report;
+  }
+
   void simulate(World& world, FrameWriter& frames, const WorldState* resumed) {
     const double h = scene_.stepping.time_step;
     const std::optional<std::int64_t> resume_step = resumed ? std::optional(resumed->step) : std::nullopt;
@@ -126,11 +148,15 @@ class Run {
       auto states = std::make_shared<BodyStates>(world.states());
       writer.post([&frames, states, t = world.time()] { frames.append(t, *states); });
     };
+    // Numbers count the pictures that were due: a resumed run goes on where the first one stopped.
+    int picture_number = picture_schedule.count(world.time());
+    double picture_time = -1;
     const auto write_picture = [&] {
       auto image = std::make_shared<Image>(world.render(scene_.output.picture));
-      writer.post([image, path = directory_.picture(picture_count_++)] {
+      writer.post([image, path = directory_.picture(picture_number++)] {
         write_png(path, *image);
       });
+      picture_time = world.time();
     };
     const auto save_checkpoint = [&] {
       steps.flush();
@@ -146,8 +172,8 @@ class Run {
     while (world.steps_done() < target_ && signals.received() == 0) {
       const StepReport report = world.step();
       steps.append(report);
-      record_.totals.add(report);
-      progress.update(report);
+      record_.totals.add(judged(report));
+      progress.update(judged(report));
       writer.check();
       if (frame_schedule.due(before, report.time)) write_frame();
       if (picture_schedule.due(before, report.time)) write_picture();
@@ -155,7 +181,7 @@ class Run {
       before = report.time;
     }
     write_frame();
-    if (scene_.output.picture.interval >= 0) write_picture();
+    if (scene_.output.picture.interval >= 0 && picture_time != world.time()) write_picture();
     save_checkpoint();
     writer.finish();
     steps.flush();
@@ -207,10 +233,10 @@ class Run {
   const RunOptions& options_;
   Scene scene_;
   std::string scene_text_;
+  std::string notice_;  // about the backend
   WorldOptions world_options_;
   OutputDirectory directory_;
   BodyConstants constants_;  ///< of all bodies, by id
-  int picture_count_ = 0;
   std::int64_t target_;
   RunRecord record_;
   std::chrono::steady_clock::time_point start_clock_;
@@ -222,8 +248,9 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* command = app.add_subcommand("run", "Simulate a scene");
   add_target_options(*command, options.target);
   command->add_option("--steps", options.steps, "time steps (default: the scene's duration)")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--out", options.out, "output directory (default: out/<scene name>)");
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}))
+      ->take_last();
+  command->add_option("--out", options.out, "output directory (default: out/<scene name>)")->take_last();
   command->add_flag("--resume", options.resume, "continue from the checkpoint in the output directory");
   command->add_flag("--force", options.force, "replace the results in the output directory");
   command->add_flag("--quiet", options.quiet, "no progress line and no summary");

@@ -53,12 +53,13 @@ class Builder {
       throw InputError(fmt::format("{}: {}: {} is not allowed: must be a finite number (line {})",
                                    file_name_, path(), token, line));
     // Only the end of the library's message is for people: "...: syntax error while parsing X -
-    // why".
+    // why". Newer versions say something of their own about an empty text.
     const std::string what = fault.what();
     const std::size_t start = what.find("syntax error");
     throw InputError(fmt::format("{}: line {}, column {}: {}", file_name_, line,
                                  std::max<std::size_t>(column, 1),
-                                 start == std::string::npos ? what : what.substr(start)));
+                                 start == std::string::npos ? "syntax error: no JSON value found"
+                                                            : what.substr(start)));
   }
 
   Json take() { return std::move(root_); }

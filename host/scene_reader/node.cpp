@@ -55,10 +55,14 @@ std::string nearest_hint(const std::string& wrong, const std::vector<std::string
 
 std::string Node::place() const {
   std::string result = source_->file_name + ": " + (path_.empty() ? "document" : path_);
-  for (const std::string& path : source_->overridden)
-    if (path_.compare(0, path.size(), path) == 0 &&
-        (path_.size() == path.size() || path_[path.size()] == '.' || path_[path.size()] == '['))
+  // The value itself was overridden, or something around it or inside it.
+  for (const std::string& path : source_->overridden) {
+    const std::string& longer = path_.size() > path.size() ? path_ : path;
+    const std::size_t shared = std::min(path_.size(), path.size());
+    if (shared > 0 && path_.compare(0, shared, path, 0, shared) == 0 &&
+        (longer.size() == shared || longer[shared] == '.' || longer[shared] == '['))
       return result + " (overridden)";
+  }
   return result;
 }
 

@@ -6,6 +6,10 @@
 #ifndef EIGEN_DONT_PARALLELIZE
 #define EIGEN_DONT_PARALLELIZE
 #endif
+// Eigen marks defaulted functions for the device, which nvcc warns about wherever they are used.
+#ifdef __NVCC__
+#pragma nv_diag_suppress 20012
+#endif
 #include <Eigen/Dense>
 #include <vector>
 

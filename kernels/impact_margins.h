@@ -1,0 +1,125 @@
+#pragma once
+// How far impacts may push bodies off their course within the step. A body that is hit takes over
+// speed that it did not have when contacts were listed, and so do the bodies behind it.
+
+#include "kernels/body_lists.h"
+#include "kernels/body_view.h"
+#include "kernels/contact_view.h"
+
+namespace scree {
+
+/// Bodies and their contacts, as margins are computed from them.
+template <class Real>
+struct ImpactGraph {
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  double h = 0;      ///< time step [s]
+  double lift = 0;   ///< separation speed the contact law asks for, per sliding speed [-]
+  double limit = 0;  ///< largest margin, as a fraction of the diameter [-]
+  BodyListView lists;
+
+  /// Velocity of body B relative to body A at contact c [m/s].
+  SCREE_HD Vec3<Real> relative_velocity(Index c) const {
+    const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    const Vec3<Real> u = bodies.velocity[b] - bodies.velocity[a];
+    if (contacts.arm_a.empty()) {  // radial: arms r_a n and -r_b n, and walls do not rotate
+      return u - cross(bodies.radius[a] * bodies.angular_velocity[a] +
+                           bodies.radius[b] * bodies.angular_velocity[b],
+                       contacts.normal[c]);
+    }
+    return u + cross(bodies.angular_velocity[b], contacts.arm_b[c]) -
+           cross(bodies.angular_velocity[a], contacts.arm_a[c]);
+  }
+
+  /// How far contact c may push its two bodies off their course [m]: the way of a closing speed
+  /// that would make the surfaces pass each other, since they may bounce; or what a sliding contact
+  /// lacks of its lift.
+  SCREE_HD double push(Index c) const {
+    const Vec3<Real> n = contacts.normal[c];
+    const Vec3<Real> u = relative_velocity(c);
+    const double u_n = dot(u, n);
+    const double gap = contacts.gap[c] > 0 ? contacts.gap[c] : Real(0);
+    const double lifted = h * (lift * norm(u - Real(u_n) * n) - u_n) - gap;
+    const double closing = gap + h * u_n < 0 ? -h * u_n : 0.0;
+    return lifted > closing ? lifted : closing;
+  }
+
+  /// How far one body of contact c can be pushed toward the other before that is pushed too [m]:
+  /// the gap at the end of the step on their present course.
+  SCREE_HD double room(Index c) const {
+    const double way = h * dot(relative_velocity(c), contacts.normal[c]);
+    const double gap = contacts.gap[c];
+    const double end = way < 0 ? gap + way : gap;
+    return end > 0 ? end : 0.0;
+  }
+
+  /// Calls visit(c, other) for the contacts of free body i, in a fixed order.
+  template <class Visit>
+  SCREE_HD void visit_contacts(Index i, Visit&& visit) const {
+    for (Index c = lists.a_start[i]; c < lists.a_start[i + 1]; ++c) visit(c, contacts.body_b[c]);
+    for (Index k = lists.b_start[i]; k < lists.b_start[i + 1]; ++k) {
+      visit(lists.b_contact[k], contacts.body_a[lists.b_contact[k]]);
+    }
+  }
+
+  SCREE_HD float limited(Index i, double margin) const {
+    const double most = 2 * limit * static_cast<double>(bodies.radius[i]);
+    return static_cast<float>(margin < most ? margin : most);
+  }
+};
+
+/// Largest push over contacts: the record of a reduction.
+struct LargestPush {
+  double value = 0;  ///< [m]
+  SCREE_HD void combine(const LargestPush& o) {
+    if (o.value > value) value = o.value;
+  }
+};
+
+/// Bytes per contact (float, radial), besides bodies from the caches: 24 read.
+template <class Real>
+struct MeasurePushes {
+  static constexpr const char* name = "measure_pushes";
+  ImpactGraph<Real> graph;
+  SCREE_HD LargestPush operator()(Index c) const { return {graph.push(c)}; }
+};
+
+/// Margin of each free body from its own contacts.
+/// Bytes per body, besides other bodies from the caches: 44, and 56 per contact (float, radial).
+template <class Real>
+struct StartMargins {
+  static constexpr const char* name = "start_margins";
+  ImpactGraph<Real> graph;
+  Span<float> margin;  ///< [free_count] out [m]
+
+  SCREE_HD void operator()(Index i) const {
+    double largest = 0;
+    graph.visit_contacts(i, [&](Index c, Index) {
+      const double push = graph.push(c);
+      if (push > largest) largest = push;
+    });
+    margin[i] = graph.limited(i, largest);
+  }
+};
+
+/// One round over the contacts: a body is pushed as far as its neighbor, less the room between
+/// them. Bytes per body: 24, and 56 per contact.
+template <class Real>
+struct SpreadMargins {
+  static constexpr const char* name = "spread_margins";
+  ImpactGraph<Real> graph;
+  Span<const float> margin;  ///< [free_count]
+  Span<float> spread;        ///< [free_count] out [m]
+
+  SCREE_HD void operator()(Index i) const {
+    double largest = margin[i];
+    graph.visit_contacts(i, [&](Index c, Index other) {
+      if (other >= graph.bodies.free_count) return;
+      const double push = static_cast<double>(margin[other]) - graph.room(c);
+      if (push > largest) largest = push;
+    });
+    spread[i] = graph.limited(i, largest);
+  }
+};
+
+}  // namespace scree

@@ -1,0 +1,325 @@
+// What a user gets for bad input: one line that says what is wrong and where, exit code 2, nothing on disk.
+
+#include <functional>
+#include <map>
+#include <ostream>
+
+#include "host/io/checkpoint.h"
+#include "host/io/h5.h"
+#include "host/io/seal.h"
+#include "tests/cli/program.h"
+
+namespace scree::test {
+namespace {
+
+using nlohmann::json;
+
+/// One clear refusal: the given words, in one line.
+void expect_refusal(const Result& result, const std::vector<std::string>& words, int code = 2) {
+  EXPECT_EQ(result.code, code) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(line_count(result.err), 1u) << result.err;
+  EXPECT_TRUE(result.err.starts_with("scree: ")) << result.err;
+  for (const std::string& word : words)
+    EXPECT_NE(result.err.find(word), std::string::npos) << "\"" << word << "\" in: " << result.err;
+}
+
+// ---- scenes ------------------------------------------------------------------------------------
+
+/// A scene with one fault.
+struct BadScene {
+  std::string name;
+  std::function<void(json&)> spoil;
+  std::vector<std::string> words;  ///< that the message must hold, beside the scene's file name
+};
+
+json wall(const char* text) { return json::parse(text); }
+
+const std::vector<BadScene>& bad_scenes() {
+  static const std::vector<BadScene> all{
+      {"UnknownKey", [](json& s) { s["solver"] = {{"iterations", 5}}; },
+       {"solver.iterations", "unknown key", "max_iterations"}},
+      {"UnknownSolver", [](json& s) { s["solver"] = {{"name", "apgdd"}}; },
+       {"solver.name", "\"apgdd\"", "\"gauss_seidel_colored\"", "did you mean \"apgd\""}},
+      {"WrongType", [](json& s) { s["time_step"] = "1 ms"; }, {"time_step", "\"1 ms\"", "must be positive [s]"}},
+      {"ZeroTimeStep", [](json& s) { s["time_step"] = 0; }, {"time_step", "0 is not allowed", "positive"}},
+      {"NegativeTimeStep", [](json& s) { s["time_step"] = -0.5; }, {"time_step", "-0.5 is not allowed", "positive"}},
+      {"MissingTimeStep", [](json& s) { s.erase("time_step"); }, {"time_step", "missing"}},
+      {"NegativeRadius", [](json& s) { s["particles"][1]["radius"] = -0.5; },
+       {"particles[1].radius", "-0.5 is not allowed", "positive [m]"}},
+      {"NegativeMass",
+       [](json& s) { s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01, "mass": -2})")); },
+       {"bodies[3].mass", "-2 is not allowed", "positive [kg]"}},
+      {"NoMass", [](json& s) { s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01})")); },
+       {"bodies[3].density", "missing"}},
+      {"NegativeFriction", [](json& s) { s["materials"]["m"]["friction"] = -0.1; },
+       {"materials.m.friction", "-0.1 is not allowed", "zero or positive"}},
+      {"UnknownMaterial", [](json& s) { s["bodies"][0]["material"] = "mm"; },
+       {"bodies[0].material", "\"mm\" is not allowed", "did you mean \"m\""}},
+      {"NoBodies",
+       [](json& s) {
+         s.erase("bodies");
+         s.erase("particles");
+       },
+       {"bodies", "must hold one free body or more"}},
+      {"OnlyWalls", [](json& s) { s.erase("particles"); }, {"bodies", "must hold one free body or more"}},
+      {"TooManySpheres", [](json& s) { s["particles"][0]["count"] = 100000; },
+       {"particles[0].count", "100000 is not allowed"}},
+      {"TwoFreeBoxes",
+       [](json& s) {
+         for (const char* x : {"[0, 0, 0.3]", "[0.05, 0, 0.3]"}) {
+           json box = wall(R"({"shape": "box", "size": [0.01, 0.01, 0.01], "density": 1000})");
+           box["position"] = json::parse(x);
+           s["bodies"].push_back(box);
+         }
+       },
+       {"box"}},
+      {"MeshMissing",
+       [](json& s) { s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "no.obj"})")); },
+       {"bodies[3].file", "no.obj", "no such file"}},
+      {"MeshOpen", [](json& s) { s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "open.obj"})")); },
+       {"open.obj", "closed"}},
+      {"MeshDegenerate",
+       [](json& s) {
+         s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "degenerate.obj", "closed": false})"));
+       },
+       {"degenerate.obj", "triangle 0 is degenerate"}},
+      {"CsvBadRow",
+       [](json& s) { s["particles"].push_back(wall(R"({"layout": "file", "file": "bad.csv", "density": 1})")); },
+       {"bad.csv", "line 3", "\"x\""}},
+      {"MotionOnAFreeBody",
+       [](json& s) {
+         s["bodies"][1]["kind"] = "free";
+         s["bodies"][1]["density"] = 1000;
+       },
+       {"bodies[1].motion", "kinematic"}},
+  };
+  return all;
+}
+
+std::ostream& operator<<(std::ostream& out, const BadScene& s) { return out << s.name; }
+
+class CliBadScene : public testing::TestWithParam<BadScene> {};
+
+TEST_P(CliBadScene, IsRefused) {
+  const Scratch scratch;
+  put(scratch / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\n");
+  put(scratch / "degenerate.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  put(scratch / "bad.csv", "x,y,z,radius\n0,0,0.4,0.01\nx,0,0.4,0.01\n");
+  json scene = small_scene();
+  GetParam().spoil(scene);
+  const fs::path file = put_scene(scratch, scene);
+  for (const Arguments& command : {run_arguments(file, scratch / "a"), Arguments{"check", file.string()}})
+    expect_refusal(scree(scratch, command), GetParam().words);
+  EXPECT_FALSE(fs::exists(scratch / "a"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, CliBadScene, testing::ValuesIn(bad_scenes()),
+                         [](const auto& info) { return info.param.name; });
+
+/// Text that is no scene at all, or holds a number that is none.
+struct BadText {
+  std::string name;
+  std::string text;
+  std::vector<std::string> words;
+};
+
+std::ostream& operator<<(std::ostream& out, const BadText& t) { return out << t.name; }
+
+class CliBadText : public testing::TestWithParam<BadText> {};
+
+TEST_P(CliBadText, IsRefused) {
+  const Scratch scratch;
+  const fs::path file = put(scratch / "scene.json", GetParam().text);
+  std::vector<std::string> words = GetParam().words;
+  words.push_back(file.string());
+  expect_refusal(scree(scratch, run_arguments(file, scratch / "a")), words);
+  EXPECT_FALSE(fs::exists(scratch / "a"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Texts, CliBadText,
+    testing::Values(
+        BadText{"Broken", "{\n  \"time_step\": 1e-3,\n  \"duration\" 1\n}", {"line 3, column 14", "syntax error"}},
+        BadText{"CutOff", "{\"time_step\": 1e-3,", {"line 1", "syntax error"}},
+        BadText{"Empty", "", {"line 1", "syntax error"}},
+        BadText{"NaN", "{\n\"time_step\": NaN}", {"line 2", "syntax error"}},
+        BadText{"TooLarge", "{\"time_step\": 1e999, \"duration\": 1}", {"time_step", "1e999", "finite"}},
+        BadText{"KeyTwice", "{\"duration\": 1, \"duration\": 2}", {"duration", "twice"}},
+        BadText{"List", "[1, 2]", {"must be an object"}}),
+    [](const auto& info) { return info.param.name; });
+
+// ---- command line --------------------------------------------------------------------------------
+
+struct BadCommand {
+  std::string name;
+  Arguments arguments;  ///< SCENE stands for a good scene
+  std::vector<std::string> words;
+};
+
+std::ostream& operator<<(std::ostream& out, const BadCommand& c) { return out << c.name; }
+
+class CliBadCommand : public testing::TestWithParam<BadCommand> {};
+
+TEST_P(CliBadCommand, IsRefused) {
+  const Scratch scratch;
+  const fs::path scene = put_scene(scratch, small_scene());
+  Arguments arguments = GetParam().arguments;
+  std::replace(arguments.begin(), arguments.end(), std::string("SCENE"), scene.string());
+  expect_refusal(scree(scratch, arguments), GetParam().words);
+  EXPECT_FALSE(fs::exists(scratch / "out"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Commands, CliBadCommand,
+    testing::Values(
+        BadCommand{"NoCommand", {}, {"run, check, bench, info"}},
+        BadCommand{"UnknownCommand", {"rnu", "SCENE"}, {"rnu", "no such command", "run, check, bench, info"}},
+        BadCommand{"UnknownOption", {"run", "SCENE", "--fast"}, {"--fast", "scree run --help"}},
+        BadCommand{"UnknownMainOption", {"--fast"}, {"--fast"}},
+        BadCommand{"NoScene", {"run"}, {"scene is required"}},
+        BadCommand{"MissingScene", {"run", "piel"}, {"piel", "no such file", "pile"}},
+        BadCommand{"SceneIsADirectory", {"run", "."}, {"is a directory"}},
+        BadCommand{"NegativeSteps", {"run", "SCENE", "--steps", "-1"}, {"--steps", "-1"}},
+        BadCommand{"WordForSteps", {"run", "SCENE", "--steps", "ten"}, {"--steps", "ten"}},
+        BadCommand{"WordForThreads", {"run", "SCENE", "--threads", "x"}, {"--threads", "x"}},
+        BadCommand{"UnknownBackend", {"run", "SCENE", "--backend", "gpu"}, {"\"gpu\"", "cuda, cpu or auto"}},
+        BadCommand{"UnknownPrecision", {"run", "SCENE", "--precision", "half"}, {"\"half\"", "float or double"}},
+        BadCommand{"SetWithoutValue", {"run", "SCENE", "--set", "duration"}, {"\"duration\"", "key.path=value"}},
+        BadCommand{"SetUnknownKey", {"run", "SCENE", "--set", "foo.bar=1"}, {"foo", "overridden", "unknown key"}},
+        BadCommand{"SetNoSuchElement", {"run", "SCENE", "--set", "particles.7.count=1"},
+                   {"particles.7.count=1", "from 0 to 1"}},
+        BadCommand{"SetBadValue", {"run", "SCENE", "--set", "particles.0.density=-1"},
+                   {"particles[0].density (overridden)", "-1 is not allowed", "positive [kg/m^3]"}},
+        BadCommand{"SetInfinite", {"run", "SCENE", "--set", "time_step=1e999"}, {"time_step (overridden)", "1e999"}},
+        BadCommand{"ResumeAndForce", {"run", "SCENE", "--resume", "--force"}, {"--resume and --force"}},
+        BadCommand{"ResumeOfNothing", {"run", "SCENE", "--resume"}, {"out/small", "no checkpoint"}},
+        BadCommand{"BenchFromNothing", {"bench", "SCENE", "--from", "no.h5"}, {"no.h5", "no such file"}}),
+    [](const auto& info) { return info.param.name; });
+
+TEST(CliBadBackend, CudaWithoutAGpu) {
+  const Scratch scratch;
+  if (json::parse(scree(scratch, {"info", "--json"}).out).at("cuda").contains("name"))
+    GTEST_SKIP() << "this machine has a GPU";
+  const fs::path scene = put_scene(scratch, small_scene());
+  expect_refusal(scree(scratch, {"run", scene.string(), "--backend", "cuda", "--out", (scratch / "a").string()}),
+                 {"--backend cuda", "--backend cpu"});
+  EXPECT_FALSE(fs::exists(scratch / "a"));
+}
+
+// ---- output directory ------------------------------------------------------------------------------
+
+class CliBadOutput : public testing::Test {
+ protected:
+  Result run(const fs::path& out, const Arguments& more = {}) {
+    Arguments all = more;
+    if (std::find(more.begin(), more.end(), "--steps") == more.end()) all.insert(all.end(), {"--steps", "3"});
+    return scree(scratch, run_arguments(scene, out, all));
+  }
+  /// A finished run of three steps in the folder a.
+  void make_run() {
+    const Result result = run(scratch / "a");
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  /// Everything in the folder a, to see that nothing of it was touched.
+  std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::directory_iterator(scratch / "a")) all[entry.path().filename()] = contents(entry);
+    return all;
+  }
+
+  Scratch scratch;
+  fs::path scene = put_scene(scratch, small_scene());
+};
+
+TEST_F(CliBadOutput, ExistingResultsNeedForceOrResume) {
+  make_run();
+  const auto before = files();
+  expect_refusal(run(scratch / "a"), {(scratch / "a").string(), "not empty", "--resume", "--force"});
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(CliBadOutput, File) {
+  put(scratch / "a", "mine");
+  expect_refusal(run(scratch / "a"), {(scratch / "a").string(), "not a directory"});
+  expect_refusal(run(scratch / "a/b"), {(scratch / "a").string(), "not a directory"});
+  EXPECT_EQ(contents(scratch / "a"), "mine");
+}
+
+TEST_F(CliBadOutput, WriteProtectedFolder) {
+  if (::geteuid() == 0) {
+    if (!fs::exists("/proc/self")) GTEST_SKIP() << "root may write everywhere here";
+    expect_refusal(run("/proc/scree"), {"cannot create", "/proc/scree"}, 1);
+    return;
+  }
+  fs::create_directory(scratch / "locked");
+  fs::permissions(scratch / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+  expect_refusal(run(scratch / "locked/a"), {"locked", "cannot be created"});
+  fs::permissions(scratch / "locked", fs::perms::owner_all);
+}
+
+TEST_F(CliBadOutput, BadSceneLeavesEarlierResultsAlone) {
+  make_run();
+  const auto before = files();
+  EXPECT_EQ(run(scratch / "a", {"--force", "--set", "time_step=-1"}).code, 2);
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(CliBadOutput, ResumeOfAnotherScene) {
+  make_run();
+  const auto before = files();
+  expect_refusal(run(scratch / "a", {"--resume", "--steps", "5", "--set", "gravity=[0, 0, -1]"}),
+                 {(scratch / "a").string(), "another scene", "gravity", "[0,0,-1]"});
+  expect_refusal(run(scratch / "a", {"--resume", "--steps", "5", "--precision", "double"}),
+                 {"checkpoint.h5", "float", "double"});
+  EXPECT_EQ(files(), before);
+}
+
+/// A damaged checkpoint is refused, and stays as it is.
+class CliBadCheckpoint : public CliBadOutput {
+ protected:
+  fs::path checkpoint() const { return scratch / "a/checkpoint.h5"; }
+  void expect_refused(const std::vector<std::string>& words) {
+    const auto before = files();
+    std::vector<std::string> all = words;
+    all.push_back(checkpoint().string());
+    expect_refusal(run(scratch / "a", {"--resume", "--steps", "5"}), all);
+    EXPECT_EQ(files(), before);
+  }
+};
+
+TEST_F(CliBadCheckpoint, Truncated) {
+  make_run();
+  fs::resize_file(checkpoint(), fs::file_size(checkpoint()) / 2);
+  expect_refused({"bytes where"});
+}
+
+TEST_F(CliBadCheckpoint, NotHdf5) {
+  make_run();
+  put(checkpoint(), "something else\n");
+  expect_refused({"another kind"});
+}
+
+TEST_F(CliBadCheckpoint, OneBitFlipped) {
+  make_run();
+  std::string bytes = contents(checkpoint());
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  put(checkpoint(), bytes);
+  expect_refused({"damaged"});
+}
+
+TEST_F(CliBadCheckpoint, AnotherVersion) {
+  make_run();
+  write_seal(checkpoint(), "scree checkpoint", checkpoint_format_version + 1);
+  expect_refused({"format version " + std::to_string(checkpoint_format_version + 1),
+                  "expected a scree checkpoint of format version " + std::to_string(checkpoint_format_version)});
+}
+
+TEST_F(CliBadCheckpoint, Gone) {
+  make_run();
+  fs::remove(checkpoint());
+  expect_refusal(run(scratch / "a", {"--resume"}), {(scratch / "a").string(), "checkpoint.h5", "--force"});
+}
+
+}  // namespace
+}  // namespace scree::test

@@ -1,0 +1,243 @@
+// scree run: files, options and interrupts.
+
+#include <cstring>
+
+#include "host/io/checkpoint.h"
+#include "host/io/h5.h"
+#include "host/io/steps_csv.h"
+#include "tests/cli/program.h"
+
+namespace scree::test {
+namespace {
+
+constexpr const char* png_signature = "\x89PNG\r\n\x1a\n";
+
+std::int64_t frame_count(const fs::path& frames) {
+  return h5::File::open(frames).root().open_group("VTKHDF").open_group("Steps").attribute<std::int64_t>("NSteps");
+}
+
+/// Every array that decides how a run goes on.
+void expect_same_state(const fs::path& a, const fs::path& b) {
+  const WorldState x = read_checkpoint(a).state, y = read_checkpoint(b).state;
+  const auto same = [](const char* name, const auto& p, const auto& q) {
+    ASSERT_EQ(p.size(), q.size()) << name;
+    EXPECT_EQ(0, p.empty() ? 0 : std::memcmp(p.data(), q.data(), p.size() * sizeof p[0])) << name;
+  };
+  EXPECT_EQ(x.step, y.step);
+  EXPECT_EQ(x.time, y.time);
+  EXPECT_EQ(x.insertions_done, y.insertions_done);
+  same("id", x.id, y.id);
+  same("position", x.position, y.position);
+  same("orientation", x.orientation, y.orientation);
+  same("velocity", x.velocity, y.velocity);
+  same("angular_velocity", x.angular_velocity, y.angular_velocity);
+  same("contact_key", x.contact_key, y.contact_key);
+  same("contact_impulse", x.contact_impulse, y.contact_impulse);
+  same("solver_memory", x.solver_memory, y.solver_memory);
+}
+
+/// Same steps, same final state: the runs cannot be told apart but by the clock.
+void expect_same_run(const fs::path& a, const fs::path& b) {
+  EXPECT_EQ(steps_without_times(a / "steps.csv"), steps_without_times(b / "steps.csv"));
+  expect_same_state(a / "checkpoint.h5", b / "checkpoint.h5");
+}
+
+class CliRun : public testing::Test {
+ protected:
+  void must_run(const std::string& out, const Arguments& more = {}) {
+    const Result result = scree(scratch, run_arguments(scene, scratch / out, more));
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+
+  Scratch scratch;
+  fs::path scene = put_scene(scratch, small_scene());
+};
+
+TEST_F(CliRun, WritesAllFiles) {
+  must_run("a");
+  const std::vector<StepReport> steps = read_steps_csv(scratch / "a/steps.csv");
+  ASSERT_EQ(steps.size(), 20u);
+  EXPECT_EQ(steps.back().step, 20);
+  EXPECT_NEAR(steps.back().time, 0.02, 1e-12);
+  EXPECT_EQ(steps.front().body_count, 160);  // the first batch of rain is there
+  EXPECT_EQ(steps.back().body_count, 200);
+  EXPECT_GT(steps.back().contact_count, 20);
+
+  const Checkpoint checkpoint = read_checkpoint(scratch / "a/checkpoint.h5");
+  EXPECT_EQ(checkpoint.state.step, 20);
+  EXPECT_EQ(checkpoint.state.position.size(), 200u);
+  EXPECT_EQ(frame_count(scratch / "a/frames.vtkhdf"), 5);  // 0, 5, 10, 15 and 20 ms
+
+  const nlohmann::json record = json_file(scratch / "a/run.json");
+  EXPECT_EQ(record.at("status"), "done");
+  EXPECT_EQ(record.at("totals").at("steps"), 20);
+  EXPECT_EQ(record.at("scene").at("name"), "small");
+  EXPECT_EQ(record.at("backend"), "cpu");
+  EXPECT_EQ(record.at("threads"), 1);
+
+  EXPECT_TRUE(contents(scratch / "a/walls.obj").starts_with("# Fixed"));
+  for (const char* name : {"a/picture_00000.png", "a/picture_00001.png"})
+    EXPECT_TRUE(contents(scratch / name).starts_with(png_signature)) << name;
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(scratch / "a")) ++files;
+  EXPECT_EQ(files, 7u) << "no temporary file is left, and the last picture is not there twice";
+}
+
+TEST_F(CliRun, StepsAndOverridesAreRecorded) {
+  must_run("a", {"--steps", "3", "--set", "solver.max_iterations=7", "--set", "particles.0.count=20", "--set",
+                 "solver.name=gauss_seidel"});
+  EXPECT_EQ(read_steps_csv(scratch / "a/steps.csv").size(), 3u);
+  const nlohmann::json record = json_file(scratch / "a/run.json");
+  EXPECT_EQ(record.at("scene").at("solver").at("max_iterations"), 7);
+  EXPECT_EQ(record.at("scene").at("solver").at("name"), "gauss_seidel");
+  EXPECT_EQ(record.at("scene").at("particles").at(0).at("count"), 20);
+}
+
+TEST_F(CliRun, DoublePrecision) {
+  must_run("a", {"--steps", "3", "--precision", "double"});
+  EXPECT_EQ(read_checkpoint(scratch / "a/checkpoint.h5").precision, Precision::double_precision);
+}
+
+TEST_F(CliRun, QuietPrintsNothing) {
+  const Result result = scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "2", "--quiet"}));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(CliRun, SummaryNamesStepsAndFolder) {
+  const Result result = scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "2"}));
+  const std::string text = result.out + result.err;
+  EXPECT_NE(text.find("2 steps"), std::string::npos) << text;
+  EXPECT_NE(text.find((scratch / "a").string()), std::string::npos) << text;
+}
+
+TEST_F(CliRun, DefaultFolderIsOutAndTheName) {
+  const Result result = scree(scratch, {"run", scene.string(), "--backend", "cpu", "--steps", "1", "--quiet"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(fs::exists(scratch / "out/small/steps.csv"));
+}
+
+TEST_F(CliRun, ForceReplacesTheEarlierRunAndNothingElse) {
+  must_run("a");
+  put(scratch / "a/notes.txt", "mine");
+  must_run("a", {"--force", "--steps", "2"});
+  EXPECT_EQ(read_steps_csv(scratch / "a/steps.csv").size(), 2u);
+  EXPECT_FALSE(fs::exists(scratch / "a/picture_00001.png"));
+  EXPECT_EQ(contents(scratch / "a/notes.txt"), "mine");
+}
+
+TEST_F(CliRun, ThreadsDoNotChangeAnyBit) {
+  must_run("one");
+  must_run("two", {"--threads", "2"});
+  expect_same_run(scratch / "one", scratch / "two");
+}
+
+class CliResume : public CliRun, public testing::WithParamInterface<const char*> {};
+
+TEST_P(CliResume, ContinuesBitForBit) {
+  const std::string solver = std::string("solver.name=") + GetParam();
+  must_run("whole", {"--steps", "20", "--set", solver});
+  must_run("parts", {"--steps", "10", "--set", solver});
+  must_run("parts", {"--steps", "20", "--resume", "--set", solver});
+  expect_same_run(scratch / "whole", scratch / "parts");
+  EXPECT_EQ(frame_count(scratch / "whole/frames.vtkhdf"), frame_count(scratch / "parts/frames.vtkhdf"));
+  for (const char* picture : {"picture_00000.png", "picture_00001.png"})
+    EXPECT_EQ(contents(scratch / "whole" / picture), contents(scratch / "parts" / picture)) << picture;
+  EXPECT_EQ(json_file(scratch / "parts/run.json").at("resumed_from_step"), 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, CliResume,
+                         testing::Values("apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST_F(CliRun, ResumeWithALongerDuration) {
+  must_run("whole", {"--set", "duration=0.02"});
+  must_run("parts", {"--set", "duration=0.007"});
+  must_run("parts", {"--set", "duration=0.02", "--resume"});
+  expect_same_state(scratch / "whole/checkpoint.h5", scratch / "parts/checkpoint.h5");
+}
+
+TEST_F(CliRun, ResumeOfAFinishedRunChangesNothing) {
+  must_run("a", {"--steps", "4"});
+  const std::string before = contents(scratch / "a/run.json");
+  const Result result = scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "4", "--resume"}));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_NE(result.err.find("nothing to do"), std::string::npos) << result.err;
+  EXPECT_EQ(contents(scratch / "a/run.json"), before);
+}
+
+TEST_F(CliRun, InterruptWritesACheckpointAndCanBeResumed) {
+  const fs::path out = scratch / "a";
+  const Arguments endless{"--set", "duration=1000", "--set", "output.checkpoint_interval=0", "--set",
+                          "output.frame_interval=0"};
+  Program program(scratch.path(), run_arguments(scene, out, endless));
+  ASSERT_TRUE(eventually([&] { return line_count(contents(out / "steps.csv")) > 1; }));
+  program.send(SIGINT);
+  const Result result = program.wait();
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.err.find("--resume"), std::string::npos) << result.err;
+  EXPECT_EQ(json_file(out / "run.json").at("status"), "interrupted");
+
+  const std::int64_t done = read_checkpoint(out / "checkpoint.h5").state.step;
+  EXPECT_EQ(read_steps_csv(out / "steps.csv").back().step, done);
+  Arguments more = endless;
+  more.insert(more.end(), {"--steps", std::to_string(done + 5)});
+  must_run("whole", more);
+  more.push_back("--resume");
+  must_run("a", more);
+  expect_same_run(scratch / "whole", out);
+}
+
+TEST_F(CliRun, KillLeavesReadableFilesThatCanBeResumed) {
+  const fs::path out = scratch / "a";
+  const Arguments endless{"--set", "duration=1000"};
+  Program program(scratch.path(), run_arguments(scene, out, endless));
+  ASSERT_TRUE(eventually([&] {
+    return fs::exists(out / "checkpoint.h5") && fs::exists(out / "frames.vtkhdf") &&
+           line_count(contents(out / "steps.csv")) > 5;
+  }));
+  program.send(SIGKILL);
+  EXPECT_EQ(program.wait().signal, SIGKILL);
+
+  EXPECT_FALSE(read_steps_csv(out / "steps.csv").empty());
+  EXPECT_GE(frame_count(out / "frames.vtkhdf"), 1);
+  EXPECT_EQ(json_file(out / "run.json").at("status"), "running");
+  const std::int64_t done = read_checkpoint(out / "checkpoint.h5").state.step;
+  Arguments more = endless;
+  more.insert(more.end(), {"--steps", std::to_string(done + 5)});
+  must_run("whole", more);
+  more.push_back("--resume");
+  must_run("a", more);
+  expect_same_run(scratch / "whole", out);
+}
+
+TEST_F(CliRun, TwoRunsInOneFolderAreRefused) {
+  const fs::path out = scratch / "a";
+  Program first(scratch.path(), run_arguments(scene, out, {"--set", "duration=1000"}));
+  ASSERT_TRUE(eventually([&] { return fs::exists(out / "steps.csv"); }));
+  Scratch other;  // the second program's output streams
+  const Result result = scree(other, run_arguments(scene, out, {"--force"}));
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("another run is writing there now"), std::string::npos) << result.err;
+  EXPECT_TRUE(fs::exists(out / "steps.csv"));
+}
+
+/// A full disk, by a limit on the size of files: the run fails with one message, what was written stays.
+TEST_F(CliRun, FullDiskFailsCleanly) {
+  const fs::path out = scratch / "a";
+  const Result result =
+      scree(scratch, run_arguments(scene, out, {"--set", "duration=1000", "--quiet"}), /*file_limit=*/400'000);
+  EXPECT_EQ(result.code, 1);
+  EXPECT_EQ(line_count(result.err), 1u) << result.err;
+  EXPECT_NE(result.err.find("cannot write"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find((scratch / "a").string()), std::string::npos) << result.err;
+  EXPECT_FALSE(read_steps_csv(out / "steps.csv").empty());
+  EXPECT_GE(frame_count(out / "frames.vtkhdf"), 1);
+  EXPECT_GT(read_checkpoint(out / "checkpoint.h5").state.step, 0);
+  const nlohmann::json record = json_file(out / "run.json");
+  EXPECT_EQ(record.at("status"), "failed");
+  EXPECT_NE(result.err.find(record.at("message").get<std::string>()), std::string::npos);
+}
+
+}  // namespace
+}  // namespace scree::test

@@ -74,14 +74,19 @@ TEST_F(ParityStep, CudaGivesEqualBitsOnEveryRun) {
   }
 }
 
+/// A collapse is chaotic: rounding alone changes the run-out of one column of 800 grains by a tenth. So the
+/// means of five packings are compared.
 TEST_F(ParityStep, C32_RunOutAgrees) {
-  const Column column = cut_column(800);
-  const Scene scene = column_scene(column, 5e-4);
-  double spread[2];
-  for (const BackendKind backend : kBackends) {
-    World world = world_on(backend, scene);
-    run_for(world, scene, 0.5);
-    spread[backend == BackendKind::cuda] = run_out(column, world.states().position);
+  constexpr unsigned kPackings = 5;
+  double spread[2] = {0, 0};
+  for (unsigned seed = 1; seed <= kPackings; ++seed) {
+    const Column column = cut_column(800, seed);
+    const Scene scene = column_scene(column, 5e-4);
+    for (const BackendKind backend : kBackends) {
+      World world = world_on(backend, scene);
+      run_for(world, scene, 0.5);
+      spread[backend == BackendKind::cuda] += run_out(column, world.states().position) / kPackings;
+    }
   }
   RecordProperty("cpu", std::to_string(spread[0]));
   RecordProperty("cuda", std::to_string(spread[1]));

@@ -17,7 +17,8 @@ struct Column {
 };
 
 /// Settles a wider bed in a tank and cuts `count` spheres out of its middle.
-inline Column cut_column(int count) {
+/// @param seed  of the loose lattice that is settled: another seed, another packing
+inline Column cut_column(int count, unsigned seed = 3) {
   // A cylinder of radius = height = R holds count grains at a solid fraction of 0.6.
   const double expected = std::cbrt(count * kPi / 6 / (0.6 * kPi)) * kGrain;
   const double side = 1.2 * expected;
@@ -30,7 +31,7 @@ inline Column cut_column(int count) {
   const int layers = static_cast<int>(1.9 * expected / kGrain);
   add_lattice(scene, layers * across * across, across, across,
               {-0.5 * (across - 1) * spacing, -0.5 * (across - 1) * spacing, 0.55 * kGrain},
-              spacing, kGrain / 2, 2500, 3);
+              spacing, kGrain / 2, 2500, seed);
   add_tank(scene, -side, side, -side, side);
   World world(scene, cpu_options(0));
   run_for(world, scene, 0.3);

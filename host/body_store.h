@@ -80,8 +80,8 @@ class BodyStore {
   struct Entry {
     const BodyDescription* body;
     Index id;
-    Index shape;     ///< shape record, or kSphereShape
-    double radius;   ///< sphere or bounding radius
+    Index shape;    ///< shape record, or kSphereShape
+    double radius;  ///< sphere or bounding radius
   };
 
   void append_free(std::span<const Entry> entries) {
@@ -91,7 +91,8 @@ class BodyStore {
   void set_fixed(std::span<const Entry> entries) { write(fixed_begin_, entries); }
 
   /// Rewrites pose and velocity of body `fixed_begin + k` for each k.
-  void set_fixed_motion(const std::vector<Vec3<double>>& position, const std::vector<Quat<Real>>& orientation,
+  void set_fixed_motion(const std::vector<Vec3<double>>& position,
+                        const std::vector<Quat<Real>>& orientation,
                         const std::vector<Vec3<Real>>& velocity,
                         const std::vector<Vec3<Real>>& angular_velocity) {
     put(position_, fixed_begin_, position);
@@ -110,7 +111,8 @@ class BodyStore {
     s.velocity = as_double<Vec3d>(take(velocity_, 0, free_count_));
     s.angular_velocity = as_double<Vec3d>(take(angular_velocity_, 0, free_count_));
   }
-  /// Overwrites the state of the free bodies; their constants must be in place already, in order of s.id.
+  /// Overwrites the state of the free bodies; their constants must be in place already, in order of
+  /// s.id.
   void restore_free(const WorldState& s) {
     put(position_, 0, s.position);
     put(orientation_, 0, as_real<Quat<Real>>(s.orientation));
@@ -118,7 +120,8 @@ class BodyStore {
     put(angular_velocity_, 0, as_real<Vec3<Real>>(s.angular_velocity));
   }
   /// Brings the free bodies into the storage order of a saved state.
-  /// @param id  [free_count] ids in that order @throws InputError when they are not those of the free bodies
+  /// @param id  [free_count] ids in that order @throws InputError when they are not those of the
+  /// free bodies
   void arrange(const std::vector<int>& id) {
     const std::vector<Index> now = take(id_, 0, free_count_);
     std::unordered_map<Index, Index> place;
@@ -134,8 +137,9 @@ class BodyStore {
     upload(*b_, order, on_backend);
     for_each_array([&](auto& array) {
       std::remove_reference_t<decltype(array)> moved(*b_, free_count_);
-      for_each(*b_, free_count_, Gather{Span<const Index>(on_backend.view(free_count_)),
-                                        std::as_const(array).view(free_count_), moved.view(free_count_)});
+      for_each(*b_, free_count_,
+               Gather{Span<const Index>(on_backend.view(free_count_)),
+                      std::as_const(array).view(free_count_), moved.view(free_count_)});
       copy(*b_, std::as_const(moved).view(free_count_), array.view(free_count_));
     });
   }
@@ -155,7 +159,8 @@ class BodyStore {
   /// Applies f(buffer) to every array, for reordering.
   template <class F>
   void for_each_array(F&& f) {
-    f(position_), f(orientation_), f(velocity_), f(angular_velocity_), f(inv_mass_), f(inertia_), f(radius_);
+    f(position_), f(orientation_), f(velocity_), f(angular_velocity_), f(inv_mass_), f(inertia_),
+        f(radius_);
     f(shape_), f(locks_), f(material_), f(group_), f(id_);
   }
 
@@ -177,7 +182,8 @@ class BodyStore {
     return std::vector<To>(v.begin(), v.end());
   }
   template <class T, class D>
-  void scatter(const std::vector<T>& from, const std::vector<Index>& id, std::size_t n, std::vector<D>& to) {
+  void scatter(const std::vector<T>& from, const std::vector<Index>& id, std::size_t n,
+               std::vector<D>& to) {
     to.resize(n);
     for (Index i = 0; i < count_; ++i) {
       if (i >= free_count_ && i < fixed_begin_) continue;

@@ -17,7 +17,8 @@ std::unique_ptr<BuildBackend> make_backend([[maybe_unused]] const WorldOptions& 
 template <>
 std::unique_ptr<Engine> make_engine<BuildBackend>(Scene scene, const WorldOptions& options) {
   if (options.precision == Precision::double_precision) {
-    return std::make_unique<EngineOf<BuildBackend, double>>(make_backend(options), std::move(scene));
+    return std::make_unique<EngineOf<BuildBackend, double>>(make_backend(options),
+                                                            std::move(scene));
   }
   return std::make_unique<EngineOf<BuildBackend, float>>(make_backend(options), std::move(scene));
 }

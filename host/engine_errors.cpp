@@ -7,25 +7,29 @@
 namespace scree {
 
 void throw_bad_body(std::int64_t step, int body, const Vec3d& x, const Vec3d& v) {
-  throw RunError(fmt::format(
-      "step {}: body {} has a state that is not finite: position ({}, {}, {}) m, velocity ({}, {}, {}) m/s; "
-      "the time step may be too large",
-      step, body, x.x, x.y, x.z, v.x, v.y, v.z));
+  throw RunError(
+      fmt::format("step {}: body {} has a state that is not finite: position ({}, {}, {}) m, "
+                  "velocity ({}, {}, {}) m/s; "
+                  "the time step may be too large",
+                  step, body, x.x, x.y, x.z, v.x, v.y, v.z));
 }
 
 void throw_bad_contact(std::int64_t step, int body_a, int body_b) {
-  throw RunError(fmt::format(
-      "step {}: the contact of bodies {} and {} has a residual that is not finite; the time step may be too "
-      "large or a body's state is broken",
-      step, body_a, body_b));
+  throw RunError(
+      fmt::format("step {}: the contact of bodies {} and {} has a residual that is not finite; the "
+                  "time step may be too "
+                  "large or a body's state is broken",
+                  step, body_a, body_b));
 }
 
 void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene) {
-  throw InputError(fmt::format("checkpoint: {} insertions done, the scene has {}", found, in_scene));
+  throw InputError(
+      fmt::format("checkpoint: {} insertions done, the scene has {}", found, in_scene));
 }
 
 void throw_wrong_body_count(std::size_t found, std::size_t expected) {
-  throw InputError(fmt::format("checkpoint: {} free bodies, the scene has {} at that time", found, expected));
+  throw InputError(
+      fmt::format("checkpoint: {} free bodies, the scene has {} at that time", found, expected));
 }
 
 void throw_unknown_body(int id) {

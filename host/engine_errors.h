@@ -1,5 +1,6 @@
 #pragma once
-// The engine's messages, kept out of its header: the formatting library does not compile under nvcc.
+// The engine's messages, kept out of its header: the formatting library does not compile under
+// nvcc.
 
 #include <cstdint>
 
@@ -8,7 +9,8 @@
 namespace scree {
 
 /// @throws RunError naming the body
-[[noreturn]] void throw_bad_body(std::int64_t step, int body, const Vec3d& position, const Vec3d& velocity);
+[[noreturn]] void throw_bad_body(std::int64_t step, int body, const Vec3d& position,
+                                 const Vec3d& velocity);
 /// @throws RunError naming the two bodies
 [[noreturn]] void throw_bad_contact(std::int64_t step, int body_a, int body_b);
 /// @throws InputError

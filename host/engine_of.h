@@ -70,7 +70,8 @@ class EngineOf final : public Engine {
     const BodyView<Real> bodies = store_.view();
     detector_.detect(b, bodies, h);
     const ContactView<Real> contacts = detector_.contacts();
-    const Offset vectors = static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
+    const Offset vectors =
+        static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
     gamma_.reserve_discard(vectors);
     const Span<Vec3<Real>> gamma = gamma_.view(vectors);
     if (scene_.solver.warm_start) {
@@ -89,10 +90,11 @@ class EngineOf final : public Engine {
     if (stats.residual.bad_contact >= 0) report_bad_contact(contacts, stats.residual.bad_contact);
     report.ms.solve = clock.lap();
 
-    reduce<IntegrateSums>(b, bodies.free_count,
-                          Integrate<Real>{bodies, solver_->velocity(),
-                                          summary_.layout == ContactLayout::radial, h, periodic_box()},
-                          StoreResult<IntegrateSums>{integrate_sums_.data()});
+    reduce<IntegrateSums>(
+        b, bodies.free_count,
+        Integrate<Real>{bodies, solver_->velocity(), summary_.layout == ContactLayout::radial, h,
+                        periodic_box()},
+        StoreResult<IntegrateSums>{integrate_sums_.data()});
     const IntegrateSums moved = fetch(b, integrate_sums_.data());
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
     detector_.keep(b, vectors_per_contact(summary_.layout), gamma);
@@ -109,7 +111,9 @@ class EngineOf final : public Engine {
 
   std::int64_t steps_done() const override { return step_; }
   double time() const override { return time_; }
-  int body_count() const override { return store_.free_count() + store_.count() - store_.fixed_begin(); }
+  int body_count() const override {
+    return store_.free_count() + store_.count() - store_.fixed_begin();
+  }
   BodyStates states() override { return store_.states(); }
   BodyConstants constants() const override {
     BodyConstants c = summary_.constants;
@@ -169,14 +173,15 @@ class EngineOf final : public Engine {
   }
 
   Image render(const PictureSettings& settings) override {
-    return renderer_.render(*backend_, store_.view(), obstacles_.shapes(), obstacles_.mesh_set(), settings);
+    return renderer_.render(*backend_, store_.view(), obstacles_.shapes(), obstacles_.mesh_set(),
+                            settings);
   }
   std::size_t memory() const override { return backend_->allocated(); }
   std::size_t peak_memory() const override { return backend_->peak(); }
 
  private:
-  /// Steps between two looks at the order of the bodies; a function of the step number only, so that a
-  /// resumed run reorders at the same steps.
+  /// Steps between two looks at the order of the bodies; a function of the step number only, so
+  /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
 
   std::unique_ptr<Solver<B, Real>> make_step_solver() const {
@@ -186,7 +191,8 @@ class EngineOf final : public Engine {
     params.relaxation = scene_.solver.relaxation;
     auto solver = make_solver<B, Real>(scene_.solver.name, params);
     if (!scene_.solver.exact_coulomb) return solver;
-    return std::make_unique<CoulombFixedPoint<B, Real>>(std::move(solver), scene_.solver.max_outer_iterations);
+    return std::make_unique<CoulombFixedPoint<B, Real>>(std::move(solver),
+                                                        scene_.solver.max_outer_iterations);
   }
 
   CollisionSettings collision_settings() const {
@@ -214,7 +220,8 @@ class EngineOf final : public Engine {
     return box;
   }
 
-  /// v*: the speed loads give a body in one step, else that at which touching bodies approach [m/s].
+  /// v*: the speed loads give a body in one step, else that at which touching bodies approach
+  /// [m/s].
   double reference_speed(const SetupSums& sums) const {
     const double loads = norm(scene_.stepping.time_step * scene_.gravity);
     if (loads > 0) return loads;
@@ -228,10 +235,14 @@ class EngineOf final : public Engine {
       return reference > 0 ? std::min(speed * reference, depth * length) : depth * length;
     };
     switch (scene_.solver.stop.level) {
-      case StopRule::Level::quality: return level(0.01, 3e-5);
-      case StopRule::Level::preview: return level(0.03, 1e-4);
-      case StopRule::Level::absolute: return scene_.solver.stop.residual;
-      case StopRule::Level::fixed_iterations: break;
+      case StopRule::Level::quality:
+        return level(0.01, 3e-5);
+      case StopRule::Level::preview:
+        return level(0.03, 1e-4);
+      case StopRule::Level::absolute:
+        return scene_.solver.stop.residual;
+      case StopRule::Level::fixed_iterations:
+        break;
     }
     return 0;
   }
@@ -258,9 +269,11 @@ class EngineOf final : public Engine {
   }
 
   void insert_due() {
-    // A batch enters before the first step that starts at or after its time; half an ulp of a step of slack.
+    // A batch enters before the first step that starts at or after its time; half an ulp of a step
+    // of slack.
     const double now = time_ + 1e-9 * scene_.stepping.time_step;
-    while (insertions_done_ < scene_.insertions.size() && scene_.insertions[insertions_done_].time <= now) {
+    while (insertions_done_ < scene_.insertions.size() &&
+           scene_.insertions[insertions_done_].time <= now) {
       insert_next();
     }
   }
@@ -323,8 +336,10 @@ class EngineOf final : public Engine {
     report.max_cone_violation = residual.cone_violation;
     report.max_penetration = sums.max_penetration;
     if (residual.max_contact >= 0) {
-      report.residual_max_body_a = id_of(fetch(*backend_, contacts.body_a.data + residual.max_contact));
-      report.residual_max_body_b = id_of(fetch(*backend_, contacts.body_b.data + residual.max_contact));
+      report.residual_max_body_a =
+          id_of(fetch(*backend_, contacts.body_a.data + residual.max_contact));
+      report.residual_max_body_b =
+          id_of(fetch(*backend_, contacts.body_b.data + residual.max_contact));
     }
     const StageTimes& t = report.ms;
     report.ms.total = t.collision + t.setup + t.solve + t.integrate;
@@ -342,14 +357,14 @@ class EngineOf final : public Engine {
   }
 
   std::unique_ptr<B> backend_;
-  Scene scene_;                         ///< without the descriptions already loaded
+  Scene scene_;  ///< without the descriptions already loaded
   SceneSummary summary_;
   BodyStore<B, Real> store_;
   Obstacles<B, Real> obstacles_;
   ContactDetector<B, Real> detector_;
   BodyOrder<B> order_;
   ProblemAssembly<B, Real> assembly_;
-  Buffer<B, Vec3<Real>> gamma_;         ///< impulses of the last step
+  Buffer<B, Vec3<Real>> gamma_;  ///< impulses of the last step
   Buffer<B, IntegrateSums> integrate_sums_;
   Renderer<B, Real> renderer_;
   std::unique_ptr<Solver<B, Real>> solver_;

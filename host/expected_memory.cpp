@@ -18,13 +18,15 @@ std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
   const double vec = 3 * real, twist = 6 * real;
   const bool radial = s.layout == ContactLayout::radial;
   const double vectors = vectors_per_contact(s.layout);
-  // Per body: state (position 24, orientation, rates, mass, inertia, radius, five integers), bins 56, free
-  // velocity, inertia, four solver velocities, starts of the contact lists.
+  // Per body: state (position 24, orientation, rates, mass, inertia, radius, five integers), bins
+  // 56, free velocity, inertia, four solver velocities, starts of the contact lists.
   const double inertia = radial ? 2 * real : 16 * real;
-  const double body = 24 + 4 * real + 2 * vec + real + vec + real + 14 + 56 + twist + inertia + 4 * twist + 8;
-  // Per contact: key, ids, normal, gap and sort space; arms; bias; kept impulse, present one and three of
-  // the solver; list of contacts as B with its sort space.
-  const double contact = 8 + 8 + vec + real + 20 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
+  const double body =
+      24 + 4 * real + 2 * vec + real + vec + real + 14 + 56 + twist + inertia + 4 * twist + 8;
+  // Per contact: key, ids, normal, gap and sort space; arms; bias; kept impulse, present one and
+  // three of the solver; list of contacts as B with its sort space.
+  const double contact =
+      8 + 8 + vec + real + 20 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
   const double bodies = s.free_capacity + s.fixed_count;
   return static_cast<std::size_t>(bodies * (body + kContactsPerBody * contact));
 }
@@ -36,10 +38,11 @@ void require_memory(const Scene& scene, const WorldOptions& options) {
   const double there = static_cast<double>(device_info(options.backend).memory_bytes);
   if (needed <= there) return;
   const double mib = 1024.0 * 1024.0;
-  throw InputError(fmt::format("{} bodies need about {:.0f} MiB of {} memory, there are {:.0f} MiB: about {:.0f} bodies "
-                               "fit",
-                               bodies, needed / mib, options.backend == BackendKind::cuda ? "device" : "host",
-                               there / mib, bodies * there / needed));
+  throw InputError(fmt::format(
+      "{} bodies need about {:.0f} MiB of {} memory, there are {:.0f} MiB: about {:.0f} bodies "
+      "fit",
+      bodies, needed / mib, options.backend == BackendKind::cuda ? "device" : "host", there / mib,
+      bodies * there / needed));
 }
 
 }  // namespace scree

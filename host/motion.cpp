@@ -42,8 +42,11 @@ Pose pose_at(const BodyDescription& body, double t) {
   const double running = std::clamp(t, m.start, std::max(m.start, m.stop)) - m.start;
   Pose pose{body.position, body.orientation};
   switch (m.kind) {
-    case Motion::Kind::none: break;
-    case Motion::Kind::linear: pose.position += running * m.velocity; break;
+    case Motion::Kind::none:
+      break;
+    case Motion::Kind::linear:
+      pose.position += running * m.velocity;
+      break;
     case Motion::Kind::rotating: {
       const Quatd turn = exp_map(running * m.rate * m.axis);
       pose.position = m.center + rotate(turn, body.position - m.center);
@@ -56,7 +59,8 @@ Pose pose_at(const BodyDescription& body, double t) {
           m.amplitude * (std::sin(omega * running + m.phase) - std::sin(m.phase)) * m.axis;
       break;
     }
-    case Motion::Kind::sampled: return sampled_pose(m, body, running + m.start);
+    case Motion::Kind::sampled:
+      return sampled_pose(m, body, running + m.start);
   }
   return pose;
 }

@@ -41,9 +41,12 @@ class Obstacles {
   }
 
   const ObstacleData<Real>& data() const { return data_; }
-  Span<const ShapeRecord<Real>> shapes() const { return shapes_.view(static_cast<Offset>(data_.shapes.size())); }
+  Span<const ShapeRecord<Real>> shapes() const {
+    return shapes_.view(static_cast<Offset>(data_.shapes.size()));
+  }
   MeshSetView<Real> mesh_set() const {
-    return {vertices_.view(vertex_count_), triangles_.view(triangle_count_), ranges_.view(range_count_)};
+    return {vertices_.view(vertex_count_), triangles_.view(triangle_count_),
+            ranges_.view(range_count_)};
   }
 
   /// Shape record of a body by id, -1 for a sphere.
@@ -56,11 +59,21 @@ class Obstacles {
   static ShapeRecord<Real> record(const Shape& shape, Index body) {
     ShapeRecord<Real> r;
     switch (shape.kind) {
-      case Shape::Kind::sphere: r.kind = ShapeKind::sphere; break;
-      case Shape::Kind::box: r.kind = ShapeKind::box; break;
-      case Shape::Kind::half_space: r.kind = ShapeKind::half_space; break;
-      case Shape::Kind::container: r.kind = ShapeKind::container; break;
-      case Shape::Kind::mesh: r.kind = ShapeKind::mesh; break;
+      case Shape::Kind::sphere:
+        r.kind = ShapeKind::sphere;
+        break;
+      case Shape::Kind::box:
+        r.kind = ShapeKind::box;
+        break;
+      case Shape::Kind::half_space:
+        r.kind = ShapeKind::half_space;
+        break;
+      case Shape::Kind::container:
+        r.kind = ShapeKind::container;
+        break;
+      case Shape::Kind::mesh:
+        r.kind = ShapeKind::mesh;
+        break;
     }
     r.open_faces = static_cast<std::uint8_t>(shape.open_faces);
     r.mesh = shape.mesh;
@@ -76,7 +89,8 @@ class Obstacles {
     std::vector<MeshRange> ranges;
     for (const TriangleMesh& mesh : scene.meshes) {
       const auto first_vertex = static_cast<Index>(vertices.size());
-      ranges.push_back({static_cast<Index>(triangles.size()), static_cast<Index>(mesh.triangles.size())});
+      ranges.push_back(
+          {static_cast<Index>(triangles.size()), static_cast<Index>(mesh.triangles.size())});
       for (const Vec3d& v : mesh.vertices) vertices.emplace_back(v);
       for (const auto& t : mesh.triangles) {
         triangles.push_back({{first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]}});

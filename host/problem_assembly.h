@@ -49,7 +49,8 @@ class ProblemAssembly {
 
   /// @param gravity_step  h g [m/s]
   Result assemble(B& b, const BodyView<Real>& bodies, const ContactView<Real>& contacts,
-                  const SteppingSettings& stepping, double cohesion_range, const Vec3<Real>& gravity_step) {
+                  const SteppingSettings& stepping, double cohesion_range,
+                  const Vec3<Real>& gravity_step) {
     ContactProblem<Real> p;
     p.layout = layout_;
     p.contact_count = contacts.count;

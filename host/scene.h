@@ -1,6 +1,7 @@
 #pragma once
-// What is simulated: bodies, walls, materials and parameters. A Scene is plain data with SI units; the
-// scene reader fills it from a file, tests and programs fill it by hand. validate() checks all of it.
+// What is simulated: bodies, walls, materials and parameters. A Scene is plain data with SI units;
+// the scene reader fills it from a file, tests and programs fill it by hand. validate() checks all
+// of it.
 
 #include <array>
 #include <cstdint>
@@ -22,14 +23,15 @@ using Quatd = Quat<double>;
 /// Contact law parameters of one material, or of one pair of materials.
 struct Material {
   std::string name = "default";
-  double friction = 0.5;          ///< Coulomb mu [-], >= 0
-  double restitution = 0.0;       ///< Newton e [-], 0 to 1
-  double cohesion = 0.0;          ///< largest pulling force of one contact [N], >= 0
-  double rolling_friction = 0.0;  ///< rolling coefficient, a length [m], >= 0
-  double spinning_friction = 0.0; ///< spinning coefficient, a length [m], >= 0
+  double friction = 0.5;           ///< Coulomb mu [-], >= 0
+  double restitution = 0.0;        ///< Newton e [-], 0 to 1
+  double cohesion = 0.0;           ///< largest pulling force of one contact [N], >= 0
+  double rolling_friction = 0.0;   ///< rolling coefficient, a length [m], >= 0
+  double spinning_friction = 0.0;  ///< spinning coefficient, a length [m], >= 0
 };
 
-/// Values that replace the default mix (geometric mean of friction, smaller of the others) for a pair.
+/// Values that replace the default mix (geometric mean of friction, smaller of the others) for a
+/// pair.
 struct MaterialPair {
   int material_a = 0;
   int material_b = 0;
@@ -40,21 +42,22 @@ struct MaterialPair {
 struct Motion {
   enum class Kind { none, linear, rotating, oscillating, sampled };
   Kind kind = Kind::none;
-  Vec3d velocity;          ///< linear: constant velocity [m/s]
-  Vec3d axis{0, 0, 1};     ///< rotating: unit axis; oscillating: unit direction
-  Vec3d center;            ///< rotating: a point on the axis [m]
-  double rate = 0;         ///< rotating: angular velocity [rad/s]
-  double amplitude = 0;    ///< oscillating: amplitude [m]
-  double frequency = 0;    ///< oscillating: frequency [Hz]
-  double phase = 0;        ///< oscillating: phase [rad]
-  double start = 0;        ///< time before which the body rests [s]
+  Vec3d velocity;        ///< linear: constant velocity [m/s]
+  Vec3d axis{0, 0, 1};   ///< rotating: unit axis; oscillating: unit direction
+  Vec3d center;          ///< rotating: a point on the axis [m]
+  double rate = 0;       ///< rotating: angular velocity [rad/s]
+  double amplitude = 0;  ///< oscillating: amplitude [m]
+  double frequency = 0;  ///< oscillating: frequency [Hz]
+  double phase = 0;      ///< oscillating: phase [rad]
+  double start = 0;      ///< time before which the body rests [s]
   double stop = std::numeric_limits<double>::infinity();  ///< time after which it rests [s]
-  std::vector<double> times;         ///< sampled: increasing times [s]
-  std::vector<Vec3d> positions;      ///< sampled: displacement from the initial position [m]
-  std::vector<Quatd> orientations;   ///< sampled: rotation applied to the initial pose, may be empty
+  std::vector<double> times;                              ///< sampled: increasing times [s]
+  std::vector<Vec3d> positions;     ///< sampled: displacement from the initial position [m]
+  std::vector<Quatd> orientations;  ///< sampled: rotation applied to the initial pose, may be empty
 };
 
-/// A value that few of very many owners have: kept elsewhere, a shared default where it was never set.
+/// A value that few of very many owners have: kept elsewhere, a shared default where it was never
+/// set.
 template <class T>
 class Rare {
  public:
@@ -73,9 +76,9 @@ class Rare {
 
 /// A closed (or declared open) triangle surface in its body's frame.
 struct TriangleMesh {
-  std::string name;                          ///< file it came from, for messages
-  std::vector<Vec3d> vertices;               ///< [m]
-  std::vector<std::array<int, 3>> triangles; ///< counter-clockwise seen from outside
+  std::string name;                           ///< file it came from, for messages
+  std::vector<Vec3d> vertices;                ///< [m]
+  std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise seen from outside
   bool closed = true;
 };
 
@@ -83,18 +86,24 @@ struct TriangleMesh {
 struct Shape {
   enum class Kind { sphere, box, half_space, container, mesh };
   Kind kind = Kind::sphere;
-  double radius = 0;          ///< sphere [m]
-  Vec3d half_extents;         ///< box, container: half edge lengths [m]
-  Vec3d normal{0, 0, 1};      ///< half_space: unit outward normal in the body frame (bodies are on this side)
-  unsigned open_faces = 0;    ///< container: bit 0..5 = -x +x -y +y -z +z face missing
-  int mesh = -1;              ///< mesh: index into Scene::meshes
+  double radius = 0;   ///< sphere [m]
+  Vec3d half_extents;  ///< box, container: half edge lengths [m]
+  Vec3d normal{0, 0,
+               1};  ///< half_space: unit outward normal in the body frame (bodies are on this side)
+  unsigned open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
+  int mesh = -1;            ///< mesh: index into Scene::meshes
 };
 
 enum class BodyKind : std::uint8_t { free, fixed, kinematic };
 
 /// Locked degrees of freedom, world axes: bits of BodyDescription::locks.
 enum Lock : std::uint8_t {
-  lock_x = 1, lock_y = 2, lock_z = 4, lock_rx = 8, lock_ry = 16, lock_rz = 32,
+  lock_x = 1,
+  lock_y = 2,
+  lock_z = 4,
+  lock_rx = 8,
+  lock_ry = 16,
+  lock_rz = 32,
   lock_rotation = lock_rx | lock_ry | lock_rz,
   lock_all = 63
 };
@@ -103,16 +112,16 @@ enum Lock : std::uint8_t {
 struct BodyDescription {
   BodyKind kind = BodyKind::free;
   Shape shape;
-  Vec3d position;             ///< center of mass, world [m]
-  Quatd orientation;          ///< body to world
-  Vec3d velocity;             ///< [m/s]
-  Vec3d angular_velocity;     ///< world frame [rad/s]
-  double mass = 0;            ///< [kg], > 0 for free bodies
-  Vec3d inertia;              ///< principal moments, body frame [kg m^2], > 0 for free bodies
-  int material = 0;           ///< index into Scene::materials
-  int group = 0;              ///< index into Scene::groups; colors pictures, names outputs
-  std::uint8_t locks = 0;     ///< Lock bits
-  Rare<Motion> motion;        ///< kinematic bodies only
+  Vec3d position;          ///< center of mass, world [m]
+  Quatd orientation;       ///< body to world
+  Vec3d velocity;          ///< [m/s]
+  Vec3d angular_velocity;  ///< world frame [rad/s]
+  double mass = 0;         ///< [kg], > 0 for free bodies
+  Vec3d inertia;           ///< principal moments, body frame [kg m^2], > 0 for free bodies
+  int material = 0;        ///< index into Scene::materials
+  int group = 0;           ///< index into Scene::groups; colors pictures, names outputs
+  std::uint8_t locks = 0;  ///< Lock bits
+  Rare<Motion> motion;     ///< kinematic bodies only
 };
 
 /// Bodies that join a run when their time has come (rain). Ids follow those of earlier bodies.
@@ -129,22 +138,23 @@ struct StopRule {
 };
 
 struct SolverSettings {
-  std::string name = "apgd";     ///< apgd, jacobi, gauss_seidel, gauss_seidel_colored
+  std::string name = "apgd";  ///< apgd, jacobi, gauss_seidel, gauss_seidel_colored
   StopRule stop;
-  int max_iterations = 400;      ///< [-], > 0
-  int check_every = 10;          ///< iterations between residual checks, > 0
+  int max_iterations = 400;  ///< [-], > 0
+  int check_every = 10;      ///< iterations between residual checks, > 0
   bool warm_start = true;
-  bool exact_coulomb = false;    ///< De Saxce fixed point around the convex solve
-  int max_outer_iterations = 50; ///< exact Coulomb: fixed point iterations, > 0
-  double relaxation = 1.0;       ///< Gauss-Seidel omega, in (0, 2)
+  bool exact_coulomb = false;     ///< De Saxce fixed point around the convex solve
+  int max_outer_iterations = 50;  ///< exact Coulomb: fixed point iterations, > 0
+  double relaxation = 1.0;        ///< Gauss-Seidel omega, in (0, 2)
 };
 
 struct SteppingSettings {
-  double time_step = 1e-3;                     ///< h [s], > 0
-  double duration = 1.0;                       ///< [s], >= 0
-  double max_recovery_speed = 0.5;             ///< fastest push-out of an overlap [m/s], >= 0
-  double restitution_threshold = 1e-2;         ///< approach speed below which e = 0 [m/s], >= 0
-  double envelope = -1;  ///< contacts are listed up to this gap [m]; negative: 1 % of the median diameter
+  double time_step = 1e-3;              ///< h [s], > 0
+  double duration = 1.0;                ///< [s], >= 0
+  double max_recovery_speed = 0.5;      ///< fastest push-out of an overlap [m/s], >= 0
+  double restitution_threshold = 1e-2;  ///< approach speed below which e = 0 [m/s], >= 0
+  double envelope =
+      -1;  ///< contacts are listed up to this gap [m]; negative: 1 % of the median diameter
 };
 
 struct CameraSettings {
@@ -158,8 +168,8 @@ struct CameraSettings {
 enum class ColorBy { speed, size, id, group };
 
 struct PictureSettings {
-  double interval = 0;   ///< simulated time between pictures [s]; 0: one at the end; negative: none
-  int width = 1280;      ///< [pixels], 16 to 16384
+  double interval = 0;  ///< simulated time between pictures [s]; 0: one at the end; negative: none
+  int width = 1280;     ///< [pixels], 16 to 16384
   int height = 720;
   ColorBy color_by = ColorBy::speed;
   double color_min = 0;  ///< value at the low end of the color map; equal ends: automatic range
@@ -168,7 +178,8 @@ struct PictureSettings {
 };
 
 struct OutputSettings {
-  double frame_interval = 0;       ///< simulated time between frames in frames.vtkhdf [s]; 0: first and last
+  double frame_interval =
+      0;  ///< simulated time between frames in frames.vtkhdf [s]; 0: first and last
   double checkpoint_interval = 0;  ///< [s]; 0: at the end (and on an interrupt) only
   PictureSettings picture;
 };
@@ -188,18 +199,18 @@ struct Scene {
   std::vector<MaterialPair> material_pairs;
   std::vector<std::string> groups{"bodies"};
   std::vector<TriangleMesh> meshes;
-  std::vector<BodyDescription> bodies;     ///< present at time zero, any kind and order
-  std::vector<Insertion> insertions;       ///< increasing times
+  std::vector<BodyDescription> bodies;  ///< present at time zero, any kind and order
+  std::vector<Insertion> insertions;    ///< increasing times
   Periodicity periodicity;
   SteppingSettings stepping;
   SolverSettings solver;
   OutputSettings output;
-  std::string backend = "auto";            ///< auto, cpu or cuda; the command line overrides
-  std::string precision = "float";         ///< float or double; the command line overrides
+  std::string backend = "auto";     ///< auto, cpu or cuda; the command line overrides
+  std::string precision = "float";  ///< float or double; the command line overrides
 };
 
-/// A value outside its range, an unknown name or an impossible combination; what() names the key path,
-/// the value and what was expected.
+/// A value outside its range, an unknown name or an impossible combination; what() names the key
+/// path, the value and what was expected.
 class InputError;
 
 /// Checks every field of the scene. @throws InputError at the first fault.

@@ -32,11 +32,15 @@ bool fits_radial_layout(const BodyDescription& body) {
 
 double bounding_radius(const Scene& scene, const BodyDescription& body) {
   switch (body.shape.kind) {
-    case Shape::Kind::sphere: return body.shape.radius;
+    case Shape::Kind::sphere:
+      return body.shape.radius;
     case Shape::Kind::box:
-    case Shape::Kind::container: return norm(body.shape.half_extents);
-    case Shape::Kind::half_space: return 0;
-    case Shape::Kind::mesh: break;
+    case Shape::Kind::container:
+      return norm(body.shape.half_extents);
+    case Shape::Kind::half_space:
+      return 0;
+    case Shape::Kind::mesh:
+      break;
   }
   double largest = 0;
   for (const Vec3d& v : scene.meshes[static_cast<std::size_t>(body.shape.mesh)].vertices) {

@@ -13,7 +13,7 @@ struct SceneSummary {
   double median_diameter = 0;  ///< of the free bodies [m]; spheres, else bounding spheres
   double envelope = 0;         ///< resolved contact envelope [m]
   ContactLayout layout = ContactLayout::radial;
-  BodyConstants constants;     ///< of all bodies, by id
+  BodyConstants constants;  ///< of all bodies, by id
 };
 
 /// Radius of the sphere about a body's center that holds it [m]; 0: unbounded (half-spaces).

@@ -28,7 +28,8 @@ std::unique_ptr<Engine> engine_for(Scene scene, const WorldOptions& options) {
 
 }  // namespace
 
-World::World(Scene scene, const WorldOptions& options) : engine_(engine_for(std::move(scene), options)) {}
+World::World(Scene scene, const WorldOptions& options)
+    : engine_(engine_for(std::move(scene), options)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -73,8 +74,8 @@ DeviceInfo device_info(BackendKind kind) {
     }
   }
   info.threads = static_cast<int>(std::thread::hardware_concurrency());
-  info.memory_bytes =
-      static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
+  info.memory_bytes = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+                      static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
   return info;
 }
 

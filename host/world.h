@@ -31,23 +31,23 @@ struct StageTimes {
 
 /// What one step did. Residuals are the natural map of solvers/residual.h.
 struct StepReport {
-  std::int64_t step = 0;        ///< number of steps done, this one included
-  double time = 0;              ///< simulated time after the step [s]
-  int body_count = 0;           ///< free bodies in the simulation
+  std::int64_t step = 0;  ///< number of steps done, this one included
+  double time = 0;        ///< simulated time after the step [s]
+  int body_count = 0;     ///< free bodies in the simulation
   int contact_count = 0;
-  int iterations = 0;           ///< solver iterations
-  int applications = 0;         ///< operator applications (passes over contacts and bodies)
-  bool converged = true;        ///< false: the iteration cap came first
-  double residual_rms = 0;      ///< [m/s]
-  double residual_max = 0;      ///< [m/s]
-  int residual_max_body_a = -1; ///< ids of the bodies of the worst contact, -1 without contacts
+  int iterations = 0;            ///< solver iterations
+  int applications = 0;          ///< operator applications (passes over contacts and bodies)
+  bool converged = true;         ///< false: the iteration cap came first
+  double residual_rms = 0;       ///< [m/s]
+  double residual_max = 0;       ///< [m/s]
+  int residual_max_body_a = -1;  ///< ids of the bodies of the worst contact, -1 without contacts
   int residual_max_body_b = -1;
-  double residual_relative = 0; ///< residual_rms / v*
-  double exact_residual_rms = 0;///< the same with the De Saxce velocity [m/s]
-  double objective = 0;         ///< 1/2 gamma N gamma + r gamma [J]
-  double max_penetration = 0;   ///< deepest overlap at the start of the step [m]
-  double max_cone_violation = 0;///< max(|gamma_t| - mu gamma_n) [N s]
-  double kinetic_energy = 0;    ///< after the step [J]
+  double residual_relative = 0;   ///< residual_rms / v*
+  double exact_residual_rms = 0;  ///< the same with the De Saxce velocity [m/s]
+  double objective = 0;           ///< 1/2 gamma N gamma + r gamma [J]
+  double max_penetration = 0;     ///< deepest overlap at the start of the step [m]
+  double max_cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
+  double kinetic_energy = 0;      ///< after the step [J]
   StageTimes ms;
 };
 
@@ -72,20 +72,20 @@ struct BodyConstants {
 struct ContactRecord {
   int body_a = -1;
   int body_b = -1;
-  Vec3d normal;      ///< unit, from A to B
-  double gap = 0;    ///< at the start of the step [m]
-  Vec3d impulse;     ///< world frame, acting on B [N s]
+  Vec3d normal;    ///< unit, from A to B
+  double gap = 0;  ///< at the start of the step [m]
+  Vec3d impulse;   ///< world frame, acting on B [N s]
   double friction = 0;
 };
 
-/// All that decides how a run goes on: a World made from the same Scene and restored from this continues
-/// bit for bit. Values of float runs are stored as double, which is exact.
+/// All that decides how a run goes on: a World made from the same Scene and restored from this
+/// continues bit for bit. Values of float runs are stored as double, which is exact.
 struct WorldState {
   std::int64_t step = 0;
   double time = 0;
   std::uint64_t insertions_done = 0;
-  std::vector<int> id;                  ///< [free_count] storage order of the free bodies
-  std::vector<Vec3d> position;          ///< [free_count] the next four in storage order
+  std::vector<int> id;          ///< [free_count] storage order of the free bodies
+  std::vector<Vec3d> position;  ///< [free_count] the next four in storage order
   std::vector<Quatd> orientation;
   std::vector<Vec3d> velocity;
   std::vector<Vec3d> angular_velocity;
@@ -105,7 +105,8 @@ class Engine;  // host/engine.h: implemented once, compiled per backend and prec
 
 class World {
  public:
-  /// @throws InputError when the scene is invalid, the backend is not there, or memory cannot hold it
+  /// @throws InputError when the scene is invalid, the backend is not there, or memory cannot hold
+  /// it
   World(Scene scene, const WorldOptions& options);
   ~World();
   World(World&&) noexcept;
@@ -146,7 +147,8 @@ struct DeviceInfo {
 };
 DeviceInfo device_info(BackendKind kind);
 
-/// @throws InputError saying how many bodies fit when the scene is expected to need more than the device has
+/// @throws InputError saying how many bodies fit when the scene is expected to need more than the
+/// device has
 void require_memory(const Scene& scene, const WorldOptions& options);
 
 /// Backend memory a scene is expected to need at its fullest [bytes].

@@ -1,8 +1,8 @@
 #pragma once
-// The two fused passes of one APGD iteration and the scalar updates that end them. All scalars live in
-// backend memory; impulses and velocities rotate through buffers by the count of accepted iterations, so
-// nothing is copied and a rejected trial costs nothing but its pass.
-// Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section "APGD".
+// The two fused passes of one APGD iteration and the scalar updates that end them. All scalars live
+// in backend memory; impulses and velocities rotate through buffers by the count of accepted
+// iterations, so nothing is copied and a rejected trial costs nothing but its pass. Source: Mazhar,
+// Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section "APGD".
 
 #include "kernels/contact_operator.h"
 
@@ -10,16 +10,17 @@ namespace scree {
 
 /// Scalars of a running solve, in backend memory.
 struct ApgdState {
-  double lipschitz = 1;      ///< L, inverse step: [-] in the diagonal metric, [1/kg] in the Euclidean one
+  double lipschitz =
+      1;  ///< L, inverse step: [-] in the diagonal metric, [1/kg] in the Euclidean one
   double lipschitz_max = 1;  ///< upper bound of the largest eigenvalue of H^-1 N
   double theta = 1;          ///< momentum parameter of the extrapolated point in use
   double beta = 0;           ///< its extrapolation factor
   double next_theta = 1;     ///< those of the trial
   double next_beta = 0;
-  double step_squares = 0;   ///< |gamma+ - y|_H^2 of the trial
-  Index accepted = 0;        ///< accepted iterations: selects the roles of the buffers
+  double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
+  Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
-  double best_residual = -1; ///< smallest checked RMS residual [m/s]; negative: none yet
+  double best_residual = -1;  ///< smallest checked RMS residual [m/s]; negative: none yet
 };
 
 /// Three impulse buffers: previous, current and next iterate by turns.
@@ -58,8 +59,8 @@ struct StoredMetric {
 };
 
 /// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L).
-/// Bytes per contact (radial, float): read normal and bias 16, ids 8, two impulses 24, metric 8, two twists
-/// 48 gathered (from cache when bodies are in Morton order); written 12.
+/// Bytes per contact (radial, float): read normal and bias 16, ids 8, two impulses 24, metric 8,
+/// two twists 48 gathered (from cache when bodies are in Morton order); written 12.
 template <class R, class Real>
 struct ApgdContactPass {
   static constexpr const char* name = "apgd_contact_pass";
@@ -73,7 +74,8 @@ struct ApgdContactPass {
     const Index k = state->accepted;
     const Span<const Twist<Real>> v = velocity.of_extrapolated[k & 1];
     const auto current = R::load(gamma.current(k), c);
-    const auto y = current + static_cast<Real>(state->beta) * (current - R::load(gamma.previous(k), c));
+    const auto y =
+        current + static_cast<Real>(state->beta) * (current - R::load(gamma.previous(k), c));
     const auto g = R::velocity(p, c, v[p.body_a[c]], v[p.body_b[c]]);
     const ContactMetric<Real> h = metric.load(c);
     const Vec3<Real> n = p.normal[c];
@@ -81,7 +83,8 @@ struct ApgdContactPass {
         R::project(p, c, y - static_cast<Real>(1 / state->lipschitz) * solve_metric(h, n, g), h);
     R::store(gamma.next(k), c, next);
     const auto move = next - y;
-    return {{static_cast<double>(dot(g, next - current)), static_cast<double>(metric_norm2(h, n, move))}};
+    return {{static_cast<double>(dot(g, next - current)),
+             static_cast<double>(metric_norm2(h, n, move))}};
   }
 };
 
@@ -100,10 +103,10 @@ struct ApgdContactFinish {
   }
 };
 
-/// V+ = v* + M^-1 J^T gamma+, V_y+ = V+ + beta+ (V+ - V), and |V+ - V_y|_M^2 = (gamma+ - y)^T N (gamma+ - y).
-/// The momentum is linear, so N y+ needs no application of its own.
-/// Bytes per body (radial, float): read v*, V, V_y 72, inertia 8, starts 8; written 48; per contact gathered
-/// twice impulse and normal 24, list 4.
+/// V+ = v* + M^-1 J^T gamma+, V_y+ = V+ + beta+ (V+ - V), and |V+ - V_y|_M^2 = (gamma+ - y)^T N
+/// (gamma+ - y). The momentum is linear, so N y+ needs no application of its own. Bytes per body
+/// (radial, float): read v*, V, V_y 72, inertia 8, starts 8; written 48; per contact gathered twice
+/// impulse and normal 24, list 4.
 template <class R, class Real>
 struct ApgdBodyPass {
   static constexpr const char* name = "apgd_body_pass";
@@ -115,17 +118,20 @@ struct ApgdBodyPass {
   SCREE_HD Sums<1> operator()(Index i) const {
     const Index k = state->accepted;
     const Twist<Real> next =
-        p.free_velocity[i] + R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
+        p.free_velocity[i] +
+        R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
     const Twist<Real> extrapolated = velocity.of_extrapolated[k & 1][i];
-    const Twist<Real> momentum = static_cast<Real>(state->next_beta) * (next - velocity.of_iterate[k & 1][i]);
+    const Twist<Real> momentum =
+        static_cast<Real>(state->next_beta) * (next - velocity.of_iterate[k & 1][i]);
     velocity.of_iterate[(k + 1) & 1][i] = next;
     velocity.of_extrapolated[(k + 1) & 1][i] = next + momentum;
     return {{R::mass_norm2(p, i, next - extrapolated)}};
   }
 };
 
-/// Accepts the trial when (gamma+ - y)^T N (gamma+ - y) <= L |gamma+ - y|^2, else doubles L. At the upper
-/// bound of the spectrum the test holds in exact arithmetic, so the trial is accepted whatever rounding says.
+/// Accepts the trial when (gamma+ - y)^T N (gamma+ - y) <= L |gamma+ - y|^2, else doubles L. At the
+/// upper bound of the spectrum the test holds in exact arithmetic, so the trial is accepted
+/// whatever rounding says.
 struct ApgdBodyFinish {
   ApgdState* state;
   SCREE_HD void operator()(const Sums<1>& energy) const {
@@ -184,8 +190,9 @@ struct LargestWeight {
 };
 
 /// Chooses the metric of every contact and bounds the spectrum: N <= P (mass splitting) gives
-/// H^-1 N <= max(P / H). The diagonal metric is H = sqrt(P D) with D the bound of the contact's own block:
-/// between Jacobi's scaling, too long for contacts of crowded bodies, and the safe one, too short elsewhere.
+/// H^-1 N <= max(P / H). The diagonal metric is H = sqrt(P D) with D the bound of the contact's own
+/// block: between Jacobi's scaling, too long for contacts of crowded bodies, and the safe one, too
+/// short elsewhere.
 template <class R, class Real>
 struct ApgdMetric {
   static constexpr const char* name = "apgd_metric";

@@ -5,15 +5,16 @@
 
 namespace scree {
 
-/// Start of each value's run in a sorted sequence: start[v] is the first position whose value is >= v, for
-/// v in [0, value_count]. Run over positions 0..count (one more than elements); every start is written once.
+/// Start of each value's run in a sorted sequence: start[v] is the first position whose value is >=
+/// v, for v in [0, value_count]. Run over positions 0..count (one more than elements); every start
+/// is written once.
 template <class Value>
 struct RunStarts {
   static constexpr const char* name = "run_starts";
-  Span<const Value> sorted;   ///< [count], ascending
+  Span<const Value> sorted;  ///< [count], ascending
   Index count;
-  Index value_count;          ///< larger values are ignored
-  Span<Index> start;          ///< [value_count + 1] out
+  Index value_count;  ///< larger values are ignored
+  Span<Index> start;  ///< [value_count + 1] out
 
   SCREE_HD void operator()(Index position) const {
     const Offset from = position == 0 ? 0 : static_cast<Offset>(sorted[position - 1]) + 1;
@@ -22,7 +23,8 @@ struct RunStarts {
   }
 };
 
-/// Sort keys for the contacts of bodies as B: the body, or `free_count` for bodies that do not move.
+/// Sort keys for the contacts of bodies as B: the body, or `free_count` for bodies that do not
+/// move.
 struct BodyBKeys {
   static constexpr const char* name = "body_b_keys";
   Span<const Index> body_b;

@@ -32,30 +32,32 @@ struct MeshRange {
 /// All meshes of a scene, concatenated; vertices in the frame of the body that carries the mesh.
 template <class Real>
 struct MeshSetView {
-  Span<const Vec3<Real>> vertices;            ///< [m]
-  Span<const TriangleIndices> triangles;      ///< vertex indices into `vertices`, outside counter-clockwise
-  Span<const MeshRange> ranges;               ///< [mesh_count]
+  Span<const Vec3<Real>> vertices;  ///< [m]
+  Span<const TriangleIndices>
+      triangles;                 ///< vertex indices into `vertices`, outside counter-clockwise
+  Span<const MeshRange> ranges;  ///< [mesh_count]
 };
 
-/// Storage: free bodies in [0, free_count), in Morton order; then room for bodies not yet inserted; then
-/// fixed and kinematic bodies in [fixed_begin, count). A lower index than `fixed_begin` means movable.
+/// Storage: free bodies in [0, free_count), in Morton order; then room for bodies not yet inserted;
+/// then fixed and kinematic bodies in [fixed_begin, count). A lower index than `fixed_begin` means
+/// movable.
 template <class Real>
 struct BodyView {
   Index free_count = 0;
   Index fixed_begin = 0;
   Index count = 0;
-  Span<Vec3<double>> position;           ///< center of mass, world [m]; always double
-  Span<Quat<Real>> orientation;          ///< body to world, unit
-  Span<Vec3<Real>> velocity;             ///< [m/s]
-  Span<Vec3<Real>> angular_velocity;     ///< world frame [rad/s]
-  Span<Real> inv_mass;                   ///< [1/kg]; 0 for fixed and kinematic bodies
-  Span<Vec3<Real>> inertia;              ///< principal moments, body frame [kg m^2]; 0 when not free
-  Span<Real> radius;                     ///< sphere radius, else radius of the bounding sphere [m]; 0: unbounded
-  Span<Index> shape;                     ///< -1: sphere, else index of a ShapeRecord
-  Span<std::uint8_t> locks;              ///< Lock bits (host/scene.h): x y z rx ry rz
-  Span<std::uint8_t> material;           ///< index of the material
-  Span<Index> group;                     ///< index of the group, for colors and outputs
-  Span<Index> id;                        ///< index in the scene; stable when storage is reordered
+  Span<Vec3<double>> position;        ///< center of mass, world [m]; always double
+  Span<Quat<Real>> orientation;       ///< body to world, unit
+  Span<Vec3<Real>> velocity;          ///< [m/s]
+  Span<Vec3<Real>> angular_velocity;  ///< world frame [rad/s]
+  Span<Real> inv_mass;                ///< [1/kg]; 0 for fixed and kinematic bodies
+  Span<Vec3<Real>> inertia;           ///< principal moments, body frame [kg m^2]; 0 when not free
+  Span<Real> radius;  ///< sphere radius, else radius of the bounding sphere [m]; 0: unbounded
+  Span<Index> shape;  ///< -1: sphere, else index of a ShapeRecord
+  Span<std::uint8_t> locks;     ///< Lock bits (host/scene.h): x y z rx ry rz
+  Span<std::uint8_t> material;  ///< index of the material
+  Span<Index> group;            ///< index of the group, for colors and outputs
+  Span<Index> id;               ///< index in the scene; stable when storage is reordered
 };
 
 }  // namespace scree

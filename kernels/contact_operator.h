@@ -1,5 +1,6 @@
 #pragma once
-// Element programs every solver shares: body velocities from impulses, contact velocities, residual.
+// Element programs every solver shares: body velocities from impulses, contact velocities,
+// residual.
 
 #include "kernels/backend/backend.h"
 #include "kernels/contact_rows.h"
@@ -8,7 +9,8 @@ namespace scree {
 
 /// J^T gamma of body i, summed in the fixed order "contacts as A, then contacts as B".
 template <class R, class Real>
-SCREE_HD Twist<Real> gather_wrench(const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma, Index i) {
+SCREE_HD Twist<Real> gather_wrench(const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
+                                   Index i) {
   Twist<Real> sum;
   for (Index c = p.a_start[i]; c < p.a_start[i + 1]; ++c) {
     sum = sum + R::wrench(p, c, false, R::load(gamma, c));
@@ -21,7 +23,8 @@ SCREE_HD Twist<Real> gather_wrench(const ContactProblem<Real>& p, Span<const Vec
 }
 
 /// velocity[i] = v*_i + (M^-1 J^T gamma)_i, for free bodies.
-/// Bytes per body (radial, float): 24 read + 24 written + 8; per contact 2 x (12 + 12) gathered + 4.
+/// Bytes per body (radial, float): 24 read + 24 written + 8; per contact 2 x (12 + 12) gathered
+/// + 4.
 template <class R, class Real>
 struct BodyVelocity {
   static constexpr const char* name = "body_velocity";
@@ -46,13 +49,13 @@ struct ProjectImpulses {
 
 /// What the residual pass adds up. docs/theory.md eq. (12).
 struct ResidualSums {
-  double sum_squares = 0;        ///< sum of |e_c|^2 [m^2/s^2]
-  double exact_squares = 0;      ///< the same with the De Saxce velocity
-  double work = 0;               ///< sum of gamma . (N gamma + r) [J]
-  double cone_violation = 0;     ///< max(|gamma_t| - mu gamma_n) [N s]
-  double max_square = -1;        ///< largest |e_c|^2
+  double sum_squares = 0;     ///< sum of |e_c|^2 [m^2/s^2]
+  double exact_squares = 0;   ///< the same with the De Saxce velocity
+  double work = 0;            ///< sum of gamma . (N gamma + r) [J]
+  double cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
+  double max_square = -1;     ///< largest |e_c|^2
   Index max_contact = -1;
-  Index bad_contact = -1;        ///< lowest contact whose residual is not finite
+  Index bad_contact = -1;  ///< lowest contact whose residual is not finite
 
   SCREE_HD void combine(const ResidualSums& o) {
     sum_squares += o.sum_squares;
@@ -63,23 +66,25 @@ struct ResidualSums {
       max_square = o.max_square;
       max_contact = o.max_contact;
     }
-    if (o.bad_contact >= 0 && (bad_contact < 0 || o.bad_contact < bad_contact)) bad_contact = o.bad_contact;
+    if (o.bad_contact >= 0 && (bad_contact < 0 || o.bad_contact < bad_contact))
+      bad_contact = o.bad_contact;
   }
 };
 
-/// Natural-map residual of one contact: e = (gamma - P_K(gamma - rho u)) / rho, rho = 3 / trace(N_cc).
+/// Natural-map residual of one contact: e = (gamma - P_K(gamma - rho u)) / rho, rho = 3 /
+/// trace(N_cc).
 /// @param u  contact velocity J V + bias [m/s]
 template <class R, class Real>
-SCREE_HD typename R::Rows natural_map(const ContactProblem<Real>& p, Index c, const typename R::Rows& gamma,
-                                      const typename R::Rows& u) {
+SCREE_HD typename R::Rows natural_map(const ContactProblem<Real>& p, Index c,
+                                      const typename R::Rows& gamma, const typename R::Rows& u) {
   const Real trace = R::block_trace(p, c);
   const Real rho = Real(3) / trace;
   return (trace / Real(3)) * (gamma - R::project(p, c, gamma - rho * u, euclidean_metric<Real>()));
 }
 
-/// De Saxce's correction: the speed by which the convex cone lifts a sliding contact, mu |u_t|. Added to
-/// the normal velocity it turns the convex condition into Coulomb's law. Source: De Saxce & Feng, Math. Comput. Modelling
-/// 28, 1998; docs/theory.md, section "Residual".
+/// De Saxce's correction: the speed by which the convex cone lifts a sliding contact, mu |u_t|.
+/// Added to the normal velocity it turns the convex condition into Coulomb's law. Source: De Saxce
+/// & Feng, Math. Comput. Modelling 28, 1998; docs/theory.md, section "Residual".
 /// @param u  contact velocity [m/s]
 template <class Real>
 SCREE_HD Real de_saxce_shift(const ContactProblem<Real>& p, Index c, const ForceRows<Real>& u) {
@@ -87,14 +92,15 @@ SCREE_HD Real de_saxce_shift(const ContactProblem<Real>& p, Index c, const Force
   return p.friction[c] * norm(u.force - dot(u.force, n) * n);
 }
 
-/// With rolling and spinning friction: mu |u_t| + rolling |u_roll| + spinning |u_spin|, the support function
-/// of the three bounded parts per unit of normal impulse.
+/// With rolling and spinning friction: mu |u_t| + rolling |u_roll| + spinning |u_spin|, the support
+/// function of the three bounded parts per unit of normal impulse.
 template <class Real>
-SCREE_HD Real de_saxce_shift(const ContactProblem<Real>& p, Index c, const ForceMomentRows<Real>& u) {
+SCREE_HD Real de_saxce_shift(const ContactProblem<Real>& p, Index c,
+                             const ForceMomentRows<Real>& u) {
   const Vec3<Real> n = p.normal[c];
   const Real spin = dot(u.moment, n);
-  return de_saxce_shift(p, c, ForceRows<Real>{u.force}) + p.rolling[c].rolling * norm(u.moment - spin * n) +
-         p.rolling[c].spinning * std::abs(spin);
+  return de_saxce_shift(p, c, ForceRows<Real>{u.force}) +
+         p.rolling[c].rolling * norm(u.moment - spin * n) + p.rolling[c].spinning * std::abs(spin);
 }
 
 template <class R, class Real>
@@ -145,7 +151,8 @@ SCREE_HD ContactMetric<Real> mass_split_metric(const ContactProblem<Real>& p, In
   for (int side = 0; side < 2; ++side) {
     const Index i = side == 0 ? p.body_a[c] : p.body_b[c];
     if (i >= p.free_count) continue;
-    const Real k = static_cast<Real>(p.a_start[i + 1] - p.a_start[i] + p.b_start[i + 1] - p.b_start[i]);
+    const Real k =
+        static_cast<Real>(p.a_start[i + 1] - p.a_start[i] + p.b_start[i + 1] - p.b_start[i]);
     const ContactMetric<Real> m = R::body_metric(p, c, side == 1, i);
     sum.normal += k * m.normal;
     sum.tangential += k * m.tangential;

@@ -1,11 +1,12 @@
 #pragma once
-// The contact problem of one step as solvers see it: operator, right-hand side, cones, body data; no
-// shapes and no scenes. Element programs carry it by value.
+// The contact problem of one step as solvers see it: operator, right-hand side, cones, body data;
+// no shapes and no scenes. Element programs carry it by value.
 //
-//   minimize 1/2 gamma^T N gamma + r^T gamma over the product of cones,  N = J M^-1 J^T,  r = J v* + bias
+//   minimize 1/2 gamma^T N gamma + r^T gamma over the product of cones,  N = J M^-1 J^T,  r = J v*
+//   + bias
 //
-// Body rates are twists (v, s). In the radial layout s = r w is the surface speed of a sphere, so that no
-// radius and no lever arm is read in a solver iteration; otherwise s = w.
+// Body rates are twists (v, s). In the radial layout s = r w is the surface speed of a sphere, so
+// that no radius and no lever arm is read in a solver iteration; otherwise s = w.
 
 #include "kernels/contact_view.h"
 #include "kernels/math/sym3.h"
@@ -37,19 +38,19 @@ struct RadialInertia {
 /// Mass matrix of a body and its inverse, world frame; locked axes have zero inverse.
 template <class Real>
 struct GeneralInertia {
-  Real mass = 0;               ///< [kg]
-  Vec3<Real> inv_mass;         ///< per world axis [1/kg]
-  Sym3<Real> inertia;          ///< [kg m^2]
-  Sym3<Real> inv_inertia;      ///< [1/(kg m^2)]
+  Real mass = 0;           ///< [kg]
+  Vec3<Real> inv_mass;     ///< per world axis [1/kg]
+  Sym3<Real> inertia;      ///< [kg m^2]
+  Sym3<Real> inv_inertia;  ///< [1/(kg m^2)]
 };
 
-/// Rolling and spinning resistance of one contact. Moment impulses are stored divided by `length`, so all
-/// rows have the unit N s and all contact velocities the unit m/s.
+/// Rolling and spinning resistance of one contact. Moment impulses are stored divided by `length`,
+/// so all rows have the unit N s and all contact velocities the unit m/s.
 template <class Real>
 struct RollingRow {
-  Real length = 1;       ///< scale of the moment rows [m]
-  Real rolling = 0;      ///< |m_t| <= rolling * gamma_n  [-]
-  Real spinning = 0;     ///< |m_n| <= spinning * gamma_n [-]
+  Real length = 1;    ///< scale of the moment rows [m]
+  Real rolling = 0;   ///< |m_t| <= rolling * gamma_n  [-]
+  Real spinning = 0;  ///< |m_n| <= spinning * gamma_n [-]
 };
 
 /// A value per contact, or one for all (then no memory is read).
@@ -64,29 +65,29 @@ template <class Real>
 struct ContactProblem {
   ContactLayout layout = ContactLayout::radial;
   Index contact_count = 0;
-  Index free_count = 0;   ///< bodies [0, free_count) move
-  Index body_count = 0;   ///< storage size of body arrays; bodies >= free_count keep their velocity
+  Index free_count = 0;  ///< bodies [0, free_count) move
+  Index body_count = 0;  ///< storage size of body arrays; bodies >= free_count keep their velocity
 
   // contacts [contact_count], sorted by body_a
-  Span<const Index> body_a;          ///< always free
-  Span<const Index> body_b;          ///< free or fixed
-  Span<const Vec3<Real>> normal;     ///< unit, from A to B
-  Span<const Real> bias;             ///< [m/s]
-  PerContact<Real> friction;         ///< mu [-]
-  PerContact<Real> adhesion;         ///< c h [N s]: the cone's apex lies at gamma_n = -c h
-  Span<const Vec3<Real>> arm_a;      ///< [m], not in the radial layout
+  Span<const Index> body_a;       ///< always free
+  Span<const Index> body_b;       ///< free or fixed
+  Span<const Vec3<Real>> normal;  ///< unit, from A to B
+  Span<const Real> bias;          ///< [m/s]
+  PerContact<Real> friction;      ///< mu [-]
+  PerContact<Real> adhesion;      ///< c h [N s]: the cone's apex lies at gamma_n = -c h
+  Span<const Vec3<Real>> arm_a;   ///< [m], not in the radial layout
   Span<const Vec3<Real>> arm_b;
   Span<const RollingRow<Real>> rolling;  ///< rolling layout only
 
   // bodies
-  Span<const Twist<Real>> free_velocity;          ///< v* = v + h M^-1 f_ext [body_count]
-  Span<const RadialInertia<Real>> radial_inertia; ///< [body_count], radial layout
+  Span<const Twist<Real>> free_velocity;             ///< v* = v + h M^-1 f_ext [body_count]
+  Span<const RadialInertia<Real>> radial_inertia;    ///< [body_count], radial layout
   Span<const GeneralInertia<Real>> general_inertia;  ///< [body_count], other layouts
 
   // contacts of a body: as A they are the range [a_start[i], a_start[i+1]), as B the listed ones
-  Span<const Index> a_start;   ///< [free_count + 1]
-  Span<const Index> b_start;   ///< [free_count + 1]
-  Span<const Index> b_contact; ///< contact indices sorted by (body_b, contact)
+  Span<const Index> a_start;    ///< [free_count + 1]
+  Span<const Index> b_start;    ///< [free_count + 1]
+  Span<const Index> b_contact;  ///< contact indices sorted by (body_b, contact)
 };
 
 /// Metric weights of one contact's rows; a bound of its diagonal Delassus block from above.

@@ -1,6 +1,6 @@
 #pragma once
-// What differs between contact layouts, as static functions on plain values: contact velocity, wrench,
-// inverse mass and projection. Everything above is one template on one of these classes.
+// What differs between contact layouts, as static functions on plain values: contact velocity,
+// wrench, inverse mass and projection. Everything above is one template on one of these classes.
 
 #include "kernels/cone.h"
 #include "kernels/contact_problem.h"
@@ -22,7 +22,8 @@ struct ForceRows {
   friend SCREE_HD Real dot(const ForceRows& a, const ForceRows& b) { return dot(a.force, b.force); }
 };
 
-/// Force and moment rows of one contact, world frame, moments divided by the contact's length [N s].
+/// Force and moment rows of one contact, world frame, moments divided by the contact's length [N
+/// s].
 template <class Real>
 struct ForceMomentRows {
   Vec3<Real> force;
@@ -58,7 +59,8 @@ SCREE_HD ForceMomentRows<Real> solve_metric(const ContactMetric<Real>& m, const 
 
 /// x^T H x.
 template <class Real>
-SCREE_HD Real metric_norm2(const ContactMetric<Real>& m, const Vec3<Real>& n, const ForceRows<Real>& x) {
+SCREE_HD Real metric_norm2(const ContactMetric<Real>& m, const Vec3<Real>& n,
+                           const ForceRows<Real>& x) {
   const Real x_n = dot(n, x.force);
   return m.tangential * norm2(x.force) + (m.normal - m.tangential) * x_n * x_n;
 }
@@ -89,7 +91,8 @@ struct ForceRowsBase {
                                const ContactMetric<Real>& m) {
     const Vec3<Real> n = p.normal[c];
     const Real adhesion = p.adhesion[c];
-    if (adhesion == Real(0)) return {project_cone(p.friction[c], n, y.force, m.normal, m.tangential)};
+    if (adhesion == Real(0))
+      return {project_cone(p.friction[c], n, y.force, m.normal, m.tangential)};
     const Vec3<Real> apex = adhesion * n;
     return {project_cone(p.friction[c], n, y.force + apex, m.normal, m.tangential) - apex};
   }
@@ -101,7 +104,8 @@ struct RadialRows : ForceRowsBase<Real> {
   using Rows = ForceRows<Real>;
 
   /// J (V_a, V_b) + bias: velocity of B against A at the contact, world frame [m/s].
-  /// The arms are r_a n and -r_b n, so the rotation enters as (s_a + s_b) x n with surface speeds s.
+  /// The arms are r_a n and -r_b n, so the rotation enters as (s_a + s_b) x n with surface speeds
+  /// s.
   static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
                                 const Twist<Real>& b) {
     const Vec3<Real> n = p.normal[c];
@@ -109,7 +113,8 @@ struct RadialRows : ForceRowsBase<Real> {
   }
   /// J^T gamma of this contact on its body B (side_b) or A. The angular part is the torque over the
   /// radius, the same on both sides.
-  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b, const Rows& g) {
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
     return {side_b ? g.force : -g.force, cross(g.force, p.normal[c])};
   }
   static SCREE_HD Twist<Real> apply_inverse_mass(const ContactProblem<Real>& p, Index i,
@@ -137,7 +142,8 @@ struct RadialRows : ForceRowsBase<Real> {
     return m.normal + 2 * m.tangential;
   }
   /// Largest eigenvalue of what body i alone adds to the diagonal block of contact c.
-  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index, bool, Index i) {
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index, bool,
+                                                  Index i) {
     const RadialInertia<Real> inertia = p.radial_inertia[i];
     return {inertia.inv_mass, inertia.inv_mass + inertia.inv_spin, 1};
   }
@@ -157,8 +163,8 @@ struct LeverArms {
            dot(dv.angular, inertia.inertia * dv.angular);
   }
   /// Velocity of B against A at the contact, without bias.
-  static SCREE_HD Vec3<Real> point_velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
-                                            const Twist<Real>& b) {
+  static SCREE_HD Vec3<Real> point_velocity(const ContactProblem<Real>& p, Index c,
+                                            const Twist<Real>& a, const Twist<Real>& b) {
     return b.linear + cross(b.angular, p.arm_b[c]) - a.linear - cross(a.angular, p.arm_a[c]);
   }
   /// Response of body i at arm r to a unit impulse along e: (M^-1)_lin e + (I^-1 (r x e)) x r.
@@ -186,8 +192,8 @@ struct LeverArms {
       return response(p, p.body_a[c], p.arm_a[c], e) + response(p, p.body_b[c], p.arm_b[c], e);
     });
   }
-  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c, bool side_b,
-                                                  Index i) {
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c,
+                                                  bool side_b, Index i) {
     const Vec3<Real> arm = side_b ? p.arm_b[c] : p.arm_a[c];
     return bound_block(p.normal[c], [&](const Vec3<Real>& e) { return response(p, i, arm, e); });
   }
@@ -196,7 +202,8 @@ struct LeverArms {
     for (int axis = 0; axis < 3; ++axis) {
       Vec3<Real> e;
       e[axis] = 1;
-      trace += (response(p, p.body_a[c], p.arm_a[c], e) + response(p, p.body_b[c], p.arm_b[c], e))[axis];
+      trace +=
+          (response(p, p.body_a[c], p.arm_a[c], e) + response(p, p.body_b[c], p.arm_b[c], e))[axis];
     }
     return trace;
   }
@@ -210,7 +217,8 @@ struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real> {
                                 const Twist<Real>& b) {
     return {GeneralRows::point_velocity(p, c, a, b) + p.bias[c] * p.normal[c]};
   }
-  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b, const Rows& g) {
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
     if (side_b) return {g.force, cross(p.arm_b[c], g.force)};
     return {-g.force, cross(g.force, p.arm_a[c])};
   }
@@ -219,7 +227,8 @@ struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real> {
   }
 };
 
-/// Any shapes with rolling and spinning friction: six rows a contact, three cones on one normal impulse.
+/// Any shapes with rolling and spinning friction: six rows a contact, three cones on one normal
+/// impulse.
 template <class Real>
 struct RollingRows : LeverArms<Real> {
   using Rows = ForceMomentRows<Real>;
@@ -238,7 +247,8 @@ struct RollingRows : LeverArms<Real> {
     return {RollingRows::point_velocity(p, c, a, b) + p.bias[c] * p.normal[c],
             p.rolling[c].length * (b.angular - a.angular)};
   }
-  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b, const Rows& g) {
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
     const Vec3<Real> moment = p.rolling[c].length * g.moment;
     if (side_b) return {g.force, cross(p.arm_b[c], g.force) + moment};
     return {-g.force, cross(g.force, p.arm_a[c]) - moment};
@@ -270,8 +280,8 @@ struct RollingRows : LeverArms<Real> {
     return {2 * m.normal, 2 * m.tangential,
             2 * (moment_bound(p, c, p.body_a[c]) + moment_bound(p, c, p.body_b[c]))};
   }
-  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c, bool side_b,
-                                                  Index i) {
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c,
+                                                  bool side_b, Index i) {
     const ContactMetric<Real> m = LeverArms<Real>::body_metric(p, c, side_b, i);
     return {2 * m.normal, 2 * m.tangential, 2 * moment_bound(p, c, i)};
   }
@@ -287,9 +297,12 @@ struct RollingRows : LeverArms<Real> {
 template <class Real, class F>
 decltype(auto) with_rows(ContactLayout layout, F&& f) {
   switch (layout) {
-    case ContactLayout::radial: return f(RadialRows<Real>{});
-    case ContactLayout::general: return f(GeneralRows<Real>{});
-    case ContactLayout::rolling: break;
+    case ContactLayout::radial:
+      return f(RadialRows<Real>{});
+    case ContactLayout::general:
+      return f(GeneralRows<Real>{});
+    case ContactLayout::rolling:
+      break;
   }
   return f(RollingRows<Real>{});
 }

@@ -6,7 +6,8 @@
 namespace scree {
 
 /// Which arrays a contact carries. Chosen once per run; the element programs are templates on it.
-///   radial   spheres among themselves and on surfaces that do not rotate: both lever arms lie along the
+///   radial   spheres among themselves and on surfaces that do not rotate: both lever arms lie
+///   along the
 ///            normal, so none is stored and body rates are kept as surface speed r * w
 ///   general  any shapes: two stored lever arms
 ///   rolling  general, with three more rows: rolling and spinning friction
@@ -21,13 +22,14 @@ inline SCREE_HD int vectors_per_contact(ContactLayout layout) {
 template <class Real>
 struct ContactView {
   Index count = 0;
-  Span<const std::uint64_t> key;      ///< a in the high half; below it what a touches: a body or a wall feature
-  Span<const Index> body_a;           ///< storage index
-  Span<const Index> body_b;           ///< storage index
-  Span<const Vec3<Real>> normal;      ///< unit, world frame, from body A to body B
-  Span<const Real> gap;               ///< signed distance [m], negative is overlap
-  Span<const Vec3<Real>> arm_a;       ///< center of A to the contact point, world [m]; empty when radial
-  Span<const Vec3<Real>> arm_b;       ///< center of B to the contact point, world [m]; empty when radial
+  Span<const std::uint64_t>
+      key;  ///< a in the high half; below it what a touches: a body or a wall feature
+  Span<const Index> body_a;       ///< storage index
+  Span<const Index> body_b;       ///< storage index
+  Span<const Vec3<Real>> normal;  ///< unit, world frame, from body A to body B
+  Span<const Real> gap;           ///< signed distance [m], negative is overlap
+  Span<const Vec3<Real>> arm_a;  ///< center of A to the contact point, world [m]; empty when radial
+  Span<const Vec3<Real>> arm_b;  ///< center of B to the contact point, world [m]; empty when radial
 };
 
 }  // namespace scree

@@ -1,6 +1,6 @@
 #pragma once
-// The configuration update x' = x + h v', q' = exp(h w') q, and the torque-free rotation of bodies whose
-// principal moments differ. docs/theory.md, section "Rotation".
+// The configuration update x' = x + h v', q' = exp(h w') q, and the torque-free rotation of bodies
+// whose principal moments differ. docs/theory.md, section "Rotation".
 
 #include "kernels/backend/backend.h"
 #include "kernels/body_view.h"
@@ -9,17 +9,17 @@
 
 namespace scree {
 
-/// Torque-free rotation over one step by the implicit Lie midpoint rule with the spatial angular momentum
-/// carried exactly: w_m = I(q_m)^-1 L with q_m = exp(h w_m / 2) q; q' = exp(h w_m) q; w' = I(q')^-1 L.
-/// Conserves L to rounding; the energy error is O(h^2) without trend.
+/// Torque-free rotation over one step by the implicit Lie midpoint rule with the spatial angular
+/// momentum carried exactly: w_m = I(q_m)^-1 L with q_m = exp(h w_m / 2) q; q' = exp(h w_m) q; w' =
+/// I(q')^-1 L. Conserves L to rounding; the energy error is O(h^2) without trend.
 /// @param moments  principal moments, body frame [kg m^2]
 template <class Real>
 SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3<Real>& w) {
   const Vec3<Real> inverse{Real(1) / moments.x, Real(1) / moments.y, Real(1) / moments.z};
   const Vec3<Real> momentum = rotate(q, hadamard(moments, rotate_back(q, w)));
   Vec3<Real> w_mid = w;
-  // Fixed-point iteration; contracts by about h |w| per turn. The cap is far above what a sensible step
-  // needs and only bounds the time of a senseless one.
+  // Fixed-point iteration; contracts by about h |w| per turn. The cap is far above what a sensible
+  // step needs and only bounds the time of a senseless one.
   for (int k = 0; k < 30; ++k) {
     const Quat<Real> q_mid = exp_map((h / 2) * w_mid) * q;
     const Vec3<Real> next = rotate(q_mid, hadamard(inverse, rotate_back(q_mid, momentum)));
@@ -29,8 +29,8 @@ SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3
   }
   q = normalized(exp_map(h * w_mid) * q);
   w = rotate(q, hadamard(inverse, rotate_back(q, momentum)));
-  // One step of iterative refinement: without it the rounding of a slightly long or short quaternion adds
-  // up over the steps.
+  // One step of iterative refinement: without it the rounding of a slightly long or short
+  // quaternion adds up over the steps.
   const Vec3<Real> missing = momentum - rotate(q, hadamard(moments, rotate_back(q, w)));
   w += rotate(q, hadamard(inverse, rotate_back(q, missing)));
 }
@@ -65,8 +65,8 @@ struct Integrate {
   static constexpr const char* name = "integrate";
   BodyView<Real> bodies;
   Span<const Twist<Real>> solved;
-  bool radial;         ///< angular part of `solved` is r w
-  double time_step;    ///< h [s]
+  bool radial;       ///< angular part of `solved` is r w
+  double time_step;  ///< h [s]
   PeriodicBox box;
 
   SCREE_HD IntegrateSums operator()(Index i) const {
@@ -81,7 +81,8 @@ struct Integrate {
       rotate_free(static_cast<Real>(time_step), moments, q, w);
     }
     Vec3<double> x = bodies.position[i] + time_step * Vec3<double>(v);
-    for (int axis = 0; axis < 3; ++axis) x[axis] = wrap_coordinate(x[axis], box.lower[axis], box.length[axis]);
+    for (int axis = 0; axis < 3; ++axis)
+      x[axis] = wrap_coordinate(x[axis], box.lower[axis], box.length[axis]);
 
     bodies.velocity[i] = v;
     bodies.angular_velocity[i] = w;

@@ -11,11 +11,11 @@ namespace scree {
 /// Contact law of one pair of materials.
 template <class Real>
 struct PairLaw {
-  Real friction = 0;            ///< [-]
-  Real restitution = 0;         ///< [-]
-  Real cohesion = 0;            ///< [N]
-  Real rolling_friction = 0;    ///< [m]
-  Real spinning_friction = 0;   ///< [m]
+  Real friction = 0;           ///< [-]
+  Real restitution = 0;        ///< [-]
+  Real cohesion = 0;           ///< [N]
+  Real rolling_friction = 0;   ///< [m]
+  Real spinning_friction = 0;  ///< [m]
 };
 
 /// Symmetric table of contact laws, row-major.
@@ -23,7 +23,9 @@ template <class Real>
 struct LawTable {
   Span<const PairLaw<Real>> laws;
   Index material_count = 0;
-  SCREE_HD const PairLaw<Real>& operator()(Index a, Index b) const { return laws[a * material_count + b]; }
+  SCREE_HD const PairLaw<Real>& operator()(Index a, Index b) const {
+    return laws[a * material_count + b];
+  }
 };
 
 /// Free axes of a body, three bits: world axes that are not locked.
@@ -82,7 +84,8 @@ struct PredictGeneral {
                         on_axes(bodies.angular_velocity[i], angular)};
     GeneralInertia<Real> g;
     g.mass = Real(1) / bodies.inv_mass[i];
-    g.inv_mass = on_axes(Vec3<Real>{bodies.inv_mass[i], bodies.inv_mass[i], bodies.inv_mass[i]}, linear);
+    g.inv_mass =
+        on_axes(Vec3<Real>{bodies.inv_mass[i], bodies.inv_mass[i], bodies.inv_mass[i]}, linear);
     g.inertia = rotated_diagonal(bodies.orientation[i], bodies.inertia[i]);
     g.inv_inertia = inverse_on_axes(g.inertia, angular);
     inertia[i] = g;
@@ -91,9 +94,9 @@ struct PredictGeneral {
 
 /// What the set-up pass adds up over contacts.
 struct SetupSums {
-  double max_penetration = 0;      ///< [m]
-  double approach_squares = 0;     ///< sum over touching contacts of min(u_n, 0)^2 [m^2/s^2]
-  double touching = 0;             ///< their number
+  double max_penetration = 0;   ///< [m]
+  double approach_squares = 0;  ///< sum over touching contacts of min(u_n, 0)^2 [m^2/s^2]
+  double touching = 0;          ///< their number
   SCREE_HD void combine(const SetupSums& o) {
     if (o.max_penetration > max_penetration) max_penetration = o.max_penetration;
     approach_squares += o.approach_squares;
@@ -104,7 +107,8 @@ struct SetupSums {
 /// Bias and cone parameters of one contact. docs/theory.md eq. (3) and (4):
 ///   a gap may be closed but not passed:  bias = gap / h
 ///   an overlap is pushed out:            bias = max(gap / h, -max_recovery_speed)
-///   an impact bounces:                   bias = min(bias, e u_n) when approach is faster than the threshold
+///   an impact bounces:                   bias = min(bias, e u_n) when approach is faster than the
+///   threshold
 ///                                        and the gap closes within the step
 template <class Real>
 struct ContactSetup {
@@ -112,13 +116,13 @@ struct ContactSetup {
   BodyView<Real> bodies;
   ContactView<Real> contacts;
   LawTable<Real> law;
-  Real time_step;              ///< h [s]
-  Real max_recovery_speed;     ///< [m/s]
-  Real restitution_threshold;  ///< [m/s]
-  Real cohesion_range;         ///< largest gap at which cohesion acts [m]
-  Span<Real> bias;             ///< out [m/s]
-  Span<Real> friction;         ///< out, empty when uniform
-  Span<Real> adhesion;         ///< out [N s], empty when no pair has cohesion
+  Real time_step;                  ///< h [s]
+  Real max_recovery_speed;         ///< [m/s]
+  Real restitution_threshold;      ///< [m/s]
+  Real cohesion_range;             ///< largest gap at which cohesion acts [m]
+  Span<Real> bias;                 ///< out [m/s]
+  Span<Real> friction;             ///< out, empty when uniform
+  Span<Real> adhesion;             ///< out [N s], empty when no pair has cohesion
   Span<RollingRow<Real>> rolling;  ///< out, empty unless the layout is rolling
 
   SCREE_HD SetupSums operator()(Index c) const {
@@ -141,9 +145,11 @@ struct ContactSetup {
     }
     bias[c] = value;
     if (!friction.empty()) friction[c] = pair.friction;
-    if (!adhesion.empty()) adhesion[c] = gap <= cohesion_range ? pair.cohesion * time_step : Real(0);
+    if (!adhesion.empty())
+      adhesion[c] = gap <= cohesion_range ? pair.cohesion * time_step : Real(0);
     if (!rolling.empty()) {
-      // The moment rows get the scale of the smaller lever arm, so they weigh like the tangential ones.
+      // The moment rows get the scale of the smaller lever arm, so they weigh like the tangential
+      // ones.
       const Real arm_a = norm(contacts.arm_a[c]);
       const Real arm_b = norm(contacts.arm_b[c]);
       const Real length = b < bodies.free_count && arm_b < arm_a ? arm_b : arm_a;

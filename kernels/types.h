@@ -8,7 +8,8 @@
 #ifdef __CUDACC__
 #define SCREE_HD __host__ __device__
 #else
-/// Marks a function that runs on the host and on the device; nothing when no CUDA compiler reads the file.
+/// Marks a function that runs on the host and on the device; nothing when no CUDA compiler reads
+/// the file.
 #define SCREE_HD
 #endif
 
@@ -27,8 +28,8 @@ struct Span {
   SCREE_HD constexpr Span(T* data_, Offset size_) : data(data_), size(size_) {}
   /// A view that may write turns into one that may only read.
   template <class U>
-    requires(std::is_same_v<const U, T>)
-  SCREE_HD constexpr Span(const Span<U>& o) : data(o.data), size(o.size) {}
+  requires(std::is_same_v<const U, T>) SCREE_HD constexpr Span(const Span<U>& o)
+      : data(o.data), size(o.size) {}
 
   SCREE_HD T& operator[](Offset i) const {
     assert(i >= 0 && i < size);

@@ -1,11 +1,13 @@
 #pragma once
-// Accelerated projected gradient descent (Nesterov) with adaptive step and restart, the flagship solver.
+// Accelerated projected gradient descent (Nesterov) with adaptive step and restart, the flagship
+// solver.
 //
-// Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD"; docs/theory.md. Steps and
-// projections are taken in a diagonal metric by default; the Euclidean one of the paper is the other choice.
-// Memory passes per iteration: one over contacts (116 B in float, 48 of them gathered) and one over bodies
-// (136 B and 52 B gathered per contact); one more contact pass every `check_every` iterations.
-// A rejected trial of the line search costs one more of both passes; `applications` counts all of them.
+// Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD"; docs/theory.md.
+// Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
+// is the other choice. Memory passes per iteration: one over contacts (116 B in float, 48 of them
+// gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass every
+// `check_every` iterations. A rejected trial of the line search costs one more of both passes;
+// `applications` counts all of them.
 
 #include <algorithm>
 
@@ -19,7 +21,8 @@ class Apgd final : public Solver<B, Real> {
  public:
   explicit Apgd(const SolverParams& params) : params_(params) { validate(params_); }
 
-  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) override {
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                   double tolerance) override {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
@@ -82,16 +85,19 @@ class Apgd final : public Solver<B, Real> {
       w.metric.reserve_discard(values);
       metric.values = w.metric.view(values);
     }
-    reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric}, ApgdStart{state, lipschitz_, 1.0});
+    reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
+                          ApgdStart{state, lipschitz_, 1.0});
 
     SolveStats stats;
     double best = -1;
     for (;;) {
       // The residual is looked at on the host, the only synchronization of the loop.
-      reduce<ResidualSums>(b, p.contact_count, ApgdResidual<R, Real>{p, impulses, velocities, state},
+      reduce<ResidualSums>(b, p.contact_count,
+                           ApgdResidual<R, Real>{p, impulses, velocities, state},
                            ApgdCheckFinish{state, w.check.data(), p.contact_count});
       const ApgdCheck check = fetch(b, w.check.data());
-      const Residual residual = ResidualEvaluator<B, Real>::from_sums(check.residual, p.contact_count);
+      const Residual residual =
+          ResidualEvaluator<B, Real>::from_sums(check.residual, p.contact_count);
       stats.iterations = check.state.accepted;
       lipschitz_ = check.state.lipschitz;
       this->add_to_curve(stats.iterations, stats.applications, residual.rms);
@@ -107,7 +113,8 @@ class Apgd final : public Solver<B, Real> {
 
       const int block = std::min(params_.check_every, params_.max_iterations - stats.applications);
       for (int k = 0; k < block; ++k) {
-        reduce<Sums<2>>(b, p.contact_count, ApgdContactPass<R, Real>{p, impulses, velocities, metric, state},
+        reduce<Sums<2>>(b, p.contact_count,
+                        ApgdContactPass<R, Real>{p, impulses, velocities, metric, state},
                         ApgdContactFinish{state});
         reduce<Sums<1>>(b, p.free_count, ApgdBodyPass<R, Real>{p, impulses, velocities, state},
                         ApgdBodyFinish{state});

@@ -26,8 +26,8 @@ class ResidualEvaluator {
 
   /// Adds the objective: f = gamma . (N gamma + r) - 1/2 |V - v*|_M^2.
   template <class R>
-  Residual evaluate_with_objective(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
-                                   Span<const Twist<Real>> velocity) {
+  Residual evaluate_with_objective(B& b, const ContactProblem<Real>& p,
+                                   Span<const Vec3<Real>> gamma, Span<const Twist<Real>> velocity) {
     if (p.contact_count == 0) return {};
     reduce<Sums<1>>(b, p.free_count, ImpulseEnergy<R, Real>{p, velocity},
                     StoreResult<Sums<1>>{body_sums_.data()});

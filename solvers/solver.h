@@ -1,6 +1,6 @@
 #pragma once
-// What every solver is: something that takes a contact problem and a guess, and returns impulses, body
-// velocities and an account of how good they are.
+// What every solver is: something that takes a contact problem and a guess, and returns impulses,
+// body velocities and an account of how good they are.
 
 #include <memory>
 #include <stdexcept>
@@ -21,7 +21,8 @@ class InvalidParameter : public std::runtime_error {
 /// Metric in which APGD takes its steps and projections.
 enum class ApgdMetricKind {
   euclidean,  ///< as in the paper
-  diagonal    ///< two or three weights per contact, see ApgdMetric: fewer iterations, most with mixed sizes
+  diagonal  ///< two or three weights per contact, see ApgdMetric: fewer iterations, most with mixed
+            ///< sizes
 };
 
 struct SolverParams {
@@ -38,13 +39,15 @@ inline void validate(const SolverParams& p) {
   };
   require(p.max_iterations > 0,
           "solver.max_iterations must be positive, got " + std::to_string(p.max_iterations));
-  require(p.check_every > 0, "solver.check_every must be positive, got " + std::to_string(p.check_every));
+  require(p.check_every > 0,
+          "solver.check_every must be positive, got " + std::to_string(p.check_every));
   require(p.relaxation > 0 && p.relaxation < 2,
           "solver.relaxation must lie in (0, 2), got " + std::to_string(p.relaxation));
 }
 
-/// The one measure every solver is judged by: e_c = (gamma_c - P_K(gamma_c - rho_c u_c)) / rho_c with
-/// rho_c = 3 / trace(N_cc), over all contacts. Does not depend on problem size. docs/theory.md eq. (12).
+/// The one measure every solver is judged by: e_c = (gamma_c - P_K(gamma_c - rho_c u_c)) / rho_c
+/// with rho_c = 3 / trace(N_cc), over all contacts. Does not depend on problem size. docs/theory.md
+/// eq. (12).
 struct Residual {
   double rms = 0;             ///< [m/s]
   double max = 0;             ///< [m/s]

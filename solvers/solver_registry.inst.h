@@ -3,7 +3,7 @@
 
 namespace scree {
 
-#define SCREE_SOLVER(name)   \
+#define SCREE_SOLVER(name)       \
   template <class B, class Real> \
   std::unique_ptr<Solver<B, Real>> make_##name(const SolverParams&);
 #include "solver_registry.inc"
@@ -20,7 +20,9 @@ std::unique_ptr<Solver<B, Real>> make_solver(const std::string& name, const Solv
   throw InvalidParameter("solver.name \"" + name + "\" is unknown; known solvers: " + known);
 }
 
-template std::unique_ptr<Solver<BuildBackend, float>> make_solver(const std::string&, const SolverParams&);
-template std::unique_ptr<Solver<BuildBackend, double>> make_solver(const std::string&, const SolverParams&);
+template std::unique_ptr<Solver<BuildBackend, float>> make_solver(const std::string&,
+                                                                  const SolverParams&);
+template std::unique_ptr<Solver<BuildBackend, double>> make_solver(const std::string&,
+                                                                   const SolverParams&);
 
 }  // namespace scree

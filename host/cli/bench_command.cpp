@@ -1,7 +1,8 @@
 #include "host/cli/bench_command.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "host/io/checkpoint.h"
@@ -31,9 +32,14 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
   CLI::App* command = app.add_subcommand("bench", "Time the steps of a scene, stage by stage");
   add_target_options(*command, options.target);
   command->get_option("scene")->required(false);
-  command->add_option("--warmup", options.warmup, "steps before measuring")->check(CLI::Range(0, kMostSteps))->take_last();
-  command->add_option("--steps", options.steps, "steps measured")->check(CLI::Range(1, kMostSteps))->take_last();
-  command->add_option("--from", options.from, "checkpoint of this scene to start from")->take_last();
+  command->add_option("--warmup", options.warmup, "steps before measuring")
+      ->check(CLI::Range(0, kMostSteps))
+      ->take_last();
+  command->add_option("--steps", options.steps, "steps measured")
+      ->check(CLI::Range(1, kMostSteps))
+      ->take_last();
+  command->add_option("--from", options.from, "checkpoint of this scene to start from")
+      ->take_last();
   command->add_flag("--json", options.target.json, "print JSON");
   return command;
 }
@@ -52,11 +58,12 @@ int bench_scene(const BenchOptions& options) {
   const struct {
     const char* name;
     Spread ms;
-  } stages[] = {{"collision", spread_of(reports, [](const StepReport& r) { return r.ms.collision; })},
-                {"setup", spread_of(reports, [](const StepReport& r) { return r.ms.setup; })},
-                {"solve", spread_of(reports, [](const StepReport& r) { return r.ms.solve; })},
-                {"integrate", spread_of(reports, [](const StepReport& r) { return r.ms.integrate; })},
-                {"total", spread_of(reports, [](const StepReport& r) { return r.ms.total; })}};
+  } stages[] = {
+      {"collision", spread_of(reports, [](const StepReport& r) { return r.ms.collision; })},
+      {"setup", spread_of(reports, [](const StepReport& r) { return r.ms.setup; })},
+      {"solve", spread_of(reports, [](const StepReport& r) { return r.ms.solve; })},
+      {"integrate", spread_of(reports, [](const StepReport& r) { return r.ms.integrate; })},
+      {"total", spread_of(reports, [](const StepReport& r) { return r.ms.total; })}};
   double contacts = 0, applications = 0, iterations = 0, work = 0, solve_ms = 0, total_ms = 0;
   double worst_residual = 0, worst_relative = 0;
   int not_converged = 0;
@@ -74,16 +81,19 @@ int bench_scene(const BenchOptions& options) {
   const double n = static_cast<double>(reports.size());
   const double rate = solve_ms > 0 ? work / (solve_ms * 1e-3) : 0;
   const double body_seconds =
-      total_ms > 0 ? reports.back().body_count * n * scene.stepping.time_step / (total_ms * 1e-3) : 0;
+      total_ms > 0 ? reports.back().body_count * n * scene.stepping.time_step / (total_ms * 1e-3)
+                   : 0;
   const DeviceInfo device = device_info(world_options.backend);
   const char* backend = world_options.backend == BackendKind::cuda ? "cuda" : "cpu";
-  const char* precision = world_options.precision == Precision::double_precision ? "double" : "float";
+  const char* precision =
+      world_options.precision == Precision::double_precision ? "double" : "float";
   const int threads = world_options.threads > 0 ? world_options.threads : device.threads;
 
   if (options.target.json) {
     nlohmann::json ms;
     for (const auto& stage : stages) {
-      ms[stage.name] = {{"min", stage.ms.minimum}, {"median", stage.ms.median}, {"max", stage.ms.maximum}};
+      ms[stage.name] = {
+          {"min", stage.ms.minimum}, {"median", stage.ms.median}, {"max", stage.ms.maximum}};
     }
     const nlohmann::json out = {{"scene", scene.name},
                                 {"commit", commit()},
@@ -107,19 +117,23 @@ int bench_scene(const BenchOptions& options) {
     fmt::print("{}\n", out.dump(2));
     return 0;
   }
-  fmt::print("{} on {} ({}, {}, {} {}), commit {}\n", scene.name, device.name, backend, precision, threads,
-             world_options.backend == BackendKind::cuda ? "multiprocessors" : "threads", commit());
+  fmt::print("{} on {} ({}, {}, {} {}), commit {}\n", scene.name, device.name, backend, precision,
+             threads, world_options.backend == BackendKind::cuda ? "multiprocessors" : "threads",
+             commit());
   fmt::print("{} bodies, {:.0f} contacts; {}: {:.1f} iterations, {:.1f} applications a step\n",
-             reports.back().body_count, contacts / n, scene.solver.name, iterations / n, applications / n);
-  fmt::print("residual at most {:.3g} m/s RMS ({:.3g} v*); {} of {} steps at the iteration cap\n", worst_residual,
-             worst_relative, not_converged, reports.size());
+             reports.back().body_count, contacts / n, scene.solver.name, iterations / n,
+             applications / n);
+  fmt::print("residual at most {:.3g} m/s RMS ({:.3g} v*); {} of {} steps at the iteration cap\n",
+             worst_residual, worst_relative, not_converged, reports.size());
   fmt::print("{:<10} {:>10} {:>10} {:>10}\n", "ms a step", "min", "median", "max");
   for (const auto& stage : stages) {
-    fmt::print("{:<10} {:>10.3f} {:>10.3f} {:>10.3f}\n", stage.name, stage.ms.minimum, stage.ms.median,
-               stage.ms.maximum);
+    fmt::print("{:<10} {:>10.3f} {:>10.3f} {:>10.3f}\n", stage.name, stage.ms.minimum,
+               stage.ms.median, stage.ms.maximum);
   }
-  fmt::print("{:.3g} contact-iterations/s in the solver; {:.3g} body-seconds simulated a second; {:.1f} MiB\n", rate,
-             body_seconds, static_cast<double>(world.peak_memory()) / (1 << 20));
+  fmt::print(
+      "{:.3g} contact-iterations/s in the solver; {:.3g} body-seconds simulated a second; {:.1f} "
+      "MiB\n",
+      rate, body_seconds, static_cast<double>(world.peak_memory()) / (1 << 20));
   return 0;
 }
 

@@ -6,7 +6,12 @@
 namespace scree {
 
 struct BenchOptions {
-  RunTarget target{.scene = "pile", .backend = {}, .precision = {}, .threads = 0, .overrides = {}, .json = false};
+  RunTarget target{.scene = "pile",
+                   .backend = {},
+                   .precision = {},
+                   .threads = 0,
+                   .overrides = {},
+                   .json = false};
   int warmup = 50;   ///< steps before measuring
   int steps = 20;    ///< steps measured
   std::string from;  ///< checkpoint to start from

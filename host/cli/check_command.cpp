@@ -1,7 +1,8 @@
 #include "host/cli/check_command.h"
 
-#include <cmath>
 #include <fmt/format.h>
+
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/scene_reader.h"
@@ -12,9 +13,12 @@ namespace {
 
 const char* layout_name(ContactLayout layout) {
   switch (layout) {
-    case ContactLayout::radial: return "radial";
-    case ContactLayout::general: return "general";
-    case ContactLayout::rolling: break;
+    case ContactLayout::radial:
+      return "radial";
+    case ContactLayout::general:
+      return "general";
+    case ContactLayout::rolling:
+      break;
   }
   return "rolling";
 }
@@ -22,7 +26,8 @@ const char* layout_name(ContactLayout layout) {
 }  // namespace
 
 CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
-  CLI::App* command = app.add_subcommand("check", "Validate a scene; print bodies, memory and time step");
+  CLI::App* command =
+      app.add_subcommand("check", "Validate a scene; print bodies, memory and time step");
   add_target_options(*command, options.target);
   command->add_flag("--json", options.target.json, "print JSON");
   return command;
@@ -57,15 +62,17 @@ int check_scene(const CheckOptions& options) {
     return 0;
   }
   fmt::print("scene       {}: valid\n", scene.name);
-  fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity, s.fixed_count,
-             s.median_diameter);
-  fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", layout_name(s.layout), s.envelope);
+  fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
+             s.fixed_count, s.median_diameter);
+  fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", layout_name(s.layout),
+             s.envelope);
   fmt::print("time step   {:g} s, {} steps for {:g} s\n", scene.stepping.time_step, steps,
              scene.stepping.duration);
   fmt::print("solver      {}{}, at most {} iterations a step\n", scene.solver.name,
              scene.solver.exact_coulomb ? ", exact Coulomb" : "", scene.solver.max_iterations);
   fmt::print("device      {} ({}, {})\n", device.name, backend, precision);
-  fmt::print("memory      {:.1f} MiB expected, {:.0f} MiB there\n", static_cast<double>(memory) / (1 << 20),
+  fmt::print("memory      {:.1f} MiB expected, {:.0f} MiB there\n",
+             static_cast<double>(memory) / (1 << 20),
              static_cast<double>(device.memory_bytes) / (1 << 20));
   if (memory > device.memory_bytes) fmt::print("warning     the scene does not fit in memory\n");
   return 0;

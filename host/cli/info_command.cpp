@@ -1,6 +1,7 @@
 #include "host/cli/info_command.h"
 
 #include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "host/version.h"
@@ -32,15 +33,19 @@ int print_info(const InfoOptions& options) {
 #endif
   const std::vector<std::string> solvers = solver_names();
   if (options.json) {
-    nlohmann::json out = {{"version", version()},
-                          {"commit", commit()},
-                          {"compiler", __VERSION__},
-                          {"assertions", assertions},
-                          {"built_with_cuda", built_with_cuda},
-                          {"solvers", solvers},
-                          {"cpu", {{"name", cpu.name}, {"threads", cpu.threads}, {"memory_bytes", cpu.memory_bytes}}}};
+    nlohmann::json out = {
+        {"version", version()},
+        {"commit", commit()},
+        {"compiler", __VERSION__},
+        {"assertions", assertions},
+        {"built_with_cuda", built_with_cuda},
+        {"solvers", solvers},
+        {"cpu",
+         {{"name", cpu.name}, {"threads", cpu.threads}, {"memory_bytes", cpu.memory_bytes}}}};
     if (has_cuda) {
-      out["cuda"] = {{"name", cuda.name}, {"multiprocessors", cuda.threads}, {"memory_bytes", cuda.memory_bytes}};
+      out["cuda"] = {{"name", cuda.name},
+                     {"multiprocessors", cuda.threads},
+                     {"memory_bytes", cuda.memory_bytes}};
     } else {
       out["cuda"] = {{"unavailable", reason}};
     }

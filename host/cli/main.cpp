@@ -1,8 +1,9 @@
 // The program scree. Exit codes: 0 done, 1 a run failed, 2 bad input.
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <exception>
-#include <fmt/format.h>
 #include <new>
 #include <string>
 #include <vector>
@@ -29,19 +30,22 @@ std::string usage_fault(const CLI::App& app, const CLI::ParseError& error, int a
     names.push_back(command->get_name());
     if (command->parsed()) chosen = command;
   }
-  if (chosen != nullptr) return fmt::format("{}; see scree {} --help", error.what(), chosen->get_name());
+  if (chosen != nullptr)
+    return fmt::format("{}; see scree {} --help", error.what(), chosen->get_name());
   if (argc > 1) {
     return fmt::format("{}: no such {}; expected a command: {}", argv[1],
                        argv[1][0] == '-' ? "option" : "command", fmt::join(names, ", "));
   }
-  return fmt::format("no command given; expected one of {}; see scree --help", fmt::join(names, ", "));
+  return fmt::format("no command given; expected one of {}; see scree --help",
+                     fmt::join(names, ", "));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app("scree: rigid bodies in frictional contact, by the million");
-  app.set_version_flag("--version", fmt::format("scree {} ({})", scree::version(), scree::commit()));
+  app.set_version_flag("--version",
+                       fmt::format("scree {} ({})", scree::version(), scree::commit()));
   app.require_subcommand(1);
 
   scree::RunOptions run;

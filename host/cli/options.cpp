@@ -1,7 +1,8 @@
 #include "host/cli/options.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "host/error.h"
 
@@ -9,26 +10,34 @@ namespace scree {
 namespace fs = std::filesystem;
 
 void add_target_options(CLI::App& command, RunTarget& target) {
-  command.add_option("scene", target.scene, "scene file, or name of a scene in the scenes folder")->required();
-  command.add_option("--backend", target.backend, "cuda, cpu or auto (default: what the scene says)")
+  command.add_option("scene", target.scene, "scene file, or name of a scene in the scenes folder")
+      ->required();
+  command
+      .add_option("--backend", target.backend, "cuda, cpu or auto (default: what the scene says)")
       ->take_last();
-  command.add_option("--precision", target.precision, "float or double (default: what the scene says)")->take_last();
+  command
+      .add_option("--precision", target.precision, "float or double (default: what the scene says)")
+      ->take_last();
   command.add_option("--threads", target.threads, "CPU threads (default: all)")
       ->check(CLI::Range(0, 4096))
       ->take_last();
-  command.add_option("--set", target.overrides, "key.path=value, replaces a value of the scene; repeatable")
+  command
+      .add_option("--set", target.overrides,
+                  "key.path=value, replaces a value of the scene; repeatable")
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1);
 }
 
 fs::path find_scene(const std::string& name_or_path) {
-  const bool is_directory = fs::is_directory(name_or_path);  // may be the output of the scene of that name
+  const bool is_directory =
+      fs::is_directory(name_or_path);  // may be the output of the scene of that name
   if (fs::exists(name_or_path) && !is_directory) return name_or_path;
   const fs::path folder = SCREE_SCENE_DIR;
   const fs::path by_name = folder / (name_or_path + ".json");
   if (name_or_path.find('/') == std::string::npos && fs::exists(by_name)) return by_name;
-  if (is_directory) throw InputError(fmt::format("{}: is a directory, expected a scene file", name_or_path));
+  if (is_directory)
+    throw InputError(fmt::format("{}: is a directory, expected a scene file", name_or_path));
   std::vector<std::string> names;
   if (fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) {
@@ -38,8 +47,8 @@ fs::path find_scene(const std::string& name_or_path) {
     }
   }
   std::sort(names.begin(), names.end());
-  throw InputError(fmt::format("{}: no such file, and no scene of that name; known scenes: {}", name_or_path,
-                               fmt::join(names, ", ")));
+  throw InputError(fmt::format("{}: no such file, and no scene of that name; known scenes: {}",
+                               name_or_path, fmt::join(names, ", ")));
 }
 
 WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::string* notice) {
@@ -50,7 +59,8 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   if (precision == "double") {
     options.precision = Precision::double_precision;
   } else if (precision != "float") {
-    throw InputError(fmt::format("--precision: \"{}\" is not allowed: expected float or double", precision));
+    throw InputError(
+        fmt::format("--precision: \"{}\" is not allowed: expected float or double", precision));
   }
   std::string reason;
   if (backend == "cuda") {
@@ -65,7 +75,8 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
       *notice = fmt::format("no GPU in use ({}): running on the CPU", reason);
     }
   } else if (backend != "cpu") {
-    throw InputError(fmt::format("--backend: \"{}\" is not allowed: expected cuda, cpu or auto", backend));
+    throw InputError(
+        fmt::format("--backend: \"{}\" is not allowed: expected cuda, cpu or auto", backend));
   }
   return options;
 }

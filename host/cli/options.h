@@ -11,11 +11,11 @@
 namespace scree {
 
 struct RunTarget {
-  std::string scene;                    ///< file, or name of a scene in the scene folder
-  std::string backend;                  ///< empty: what the scene says
-  std::string precision;                ///< empty: what the scene says
-  int threads = 0;                      ///< 0: all
-  std::vector<std::string> overrides;   ///< key.path=value
+  std::string scene;                   ///< file, or name of a scene in the scene folder
+  std::string backend;                 ///< empty: what the scene says
+  std::string precision;               ///< empty: what the scene says
+  int threads = 0;                     ///< 0: all
+  std::vector<std::string> overrides;  ///< key.path=value
   bool json = false;
 };
 
@@ -25,9 +25,11 @@ void add_target_options(CLI::App& command, RunTarget& target);
 /// The file of a scene given by path or by name. @throws InputError listing the known names
 std::filesystem::path find_scene(const std::string& name_or_path);
 
-/// Backend and precision to use: the command line before the scene; `auto` takes CUDA when it is there.
+/// Backend and precision to use: the command line before the scene; `auto` takes CUDA when it is
+/// there.
 /// @param notice  when given: what a user should know about the choice, or empty
 /// @throws InputError when the backend that was asked for is not available
-WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::string* notice = nullptr);
+WorldOptions resolve_options(const RunTarget& target, const Scene& scene,
+                             std::string* notice = nullptr);
 
 }  // namespace scree

@@ -1,8 +1,9 @@
 #include "host/cli/run_command.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 #include <utility>
 
 #include "host/error.h"
@@ -29,9 +30,7 @@ class Schedule {
  public:
   /// @param interval  [s]; not positive: never due
   Schedule(double interval, double time_step) : interval_(interval), slack_(1e-6 * time_step) {}
-  bool due(double before, double now) const {
-    return count(now) > count(before);
-  }
+  bool due(double before, double now) const { return count(now) > count(before); }
   /// How many were due up to a time.
   int count(double time) const {
     return interval_ > 0 ? static_cast<int>(std::floor((time + slack_) / interval_)) : 0;
@@ -60,8 +59,8 @@ class Run {
         scene_(read_scene(scene_file, options.target.overrides)),
         scene_text_(scree::scene_text(scene_file, options.target.overrides)),
         world_options_(resolve_options(options.target, scene_, &notice_)),
-        directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out, existing_output(options),
-                   scene_text_, {"/duration", "/output"}),
+        directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out,
+                   existing_output(options), scene_text_, {"/duration", "/output"}),
         target_(step_target(options, scene_)) {
     record_.scene_file = scene_file.string();
   }
@@ -72,7 +71,8 @@ class Run {
     if (checkpoint && checkpoint->state.step >= target_) {
       if (!options_.quiet) {
         fmt::print(stderr,
-                   "nothing to do: the run in {} is at step {}, the end is step {}; go on with a larger duration "
+                   "nothing to do: the run in {} is at step {}, the end is step {}; go on with a "
+                   "larger duration "
                    "or --steps\n",
                    directory_.path().string(), checkpoint->state.step, target_);
       }
@@ -125,21 +125,25 @@ class Run {
                                  to_string(world_options_.precision)));
   }
 
-  /// A step as the progress line and the totals tell it: with the residual of the model that is solved.
+  /// A step as the progress line and the totals tell it: with the residual of the model that is
+  /// solved.
   StepReport judged(StepReport report) const {
     if (!scene_.solver.exact_coulomb) return report;
-    if (report.residual_rms > 0) report.residual_relative *= report.exact_residual_rms / report.residual_rms;
+    if (report.residual_rms > 0)
+      report.residual_relative *= report.exact_residual_rms / report.residual_rms;
     report.residual_rms = report.exact_residual_rms;
     return report;
   }
 
   void simulate(World& world, FrameWriter& frames, const WorldState* resumed) {
     const double h = scene_.stepping.time_step;
-    const std::optional<std::int64_t> resume_step = resumed ? std::optional(resumed->step) : std::nullopt;
+    const std::optional<std::int64_t> resume_step =
+        resumed ? std::optional(resumed->step) : std::nullopt;
     StepsCsv steps(directory_.steps_csv(), resume_step);
     WriterThread writer;
     SignalGuard signals;
-    Progress progress(progress_options(options_.quiet), world.time(), static_cast<double>(target_) * h);
+    Progress progress(progress_options(options_.quiet), world.time(),
+                      static_cast<double>(target_) * h);
     const Schedule frame_schedule(scene_.output.frame_interval, h);
     const Schedule picture_schedule(scene_.output.picture.interval, h);
     const Schedule checkpoint_schedule(scene_.output.checkpoint_interval, h);
@@ -153,17 +157,16 @@ class Run {
     double picture_time = -1;
     const auto write_picture = [&] {
       auto image = std::make_shared<Image>(world.render(scene_.output.picture));
-      writer.post([image, path = directory_.picture(picture_number++)] {
-        write_png(path, *image);
-      });
+      writer.post(
+          [image, path = directory_.picture(picture_number++)] { write_png(path, *image); });
       picture_time = world.time();
     };
     const auto save_checkpoint = [&] {
       steps.flush();
       auto state = std::make_shared<WorldState>(world.save());
       writer.post([this, state] {
-        write_checkpoint(directory_.checkpoint_file(), *state, constants_, scene_text_, world_options_.backend,
-                         world_options_.precision);
+        write_checkpoint(directory_.checkpoint_file(), *state, constants_, scene_text_,
+                         world_options_.backend, world_options_.precision);
       });
     };
 
@@ -187,7 +190,8 @@ class Run {
     steps.flush();
     progress.finish();
     record_.status = signals.received() == 0 ? RunStatus::done : RunStatus::interrupted;
-    if (signals.received() != 0) progress.note("interrupted: checkpoint written, continue with --resume");
+    if (signals.received() != 0)
+      progress.note("interrupted: checkpoint written, continue with --resume");
     if (!options_.quiet) progress.note(summary());
   }
 
@@ -195,14 +199,17 @@ class Run {
     const RunTotals& t = record_.totals;
     const StageTimes ms = t.mean_ms();
     std::string text = fmt::format(
-        "{} steps, {:.1f} iterations a step; ms a step: collision {:.2f}, setup {:.2f}, solve {:.2f}, integrate "
-        "{:.2f}, total {:.2f}\nlargest penetration {:.3g} m, worst residual {:.3g} m/s; results in {}",
+        "{} steps, {:.1f} iterations a step; ms a step: collision {:.2f}, setup {:.2f}, solve "
+        "{:.2f}, integrate "
+        "{:.2f}, total {:.2f}\nlargest penetration {:.3g} m, worst residual {:.3g} m/s; results in "
+        "{}",
         t.steps(), t.mean_iterations(), ms.collision, ms.setup, ms.solve, ms.integrate, ms.total,
         t.max_penetration(), t.max_residual_rms(), directory_.path().string());
     if (t.steps_not_converged() > 0) {
-      text += fmt::format("\n{} of {} steps ended at the iteration cap (solver.max_iterations {}) above the "
-                          "tolerance",
-                          t.steps_not_converged(), t.steps(), scene_.solver.max_iterations);
+      text += fmt::format(
+          "\n{} of {} steps ended at the iteration cap (solver.max_iterations {}) above the "
+          "tolerance",
+          t.steps_not_converged(), t.steps(), scene_.solver.max_iterations);
     }
     return text;
   }
@@ -250,8 +257,10 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   command->add_option("--steps", options.steps, "time steps (default: the scene's duration)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}))
       ->take_last();
-  command->add_option("--out", options.out, "output directory (default: out/<scene name>)")->take_last();
-  command->add_flag("--resume", options.resume, "continue from the checkpoint in the output directory");
+  command->add_option("--out", options.out, "output directory (default: out/<scene name>)")
+      ->take_last();
+  command->add_flag("--resume", options.resume,
+                    "continue from the checkpoint in the output directory");
   command->add_flag("--force", options.force, "replace the results in the output directory");
   command->add_flag("--quiet", options.quiet, "no progress line and no summary");
   return command;

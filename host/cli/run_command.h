@@ -7,8 +7,8 @@ namespace scree {
 
 struct RunOptions {
   RunTarget target;
-  std::filesystem::path out;     ///< empty: out/<scene name>
-  std::int64_t steps = -1;       ///< -1: as many as the scene's duration takes
+  std::filesystem::path out;  ///< empty: out/<scene name>
+  std::int64_t steps = -1;    ///< -1: as many as the scene's duration takes
   bool resume = false;
   bool force = false;
   bool quiet = false;

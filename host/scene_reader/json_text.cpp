@@ -56,10 +56,9 @@ class Builder {
     // why". Newer versions say something of their own about an empty text.
     const std::string what = fault.what();
     const std::size_t start = what.find("syntax error");
-    throw InputError(fmt::format("{}: line {}, column {}: {}", file_name_, line,
-                                 std::max<std::size_t>(column, 1),
-                                 start == std::string::npos ? "syntax error: no JSON value found"
-                                                            : what.substr(start)));
+    throw InputError(fmt::format(
+        "{}: line {}, column {}: {}", file_name_, line, std::max<std::size_t>(column, 1),
+        start == std::string::npos ? "syntax error: no JSON value found" : what.substr(start)));
   }
 
   Json take() { return std::move(root_); }

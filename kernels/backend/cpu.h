@@ -114,8 +114,8 @@ struct SortSpace<Cpu> {
 };
 
 /// Least significant digit radix sort, stable: equal keys keep their order for any thread count.
-inline void sort_pairs(Cpu& cpu, SortSpace<Cpu>& space, Span<std::uint64_t> keys, Span<Index> values,
-                       int bits) {
+inline void sort_pairs(Cpu& cpu, SortSpace<Cpu>& space, Span<std::uint64_t> keys,
+                       Span<Index> values, int bits) {
   constexpr int kDigitBits = 11;
   constexpr int kDigits = 1 << kDigitBits;
   const Offset n = keys.size;
@@ -132,7 +132,8 @@ inline void sort_pairs(Cpu& cpu, SortSpace<Cpu>& space, Span<std::uint64_t> keys
     const auto digit = [&](Offset i) { return (from_keys[i] >> shift) & (kDigits - 1); };
 #pragma omp parallel num_threads(threads) if (threads > 1)
     {
-      // The share of a thread is computed from the number of threads asked for, so the two loops agree.
+      // The share of a thread is computed from the number of threads asked for, so the two loops
+      // agree.
 #pragma omp for schedule(static, 1)
       for (int t = 0; t < threads; ++t) {
         Offset* count = counts.data() + static_cast<std::size_t>(t) * kDigits;

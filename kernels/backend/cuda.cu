@@ -1,22 +1,25 @@
-// The parts of the CUDA backend that need no template: device set-up, memory, and CUB's scan and sort.
-// CUB is included in this unit only, which keeps every other one quick to compile.
-#include "kernels/backend/cuda.cuh"
+// The parts of the CUDA backend that need no template: device set-up, memory, and CUB's scan and
+// sort. CUB is included in this unit only, which keeps every other one quick to compile.
+#include <thrust/iterator/transform_iterator.h>
 
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
-#include <thrust/iterator/transform_iterator.h>
+
+#include "kernels/backend/cuda.cuh"
 
 namespace scree {
 
 Cuda::Cuda(int device) : device_(device) {
   check_cuda(cudaSetDevice(device), "select device");
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "create stream");
-  // Freed blocks stay in the pool: buffers that grow during a run do not go back to the driver each time.
+  // Freed blocks stay in the pool: buffers that grow during a run do not go back to the driver each
+  // time.
   cudaMemPool_t pool = nullptr;
   check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
   std::uint64_t keep = ~std::uint64_t{0};
   check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), "memory pool");
-  check_cuda(cudaMalloc(&partials_, kMaxReduceRecord * kReduceBlocks), "allocate reduction scratch");
+  check_cuda(cudaMalloc(&partials_, kMaxReduceRecord * kReduceBlocks),
+             "allocate reduction scratch");
   check_cuda(cudaMalloc(&ticket_, sizeof(unsigned)), "allocate reduction ticket");
   check_cuda(cudaMemsetAsync(ticket_, 0, sizeof(unsigned), stream_), "clear reduction ticket");
 }
@@ -58,18 +61,21 @@ void* Cuda::scan_space(std::size_t bytes) {
 
 void Cuda::copy_bytes(void* destination, const void* source, std::size_t bytes) {
   if (bytes == 0) return;
-  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToDevice, stream_), "copy");
+  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToDevice, stream_),
+             "copy");
 }
 
 void Cuda::upload_bytes(void* destination, const void* source, std::size_t bytes) {
   if (bytes == 0) return;
-  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyHostToDevice, stream_), "upload");
+  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyHostToDevice, stream_),
+             "upload");
   synchronize();  // the source may be a temporary
 }
 
 void Cuda::download_bytes(void* destination, const void* source, std::size_t bytes) {
   if (bytes == 0) return;
-  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToHost, stream_), "download");
+  check_cuda(cudaMemcpyAsync(destination, source, bytes, cudaMemcpyDeviceToHost, stream_),
+             "download");
   synchronize();
 }
 
@@ -85,14 +91,16 @@ void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Offset> out) {
   if (in.size == 0) return;
   const auto wide = thrust::make_transform_iterator(in.data, Widen{});
   std::size_t bytes = 0;
-  check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, wide, out.data + 1, in.size, cuda.stream()),
-             "exclusive_scan");
-  check_cuda(cub::DeviceScan::InclusiveSum(cuda.scan_space(bytes), bytes, wide, out.data + 1, in.size,
-                                           cuda.stream()),
+  check_cuda(
+      cub::DeviceScan::InclusiveSum(nullptr, bytes, wide, out.data + 1, in.size, cuda.stream()),
+      "exclusive_scan");
+  check_cuda(cub::DeviceScan::InclusiveSum(cuda.scan_space(bytes), bytes, wide, out.data + 1,
+                                           in.size, cuda.stream()),
              "exclusive_scan");
 }
 
-void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values, int bits) {
+void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values,
+                int bits) {
   const Offset n = keys.size;
   if (n < 2) return;
   space.keys.reserve_discard(n);
@@ -104,8 +112,8 @@ void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Sp
                                              cuda.stream()),
              "sort_pairs");
   space.temporary.reserve_discard(static_cast<Offset>(bytes));
-  check_cuda(cub::DeviceRadixSort::SortPairs(space.temporary.data(), bytes, key_buffers, value_buffers, n, 0,
-                                             bits, cuda.stream()),
+  check_cuda(cub::DeviceRadixSort::SortPairs(space.temporary.data(), bytes, key_buffers,
+                                             value_buffers, n, 0, bits, cuda.stream()),
              "sort_pairs");
   if (key_buffers.Current() != keys.data) {
     copy(cuda, Span<const std::uint64_t>{key_buffers.Current(), n}, keys);

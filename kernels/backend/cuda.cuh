@@ -21,7 +21,8 @@ class Cuda {
   static constexpr bool kIsDevice = true;
   static constexpr const char* kName = "cuda";
   static constexpr int kBlock = 256;
-  /// Most blocks of a reduction: a constant, so that the order of summation is the same on every device.
+  /// Most blocks of a reduction: a constant, so that the order of summation is the same on every
+  /// device.
   static constexpr int kReduceBlocks = 2048;
   static constexpr std::size_t kMaxReduceRecord = 128;
 
@@ -47,7 +48,8 @@ class Cuda {
   /// Temporary storage of a scan; grows, and is valid until the next call.
   void* scan_space(std::size_t bytes);
 
-  /// Partial results of a reduction, kReduceBlocks records; and its ticket counter, zero between calls.
+  /// Partial results of a reduction, kReduceBlocks records; and its ticket counter, zero between
+  /// calls.
   void* partials() { return partials_; }
   unsigned* ticket() { return ticket_; }
 
@@ -81,7 +83,8 @@ __global__ void __launch_bounds__(Cuda::kBlock) for_each_kernel(Index n, F f) {
 template <class F>
 void for_each(Cuda& cuda, Index n, F f) {
   if (n <= 0) return;  // an empty launch is an error
-  const auto blocks = static_cast<unsigned>((static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock);
+  const auto blocks =
+      static_cast<unsigned>((static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock);
   for_each_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(n, f);
   cuda.check_launch(F::name);
 }
@@ -100,8 +103,9 @@ __device__ R block_combine(R mine) {
   return shared[0];
 }
 
-/// Each block reduces its share; the block that finishes last combines the partial results in block order
-/// and runs `finish`. The ticket is an integer, so its order of arrival does not touch the sums.
+/// Each block reduces its share; the block that finishes last combines the partial results in block
+/// order and runs `finish`. The ticket is an integer, so its order of arrival does not touch the
+/// sums.
 template <class R, class F, class G>
 __global__ void __launch_bounds__(Cuda::kBlock)
     reduce_kernel(Index n, F f, G finish, R* partials, unsigned* ticket) {
@@ -132,8 +136,8 @@ void reduce(Cuda& cuda, Index n, F f, G finish = {}) {
   static_assert(sizeof(R) <= Cuda::kMaxReduceRecord);
   const Offset wanted = (static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock;
   const auto blocks = static_cast<unsigned>(std::clamp<Offset>(wanted, 1, Cuda::kReduceBlocks));
-  reduce_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(n, f, finish, static_cast<R*>(cuda.partials()),
-                                                            cuda.ticket());
+  reduce_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(
+      n, f, finish, static_cast<R*>(cuda.partials()), cuda.ticket());
   cuda.check_launch(F::name);
 }
 
@@ -149,6 +153,7 @@ struct SortSpace<Cuda> {
 };
 
 /// Stable radix sort of the low `bits` of the keys (CUB).
-void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values, int bits);
+void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values,
+                int bits);
 
 }  // namespace scree

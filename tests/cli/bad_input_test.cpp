@@ -1,4 +1,5 @@
-// What a user gets for bad input: one line that says what is wrong and where, exit code 2, nothing on disk.
+// What a user gets for bad input: one line that says what is wrong and where, exit code 2, nothing
+// on disk.
 
 #include <functional>
 #include <map>
@@ -37,24 +38,42 @@ json wall(const char* text) { return json::parse(text); }
 
 const std::vector<BadScene>& bad_scenes() {
   static const std::vector<BadScene> all{
-      {"UnknownKey", [](json& s) { s["solver"] = {{"iterations", 5}}; },
+      {"UnknownKey",
+       [](json& s) {
+         s["solver"] = {{"iterations", 5}};
+       },
        {"solver.iterations", "unknown key", "max_iterations"}},
-      {"UnknownSolver", [](json& s) { s["solver"] = {{"name", "apgdd"}}; },
+      {"UnknownSolver",
+       [](json& s) {
+         s["solver"] = {{"name", "apgdd"}};
+       },
        {"solver.name", "\"apgdd\"", "\"gauss_seidel_colored\"", "did you mean \"apgd\""}},
-      {"WrongType", [](json& s) { s["time_step"] = "1 ms"; }, {"time_step", "\"1 ms\"", "must be positive [s]"}},
-      {"ZeroTimeStep", [](json& s) { s["time_step"] = 0; }, {"time_step", "0 is not allowed", "positive"}},
-      {"NegativeTimeStep", [](json& s) { s["time_step"] = -0.5; }, {"time_step", "-0.5 is not allowed", "positive"}},
+      {"WrongType",
+       [](json& s) { s["time_step"] = "1 ms"; },
+       {"time_step", "\"1 ms\"", "must be positive [s]"}},
+      {"ZeroTimeStep",
+       [](json& s) { s["time_step"] = 0; },
+       {"time_step", "0 is not allowed", "positive"}},
+      {"NegativeTimeStep",
+       [](json& s) { s["time_step"] = -0.5; },
+       {"time_step", "-0.5 is not allowed", "positive"}},
       {"MissingTimeStep", [](json& s) { s.erase("time_step"); }, {"time_step", "missing"}},
-      {"NegativeRadius", [](json& s) { s["particles"][1]["radius"] = -0.5; },
+      {"NegativeRadius",
+       [](json& s) { s["particles"][1]["radius"] = -0.5; },
        {"particles[1].radius", "-0.5 is not allowed", "positive [m]"}},
       {"NegativeMass",
-       [](json& s) { s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01, "mass": -2})")); },
+       [](json& s) {
+         s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01, "mass": -2})"));
+       },
        {"bodies[3].mass", "-2 is not allowed", "positive [kg]"}},
-      {"NoMass", [](json& s) { s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01})")); },
+      {"NoMass",
+       [](json& s) { s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01})")); },
        {"bodies[3].density", "missing"}},
-      {"NegativeFriction", [](json& s) { s["materials"]["m"]["friction"] = -0.1; },
+      {"NegativeFriction",
+       [](json& s) { s["materials"]["m"]["friction"] = -0.1; },
        {"materials.m.friction", "-0.1 is not allowed", "zero or positive"}},
-      {"UnknownMaterial", [](json& s) { s["bodies"][0]["material"] = "mm"; },
+      {"UnknownMaterial",
+       [](json& s) { s["bodies"][0]["material"] = "mm"; },
        {"bodies[0].material", "\"mm\" is not allowed", "did you mean \"m\""}},
       {"NoBodies",
        [](json& s) {
@@ -62,8 +81,11 @@ const std::vector<BadScene>& bad_scenes() {
          s.erase("particles");
        },
        {"bodies", "must hold one free body or more"}},
-      {"OnlyWalls", [](json& s) { s.erase("particles"); }, {"bodies", "must hold one free body or more"}},
-      {"TooManySpheres", [](json& s) { s["particles"][0]["count"] = 100000; },
+      {"OnlyWalls",
+       [](json& s) { s.erase("particles"); },
+       {"bodies", "must hold one free body or more"}},
+      {"TooManySpheres",
+       [](json& s) { s["particles"][0]["count"] = 100000; },
        {"particles[0].count", "100000 is not allowed"}},
       {"TwoFreeBoxes",
        [](json& s) {
@@ -77,15 +99,19 @@ const std::vector<BadScene>& bad_scenes() {
       {"MeshMissing",
        [](json& s) { s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "no.obj"})")); },
        {"bodies[3].file", "no.obj", "no such file"}},
-      {"MeshOpen", [](json& s) { s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "open.obj"})")); },
+      {"MeshOpen",
+       [](json& s) { s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "open.obj"})")); },
        {"open.obj", "closed"}},
       {"MeshDegenerate",
        [](json& s) {
-         s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "degenerate.obj", "closed": false})"));
+         s["bodies"].push_back(
+             wall(R"({"shape": "mesh", "file": "degenerate.obj", "closed": false})"));
        },
        {"degenerate.obj", "triangle 0 is degenerate"}},
       {"CsvBadRow",
-       [](json& s) { s["particles"].push_back(wall(R"({"layout": "file", "file": "bad.csv", "density": 1})")); },
+       [](json& s) {
+         s["particles"].push_back(wall(R"({"layout": "file", "file": "bad.csv", "density": 1})"));
+       },
        {"bad.csv", "line 3", "\"x\""}},
       {"MotionOnAFreeBody",
        [](json& s) {
@@ -109,7 +135,8 @@ TEST_P(CliBadScene, IsRefused) {
   json scene = small_scene();
   GetParam().spoil(scene);
   const fs::path file = put_scene(scratch, scene);
-  for (const Arguments& command : {run_arguments(file, scratch / "a"), Arguments{"check", file.string()}})
+  for (const Arguments& command :
+       {run_arguments(file, scratch / "a"), Arguments{"check", file.string()}})
     expect_refusal(scree(scratch, command), GetParam().words);
   EXPECT_FALSE(fs::exists(scratch / "a"));
 }
@@ -139,17 +166,22 @@ TEST_P(CliBadText, IsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(
     Texts, CliBadText,
-    testing::Values(
-        BadText{"Broken", "{\n  \"time_step\": 1e-3,\n  \"duration\" 1\n}", {"line 3, column 14", "syntax error"}},
-        BadText{"CutOff", "{\"time_step\": 1e-3,", {"line 1", "syntax error"}},
-        BadText{"Empty", "", {"line 1", "syntax error"}},
-        BadText{"NaN", "{\n\"time_step\": NaN}", {"line 2", "syntax error"}},
-        BadText{"TooLarge", "{\"time_step\": 1e999, \"duration\": 1}", {"time_step", "1e999", "finite"}},
-        BadText{"KeyTwice", "{\"duration\": 1, \"duration\": 2}", {"duration", "twice"}},
-        BadText{"List", "[1, 2]", {"must be an object"}}),
+    testing::Values(BadText{"Broken",
+                            "{\n  \"time_step\": 1e-3,\n  \"duration\" 1\n}",
+                            {"line 3, column 14", "syntax error"}},
+                    BadText{"CutOff", "{\"time_step\": 1e-3,", {"line 1", "syntax error"}},
+                    BadText{"Empty", "", {"line 1", "syntax error"}},
+                    BadText{"NaN", "{\n\"time_step\": NaN}", {"line 2", "syntax error"}},
+                    BadText{"TooLarge",
+                            "{\"time_step\": 1e999, \"duration\": 1}",
+                            {"time_step", "1e999", "finite"}},
+                    BadText{
+                        "KeyTwice", "{\"duration\": 1, \"duration\": 2}", {"duration", "twice"}},
+                    BadText{"List", "[1, 2]", {"must be an object"}}),
     [](const auto& info) { return info.param.name; });
 
-// ---- command line --------------------------------------------------------------------------------
+// ---- command line
+// --------------------------------------------------------------------------------
 
 struct BadCommand {
   std::string name;
@@ -174,7 +206,9 @@ INSTANTIATE_TEST_SUITE_P(
     Commands, CliBadCommand,
     testing::Values(
         BadCommand{"NoCommand", {}, {"run, check, bench, info"}},
-        BadCommand{"UnknownCommand", {"rnu", "SCENE"}, {"rnu", "no such command", "run, check, bench, info"}},
+        BadCommand{"UnknownCommand",
+                   {"rnu", "SCENE"},
+                   {"rnu", "no such command", "run, check, bench, info"}},
         BadCommand{"UnknownOption", {"run", "SCENE", "--fast"}, {"--fast", "scree run --help"}},
         BadCommand{"UnknownMainOption", {"--fast"}, {"--fast"}},
         BadCommand{"NoScene", {"run"}, {"scene is required"}},
@@ -183,18 +217,32 @@ INSTANTIATE_TEST_SUITE_P(
         BadCommand{"NegativeSteps", {"run", "SCENE", "--steps", "-1"}, {"--steps", "-1"}},
         BadCommand{"WordForSteps", {"run", "SCENE", "--steps", "ten"}, {"--steps", "ten"}},
         BadCommand{"WordForThreads", {"run", "SCENE", "--threads", "x"}, {"--threads", "x"}},
-        BadCommand{"UnknownBackend", {"run", "SCENE", "--backend", "gpu"}, {"\"gpu\"", "cuda, cpu or auto"}},
-        BadCommand{"UnknownPrecision", {"run", "SCENE", "--precision", "half"}, {"\"half\"", "float or double"}},
-        BadCommand{"SetWithoutValue", {"run", "SCENE", "--set", "duration"}, {"\"duration\"", "key.path=value"}},
-        BadCommand{"SetUnknownKey", {"run", "SCENE", "--set", "foo.bar=1"}, {"foo", "overridden", "unknown key"}},
-        BadCommand{"SetNoSuchElement", {"run", "SCENE", "--set", "particles.7.count=1"},
+        BadCommand{"UnknownBackend",
+                   {"run", "SCENE", "--backend", "gpu"},
+                   {"\"gpu\"", "cuda, cpu or auto"}},
+        BadCommand{"UnknownPrecision",
+                   {"run", "SCENE", "--precision", "half"},
+                   {"\"half\"", "float or double"}},
+        BadCommand{"SetWithoutValue",
+                   {"run", "SCENE", "--set", "duration"},
+                   {"\"duration\"", "key.path=value"}},
+        BadCommand{"SetUnknownKey",
+                   {"run", "SCENE", "--set", "foo.bar=1"},
+                   {"foo", "overridden", "unknown key"}},
+        BadCommand{"SetNoSuchElement",
+                   {"run", "SCENE", "--set", "particles.7.count=1"},
                    {"particles.7.count=1", "from 0 to 1"}},
-        BadCommand{"SetBadValue", {"run", "SCENE", "--set", "particles.0.density=-1"},
+        BadCommand{"SetBadValue",
+                   {"run", "SCENE", "--set", "particles.0.density=-1"},
                    {"particles[0].density (overridden)", "-1 is not allowed", "positive [kg/m^3]"}},
-        BadCommand{"SetInfinite", {"run", "SCENE", "--set", "time_step=1e999"}, {"time_step (overridden)", "1e999"}},
-        BadCommand{"ResumeAndForce", {"run", "SCENE", "--resume", "--force"}, {"--resume and --force"}},
+        BadCommand{"SetInfinite",
+                   {"run", "SCENE", "--set", "time_step=1e999"},
+                   {"time_step (overridden)", "1e999"}},
+        BadCommand{
+            "ResumeAndForce", {"run", "SCENE", "--resume", "--force"}, {"--resume and --force"}},
         BadCommand{"ResumeOfNothing", {"run", "SCENE", "--resume"}, {"out/small", "no checkpoint"}},
-        BadCommand{"BenchFromNothing", {"bench", "SCENE", "--from", "no.h5"}, {"no.h5", "no such file"}}),
+        BadCommand{
+            "BenchFromNothing", {"bench", "SCENE", "--from", "no.h5"}, {"no.h5", "no such file"}}),
     [](const auto& info) { return info.param.name; });
 
 TEST(CliBadBackend, CudaWithoutAGpu) {
@@ -202,18 +250,21 @@ TEST(CliBadBackend, CudaWithoutAGpu) {
   if (json::parse(scree(scratch, {"info", "--json"}).out).at("cuda").contains("name"))
     GTEST_SKIP() << "this machine has a GPU";
   const fs::path scene = put_scene(scratch, small_scene());
-  expect_refusal(scree(scratch, {"run", scene.string(), "--backend", "cuda", "--out", (scratch / "a").string()}),
+  expect_refusal(scree(scratch, {"run", scene.string(), "--backend", "cuda", "--out",
+                                 (scratch / "a").string()}),
                  {"--backend cuda", "--backend cpu"});
   EXPECT_FALSE(fs::exists(scratch / "a"));
 }
 
-// ---- output directory ------------------------------------------------------------------------------
+// ---- output directory
+// ------------------------------------------------------------------------------
 
 class CliBadOutput : public testing::Test {
  protected:
   Result run(const fs::path& out, const Arguments& more = {}) {
     Arguments all = more;
-    if (std::find(more.begin(), more.end(), "--steps") == more.end()) all.insert(all.end(), {"--steps", "3"});
+    if (std::find(more.begin(), more.end(), "--steps") == more.end())
+      all.insert(all.end(), {"--steps", "3"});
     return scree(scratch, run_arguments(scene, out, all));
   }
   /// A finished run of three steps in the folder a.
@@ -224,7 +275,8 @@ class CliBadOutput : public testing::Test {
   /// Everything in the folder a, to see that nothing of it was touched.
   std::map<std::string, std::string> files() const {
     std::map<std::string, std::string> all;
-    for (const auto& entry : fs::directory_iterator(scratch / "a")) all[entry.path().filename()] = contents(entry);
+    for (const auto& entry : fs::directory_iterator(scratch / "a"))
+      all[entry.path().filename()] = contents(entry);
     return all;
   }
 
@@ -235,7 +287,8 @@ class CliBadOutput : public testing::Test {
 TEST_F(CliBadOutput, ExistingResultsNeedForceOrResume) {
   make_run();
   const auto before = files();
-  expect_refusal(run(scratch / "a"), {(scratch / "a").string(), "not empty", "--resume", "--force"});
+  expect_refusal(run(scratch / "a"),
+                 {(scratch / "a").string(), "not empty", "--resume", "--force"});
   EXPECT_EQ(files(), before);
 }
 
@@ -312,13 +365,15 @@ TEST_F(CliBadCheckpoint, AnotherVersion) {
   make_run();
   write_seal(checkpoint(), "scree checkpoint", checkpoint_format_version + 1);
   expect_refused({"format version " + std::to_string(checkpoint_format_version + 1),
-                  "expected a scree checkpoint of format version " + std::to_string(checkpoint_format_version)});
+                  "expected a scree checkpoint of format version " +
+                      std::to_string(checkpoint_format_version)});
 }
 
 TEST_F(CliBadCheckpoint, Gone) {
   make_run();
   fs::remove(checkpoint());
-  expect_refusal(run(scratch / "a", {"--resume"}), {(scratch / "a").string(), "checkpoint.h5", "--force"});
+  expect_refusal(run(scratch / "a", {"--resume"}),
+                 {(scratch / "a").string(), "checkpoint.h5", "--force"});
 }
 
 }  // namespace

@@ -9,7 +9,8 @@ namespace {
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(SCREE_SCENE_DIR))
-    if (entry.path().extension() == ".json" && entry.path().stem() != "schema") names.push_back(entry.path().stem());
+    if (entry.path().extension() == ".json" && entry.path().stem() != "schema")
+      names.push_back(entry.path().stem());
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -19,10 +20,12 @@ TEST(CliCommands, CheckPrintsTextAndJson) {
   const fs::path scene = put_scene(scratch, small_scene());
   const Result text = scree(scratch, {"check", scene.string()});
   EXPECT_EQ(text.code, 0) << text.err;
-  for (const char* part : {"small: valid", "200 free, 3 fixed or moved", "0.001 s, 20 steps", "apgd"})
+  for (const char* part :
+       {"small: valid", "200 free, 3 fixed or moved", "0.001 s, 20 steps", "apgd"})
     EXPECT_NE(text.out.find(part), std::string::npos) << text.out;
 
-  const Result json = scree(scratch, {"check", scene.string(), "--json", "--set", "particles.0.count=100"});
+  const Result json =
+      scree(scratch, {"check", scene.string(), "--json", "--set", "particles.0.count=100"});
   EXPECT_EQ(json.code, 0) << json.err;
   const nlohmann::json values = nlohmann::json::parse(json.out);
   EXPECT_EQ(values.at("free_bodies"), 150);
@@ -46,7 +49,8 @@ TEST(CliCommands, InfoPrintsTextAndJson) {
 TEST(CliCommands, BenchPrintsTextAndJson) {
   const Scratch scratch;
   const fs::path scene = put_scene(scratch, small_scene());
-  const Arguments arguments{"bench", scene.string(), "--backend", "cpu", "--warmup", "15", "--steps", "3"};
+  const Arguments arguments{"bench",    scene.string(), "--backend", "cpu",
+                            "--warmup", "15",           "--steps",   "3"};
   const Result text = scree(scratch, arguments);
   EXPECT_EQ(text.code, 0) << text.err;
   EXPECT_NE(text.out.find("contact-iterations/s"), std::string::npos) << text.out;
@@ -66,8 +70,9 @@ TEST(CliCommands, BenchStartsFromACheckpoint) {
   const Scratch scratch;
   const fs::path scene = put_scene(scratch, small_scene());
   ASSERT_EQ(scree(scratch, run_arguments(scene, scratch / "a")).code, 0);
-  const Result json = scree(scratch, {"bench", scene.string(), "--backend", "cpu", "--warmup", "0", "--steps", "2",
-                                      "--json", "--from", (scratch / "a/checkpoint.h5").string()});
+  const Result json =
+      scree(scratch, {"bench", scene.string(), "--backend", "cpu", "--warmup", "0", "--steps", "2",
+                      "--json", "--from", (scratch / "a/checkpoint.h5").string()});
   EXPECT_EQ(json.code, 0) << json.err;
   EXPECT_GT(nlohmann::json::parse(json.out).at("contacts"), 20.0);
 }
@@ -108,8 +113,8 @@ TEST_P(CliScenes, PassesCheck) {
 TEST_P(CliScenes, TakesSteps) {
   const Scratch scratch;
   Arguments more{"--steps", "3", "--set", "output.picture=false"};
-  const nlohmann::json scene =
-      nlohmann::json::parse(contents(fs::path(SCREE_SCENE_DIR) / (GetParam() + ".json")), nullptr, true, true);
+  const nlohmann::json scene = nlohmann::json::parse(
+      contents(fs::path(SCREE_SCENE_DIR) / (GetParam() + ".json")), nullptr, true, true);
   const std::size_t entries = scene.contains("particles") ? scene.at("particles").size() : 0;
   for (std::size_t i = 0; i < entries; ++i)
     more.insert(more.end(), {"--set", "particles." + std::to_string(i) + ".count=200"});

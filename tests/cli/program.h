@@ -127,7 +127,8 @@ inline Result scree(const Scratch& scratch, const Arguments& arguments, rlim_t f
 }
 
 /// `scree run` on one CPU thread, followed by further arguments.
-inline Arguments run_arguments(const fs::path& scene, const fs::path& out, const Arguments& more = {}) {
+inline Arguments run_arguments(const fs::path& scene, const fs::path& out,
+                               const Arguments& more = {}) {
   Arguments all{"run", scene.string(), "--backend", "cpu", "--threads", "1", "--out", out.string()};
   all.insert(all.end(), more.begin(), more.end());
   return all;
@@ -160,7 +161,9 @@ inline std::vector<std::string> steps_without_times(const fs::path& steps_csv) {
   return lines;
 }
 
-inline nlohmann::json json_file(const fs::path& path) { return nlohmann::json::parse(contents(path)); }
+inline nlohmann::json json_file(const fs::path& path) {
+  return nlohmann::json::parse(contents(path));
+}
 
 /// About two hundred spheres: some fall on a floor and two moving boxes, the others rain in.
 inline nlohmann::json small_scene() {

@@ -13,7 +13,11 @@ namespace {
 constexpr const char* png_signature = "\x89PNG\r\n\x1a\n";
 
 std::int64_t frame_count(const fs::path& frames) {
-  return h5::File::open(frames).root().open_group("VTKHDF").open_group("Steps").attribute<std::int64_t>("NSteps");
+  return h5::File::open(frames)
+      .root()
+      .open_group("VTKHDF")
+      .open_group("Steps")
+      .attribute<std::int64_t>("NSteps");
 }
 
 /// Every array that decides how a run goes on.
@@ -84,8 +88,8 @@ TEST_F(CliRun, WritesAllFiles) {
 }
 
 TEST_F(CliRun, StepsAndOverridesAreRecorded) {
-  must_run("a", {"--steps", "3", "--set", "solver.max_iterations=7", "--set", "particles.0.count=20", "--set",
-                 "solver.name=gauss_seidel"});
+  must_run("a", {"--steps", "3", "--set", "solver.max_iterations=7", "--set",
+                 "particles.0.count=20", "--set", "solver.name=gauss_seidel"});
   EXPECT_EQ(read_steps_csv(scratch / "a/steps.csv").size(), 3u);
   const nlohmann::json record = json_file(scratch / "a/run.json");
   EXPECT_EQ(record.at("scene").at("solver").at("max_iterations"), 7);
@@ -99,7 +103,8 @@ TEST_F(CliRun, DoublePrecision) {
 }
 
 TEST_F(CliRun, QuietPrintsNothing) {
-  const Result result = scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "2", "--quiet"}));
+  const Result result =
+      scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "2", "--quiet"}));
   EXPECT_EQ(result.code, 0);
   EXPECT_EQ(result.out + result.err, "");
 }
@@ -112,7 +117,8 @@ TEST_F(CliRun, SummaryNamesStepsAndFolder) {
 }
 
 TEST_F(CliRun, DefaultFolderIsOutAndTheName) {
-  const Result result = scree(scratch, {"run", scene.string(), "--backend", "cpu", "--steps", "1", "--quiet"});
+  const Result result =
+      scree(scratch, {"run", scene.string(), "--backend", "cpu", "--steps", "1", "--quiet"});
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_TRUE(fs::exists(scratch / "out/small/steps.csv"));
 }
@@ -140,9 +146,11 @@ TEST_P(CliResume, ContinuesBitForBit) {
   must_run("parts", {"--steps", "10", "--set", solver});
   must_run("parts", {"--steps", "20", "--resume", "--set", solver});
   expect_same_run(scratch / "whole", scratch / "parts");
-  EXPECT_EQ(frame_count(scratch / "whole/frames.vtkhdf"), frame_count(scratch / "parts/frames.vtkhdf"));
+  EXPECT_EQ(frame_count(scratch / "whole/frames.vtkhdf"),
+            frame_count(scratch / "parts/frames.vtkhdf"));
   for (const char* picture : {"picture_00000.png", "picture_00001.png"})
-    EXPECT_EQ(contents(scratch / "whole" / picture), contents(scratch / "parts" / picture)) << picture;
+    EXPECT_EQ(contents(scratch / "whole" / picture), contents(scratch / "parts" / picture))
+        << picture;
   EXPECT_EQ(json_file(scratch / "parts/run.json").at("resumed_from_step"), 10);
 }
 
@@ -160,7 +168,8 @@ TEST_F(CliRun, ResumeWithALongerDuration) {
 TEST_F(CliRun, ResumeOfAFinishedRunChangesNothing) {
   must_run("a", {"--steps", "4"});
   const std::string before = contents(scratch / "a/run.json");
-  const Result result = scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "4", "--resume"}));
+  const Result result =
+      scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "4", "--resume"}));
   EXPECT_EQ(result.code, 0);
   EXPECT_NE(result.err.find("nothing to do"), std::string::npos) << result.err;
   EXPECT_EQ(contents(scratch / "a/run.json"), before);
@@ -168,8 +177,9 @@ TEST_F(CliRun, ResumeOfAFinishedRunChangesNothing) {
 
 TEST_F(CliRun, InterruptWritesACheckpointAndCanBeResumed) {
   const fs::path out = scratch / "a";
-  const Arguments endless{"--set", "duration=1000", "--set", "output.checkpoint_interval=0", "--set",
-                          "output.frame_interval=0"};
+  const Arguments endless{"--set", "duration=1000",
+                          "--set", "output.checkpoint_interval=0",
+                          "--set", "output.frame_interval=0"};
   Program program(scratch.path(), run_arguments(scene, out, endless));
   ASSERT_TRUE(eventually([&] { return line_count(contents(out / "steps.csv")) > 1; }));
   program.send(SIGINT);
@@ -222,11 +232,13 @@ TEST_F(CliRun, TwoRunsInOneFolderAreRefused) {
   EXPECT_TRUE(fs::exists(out / "steps.csv"));
 }
 
-/// A full disk, by a limit on the size of files: the run fails with one message, what was written stays.
+/// A full disk, by a limit on the size of files: the run fails with one message, what was written
+/// stays.
 TEST_F(CliRun, FullDiskFailsCleanly) {
   const fs::path out = scratch / "a";
   const Result result =
-      scree(scratch, run_arguments(scene, out, {"--set", "duration=1000", "--quiet"}), /*file_limit=*/400'000);
+      scree(scratch, run_arguments(scene, out, {"--set", "duration=1000", "--quiet"}),
+            /*file_limit=*/400'000);
   EXPECT_EQ(result.code, 1);
   EXPECT_EQ(line_count(result.err), 1u) << result.err;
   EXPECT_NE(result.err.find("cannot write"), std::string::npos) << result.err;

@@ -74,8 +74,8 @@ TEST_F(ParityStep, CudaGivesEqualBitsOnEveryRun) {
   }
 }
 
-/// A collapse is chaotic: rounding alone changes the run-out of one column of 800 grains by a tenth. So the
-/// means of five packings are compared.
+/// A collapse is chaotic: rounding alone changes the run-out of one column of 800 grains by a
+/// tenth. So the means of five packings are compared.
 TEST_F(ParityStep, C32_RunOutAgrees) {
   constexpr unsigned kPackings = 5;
   double spread[2] = {0, 0};

@@ -20,10 +20,10 @@ template <class Real>
 PlainProblem small_problem(ContactLayout layout, unsigned seed) {
   const int contacts = 5 + static_cast<int>(seed * 7 % 36);
   PlainProblem plain = fixtures::random_problem({.layout = layout,
-                                                .free_count = 3 + contacts / 3,
-                                                .contact_count = contacts,
-                                                .seed = seed,
-                                                .has_adhesion = seed % 3 == 0});
+                                                 .free_count = 3 + contacts / 3,
+                                                 .contact_count = contacts,
+                                                 .seed = seed,
+                                                 .has_adhesion = seed % 3 == 0});
   fixtures::round_to<Real>(plain);
   return plain;
 }

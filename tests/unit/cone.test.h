@@ -110,10 +110,10 @@ TYPED_TEST(ConeTest, ProjectionsMeetTheOptimalityConditions) {
   for (ContactLayout layout :
        {ContactLayout::radial, ContactLayout::general, ContactLayout::rolling}) {
     const fixtures::PlainProblem plain = fixtures::random_problem({.layout = layout,
-                                                                 .free_count = 500,
-                                                                 .contact_count = 20000,
-                                                                 .seed = 9,
-                                                                 .has_adhesion = true});
+                                                                   .free_count = 500,
+                                                                   .contact_count = 20000,
+                                                                   .seed = 9,
+                                                                   .has_adhesion = true});
     TestBackend& b = this->backend();
     fixtures::ProblemBuffers<TestBackend, Real> buffers(b, plain);
     const ContactProblem<Real>& p = buffers.problem();

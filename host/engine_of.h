@@ -189,6 +189,8 @@ class EngineOf final : public Engine {
     params.max_iterations = scene_.solver.max_iterations;
     params.check_every = scene_.solver.check_every;
     params.relaxation = scene_.solver.relaxation;
+    params.metric =
+        scene_.solver.diagonal_metric ? ApgdMetricKind::diagonal : ApgdMetricKind::euclidean;
     auto solver = make_solver<B, Real>(scene_.solver.name, params);
     if (!scene_.solver.exact_coulomb) return solver;
     return std::make_unique<CoulombFixedPoint<B, Real>>(std::move(solver),

@@ -54,7 +54,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"cylinder", {"axis", "center", "radius", "length"}},
       {"solver",
        {"name", "stop", "max_iterations", "check_every", "warm_start", "model",
-        "max_outer_iterations", "relaxation"}},
+        "max_outer_iterations", "relaxation", "metric"}},
       {"stepping", {"max_recovery_speed", "restitution_threshold"}},
       {"collision", {"envelope"}},
       {"output", {"frame_interval", "checkpoint_interval", "picture"}},

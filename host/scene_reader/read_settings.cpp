@@ -40,6 +40,8 @@ void read_solver(const Node& node, SolverSettings& solver) {
   node.read("max_outer_iterations", solver.max_outer_iterations, 1, kMaxInt);
   constexpr Range relaxation{0, 2, true, true, "must be between 0 and 2, both excluded"};
   node.read("relaxation", solver.relaxation, relaxation, "");
+  if (const auto metric = node.find("metric"))
+    solver.diagonal_metric = metric->choice<bool>({{"diagonal", true}, {"euclidean", false}});
 }
 
 void read_camera(const Node& node, CameraSettings& camera) {

@@ -61,7 +61,8 @@ TEST(SceneReader, ReadsSettings) {
     "name": "n", "gravity": [0, 1, 2], "seed": 7, "backend": "cpu", "precision": "double",
     "periodic": {"y": [-1, 2]},
     "solver": {"name": "gauss_seidel", "stop": 1e-4, "max_iterations": 30, "check_every": 3,
-               "warm_start": false, "model": "exact", "max_outer_iterations": 4, "relaxation": 1.5},
+               "warm_start": false, "model": "exact", "max_outer_iterations": 4, "relaxation": 1.5,
+               "metric": "euclidean"},
     "stepping": {"max_recovery_speed": 0.1, "restitution_threshold": 0.2},
     "collision": {"envelope": 0.003},
     "output": {"frame_interval": 0.5, "checkpoint_interval": 0.6, "picture": {
@@ -90,6 +91,7 @@ TEST(SceneReader, ReadsSettings) {
   EXPECT_TRUE(scene.solver.exact_coulomb);
   EXPECT_EQ(scene.solver.max_outer_iterations, 4);
   EXPECT_EQ(scene.solver.relaxation, 1.5);
+  EXPECT_FALSE(scene.solver.diagonal_metric);
   EXPECT_EQ(scene.output.frame_interval, 0.5);
   EXPECT_EQ(scene.output.checkpoint_interval, 0.6);
   const PictureSettings& picture = scene.output.picture;

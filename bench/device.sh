@@ -63,5 +63,7 @@ if wants scenes; then
     cat "$out/million_$precision.log"
   done
 fi
-tar -C "$out" -czf "$out/logs.tar.gz" --exclude=logs.tar.gz . && find "$out" -name '*.log' -delete
+logs=$(mktemp) # one archive instead of many files
+(cd "$out" && tar -czf "$logs" ./*.log && rm ./*.log && cp "$logs" logs.tar.gz)
+rm -f "$logs"
 cat "$summary"

@@ -146,7 +146,8 @@ struct SolverSettings {
   bool exact_coulomb = false;     ///< De Saxce fixed point around the convex solve
   int max_outer_iterations = 50;  ///< exact Coulomb: fixed point iterations, > 0
   double relaxation = 1.0;        ///< Gauss-Seidel omega, in (0, 2)
-  bool diagonal_metric = true;  ///< APGD: steps in a diagonal metric; false: Euclidean, as published
+  bool diagonal_metric =
+      true;  ///< APGD: steps in a diagonal metric; false: Euclidean, as published
 };
 
 struct SteppingSettings {

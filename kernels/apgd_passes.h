@@ -203,9 +203,11 @@ struct ApgdMetric {
     const ContactMetric<Real> split = mass_split_metric<R>(p, c);
     ContactMetric<Real> h = euclidean_metric<Real>();
     if (!metric.values.empty()) {
-      const ContactMetric<Real> block = R::block_metric(p, c);
-      h = {std::sqrt(split.normal * block.normal), std::sqrt(split.tangential * block.tangential),
-           R::kVectors == 2 ? std::sqrt(split.moment * block.moment) : Real(1)};
+      const Real trace = R::block_trace(p, c);
+      const ContactMetric<Real> block = floor_metric(R::block_metric(p, c), trace);
+      const ContactMetric<Real> above = floor_metric(split, trace);
+      h = {std::sqrt(above.normal * block.normal), std::sqrt(above.tangential * block.tangential),
+           R::kVectors == 2 ? std::sqrt(above.moment * block.moment) : Real(1)};
       metric.store(c, h);
     }
     Real largest = split.normal / h.normal;

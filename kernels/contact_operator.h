@@ -78,6 +78,8 @@ template <class R, class Real>
 SCREE_HD typename R::Rows natural_map(const ContactProblem<Real>& p, Index c,
                                       const typename R::Rows& gamma, const typename R::Rows& u) {
   const Real trace = R::block_trace(p, c);
+  if (!(trace > Real(0)))
+    return {};  // no body of this contact can move: no impulse changes anything
   const Real rho = Real(3) / trace;
   return (trace / Real(3)) * (gamma - R::project(p, c, gamma - rho * u, euclidean_metric<Real>()));
 }

@@ -43,6 +43,16 @@ struct ForceMomentRows {
   }
 };
 
+/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides by
+/// weights, so they are raised to this share of the block's trace. A larger weight is still a bound
+/// from above.
+template <class Real>
+SCREE_HD ContactMetric<Real> floor_metric(const ContactMetric<Real>& m, Real trace) {
+  const Real least = trace > Real(0) ? Real(1e-5) * trace : Real(1);
+  return {m.normal > least ? m.normal : least, m.tangential > least ? m.tangential : least,
+          m.moment > least ? m.moment : least};
+}
+
 /// H^-1 x for the contact metric H = diag(normal, tangential, tangential[, moment]).
 template <class Real>
 SCREE_HD ForceRows<Real> solve_metric(const ContactMetric<Real>& m, const Vec3<Real>& n,

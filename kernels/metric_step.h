@@ -6,33 +6,6 @@
 
 namespace scree {
 
-/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides by
-/// weights, so they are raised to this share of the block's trace. A larger weight is still a bound
-/// from above.
-template <class Real>
-SCREE_HD ContactMetric<Real> floor_metric(const ContactMetric<Real>& m, Real trace) {
-  const Real least = trace > Real(0) ? Real(1e-5) * trace : Real(1);
-  return {m.normal > least ? m.normal : least, m.tangential > least ? m.tangential : least,
-          m.moment > least ? m.moment : least};
-}
-
-/// D^-1 u for force rows: the normal part over D.normal, the rest over D.tangential.
-/// @param u  contact velocity, world frame [m/s]
-/// @return   impulse [N s]
-template <class Real>
-SCREE_HD ForceRows<Real> divide_by_metric(const Vec3<Real>& n, const ContactMetric<Real>& m,
-                                          const ForceRows<Real>& u) {
-  const Real tangential = Real(1) / m.tangential;
-  return {tangential * u.force + (dot(n, u.force) * (Real(1) / m.normal - tangential)) * n};
-}
-
-/// The same with moment rows, all three over D.moment.
-template <class Real>
-SCREE_HD ForceMomentRows<Real> divide_by_metric(const Vec3<Real>& n, const ContactMetric<Real>& m,
-                                                const ForceMomentRows<Real>& u) {
-  return {divide_by_metric(n, m, ForceRows<Real>{u.force}).force, (Real(1) / m.moment) * u.moment};
-}
-
 /// P_K(gamma - omega D^-1 u), both in the metric D. For D >= N_cc and omega < 2 the objective falls
 /// by at least (1/omega - 1/2) |move|_D^2; for D = N_cc and omega = 1 it is the contact's exact
 /// minimizer.
@@ -43,7 +16,7 @@ template <class R, class Real>
 SCREE_HD typename R::Rows metric_step(const ContactProblem<Real>& p, Index c,
                                       const typename R::Rows& gamma, const typename R::Rows& u,
                                       const ContactMetric<Real>& metric, Real relaxation) {
-  return R::project(p, c, gamma - relaxation * divide_by_metric(p.normal[c], metric, u), metric);
+  return R::project(p, c, gamma - relaxation * solve_metric(metric, p.normal[c], u), metric);
 }
 
 /// metric[c] = bound of contact c's own block N_cc, for methods that move one contact of a body at

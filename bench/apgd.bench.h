@@ -76,6 +76,7 @@ void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetr
   solve_long();
   const int applications = stats.applications - kShort;
   const SolveStats reached = stats;
+  solve_short();
   const int runs = B::kIsDevice ? 1 : suite.runs_per_batch(solve_short);
   if (stats.applications != kShort) return state.SkipWithError("the solver stopped early");
   std::vector<double> seconds;

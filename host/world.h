@@ -75,7 +75,6 @@ struct ContactRecord {
   Vec3d normal;    ///< unit, from A to B
   double gap = 0;  ///< at the start of the step [m]
   Vec3d impulse;   ///< world frame, acting on B [N s]
-  double friction = 0;
 };
 
 /// All that decides how a run goes on: a World made from the same Scene and restored from this

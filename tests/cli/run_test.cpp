@@ -53,6 +53,17 @@ class CliRun : public testing::Test {
     ASSERT_EQ(result.code, 0) << result.err;
   }
 
+  /// Resumes the stopped run "a" for five steps and compares it with one that was never stopped.
+  void expect_resume_equals_whole(const Arguments& options) {
+    const std::int64_t done = read_checkpoint(scratch / "a/checkpoint.h5").state.step;
+    Arguments more = options;
+    more.insert(more.end(), {"--steps", std::to_string(done + 5)});
+    must_run("whole", more);
+    more.push_back("--resume");
+    must_run("a", more);
+    expect_same_run(scratch / "whole", scratch / "a");
+  }
+
   Scratch scratch;
   fs::path scene = put_scene(scratch, small_scene());
 };
@@ -190,12 +201,7 @@ TEST_F(CliRun, InterruptWritesACheckpointAndCanBeResumed) {
 
   const std::int64_t done = read_checkpoint(out / "checkpoint.h5").state.step;
   EXPECT_EQ(read_steps_csv(out / "steps.csv").back().step, done);
-  Arguments more = endless;
-  more.insert(more.end(), {"--steps", std::to_string(done + 5)});
-  must_run("whole", more);
-  more.push_back("--resume");
-  must_run("a", more);
-  expect_same_run(scratch / "whole", out);
+  expect_resume_equals_whole(endless);
 }
 
 TEST_F(CliRun, KillLeavesReadableFilesThatCanBeResumed) {
@@ -212,13 +218,7 @@ TEST_F(CliRun, KillLeavesReadableFilesThatCanBeResumed) {
   EXPECT_FALSE(read_steps_csv(out / "steps.csv").empty());
   EXPECT_GE(frame_count(out / "frames.vtkhdf"), 1);
   EXPECT_EQ(json_file(out / "run.json").at("status"), "running");
-  const std::int64_t done = read_checkpoint(out / "checkpoint.h5").state.step;
-  Arguments more = endless;
-  more.insert(more.end(), {"--steps", std::to_string(done + 5)});
-  must_run("whole", more);
-  more.push_back("--resume");
-  must_run("a", more);
-  expect_same_run(scratch / "whole", out);
+  expect_resume_equals_whole(endless);
 }
 
 TEST_F(CliRun, TwoRunsInOneFolderAreRefused) {

@@ -41,7 +41,7 @@ class ApgdArrays {
       metric.values = metric_.view(values);
     }
     reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
-                          ApgdStart{state_.data(), 0, 1});
+                          ApgdStart{state_.data(), 0});
   }
 
   /// Unrelated random numbers in all arrays a pass reads, and a momentum as in the middle of a
@@ -80,7 +80,7 @@ class ApgdArrays {
   void residual_pass(B& b, ApgdCheck* check) {
     reduce<ResidualSums>(b, problem_.contact_count,
                          ApgdResidual<R, Real>{problem_, gamma, velocity, state_.data()},
-                         ApgdCheckFinish{state_.data(), check, problem_.contact_count});
+                         ApgdCheckFinish{state_.data(), check});
   }
 
   ApgdImpulses<Real> gamma;

@@ -20,7 +20,6 @@ struct ApgdState {
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
   Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
-  double best_residual = -1;  ///< smallest checked RMS residual [m/s]; negative: none yet
 };
 
 /// Three impulse buffers: previous, current and next iterate by turns.
@@ -169,16 +168,13 @@ struct ApgdCheck {
   ResidualSums residual;
 };
 
-/// Stores the residual and marks whether this iterate is the best so far.
+/// Stores the residual with the state it belongs to.
 struct ApgdCheckFinish {
-  ApgdState* state;
+  const ApgdState* state;
   ApgdCheck* check;
-  Index contact_count;
   SCREE_HD void operator()(const ResidualSums& sums) const {
-    check->state = *state;  // with the best residual before this one: the host compares
+    check->state = *state;
     check->residual = sums;
-    const double rms = std::sqrt(sums.sum_squares / contact_count);
-    if (state->best_residual < 0 || rms < state->best_residual) state->best_residual = rms;
   }
 };
 
@@ -217,18 +213,25 @@ struct ApgdMetric {
   }
 };
 
+/// gamma *= scale, vector by vector.
+template <class Real>
+struct ScaleImpulses {
+  static constexpr const char* name = "scale_impulses";
+  Span<Vec3<Real>> gamma;
+  Real scale;
+  SCREE_HD void operator()(Index k) const { gamma[k] = scale * gamma[k]; }
+};
+
 /// First state of a solve.
 struct ApgdStart {
   ApgdState* state;
   double carried_lipschitz;  ///< L at the end of the last solve, or 0
-  double first_theta;
   SCREE_HD void operator()(const LargestWeight& bound) const {
     ApgdState s;
     s.lipschitz_max = bound.value > 0 ? bound.value * (1 + 1e-5) : 1;
     // A quarter of the bound: backtracking finds the local step within a few trials.
     s.lipschitz = carried_lipschitz > 0 ? carried_lipschitz : s.lipschitz_max / 4;
     if (s.lipschitz > s.lipschitz_max) s.lipschitz = s.lipschitz_max;
-    s.theta = first_theta;
     *state = s;
   }
 };

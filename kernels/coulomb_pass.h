@@ -5,27 +5,53 @@
 
 namespace scree {
 
-/// shift[c] = De Saxce correction at the velocities, bias[c] = original bias + shift; sums squared
-/// changes.
+/// What the fixed point adds up over the contacts to choose its relaxation.
+struct ShiftSums {
+  double change_squares = 0;      ///< sum of change^2 [m^2/s^2]
+  double last_by_difference = 0;  ///< sum of last change * (change - last change)
+  double difference_squares = 0;  ///< sum of (change - last change)^2
+  SCREE_HD void combine(const ShiftSums& o) {
+    change_squares += o.change_squares;
+    last_by_difference += o.last_by_difference;
+    difference_squares += o.difference_squares;
+  }
+};
+
+/// change[c] = De Saxce correction at the velocities minus the shift in use.
 template <class R, class Real>
-struct ShiftBias {
-  static constexpr const char* name = "shift_bias";
+struct ShiftChange {
+  static constexpr const char* name = "shift_change";
   ContactProblem<Real> p;  ///< the original problem
   Span<const Twist<Real>> velocity;
-  Span<Real> shift;              ///< [m/s]
-  Span<Real> bias;               ///< [m/s]
+  Span<const Real> shift;        ///< [m/s]
+  Span<Real> change;             ///< [m/s] in: the last one, zero for none
   Span<const Vec3<Real>> guess;  ///< not empty: contacts without an impulse here get no shift
-  SCREE_HD Sums<1> operator()(Index c) const {
+  SCREE_HD ShiftSums operator()(Index c) const {
     const auto u = R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);
-    Real next = de_saxce_shift(p, c, u);
+    Real target = de_saxce_shift(p, c, u);
     if (!guess.empty()) {
       const auto g = R::load(guess, c);
-      if (!(dot(g, g) > Real(0))) next = 0;
+      if (!(dot(g, g) > Real(0))) target = 0;
     }
-    const double change = static_cast<double>(next) - shift[c];
-    shift[c] = next;
-    bias[c] = p.bias[c] + next;
-    return {{change * change}};
+    const double last = change[c];
+    change[c] = target - shift[c];
+    const double now = change[c];
+    return {now * now, last * (now - last), (now - last) * (now - last)};
+  }
+};
+
+/// shift[c] += relaxation change[c], bias[c] = original bias + shift[c].
+template <class Real>
+struct ShiftBias {
+  static constexpr const char* name = "shift_bias";
+  Real relaxation;
+  Span<const Real> original_bias;  ///< [m/s]
+  Span<const Real> change;         ///< [m/s]
+  Span<Real> shift;                ///< [m/s]
+  Span<Real> bias;                 ///< [m/s]
+  SCREE_HD void operator()(Index c) const {
+    shift[c] += relaxation * change[c];
+    bias[c] = original_bias[c] + shift[c];
   }
 };
 

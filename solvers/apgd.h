@@ -10,6 +10,7 @@
 // `applications` counts all of them.
 
 #include <algorithm>
+#include <utility>
 
 #include "kernels/apgd_passes.h"
 #include "solvers/residual.h"
@@ -74,11 +75,14 @@ class Apgd final : public Solver<B, Real> {
     if (p.contact_count == 0) return {0, 0, true, {}};
 
     ApgdState* state = w.state.data();
+    const auto start_from_guess = [&] {
+      copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[0]);
+      copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[2]);
+      for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
+      copy(b, Span<const Twist<Real>>(velocities.of_iterate[0]), velocities.of_extrapolated[0]);
+    };
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
-    copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[0]);
-    copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[2]);
-    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
-    copy(b, Span<const Twist<Real>>(velocities.of_iterate[0]), velocities.of_extrapolated[0]);
+    start_from_guess();
     StoredMetric<R, Real> metric;
     if (params_.metric == ApgdMetricKind::diagonal) {
       const Offset values = static_cast<Offset>(p.contact_count) * R::kMetricValues;
@@ -86,18 +90,31 @@ class Apgd final : public Solver<B, Real> {
       metric.values = w.metric.view(values);
     }
     reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
-                          ApgdStart{state, lipschitz_, 1.0});
+                          ApgdStart{state, lipschitz_});
 
     SolveStats stats;
     double best = -1;
+    bool is_guess = true;
     for (;;) {
       // The residual is looked at on the host, the only synchronization of the loop.
       reduce<ResidualSums>(b, p.contact_count,
                            ApgdResidual<R, Real>{p, impulses, velocities, state},
-                           ApgdCheckFinish{state, w.check.data(), p.contact_count});
+                           ApgdCheckFinish{state, w.check.data()});
       const ApgdCheck check = fetch(b, w.check.data());
       const Residual residual =
           ResidualEvaluator<B, Real>::from_sums(check.residual, p.contact_count);
+      if (std::exchange(is_guess, false) && residual.rms > tolerance) {
+        // Impulses that grew while bodies were jammed between prescribed ones are far too large
+        // once they come free. Many iterations would take them back; one scaling does it.
+        const double energy = w.residual.template impulse_energy<R>(b, p, velocities.of_iterate[0]);
+        const double scale = best_scale(residual.objective, energy);
+        if (scale < 0.5) {
+          for_each(b, static_cast<Index>(gamma.size),
+                   ScaleImpulses<Real>{gamma, static_cast<Real>(scale)});
+          start_from_guess();
+          continue;
+        }
+      }
       stats.iterations = check.state.accepted;
       lipschitz_ = check.state.lipschitz;
       this->add_to_curve(stats.iterations, stats.applications, residual.rms);
@@ -126,6 +143,13 @@ class Apgd final : public Solver<B, Real> {
     velocity_ = velocities.of_iterate[0];
     stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity_);
     return stats;
+  }
+
+  /// The factor of gamma, 0 to 1, at which the objective is smallest.
+  /// @param work    gamma . (N gamma + r) [J]
+  /// @param energy  1/2 gamma . N gamma [J]
+  static double best_scale(double work, double energy) {
+    return energy > 0 ? std::clamp(1 - work / (2 * energy), 0.0, 1.0) : 1;
   }
 
   SolverParams params_;

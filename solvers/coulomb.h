@@ -4,9 +4,10 @@
 // A sliding contact of the convex problem lifts off at mu |u_t|. Adding that speed to the bias and
 // solving again, until it no longer changes, gives Coulomb's law: gamma in K, u + mu |u_t| n in K*,
 // orthogonal. One slipping contact with k = N_tt / N_nn contracts by k mu^2 / (1 + k mu^2) per
-// outer iteration. Source: De Saxce & Feng, Math. Comput. Modelling 28, 1998; docs/theory.md,
-// section "Residual". Memory passes per outer iteration: those of the inner solve, and two over
-// contacts.
+// outer iteration. Contacts that work against each other can make the plain iteration cycle:
+// Aitken's relaxation (B. M. Irons & R. C. Tuck, Int. J. Numer. Meth. Engng 1, 1969) then shortens
+// its steps. Source: De Saxce & Feng, Math. Comput. Modelling 28, 1998; docs/theory.md, section
+// "Residual". Memory passes per outer iteration: those of the inner solve, and three over contacts.
 
 #include <algorithm>
 #include <string>
@@ -48,11 +49,12 @@ class CoulombFixedPoint final : public Solver<B, Real> {
 
  private:
   struct Workspace {
-    explicit Workspace(B& b) : velocity(b), shift(b), bias(b), change(b, 1), residual(b) {}
+    explicit Workspace(B& b) : velocity(b), shift(b), change(b), bias(b), sums(b, 1), residual(b) {}
     Buffer<B, Twist<Real>> velocity;  ///< of the guess
     Buffer<B, Real> shift;
+    Buffer<B, Real> change;
     Buffer<B, Real> bias;
-    Buffer<B, Sums<1>> change;
+    Buffer<B, ShiftSums> sums;
     ResidualEvaluator<B, Real> residual;
   };
 
@@ -67,24 +69,34 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     if (p.contact_count == 0) return {0, 0, true, {}};
 
     w.shift.reserve_discard(p.contact_count);
+    w.change.reserve_discard(p.contact_count);
     w.bias.reserve_discard(p.contact_count);
-    const Span<Real> shift = w.shift.view(p.contact_count), bias = w.bias.view(p.contact_count);
+    const Span<Real> shift = w.shift.view(p.contact_count), change = w.change.view(p.contact_count),
+                     bias = w.bias.view(p.contact_count);
     ContactProblem<Real> shifted = p;
     shifted.bias = bias;
-    // RMS change of the shift when it is taken at the present velocities.
+    double relaxation = 1;
+    // Moves the shift towards what the present velocities ask for; returns the RMS distance to it.
     const auto update_bias = [&](Span<const Vec3<Real>> guess) {
-      reduce<Sums<1>>(b, p.contact_count, ShiftBias<R, Real>{p, velocity_, shift, bias, guess},
-                      StoreResult<Sums<1>>{w.change.data()});
-      return std::sqrt(fetch(b, w.change.data()).value[0] / p.contact_count);
+      reduce<ShiftSums>(b, p.contact_count,
+                        ShiftChange<R, Real>{p, velocity_, shift, change, guess},
+                        StoreResult<ShiftSums>{w.sums.data()});
+      const ShiftSums sums = fetch(b, w.sums.data());
+      relaxation = next_relaxation(relaxation, sums);
+      for_each(b, p.contact_count,
+               ShiftBias<Real>{static_cast<Real>(relaxation), p.bias, change, shift, bias});
+      return std::sqrt(sums.change_squares / p.contact_count);
     };
 
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
     for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, guess_velocity});
     fill(b, shift, Real(0));
+    fill(b, change, Real(0));
     // A contact with a guessed impulse probably goes on sliding as it does; any other starts from
     // the convex problem. Where Coulomb's law has several solutions, a cold start thus finds the
     // one next to it.
     update_bias(gamma);
+    fill(b, change, Real(0));  // not a step of the fixed point
 
     SolveStats stats;
     stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
@@ -101,12 +113,19 @@ class CoulombFixedPoint final : public Solver<B, Real> {
       stats.applications += inner.applications;
       stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.exact_rms);
-      const double change = update_bias({});
-      stats.converged = stats.residual.exact_rms <= tolerance && change <= tolerance;
+      const double distance = update_bias({});
+      stats.converged = stats.residual.exact_rms <= tolerance && distance <= tolerance;
     }
     stats.converged = stats.residual.exact_rms <= tolerance;
     stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity_);
     return stats;
+  }
+
+  /// Aitken's rule: the step that a secant through the last two changes would take. Between a
+  /// sixteenth and the whole step: longer ones would overshoot where contacts begin to stick.
+  static double next_relaxation(double last, const ShiftSums& sums) {
+    if (sums.last_by_difference == 0) return last;  // no last change
+    return std::clamp(-last * sums.last_by_difference / sums.difference_squares, 1.0 / 16, 1.0);
   }
 
   static constexpr double kShareOfTolerance =

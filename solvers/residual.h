@@ -13,7 +13,7 @@ class ResidualEvaluator {
  public:
   explicit ResidualEvaluator(B& backend) : contact_sums_(backend, 1), body_sums_(backend, 1) {}
 
-  /// Contact part only: one pass, one host read.
+  /// Contact part only: one pass, one host read; `objective` is gamma . (N gamma + r) then.
   /// @param velocity  V = v* + M^-1 J^T gamma
   template <class R>
   Residual evaluate(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
@@ -29,11 +29,18 @@ class ResidualEvaluator {
   Residual evaluate_with_objective(B& b, const ContactProblem<Real>& p,
                                    Span<const Vec3<Real>> gamma, Span<const Twist<Real>> velocity) {
     if (p.contact_count == 0) return {};
+    Residual r = evaluate<R>(b, p, gamma, velocity);
+    r.objective -= impulse_energy<R>(b, p, velocity);
+    return r;
+  }
+
+  /// 1/2 gamma^T N gamma = 1/2 |V - v*|_M^2 [J].
+  /// @param velocity  V = v* + M^-1 J^T gamma
+  template <class R>
+  double impulse_energy(B& b, const ContactProblem<Real>& p, Span<const Twist<Real>> velocity) {
     reduce<Sums<1>>(b, p.free_count, ImpulseEnergy<R, Real>{p, velocity},
                     StoreResult<Sums<1>>{body_sums_.data()});
-    Residual r = evaluate<R>(b, p, gamma, velocity);
-    r.objective -= fetch(b, body_sums_.data()).value[0];
-    return r;
+    return fetch(b, body_sums_.data()).value[0];
   }
 
   static Residual from_sums(const ResidualSums& s, Index contact_count) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kernels/apgd_passes.h"
 #include "solvers/coulomb.h"
 #include "solvers/solver.h"
 #include "tests/problem_builder.h"
@@ -66,6 +67,23 @@ TYPED_TEST(SolverBasicsTest, OneContactCarriesTheWeight) {
     EXPECT_NEAR(buffers.impulses()[0].z(), -0.1962, 1e-5) << name;
     EXPECT_NEAR(buffers.velocities(solver->velocity())(2), 0, 1e-5) << name;
   }
+}
+
+/// Impulses that grew while bodies were jammed are taken back at once, not by many iterations.
+TYPED_TEST(SolverBasicsTest, ApgdScalesAnOversizedGuess) {
+  TestBackend& b = this->backend();
+  const PlainProblem plain = random_problem(
+      {.layout = ContactLayout::general, .free_count = 300, .contact_count = 900, .seed = 6});
+  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  const auto solver = make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = 2000});
+  const SolveStats cold = solver->solve(b, buffers.problem(), buffers.gamma(), 1e-3);
+  ASSERT_TRUE(cold.converged);
+  ASSERT_GT(cold.iterations, 20);
+  const Span<Vec3<TypeParam>> gamma = buffers.gamma();
+  for_each(b, static_cast<Index>(gamma.size), ScaleImpulses<TypeParam>{gamma, TypeParam(1000)});
+  const SolveStats large = solver->solve(b, buffers.problem(), gamma, 1e-3);
+  EXPECT_TRUE(large.converged);
+  EXPECT_LE(large.iterations, 10);
 }
 
 TYPED_TEST(SolverBasicsTest, SameBitsForAnyNumberOfThreadsAndOnEveryRun) {

@@ -2,8 +2,8 @@
 // The bodies of a running simulation in backend memory, and the maps between storage order and ids.
 
 #include <algorithm>
-#include <span>
-#include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include "host/engine_errors.h"
 #include "host/scene.h"
@@ -16,6 +16,9 @@ namespace scree {
 
 /// Storage index of the shape record of a body, see BodyView::shape.
 inline constexpr Index kSphereShape = -1;
+
+/// Bodies that pass through host memory at once on their way to and from the backend.
+inline constexpr Index kTransferChunk = 65536;
 
 template <class B, class Real>
 class BodyStore {
@@ -76,19 +79,69 @@ class BodyStore {
     return v;
   }
 
-  /// One body as it is uploaded.
-  struct Entry {
-    const BodyDescription* body;
-    Index id;
-    Index shape;    ///< shape record, or kSphereShape
-    double radius;  ///< sphere or bounding radius
+  /// Collects bodies in the host's memory and uploads them chunk by chunk.
+  class Loader {
+   public:
+    /// @param begin  storage index of the first body
+    Loader(BodyStore& store, Index begin) : store_(&store), begin_(begin) {}
+
+    /// @param shape   shape record, or kSphereShape
+    /// @param radius  sphere or bounding radius [m]
+    void add(const BodyDescription& d, Index id, Index shape, double radius) {
+      const bool moves = d.kind == BodyKind::free;
+      position_.push_back(d.position);
+      orientation_.emplace_back(d.orientation);
+      velocity_.emplace_back(moves ? Vec3<Real>(d.velocity) : Vec3<Real>{});
+      angular_velocity_.emplace_back(moves ? Vec3<Real>(d.angular_velocity) : Vec3<Real>{});
+      inertia_.emplace_back(moves ? Vec3<Real>(d.inertia) : Vec3<Real>{});
+      inv_mass_.push_back(moves ? static_cast<Real>(1 / d.mass) : Real(0));
+      radius_.push_back(static_cast<Real>(radius));
+      shape_.push_back(shape);
+      group_.push_back(d.group);
+      id_.push_back(id);
+      locks_.push_back(d.locks);
+      material_.push_back(static_cast<std::uint8_t>(d.material));
+      if (id_.size() == static_cast<std::size_t>(kTransferChunk)) flush();
+    }
+
+    /// Uploads what is left. @return storage index behind the last body
+    Index flush() {
+      const auto count = static_cast<Index>(id_.size());
+      move_to(store_->position_, position_);
+      move_to(store_->orientation_, orientation_);
+      move_to(store_->velocity_, velocity_);
+      move_to(store_->angular_velocity_, angular_velocity_);
+      move_to(store_->inv_mass_, inv_mass_);
+      move_to(store_->inertia_, inertia_);
+      move_to(store_->radius_, radius_);
+      move_to(store_->shape_, shape_);
+      move_to(store_->locks_, locks_);
+      move_to(store_->material_, material_);
+      move_to(store_->group_, group_);
+      move_to(store_->id_, id_);
+      begin_ += count;
+      return begin_;
+    }
+
+   private:
+    template <class T>
+    void move_to(Buffer<B, T>& buffer, std::vector<T>& values) {
+      store_->put(buffer, begin_, values);
+      values.clear();
+    }
+
+    BodyStore* store_;
+    Index begin_;
+    std::vector<Vec3<double>> position_;
+    std::vector<Quat<Real>> orientation_;
+    std::vector<Vec3<Real>> velocity_, angular_velocity_, inertia_;
+    std::vector<Real> inv_mass_, radius_;
+    std::vector<Index> shape_, group_, id_;
+    std::vector<std::uint8_t> locks_, material_;
   };
 
-  void append_free(std::span<const Entry> entries) {
-    write(free_count_, entries);
-    free_count_ += static_cast<Index>(entries.size());
-  }
-  void set_fixed(std::span<const Entry> entries) { write(fixed_begin_, entries); }
+  /// Takes the free bodies into the simulation that were loaded up to a storage index.
+  void set_free_count(Index count) { free_count_ = count; }
 
   /// Rewrites pose and velocity of body `fixed_begin + k` for each k.
   void set_fixed_motion(const std::vector<Vec3<double>>& position,
@@ -106,32 +159,34 @@ class BodyStore {
   /// Free bodies in storage order, as doubles (exact).
   void save_free(WorldState& s) {
     s.id = take(id_, 0, free_count_);
-    s.position = take(position_, 0, free_count_);
-    s.orientation = as_double<Quatd>(take(orientation_, 0, free_count_));
-    s.velocity = as_double<Vec3d>(take(velocity_, 0, free_count_));
-    s.angular_velocity = as_double<Vec3d>(take(angular_velocity_, 0, free_count_));
+    take_free(position_, s.position);
+    take_free(orientation_, s.orientation);
+    take_free(velocity_, s.velocity);
+    take_free(angular_velocity_, s.angular_velocity);
   }
   /// Overwrites the state of the free bodies; their constants must be in place already, in order of
   /// s.id.
   void restore_free(const WorldState& s) {
-    put(position_, 0, s.position);
-    put(orientation_, 0, as_real<Quat<Real>>(s.orientation));
-    put(velocity_, 0, as_real<Vec3<Real>>(s.velocity));
-    put(angular_velocity_, 0, as_real<Vec3<Real>>(s.angular_velocity));
+    put_free(s.position, position_);
+    put_free(s.orientation, orientation_);
+    put_free(s.velocity, velocity_);
+    put_free(s.angular_velocity, angular_velocity_);
   }
   /// Brings the free bodies into the storage order of a saved state.
   /// @param id  [free_count] ids in that order @throws InputError when they are not those of the
   /// free bodies
   void arrange(const std::vector<int>& id) {
     const std::vector<Index> now = take(id_, 0, free_count_);
-    std::unordered_map<Index, Index> place;
-    for (Index i = 0; i < free_count_; ++i) place[now[static_cast<std::size_t>(i)]] = i;
+    const Index id_end = now.empty() ? 0 : *std::max_element(now.begin(), now.end()) + 1;
+    std::vector<Index> place(static_cast<std::size_t>(id_end), -1);  // in storage, by id
+    for (std::size_t i = 0; i < now.size(); ++i)
+      place[static_cast<std::size_t>(now[i])] = static_cast<Index>(i);
     std::vector<Index> order;
+    order.reserve(id.size());
     for (const int wanted : id) {
-      const auto found = place.find(wanted);
-      if (found == place.end()) throw_unknown_body(wanted);
-      order.push_back(found->second);
-      place.erase(found);
+      if (wanted < 0 || wanted >= id_end || place[static_cast<std::size_t>(wanted)] < 0)
+        throw_unknown_body(wanted);
+      order.push_back(std::exchange(place[static_cast<std::size_t>(wanted)], -1));
     }
     Buffer<B, Index> on_backend(*b_);
     upload(*b_, order, on_backend);
@@ -146,13 +201,21 @@ class BodyStore {
 
   /// States of the bodies inserted so far, by id.
   BodyStates states() {
-    const std::vector<Index> id = ids();
+    const auto n = static_cast<std::size_t>(free_count_ + count_ - fixed_begin_);
     BodyStates out;
-    const std::size_t n = static_cast<std::size_t>(free_count_ + count_ - fixed_begin_);
-    scatter(take(position_, 0, count_), id, n, out.position);
-    scatter(take(orientation_, 0, count_), id, n, out.orientation);
-    scatter(take(velocity_, 0, count_), id, n, out.velocity);
-    scatter(take(angular_velocity_, 0, count_), id, n, out.angular_velocity);
+    out.position.resize(n);
+    out.orientation.resize(n);
+    out.velocity.resize(n);
+    out.angular_velocity.resize(n);
+    const auto scatter_chunk = [&](Index begin, Index count) {
+      const std::vector<Index> id = take(id_, begin, count);
+      scatter(take(position_, begin, count), id, out.position);
+      scatter(take(orientation_, begin, count), id, out.orientation);
+      scatter(take(velocity_, begin, count), id, out.velocity);
+      scatter(take(angular_velocity_, begin, count), id, out.angular_velocity);
+    };
+    for_each_chunk(0, free_count_, scatter_chunk);
+    for_each_chunk(fixed_begin_, count_, scatter_chunk);
     return out;
   }
 
@@ -173,59 +236,31 @@ class BodyStore {
   std::vector<T> take(Buffer<B, T>& buffer, Index begin, Index count) {
     return download(*b_, Span<T>{buffer.data() + begin, count});
   }
-  template <class To, class From>
-  static std::vector<To> as_double(const std::vector<From>& v) {
-    return std::vector<To>(v.begin(), v.end());
-  }
-  template <class To, class From>
-  static std::vector<To> as_real(const std::vector<From>& v) {
-    return std::vector<To>(v.begin(), v.end());
+  /// Calls f(begin, count) for the chunks of a range of storage.
+  template <class F>
+  static void for_each_chunk(Index begin, Index end, F&& f) {
+    for (Index i = begin; i < end; i += std::min(kTransferChunk, end - i))
+      f(i, std::min(kTransferChunk, end - i));
   }
   template <class T, class D>
-  void scatter(const std::vector<T>& from, const std::vector<Index>& id, std::size_t n,
-               std::vector<D>& to) {
-    to.resize(n);
-    for (Index i = 0; i < count_; ++i) {
-      if (i >= free_count_ && i < fixed_begin_) continue;
-      to[static_cast<std::size_t>(id[i])] = D(from[i]);
-    }
+  void take_free(Buffer<B, T>& buffer, std::vector<D>& to) {
+    to.clear();
+    to.reserve(static_cast<std::size_t>(free_count_));
+    for_each_chunk(0, free_count_, [&](Index begin, Index count) {
+      for (const T& value : take(buffer, begin, count)) to.emplace_back(value);
+    });
   }
-
-  void write(Index begin, std::span<const Entry> entries) {
-    std::vector<Vec3<double>> position;
-    std::vector<Quat<Real>> orientation;
-    std::vector<Vec3<Real>> velocity, angular_velocity, inertia;
-    std::vector<Real> inv_mass, radius;
-    std::vector<Index> shape, group, id;
-    std::vector<std::uint8_t> locks, material;
-    for (const Entry& e : entries) {
-      const BodyDescription& d = *e.body;
-      const bool moves = d.kind == BodyKind::free;
-      position.push_back(d.position);
-      orientation.emplace_back(d.orientation);
-      velocity.emplace_back(moves ? Vec3<Real>(d.velocity) : Vec3<Real>{});
-      angular_velocity.emplace_back(moves ? Vec3<Real>(d.angular_velocity) : Vec3<Real>{});
-      inertia.emplace_back(moves ? Vec3<Real>(d.inertia) : Vec3<Real>{});
-      inv_mass.push_back(moves ? static_cast<Real>(1 / d.mass) : Real(0));
-      radius.push_back(static_cast<Real>(e.radius));
-      shape.push_back(e.shape);
-      group.push_back(d.group);
-      id.push_back(e.id);
-      locks.push_back(d.locks);
-      material.push_back(static_cast<std::uint8_t>(d.material));
-    }
-    put(position_, begin, position);
-    put(orientation_, begin, orientation);
-    put(velocity_, begin, velocity);
-    put(angular_velocity_, begin, angular_velocity);
-    put(inv_mass_, begin, inv_mass);
-    put(inertia_, begin, inertia);
-    put(radius_, begin, radius);
-    put(shape_, begin, shape);
-    put(locks_, begin, locks);
-    put(material_, begin, material);
-    put(group_, begin, group);
-    put(id_, begin, id);
+  template <class T, class D>
+  void put_free(const std::vector<D>& from, Buffer<B, T>& buffer) {
+    for_each_chunk(0, free_count_, [&](Index begin, Index count) {
+      const auto first = from.begin() + begin;
+      put(buffer, begin, std::vector<T>(first, first + count));
+    });
+  }
+  template <class T, class D>
+  static void scatter(const std::vector<T>& from, const std::vector<Index>& id,
+                      std::vector<D>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) to[static_cast<std::size_t>(id[i])] = D(from[i]);
   }
 
   B* b_;

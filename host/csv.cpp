@@ -52,6 +52,18 @@ int CsvReader::require(const std::string& column) const {
   return at;
 }
 
+std::size_t CsvReader::line_count() const {
+  std::ifstream stream(file_, std::ios::binary);
+  std::vector<char> block(std::size_t{1} << 20);
+  std::size_t count = 1;
+  do {
+    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+    count +=
+        static_cast<std::size_t>(std::count(block.begin(), block.begin() + stream.gcount(), '\n'));
+  } while (stream);
+  return count;
+}
+
 bool CsvReader::next() {
   if (!read_line()) return false;
   split();

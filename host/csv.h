@@ -1,6 +1,7 @@
 #pragma once
 // Tables in text files: a header line with column names, then one row a line.
 
+#include <cstddef>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -23,6 +24,9 @@ class CsvReader {
   int find(const std::string& column) const;
   /// Position of a column. @throws InputError when the file lacks it
   int require(const std::string& column) const;
+
+  /// Lines of the file: at least as many as it has rows.
+  std::size_t line_count() const;
 
   /// Goes to the next row. False at the end. @throws InputError when the row has too few or too
   /// many values

@@ -13,7 +13,7 @@ class Engine {
   virtual double time() const = 0;
   virtual int body_count() const = 0;
   virtual BodyStates states() = 0;
-  virtual BodyConstants constants() const = 0;
+  virtual const BodyConstants& constants() const = 0;
   virtual std::vector<ContactRecord> contacts() = 0;
   virtual WorldState save() = 0;
   virtual void restore(const WorldState& state) = 0;

@@ -45,6 +45,7 @@ class EngineOf final : public Engine {
       : backend_(std::move(backend)),
         scene_(std::move(scene)),
         summary_(summarize(scene_)),
+        constants_(scene_),
         store_(*backend_, summary_.free_capacity, summary_.fixed_count),
         obstacles_(*backend_, scene_, store_.fixed_begin()),
         detector_(*backend_, collision_settings(), obstacles_.data()),
@@ -115,16 +116,7 @@ class EngineOf final : public Engine {
     return store_.free_count() + store_.count() - store_.fixed_begin();
   }
   BodyStates states() override { return store_.states(); }
-  BodyConstants constants() const override {
-    BodyConstants c = summary_.constants;
-    const auto n = static_cast<std::size_t>(body_count());
-    c.radius.resize(n);
-    c.mass.resize(n);
-    c.group.resize(n);
-    c.kind.resize(n);
-    c.shape.resize(n);
-    return c;
-  }
+  const BodyConstants& constants() const override { return constants_; }
 
   std::vector<ContactRecord> contacts() override {
     B& b = *backend_;
@@ -150,8 +142,8 @@ class EngineOf final : public Engine {
     s.step = step_;
     s.time = time_;
     s.insertions_done = insertions_done_;
+    detector_.save(*backend_, s.contact_key, s.contact_impulse);  // first: needs room to convert
     store_.save_free(s);
-    detector_.save(*backend_, s.contact_key, s.contact_impulse);
     s.solver_memory = solver_->memory();
     return s;
   }
@@ -250,24 +242,33 @@ class EngineOf final : public Engine {
   }
 
   void load_bodies() {
-    std::vector<typename BodyStore<B, Real>::Entry> free, fixed;
-    Index id = 0;
     for (const BodyDescription& body : scene_.bodies) {
-      const auto radius = summary_.constants.radius[static_cast<std::size_t>(id)];
-      if (body.kind == BodyKind::free) {
-        free.push_back({&body, id, obstacles_.shape(id), radius});
-      } else {
-        fixed.push_back({&body, id, obstacles_.shape(id), radius});
-        walls_.push_back(body);
-        has_motion_ = has_motion_ || body.kind == BodyKind::kinematic;
-      }
-      ++id;
+      if (body.kind == BodyKind::free) continue;
+      walls_.push_back(body);
+      has_motion_ = has_motion_ || body.kind == BodyKind::kinematic;
     }
-    store_.append_free(free);
-    store_.set_fixed(fixed);
-    next_id_ = id;
-    scene_.bodies = {};  // a million descriptions are not needed any more
+    load(scene_.bodies, scene_.particles);
     set_motion(0);
+  }
+
+  /// Uploads bodies, which get the next ids, and frees the host's memory of them as it goes.
+  void load(std::vector<BodyDescription>& bodies, std::vector<ParticleSet>& sets) {
+    typename BodyStore<B, Real>::Loader free(store_, store_.free_count());
+    typename BodyStore<B, Real>::Loader fixed(store_, store_.fixed_begin());
+    for (const BodyDescription& body : bodies) {
+      auto& loader = body.kind == BodyKind::free ? free : fixed;
+      loader.add(body, next_id_, obstacles_.shape(next_id_), bounding_radius(scene_, body));
+      ++next_id_;
+    }
+    bodies = {};
+    for (ParticleSet& set : sets) {
+      for (std::size_t i = 0; i < set.position.size(); ++i)
+        free.add(particle_body(set, i), next_id_++, kSphereShape, set.radius[i]);
+      set = {};
+    }
+    sets = {};
+    store_.set_free_count(free.flush());
+    fixed.flush();
   }
 
   void insert_due() {
@@ -281,15 +282,8 @@ class EngineOf final : public Engine {
   }
 
   void insert_next() {
-    std::vector<BodyDescription>& bodies = scene_.insertions[insertions_done_].bodies;
-    std::vector<typename BodyStore<B, Real>::Entry> entries;
-    for (const BodyDescription& body : bodies) {
-      entries.push_back({&body, next_id_, obstacles_.shape(next_id_),
-                         summary_.constants.radius[static_cast<std::size_t>(next_id_)]});
-      ++next_id_;
-    }
-    store_.append_free(entries);
-    bodies = {};
+    Insertion& insertion = scene_.insertions[insertions_done_];
+    load(insertion.bodies, insertion.particles);
     ++insertions_done_;
   }
 
@@ -361,6 +355,7 @@ class EngineOf final : public Engine {
   std::unique_ptr<B> backend_;
   Scene scene_;  ///< without the descriptions already loaded
   SceneSummary summary_;
+  BodyConstants constants_;
   BodyStore<B, Real> store_;
   Obstacles<B, Real> obstacles_;
   ContactDetector<B, Real> detector_;

@@ -10,10 +10,7 @@ namespace {
 /// Contacts a sphere has in a dense bed, listed ones that do not touch included.
 constexpr double kContactsPerBody = 3.2;
 
-}  // namespace
-
-std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
-  const SceneSummary s = summarize(scene);
+double bytes_per_body(const SceneSummary& s, const WorldOptions& options) {
   const double real = options.precision == Precision::double_precision ? 8 : 4;
   const double vec = 3 * real, twist = 6 * real;
   const bool radial = s.layout == ContactLayout::radial;
@@ -27,14 +24,24 @@ std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
   // three of the solver; list of contacts as B with its sort space.
   const double contact =
       8 + 8 + vec + real + 20 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
-  const double bodies = s.free_capacity + s.fixed_count;
-  return static_cast<std::size_t>(bodies * (body + kContactsPerBody * contact));
+  return body + kContactsPerBody * contact;
+}
+
+double body_count(const SceneSummary& s) {
+  return static_cast<double>(s.free_capacity) + static_cast<double>(s.fixed_count);
+}
+
+}  // namespace
+
+std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
+  const SceneSummary s = summarize(scene);
+  return static_cast<std::size_t>(body_count(s) * bytes_per_body(s, options));
 }
 
 void require_memory(const Scene& scene, const WorldOptions& options) {
   const SceneSummary s = summarize(scene);
-  const double bodies = s.free_capacity + s.fixed_count;
-  const double needed = static_cast<double>(expected_memory(scene, options));
+  const double bodies = body_count(s);
+  const double needed = bodies * bytes_per_body(s, options);
   const double there = static_cast<double>(device_info(options.backend).memory_bytes);
   if (needed <= there) return;
   const double mib = 1024.0 * 1024.0;

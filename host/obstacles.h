@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collision/obstacles.h"
+#include "host/bodies_by_id.h"
 #include "host/scene.h"
 #include "kernels/backend/backend.h"
 #include "kernels/body_view.h"
@@ -17,9 +18,9 @@ class Obstacles {
   /// @param fixed_begin  storage index of the first fixed or kinematic body
   Obstacles(B& b, const Scene& scene, Index fixed_begin)
       : shapes_(b), vertices_(b), triangles_(b), ranges_(b) {
-    Index id = 0;
     Index fixed = fixed_begin;
-    const auto add = [&](const BodyDescription& body) {
+    const auto add = [&](std::size_t body_id, const BodyDescription& body) {
+      const auto id = static_cast<Index>(body_id);
       const bool is_free = body.kind == BodyKind::free;
       if (body.shape.kind != Shape::Kind::sphere) {
         shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
@@ -27,12 +28,8 @@ class Obstacles {
         data_.shapes.push_back(record(body.shape, is_free ? -1 : fixed));
       }
       if (!is_free) ++fixed;
-      ++id;
     };
-    for (const BodyDescription& body : scene.bodies) add(body);
-    for (const Insertion& insertion : scene.insertions) {
-      for (const BodyDescription& body : insertion.bodies) add(body);
-    }
+    for_each_by_id(scene, add, [](std::size_t, const ParticleSet&) {});
     for (const TriangleMesh& mesh : scene.meshes) {
       data_.meshes.push_back({mesh.vertices, mesh.triangles, mesh.closed});
     }

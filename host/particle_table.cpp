@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/csv.h"
 
@@ -48,38 +49,72 @@ int index_of(const CsvReader& csv, int column, std::vector<std::string>& names) 
   return static_cast<int>(at - names.begin());
 }
 
+/// A property of the particles, filled row by row when the file has columns for it.
+template <class T>
+class Column {
+ public:
+  Column(bool given, std::size_t rows) : given_(given) {
+    if (given_) values_.reserve(rows);
+  }
+  template <class F>
+  void read(F value) {
+    if (given_) values_.push_back(value());
+  }
+  void move_to(PerParticle<T>& property) {
+    if (given_) property = PerParticle<T>(std::move(values_));
+  }
+
+ private:
+  bool given_;
+  std::vector<T> values_;
+};
+
 }  // namespace
 
 ParticleTable read_particle_csv(const std::filesystem::path& file) {
   CsvReader csv(file, {"x", "y", "z", "vx", "vy", "vz", "radius", "mass", "density", "id", "qw",
                        "qx", "qy", "qz", "wx", "wy", "wz", "group", "material"});
-  int position[3];
-  int velocity[3];
-  int spin[3];
-  int orientation[4];
-  for (int k = 0; k < 3; ++k) position[k] = csv.require(std::string(1, "xyz"[k]));
+  int at_position[3];
+  int at_velocity[3];
+  int at_spin[3];
+  int at_orientation[4];
+  for (int k = 0; k < 3; ++k) at_position[k] = csv.require(std::string(1, "xyz"[k]));
+  const int at_radius = csv.find("radius");
+  const int at_mass = csv.find("mass");
+  const int at_density = csv.find("density");
+  const int at_group = csv.find("group");
+  const int at_material = csv.find("material");
+  const std::size_t rows = csv.line_count();
   ParticleTable table;
-  table.has_velocity = find_group(csv, {"vx", "vy", "vz"}, velocity);
-  table.has_angular_velocity = find_group(csv, {"wx", "wy", "wz"}, spin);
-  const bool has_orientation = find_group(csv, {"qw", "qx", "qy", "qz"}, orientation);
-  const int radius = csv.find("radius");
-  const int mass = csv.find("mass");
-  const int density = csv.find("density");
-  const int group = csv.find("group");
-  const int material = csv.find("material");
+  ParticleSet& particles = table.particles;
+  particles.position.reserve(rows);
+  Column<Vec3d> velocity(find_group(csv, {"vx", "vy", "vz"}, at_velocity), rows);
+  Column<Vec3d> spin(find_group(csv, {"wx", "wy", "wz"}, at_spin), rows);
+  Column<Quatd> orientation(find_group(csv, {"qw", "qx", "qy", "qz"}, at_orientation), rows);
+  Column<double> radius(at_radius >= 0, rows);
+  Column<double> mass(at_mass >= 0, rows);
+  Column<double> density(at_density >= 0, rows);
+  Column<int> group(at_group >= 0, rows);
+  Column<int> material(at_material >= 0, rows);
   while (csv.next()) {
-    ParticleState p;
-    p.position = vector(csv, position);
-    if (table.has_velocity) p.velocity = vector(csv, velocity);
-    if (table.has_angular_velocity) p.angular_velocity = vector(csv, spin);
-    if (has_orientation) p.orientation = quaternion(csv, orientation);
-    if (radius >= 0) p.radius = positive(csv, radius, "m");
-    if (mass >= 0) p.mass = positive(csv, mass, "kg");
-    if (density >= 0) p.density = positive(csv, density, "kg/m^3");
-    if (group >= 0) p.group = index_of(csv, group, table.groups);
-    if (material >= 0) p.material = index_of(csv, material, table.materials);
-    table.particles.push_back(p);
+    particles.position.push_back(vector(csv, at_position));
+    velocity.read([&] { return vector(csv, at_velocity); });
+    spin.read([&] { return vector(csv, at_spin); });
+    orientation.read([&] { return quaternion(csv, at_orientation); });
+    radius.read([&] { return positive(csv, at_radius, "m"); });
+    mass.read([&] { return positive(csv, at_mass, "kg"); });
+    density.read([&] { return positive(csv, at_density, "kg/m^3"); });
+    group.read([&] { return index_of(csv, at_group, table.groups); });
+    material.read([&] { return index_of(csv, at_material, table.materials); });
   }
+  velocity.move_to(particles.velocity);
+  spin.move_to(particles.angular_velocity);
+  orientation.move_to(particles.orientation);
+  radius.move_to(particles.radius);
+  mass.move_to(particles.mass);
+  density.move_to(particles.density);
+  group.move_to(particles.group);
+  material.move_to(particles.material);
   return table;
 }
 

@@ -7,6 +7,7 @@
 
 #include "host/error.h"
 #include "host/scene_checks.h"
+#include "host/scene_summary.h"
 
 namespace scree {
 
@@ -351,7 +352,8 @@ void check_containers(const Scene& scene) {
   }
 }
 
-/// Calls f(body, path maker) for all bodies, those of insertions included.
+/// Calls f(body, path maker) for the bodies that are described one by one, those of insertions
+/// included.
 template <class F>
 void for_each_body(const Scene& scene, F f) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
@@ -401,38 +403,63 @@ void check_insertions(const Scene& scene) {
   }
 }
 
+void check_count(const std::string& path, bool fits, std::size_t count) {
+  if (!fits)
+    refuse(path, "a list of another length",
+           fmt::format("must be one value for all, or one for each of {} particles", count));
+}
+
+void check_particles(const Scene& scene, const ParticleSet& set, const std::string& path) {
+  const std::size_t count = set.position.size();
+  check_count(path + ".radius", set.radius.fits(count), count);
+  check_count(path + ".density", set.density.fits(count), count);
+  check_count(path + ".mass", set.mass.fits(count), count);
+  check_count(path + ".orientation", set.orientation.fits(count), count);
+  check_count(path + ".velocity", set.velocity.fits(count), count);
+  check_count(path + ".angular_velocity", set.angular_velocity.fits(count), count);
+  check_count(path + ".material", set.material.fits(count), count);
+  check_count(path + ".group", set.group.fits(count), count);
+  const bool alike = set.radius.uniform() && set.density.uniform() && set.mass.uniform() &&
+                     set.orientation.uniform() && set.velocity.uniform() &&
+                     set.angular_velocity.uniform() && set.material.uniform() &&
+                     set.group.uniform();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0 && alike && is_finite(set.position[i])) continue;  // as good as the first
+    if (const auto fault = body_fault(scene, particle_body(set, i)))
+      refuse(fmt::format("{}[{}].{}", path, i, fault->field), fault->value, fault->expected);
+  }
+}
+
+void check_all_particles(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    check_particles(scene, scene.particles[i], fmt::format("particles[{}]", i));
+  for (std::size_t k = 0; k < scene.insertions.size(); ++k) {
+    const auto& sets = scene.insertions[k].particles;
+    for (std::size_t i = 0; i < sets.size(); ++i)
+      check_particles(scene, sets[i], fmt::format("insertions[{}].particles[{}]", k, i));
+  }
+}
+
 void check_bodies(const Scene& scene) {
-  std::size_t free_count = 0;
-  std::size_t count = 0;
   for_each_body(scene, [&](const BodyDescription& body, auto path) {
     if (const auto fault = body_fault(scene, body))
       refuse(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
              fault->expected);
-    if (body.kind == BodyKind::free) ++free_count;
-    ++count;
   });
-  if (free_count == 0)
-    refuse("bodies", fmt::format("a scene of {} bodies, none free", count),
+  check_all_particles(scene);
+  const BodyCounts count = count_bodies(scene);
+  if (count.free == 0)
+    refuse("bodies", fmt::format("a scene of {} bodies, none free", count.all()),
            "must hold one free body or more, in bodies, particles or insertions");
-  if (count > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
-    refuse("bodies", fmt::format("{} bodies", count), "must be below 2^31");
+  if (count.all() > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+    refuse("bodies", fmt::format("{} bodies", count.all()), "must be below 2^31");
 }
 
 void check_periodicity(const Scene& scene) {
   const Periodicity& box = scene.periodicity;
   if (!box.periodic[0] && !box.periodic[1] && !box.periodic[2]) return;
-  std::vector<double> diameters;
-  for_each_body(scene, [&](const BodyDescription& body, auto) {
-    if (body.kind != BodyKind::free) return;
-    diameters.push_back(2 * (body.shape.kind == Shape::Kind::sphere
-                                 ? body.shape.radius
-                                 : norm(body.shape.half_extents)));
-  });
-  const auto middle = diameters.begin() + static_cast<std::ptrdiff_t>(diameters.size() / 2);
-  std::nth_element(diameters.begin(), middle, diameters.end());
-  const double envelope = scene.stepping.envelope >= 0 ? scene.stepping.envelope : 0.01 * *middle;
-  const double largest = *std::max_element(diameters.begin(), diameters.end());
-  const double needed = 2 * (largest + envelope);
+  const SceneSummary summary = summarize(scene);
+  const double needed = 2 * (summary.largest_diameter + summary.envelope);
   for (int k = 0; k < 3; ++k) {
     if (!box.periodic[k]) continue;
     const std::string path = fmt::format("periodic.{}", "xyz"[k]);
@@ -461,14 +488,26 @@ void validate(const Scene& scene) {
   check_periodicity(scene);
 }
 
+namespace {
+
+double sphere_mass(double radius, double density) {
+  constexpr double pi = 3.14159265358979323846;
+  return density * 4.0 / 3.0 * pi * radius * radius * radius;
+}
+
+void set_mass_of_sphere(BodyDescription& body, double density) {
+  const double r = body.shape.radius;
+  body.mass = sphere_mass(r, density);
+  const double moment = 0.4 * body.mass * r * r;
+  body.inertia = {moment, moment, moment};
+}
+
+}  // namespace
+
 void set_mass_from_density(BodyDescription& body, double density) {
   if (!is_positive(density)) refuse("density", text(density), "must be positive [kg/m^3]");
-  constexpr double pi = 3.14159265358979323846;
   if (body.shape.kind == Shape::Kind::sphere) {
-    const double r = body.shape.radius;
-    body.mass = density * 4.0 / 3.0 * pi * r * r * r;
-    const double moment = 0.4 * body.mass * r * r;
-    body.inertia = {moment, moment, moment};
+    set_mass_of_sphere(body, density);
   } else if (body.shape.kind == Shape::Kind::box) {
     const Vec3d& e = body.shape.half_extents;
     body.mass = density * 8 * e.x * e.y * e.z;
@@ -478,6 +517,32 @@ void set_mass_from_density(BodyDescription& body, double density) {
   } else {
     refuse("density", text(density), "only spheres and boxes have a mass");
   }
+}
+
+BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
+  BodyDescription body;
+  body.shape.radius = set.radius[i];
+  body.position = set.position[i];
+  body.orientation = set.orientation[i];
+  body.velocity = set.velocity[i];
+  body.angular_velocity = set.angular_velocity[i];
+  body.material = set.material[i];
+  body.group = set.group[i];
+  body.locks = set.locks;
+  const double mass = set.mass[i];
+  if (mass == 0) {
+    set_mass_of_sphere(body, set.density[i]);
+  } else {
+    // Moments of a solid sphere of that mass: they are proportional to the density.
+    set_mass_of_sphere(body, 1.0);
+    body.inertia *= mass / body.mass;
+    body.mass = mass;
+  }
+  return body;
+}
+
+double particle_mass(const ParticleSet& set, std::size_t i) {
+  return set.mass[i] == 0 ? sphere_mass(set.radius[i], set.density[i]) : set.mass[i];
 }
 
 Material pair_values(const Scene& scene, int material_a, int material_b) {

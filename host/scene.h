@@ -84,7 +84,7 @@ struct TriangleMesh {
 
 /// The shape of one body.
 struct Shape {
-  enum class Kind { sphere, box, half_space, container, mesh };
+  enum class Kind : std::uint8_t { sphere, box, half_space, container, mesh };
   Kind kind = Kind::sphere;
   double radius = 0;   ///< sphere [m]
   Vec3d half_extents;  ///< box, container: half edge lengths [m]
@@ -124,10 +124,45 @@ struct BodyDescription {
   Rare<Motion> motion;     ///< kinematic bodies only
 };
 
-/// Bodies that join a run when their time has come (rain). Ids follow those of earlier bodies.
+/// A property of many particles: one value for all of them, or one for each. Copies share the
+/// values.
+template <class T>
+class PerParticle {
+ public:
+  PerParticle(T same = T{}) : same_(same) {}
+  explicit PerParticle(std::vector<T> values)
+      : values_(std::make_shared<const std::vector<T>>(std::move(values))) {}
+
+  bool uniform() const { return values_ == nullptr; }
+  const T& operator[](std::size_t i) const { return values_ ? (*values_)[i] : same_; }
+  /// Whether there is a value for each of so many particles.
+  bool fits(std::size_t count) const { return !values_ || values_->size() == count; }
+
+ private:
+  T same_;
+  std::shared_ptr<const std::vector<T>> values_;
+};
+
+/// Many free spheres. Runs of hundreds of millions of particles are described this way, so what
+/// they have in common is stored once.
+struct ParticleSet {
+  std::vector<Vec3d> position;          ///< centers, world [m]; gives the number of particles
+  PerParticle<double> radius;           ///< [m]
+  PerParticle<double> density;          ///< [kg/m^3]; not used where the mass is given
+  PerParticle<double> mass;             ///< [kg]; 0: from the density
+  PerParticle<Quatd> orientation;       ///< body to world
+  PerParticle<Vec3d> velocity;          ///< [m/s]
+  PerParticle<Vec3d> angular_velocity;  ///< world frame [rad/s]
+  PerParticle<int> material;            ///< index into Scene::materials
+  PerParticle<int> group;               ///< index into Scene::groups
+  std::uint8_t locks = 0;               ///< Lock bits
+};
+
+/// Bodies that join a run when their time has come (rain).
 struct Insertion {
   double time = 0;  ///< [s]; the batch enters before the first step that starts at or after it
-  std::vector<BodyDescription> bodies;  ///< free bodies only
+  std::vector<BodyDescription> bodies = {};  ///< free bodies only
+  std::vector<ParticleSet> particles = {};
 };
 
 /// When a solver stops. Levels are those of the theory page: relative to v* and to d/h.
@@ -193,6 +228,8 @@ struct Periodicity {
   Vec3d upper;
 };
 
+/// Ids number the bodies from zero: Scene::bodies, the particles of Scene::particles set by set,
+/// then in the same way the bodies and particles of each insertion.
 struct Scene {
   std::string name = "scene";
   Vec3d gravity{0, 0, -9.81};  ///< [m/s^2]
@@ -202,6 +239,7 @@ struct Scene {
   std::vector<std::string> groups{"bodies"};
   std::vector<TriangleMesh> meshes;
   std::vector<BodyDescription> bodies;  ///< present at time zero, any kind and order
+  std::vector<ParticleSet> particles;   ///< present at time zero
   std::vector<Insertion> insertions;    ///< increasing times
   Periodicity periodicity;
   SteppingSettings stepping;
@@ -220,6 +258,11 @@ void validate(const Scene& scene);
 
 /// Mass and principal moments of a solid sphere or box of the given density [kg/m^3].
 void set_mass_from_density(BodyDescription& body, double density);
+
+/// One particle of a set as a body of its own.
+BodyDescription particle_body(const ParticleSet& set, std::size_t i);
+/// Its mass alone [kg].
+double particle_mass(const ParticleSet& set, std::size_t i);
 
 /// Contact values for a pair of materials: the listed pair, else geometric mean of friction and the
 /// smaller of the other values.

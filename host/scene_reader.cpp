@@ -48,8 +48,11 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
     const std::vector<Node> entries = particles->elements();
     for (std::size_t i = 0; i < entries.size(); ++i) read_particles(entries[i], i, draft);
   }
-  for (auto& [time, bodies] : draft.inserted)
-    draft.scene.insertions.push_back({time, std::move(bodies)});
+  draft.scene.insertions.reserve(draft.inserted.size());
+  for (auto& [time, insertion] : draft.inserted) {
+    insertion.time = time;
+    draft.scene.insertions.push_back(std::move(insertion));
+  }
   try {
     validate(draft.scene);
   } catch (const InputError& fault) {

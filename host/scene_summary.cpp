@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
+#include "host/bodies_by_id.h"
 #include "host/motion.h"
 
 namespace scree {
@@ -22,10 +25,12 @@ bool has_rolling_friction(const Scene& scene) {
   return false;
 }
 
+bool fits_radial_layout(std::uint8_t locks) { return locks == 0 || locks == lock_rotation; }
+
 /// Spheres whose locks leave all of the translation and all or nothing of the rotation.
 bool fits_radial_layout(const BodyDescription& body) {
   if (body.kind != BodyKind::free) return !rotates(body);
-  return body.shape.kind == Shape::Kind::sphere && (body.locks == 0 || body.locks == lock_rotation);
+  return body.shape.kind == Shape::Kind::sphere && fits_radial_layout(body.locks);
 }
 
 }  // namespace
@@ -49,35 +54,72 @@ double bounding_radius(const Scene& scene, const BodyDescription& body) {
   return std::sqrt(largest);
 }
 
-SceneSummary summarize(const Scene& scene) {
-  SceneSummary s;
+namespace {
+
+/// Calls f(diameter, count) for the free bodies; count: how many bodies in a row have it.
+template <class F>
+void for_each_diameter(const Scene& scene, F f) {
+  for_each_by_id(
+      scene,
+      [&](std::size_t, const BodyDescription& body) {
+        if (body.kind == BodyKind::free) f(2 * bounding_radius(scene, body), std::size_t{1});
+      },
+      [&](std::size_t, const ParticleSet& set) {
+        const std::size_t count = set.position.size();
+        if (set.radius.uniform()) {
+          if (count > 0) f(2 * set.radius[0], count);
+        } else {
+          for (std::size_t i = 0; i < count; ++i) f(2 * set.radius[i], std::size_t{1});
+        }
+      });
+}
+
+void find_diameters(const Scene& scene, std::size_t free_count, SceneSummary& s) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for_each_diameter(scene, [&](double diameter, std::size_t) {
+    smallest = std::min(smallest, diameter);
+    s.largest_diameter = std::max(s.largest_diameter, diameter);
+  });
+  s.median_diameter = s.largest_diameter;
+  if (!(smallest < s.largest_diameter)) return;  // one size: no list of them is needed
   std::vector<double> diameters;
+  diameters.reserve(free_count);
+  for_each_diameter(scene, [&](double diameter, std::size_t count) {
+    diameters.insert(diameters.end(), count, diameter);
+  });
+  const auto middle = diameters.begin() + static_cast<std::ptrdiff_t>(diameters.size() / 2);
+  std::nth_element(diameters.begin(), middle, diameters.end());
+  s.median_diameter = *middle;
+}
+
+}  // namespace
+
+BodyCounts count_bodies(const Scene& scene) {
+  BodyCounts count;
+  for_each_by_id(
+      scene,
+      [&](std::size_t, const BodyDescription& body) {
+        ++(body.kind == BodyKind::free ? count.free : count.fixed);
+      },
+      [&](std::size_t, const ParticleSet& set) { count.free += set.position.size(); });
+  return count;
+}
+
+SceneSummary summarize(const Scene& scene) {
+  const BodyCounts count = count_bodies(scene);
+  SceneSummary s;
+  s.free_capacity = static_cast<int>(count.free);
+  s.fixed_count = static_cast<int>(count.fixed);
   bool radial = true;
-  const auto visit = [&](const BodyDescription& body) {
-    const double radius = bounding_radius(scene, body);
-    const bool moves = body.kind == BodyKind::free;
-    s.constants.radius.push_back(radius);
-    s.constants.mass.push_back(moves ? body.mass : 0);
-    s.constants.group.push_back(body.group);
-    s.constants.kind.push_back(body.kind);
-    s.constants.shape.push_back(body.shape.kind);
-    radial = radial && fits_radial_layout(body);
-    if (moves) {
-      ++s.free_capacity;
-      diameters.push_back(2 * radius);
-    } else {
-      ++s.fixed_count;
-    }
-  };
-  for (const BodyDescription& body : scene.bodies) visit(body);
-  for (const Insertion& insertion : scene.insertions) {
-    for (const BodyDescription& body : insertion.bodies) visit(body);
-  }
-  if (!diameters.empty()) {
-    const auto middle = diameters.begin() + static_cast<std::ptrdiff_t>(diameters.size() / 2);
-    std::nth_element(diameters.begin(), middle, diameters.end());
-    s.median_diameter = *middle;
-  }
+  for_each_by_id(
+      scene,
+      [&](std::size_t, const BodyDescription& body) {
+        radial = radial && fits_radial_layout(body);
+      },
+      [&](std::size_t, const ParticleSet& set) {
+        radial = radial && fits_radial_layout(set.locks);
+      });
+  find_diameters(scene, count.free, s);
   s.envelope =
       scene.stepping.envelope >= 0 ? scene.stepping.envelope : kDefaultEnvelope * s.median_diameter;
   if (has_rolling_friction(scene)) {

@@ -39,7 +39,7 @@ std::int64_t World::steps_done() const { return engine_->steps_done(); }
 double World::time() const { return engine_->time(); }
 int World::body_count() const { return engine_->body_count(); }
 BodyStates World::states() const { return engine_->states(); }
-BodyConstants World::constants() const { return engine_->constants(); }
+const BodyConstants& World::constants() const { return engine_->constants(); }
 std::vector<ContactRecord> World::contacts() const { return engine_->contacts(); }
 WorldState World::save() const { return engine_->save(); }
 void World::restore(const WorldState& state) { engine_->restore(state); }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/body_constants.h"
 #include "host/scene.h"
 
 namespace scree {
@@ -59,15 +60,6 @@ struct BodyStates {
   std::vector<Vec3d> angular_velocity;  ///< world frame [rad/s]
 };
 
-/// What does not change about the bodies inserted so far, ordered by id.
-struct BodyConstants {
-  std::vector<double> radius;  ///< sphere radius, else bounding radius [m]; 0: unbounded
-  std::vector<double> mass;    ///< [kg]; 0 for fixed and kinematic bodies
-  std::vector<int> group;
-  std::vector<BodyKind> kind;
-  std::vector<Shape::Kind> shape;
-};
-
 /// One contact of the last step, for analysis; ids, not storage indices.
 struct ContactRecord {
   int body_a = -1;
@@ -118,7 +110,8 @@ class World {
   double time() const;
   int body_count() const;  ///< bodies inserted so far: free, fixed and kinematic
   BodyStates states() const;
-  BodyConstants constants() const;
+  /// Constants of all bodies, those that join later included; valid as long as the World.
+  const BodyConstants& constants() const;
   std::vector<ContactRecord> contacts() const;
 
   WorldState save() const;

@@ -49,6 +49,9 @@ int bench_scene(const BenchOptions& options) {
   std::string notice;
   const WorldOptions world_options = resolve_options(options.target, scene, &notice);
   World world(scene, world_options);
+  scene.bodies = {};  // the world has its own
+  scene.particles = {};
+  scene.insertions = {};
   if (!options.from.empty()) world.restore(read_checkpoint(options.from).state);
   if (!notice.empty() && !options.target.json) fmt::print(stderr, "{}\n", notice);
   for (int k = 0; k < options.warmup; ++k) world.step();

@@ -18,7 +18,6 @@
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
 #include "host/scene_reader.h"
-#include "host/scene_summary.h"
 
 namespace scree {
 namespace fs = std::filesystem;
@@ -66,7 +65,7 @@ class Run {
   }
 
   int go() {
-    const std::optional<Checkpoint> checkpoint = directory_.take_checkpoint();
+    std::optional<Checkpoint> checkpoint = directory_.take_checkpoint();
     if (checkpoint) require_same_arithmetic(*checkpoint);
     if (checkpoint && checkpoint->state.step >= target_) {
       if (!options_.quiet) {
@@ -82,18 +81,22 @@ class Run {
     directory_.prepare();
     if (!notice_.empty() && !options_.quiet) fmt::print(stderr, "{}\n", notice_);
     start_clock_ = std::chrono::steady_clock::now();
-    const WorldState* resumed = checkpoint ? &checkpoint->state : nullptr;
-    FrameWriter frames(directory_.frames(), scene_,
-                       resumed ? std::optional(resumed->time) : std::nullopt);
-    if (!resumed) write_walls(directory_.walls(), scene_);
-    constants_ = summarize(scene_).constants;
-    record_.body_count = static_cast<int>(constants_.radius.size());
+    std::optional<std::int64_t> resumed_step;
+    std::optional<double> resumed_time;
+    if (checkpoint) {
+      resumed_step = checkpoint->state.step;
+      resumed_time = checkpoint->state.time;
+    }
+    FrameWriter frames(directory_.frames(), scene_, resumed_time);
+    if (!checkpoint) write_walls(directory_.walls(), scene_);
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
     World world(std::move(loaded), world_options_);
-    if (resumed) world.restore(*resumed);
-    start_record(resumed ? std::optional(resumed->step) : std::nullopt);
+    if (checkpoint) world.restore(checkpoint->state);
+    checkpoint.reset();  // it is as large as the world
+    record_.body_count = static_cast<int>(world.constants().size());
+    start_record(resumed_step);
     try {
-      simulate(world, frames, resumed);
+      simulate(world, frames, resumed_step);
     } catch (const std::exception& error) {
       record_.status = RunStatus::failed;
       record_.message = error.what();
@@ -135,11 +138,9 @@ class Run {
     return report;
   }
 
-  void simulate(World& world, FrameWriter& frames, const WorldState* resumed) {
+  void simulate(World& world, FrameWriter& frames, std::optional<std::int64_t> resumed_step) {
     const double h = scene_.stepping.time_step;
-    const std::optional<std::int64_t> resume_step =
-        resumed ? std::optional(resumed->step) : std::nullopt;
-    StepsCsv steps(directory_.steps_csv(), resume_step);
+    StepsCsv steps(directory_.steps_csv(), resumed_step);
     WriterThread writer;
     SignalGuard signals;
     Progress progress(progress_options(options_.quiet), world.time(),
@@ -148,7 +149,9 @@ class Run {
     const Schedule picture_schedule(scene_.output.picture.interval, h);
     const Schedule checkpoint_schedule(scene_.output.checkpoint_interval, h);
 
+    // One copy of all states at a time: each waits until the one before it is on disk.
     const auto write_frame = [&] {
+      writer.finish();
       auto states = std::make_shared<BodyStates>(world.states());
       writer.post([&frames, states, t = world.time()] { frames.append(t, *states); });
     };
@@ -162,15 +165,16 @@ class Run {
       picture_time = world.time();
     };
     const auto save_checkpoint = [&] {
+      writer.finish();
       steps.flush();
       auto state = std::make_shared<WorldState>(world.save());
-      writer.post([this, state] {
-        write_checkpoint(directory_.checkpoint_file(), *state, constants_, scene_text_,
+      writer.post([this, state, &constants = world.constants()] {
+        write_checkpoint(directory_.checkpoint_file(), *state, constants, scene_text_,
                          world_options_.backend, world_options_.precision);
       });
     };
 
-    if (!resumed) write_frame();
+    if (!resumed_step) write_frame();
     double before = world.time();
     while (world.steps_done() < target_ && signals.received() == 0) {
       const StepReport report = world.step();
@@ -243,7 +247,6 @@ class Run {
   std::string notice_;  // about the backend
   WorldOptions world_options_;
   OutputDirectory directory_;
-  BodyConstants constants_;  ///< of all bodies, by id
   std::int64_t target_;
   RunRecord record_;
   std::chrono::steady_clock::time_point start_clock_;

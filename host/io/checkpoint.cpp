@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <new>
-#include <numeric>
+#include <span>
 #include <stdexcept>
 #include <system_error>
+#include <vector>
 
 #include "host/error.h"
 #include "host/io/atomic_file.h"
-#include "host/io/bodies_by_id.h"
 #include "host/io/h5.h"
 #include "host/io/seal.h"
 #include "host/io/values.h"
@@ -22,46 +22,13 @@ namespace {
 
 constexpr const char* format_name = "scree checkpoint";
 
-/// What is stored per free body beside its state, in the same order.
-struct StoredConstants {
-  std::vector<double> radius;  ///< 0 unless a sphere [m]
-  std::vector<double> mass;    ///< [kg]
-  std::vector<std::int32_t> group;
-};
-
-/// Constants of the free bodies, picked by id from those of all bodies.
-StoredConstants pick(const WorldState& state, const BodyConstants& all) {
-  StoredConstants picked;
-  for (const int id : state.id) {
-    const auto i = static_cast<std::size_t>(id);
-    if (id < 0 || i >= all.mass.size())
-      throw RunError(fmt::format("cannot write a checkpoint: body id {} is not in the scene", id));
-    picked.radius.push_back(all.shape[i] == Shape::Kind::sphere ? all.radius[i] : 0.0);
-    picked.mass.push_back(all.mass[i]);
-    picked.group.push_back(all.group[i]);
-  }
-  return picked;
-}
-
-BodyConstants constants_of(const Scene& scene) {
-  BodyConstants all;
-  for (const BodyDescription* body : bodies_by_id(scene)) {
-    all.radius.push_back(body->shape.radius);
-    all.mass.push_back(body->mass);
-    all.group.push_back(body->group);
-    all.kind.push_back(body->kind);
-    all.shape.push_back(body->shape.kind);
-  }
-  return all;
-}
-
 /// All of a checkpoint, borrowed.
 struct Contents {
   const std::string& scene_text;
   BackendKind backend;
   Precision precision;
   const WorldState& state;
-  const StoredConstants& constants;
+  const BodyConstants& bodies;
 };
 
 /// Reads one file; every complaint names it.
@@ -74,10 +41,16 @@ class Reader {
     if (!std::filesystem::is_regular_file(status)) refuse("it is not a file");
   }
 
-  Checkpoint read(StoredConstants* constants) const try {
+  Checkpoint read() const { return opened(&Reader::read_all); }
+  ParticleSet read_particles() const { return opened(&Reader::read_spheres); }
+
+ private:
+  /// What a function below reads from the root group.
+  template <class T>
+  T opened(T (Reader::*read)(const h5::Group&) const) const try {
     const std::string fault = check_seal(path_, format_name, checkpoint_format_version);
     if (!fault.empty()) refuse(fault);
-    return read_all(h5::File::open(path_).root(), constants);
+    return (this->*read)(h5::File::open(path_).root());
   } catch (const h5::Error& error) {
     refuse(error.what());
   } catch (const std::bad_alloc&) {
@@ -86,21 +59,25 @@ class Reader {
     refuse("its arrays do not fit in memory");
   }
 
- private:
   [[noreturn]] void refuse(const std::string& found) const {
     throw InputError(
         fmt::format("cannot read checkpoint {}: {}; expected a {} of format version {}",
                     path_.string(), found, format_name, checkpoint_format_version));
   }
 
-  /// An array of bodies or contacts that must have the given shape.
-  template <class T>
-  std::vector<T> array(const h5::Group& root, const std::string& name, std::uint64_t rows,
-                       std::uint64_t columns = 0) const {
+  void require_shape(const h5::Group& root, const std::string& name, std::uint64_t rows,
+                     std::uint64_t columns = 0) const {
     const h5::Shape shape = root.shape(name);
     if (!(shape == h5::Shape{rows, columns}))
       refuse(fmt::format("dataset {} has {}, expected {}", name, describe(shape),
                          describe({rows, columns})));
+  }
+
+  /// An array of bodies or contacts that must have the given shape.
+  template <class T>
+  std::vector<T> array(const h5::Group& root, const std::string& name, std::uint64_t rows,
+                       std::uint64_t columns = 0) const {
+    require_shape(root, name, rows, columns);
     std::vector<T> out(rows);
     root.read(name, values(out));
     return out;
@@ -111,7 +88,45 @@ class Reader {
                               : fmt::format("{} rows of {}", shape.rows, shape.columns);
   }
 
-  Checkpoint read_all(const h5::Group& root, StoredConstants* constants) const {
+  /// Values of some rows of an array with one row per body.
+  template <class T>
+  std::vector<T> rows(const h5::Group& root, const std::string& name, std::uint64_t columns,
+                      std::uint64_t bodies, const std::vector<std::uint32_t>& wanted) const {
+    const std::vector<T> all = array<T>(root, name, bodies, columns);
+    std::vector<T> out;
+    out.reserve(wanted.size());
+    for (const std::uint32_t row : wanted) out.push_back(all[row]);
+    return out;
+  }
+
+  /// One array after the other, so that little is held twice.
+  ParticleSet read_spheres(const h5::Group& root) const {
+    const std::uint64_t bodies = root.shape("body/id").rows;
+    std::vector<std::uint32_t> wanted;  // rows of spheres, in the order of ids
+    {
+      const auto radius = array<double>(root, "body/radius", bodies);
+      const auto id = array<std::int32_t>(root, "body/id", bodies);
+      wanted.reserve(bodies);
+      for (std::uint32_t row = 0; row < bodies; ++row)
+        if (radius[row] > 0) wanted.push_back(row);
+      std::sort(wanted.begin(), wanted.end(),
+                [&](std::uint32_t a, std::uint32_t b) { return id[a] < id[b]; });
+    }
+    if (wanted.empty())
+      throw InputError(fmt::format("checkpoint {} holds {} free bodies, none of them a sphere",
+                                   path_.string(), bodies));
+    ParticleSet set;
+    set.position = rows<Vec3d>(root, "body/position", 3, bodies, wanted);
+    set.orientation = PerParticle(rows<Quatd>(root, "body/orientation", 4, bodies, wanted));
+    set.velocity = PerParticle(rows<Vec3d>(root, "body/velocity", 3, bodies, wanted));
+    set.angular_velocity =
+        PerParticle(rows<Vec3d>(root, "body/angular_velocity", 3, bodies, wanted));
+    set.radius = PerParticle(rows<double>(root, "body/radius", 0, bodies, wanted));
+    set.mass = PerParticle(rows<double>(root, "body/mass", 0, bodies, wanted));
+    return set;
+  }
+
+  Checkpoint read_all(const h5::Group& root) const {
     Checkpoint c;
     c.format_version = checkpoint_format_version;
     c.backend = word(root, "backend", {BackendKind::cpu, BackendKind::cuda});
@@ -129,9 +144,8 @@ class Reader {
     s.orientation = array<Quatd>(root, "body/orientation", bodies, 4);
     s.velocity = array<Vec3d>(root, "body/velocity", bodies, 3);
     s.angular_velocity = array<Vec3d>(root, "body/angular_velocity", bodies, 3);
-    constants->radius = array<double>(root, "body/radius", bodies);
-    constants->mass = array<double>(root, "body/mass", bodies);
-    constants->group = array<std::int32_t>(root, "body/group", bodies);
+    for (const char* name : {"body/radius", "body/mass", "body/group"})
+      require_shape(root, name, bodies);  // other scenes read them
 
     const std::uint64_t contacts = root.shape("contact/key").rows;
     const std::uint64_t impulses = root.shape("contact/impulse").rows;
@@ -158,9 +172,17 @@ class Reader {
   std::filesystem::path path_;
 };
 
+/// Writes f(constants) of the bodies of a state, in its order.
+template <class T, class F>
+void write_constant(h5::Group& group, const std::string& name, const Contents& c, F f) {
+  std::vector<T> values;
+  values.reserve(c.state.id.size());
+  for (const int id : c.state.id) values.push_back(f(c.bodies[static_cast<std::size_t>(id)]));
+  group.write(name, std::span<const T>(values));
+}
+
 void write_all(h5::Group root, const Contents& c) {
   const WorldState& s = c.state;
-  const StoredConstants& constants = c.constants;
   root.write_text_attribute("format", format_name);
   root.write_attribute<std::int32_t>("format_version", checkpoint_format_version);
   root.write_text_attribute("program", fmt::format("scree {} ({})", version(), commit()));
@@ -177,9 +199,11 @@ void write_all(h5::Group root, const Contents& c) {
   body.write("orientation", values(s.orientation), 4);
   body.write("velocity", values(s.velocity), 3);
   body.write("angular_velocity", values(s.angular_velocity), 3);
-  body.write("radius", values(constants.radius));
-  body.write("mass", values(constants.mass));
-  body.write("group", values(constants.group));
+  write_constant<double>(body, "radius", c, [](const BodyConstant& b) {
+    return b.shape == Shape::Kind::sphere ? b.radius : 0.0;
+  });
+  write_constant<double>(body, "mass", c, [](const BodyConstant& b) { return b.mass; });
+  write_constant<std::int32_t>(body, "group", c, [](const BodyConstant& b) { return b.group; });
   h5::Group contact = root.create_group("contact");
   contact.write("key", values(s.contact_key));
   contact.write("impulse", values(s.contact_impulse), 3);
@@ -195,19 +219,15 @@ const char* to_string(Precision precision) {
 }
 
 void write_checkpoint(const std::filesystem::path& path, const WorldState& state,
-                      const Scene& scene, const std::string& scene_text, BackendKind backend,
-                      Precision precision) {
-  write_checkpoint(path, state, constants_of(scene), scene_text, backend, precision);
-}
-
-void write_checkpoint(const std::filesystem::path& path, const WorldState& state,
                       const BodyConstants& bodies, const std::string& scene_text,
                       BackendKind backend, Precision precision) {
+  for (const int id : state.id)
+    if (id < 0 || static_cast<std::size_t>(id) >= bodies.size())
+      throw RunError(fmt::format("cannot write a checkpoint: body id {} is not in the scene", id));
   AtomicFile target(path);
-  const StoredConstants constants = pick(state, bodies);
   try {
     h5::File file = h5::File::create(target.temporary(), seal_bytes);
-    write_all(file.root(), {scene_text, backend, precision, state, constants});
+    write_all(file.root(), {scene_text, backend, precision, state, bodies});
     file.close();
   } catch (const h5::Error& error) {
     std::error_code ignored;
@@ -219,36 +239,10 @@ void write_checkpoint(const std::filesystem::path& path, const WorldState& state
   target.commit();
 }
 
-Checkpoint read_checkpoint(const std::filesystem::path& path) {
-  StoredConstants constants;
-  return Reader(path).read(&constants);
-}
+Checkpoint read_checkpoint(const std::filesystem::path& path) { return Reader(path).read(); }
 
-std::vector<ParticleState> read_checkpoint_particles(const std::filesystem::path& file) {
-  StoredConstants constants;
-  const Checkpoint checkpoint = Reader(file).read(&constants);
-  const WorldState& s = checkpoint.state;
-  std::vector<std::size_t> order(s.id.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return s.id[a] < s.id[b]; });
-  std::vector<ParticleState> particles;
-  for (const std::size_t i : order) {
-    if (constants.radius[i] <= 0) continue;
-    ParticleState particle;
-    particle.position = s.position[i];
-    particle.orientation = s.orientation[i];
-    particle.velocity = s.velocity[i];
-    particle.angular_velocity = s.angular_velocity[i];
-    particle.radius = constants.radius[i];
-    particle.mass = constants.mass[i];
-    particle.group = constants.group[i];
-    particles.push_back(particle);
-  }
-  if (particles.empty())
-    throw InputError(fmt::format("checkpoint {} holds {} free bodies, none of them a sphere",
-                                 file.string(), s.id.size()));
-  return particles;
+ParticleSet read_checkpoint_particles(const std::filesystem::path& file) {
+  return Reader(file).read_particles();
 }
 
 }  // namespace scree

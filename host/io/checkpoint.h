@@ -28,13 +28,9 @@ struct Checkpoint {
 };
 
 /// Replaces the file in one rename: a kill or a full disk leaves the previous checkpoint.
-/// @param scene       gives radius, mass and group of the bodies
+/// @param bodies      constants of all bodies, by id
 /// @param scene_text  the resolved scene, which --resume compares
 /// @throws RunError naming the file and the reason
-void write_checkpoint(const std::filesystem::path& path, const WorldState& state,
-                      const Scene& scene, const std::string& scene_text, BackendKind backend,
-                      Precision precision);
-/// The same with the constants a World gives. @param bodies  of all bodies, by id
 void write_checkpoint(const std::filesystem::path& path, const WorldState& state,
                       const BodyConstants& bodies, const std::string& scene_text,
                       BackendKind backend, Precision precision);

@@ -11,11 +11,12 @@
 #include <system_error>
 #include <vector>
 
+#include "host/bodies_by_id.h"
 #include "host/error.h"
 #include "host/io/atomic_file.h"
-#include "host/io/bodies_by_id.h"
 #include "host/io/h5.h"
 #include "host/io/values.h"
+#include "host/scene_summary.h"
 
 namespace scree {
 namespace {
@@ -67,34 +68,46 @@ void write_values(h5::Group& group, const std::string& name, const std::vector<T
   group.write(name, std::span<const T>(data), columns);
 }
 
-void write_constants(h5::Group& data, const std::vector<const BodyDescription*>& bodies) {
-  std::vector<float> radius, half_extents;
-  std::vector<double> mass;
-  std::vector<std::int32_t> group;
-  std::vector<std::uint8_t> kind, shape;
-  for (const BodyDescription* body : bodies) {
-    const Shape& s = body->shape;
-    const bool sphere = s.kind == Shape::Kind::sphere;
-    const bool box = s.kind == Shape::Kind::box || s.kind == Shape::Kind::container;
-    radius.push_back(sphere ? static_cast<float>(s.radius) : 0.0f);
-    for (int axis = 0; axis < 3; ++axis)
-      half_extents.push_back(box ? static_cast<float>(s.half_extents[axis]) : 0.0f);
-    mass.push_back(body->mass);
-    group.push_back(body->group);
-    kind.push_back(static_cast<std::uint8_t>(body->kind));
-    shape.push_back(static_cast<std::uint8_t>(s.kind));
-  }
+/// Writes f(constants) of all bodies.
+template <class T, class F>
+void write_constant(h5::Group& data, const std::string& name, const BodyConstants& bodies, F f) {
+  std::vector<T> column(bodies.size());
+  for (std::size_t id = 0; id < column.size(); ++id) column[id] = static_cast<T>(f(bodies[id]));
+  write_values(data, name, column);
+}
+
+/// Half edge lengths of boxes and containers; zero for other bodies.
+std::vector<float> half_extents(const Scene& scene, std::size_t count) {
+  std::vector<float> column(3 * count, 0.0f);
+  for_each_by_id(
+      scene,
+      [&](std::size_t id, const BodyDescription& body) {
+        const Shape& s = body.shape;
+        if (s.kind != Shape::Kind::box && s.kind != Shape::Kind::container) return;
+        for (std::size_t k = 0; k < 3; ++k)
+          column[3 * id + k] = static_cast<float>(s.half_extents[static_cast<int>(k)]);
+      },
+      [](std::size_t, const ParticleSet&) {});
+  return column;
+}
+
+void write_constants(h5::Group& data, const Scene& scene, const BodyConstants& bodies) {
   write_values(data, "id", counting(bodies.size()));
-  write_values(data, "radius", radius);
-  write_values(data, "half_extents", half_extents, 3);
-  write_values(data, "mass", mass);
-  write_values(data, "group", group);
-  write_values(data, "kind", kind);
-  write_values(data, "shape", shape);
+  write_constant<float>(data, "radius", bodies, [](const BodyConstant& b) {
+    return b.shape == Shape::Kind::sphere ? b.radius : 0.0;
+  });
+  write_values(data, "half_extents", half_extents(scene, bodies.size()), 3);
+  write_constant<double>(data, "mass", bodies, [](const BodyConstant& b) { return b.mass; });
+  write_constant<std::int32_t>(data, "group", bodies,
+                               [](const BodyConstant& b) { return b.group; });
+  write_constant<std::uint8_t>(data, "kind", bodies, [](const BodyConstant& b) { return b.kind; });
+  write_constant<std::uint8_t>(data, "shape", bodies,
+                               [](const BodyConstant& b) { return b.shape; });
 }
 
 /// Everything of the file but frames.
-void write_empty(h5::Group root, const std::vector<const BodyDescription*>& bodies) {
+void write_empty(h5::Group root, const Scene& scene) {
+  const BodyConstants bodies(scene);
   const std::uint64_t count = bodies.size();
   // Chunks are at most one to two megabytes, and small runs get small files.
   const std::uint64_t point_chunk = std::clamp<std::uint64_t>(count, 64, 65536);
@@ -118,7 +131,7 @@ void write_empty(h5::Group root, const std::vector<const BodyDescription*>& bodi
   }
 
   h5::Group data = vtk.create_group("PointData");
-  write_constants(data, bodies);
+  write_constants(data, scene, bodies);
   data.create_growing<float>("velocity", 3, point_chunk);
   data.create_growing<float>("angular_velocity", 3, point_chunk);
   data.create_growing<float>("orientation", 4, point_chunk);
@@ -268,12 +281,11 @@ void FrameWriter::finish() noexcept {
 
 void FrameWriter::start(const Scene& scene) {
   remove_file(path_);
-  const std::vector<const BodyDescription*> bodies = bodies_by_id(scene);
   extent_ = FrameExtent{};
-  extent_.body_capacity = bodies.size();
+  extent_.body_capacity = count_bodies(scene).all();
   try {
     h5::File file = h5::File::create(spare_);
-    write_empty(file.root(), bodies);
+    write_empty(file.root(), scene);
     file.close();
   } catch (const h5::Error& error) {
     remove_file(spare_);
@@ -283,7 +295,7 @@ void FrameWriter::start(const Scene& scene) {
 
 void FrameWriter::resume(const Scene& scene, double time) {
   if (!std::filesystem::exists(path_)) return;
-  const std::uint64_t bodies = bodies_by_id(scene).size();
+  const std::uint64_t bodies = count_bodies(scene).all();
   std::int64_t frames_found = 0;
   FrameExtent kept;
   try {

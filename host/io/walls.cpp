@@ -89,11 +89,20 @@ Surface surface_of(const Scene& scene, const Shape& shape, double scene_size) {
 double size_of(const Scene& scene) {
   Vec3d low, high;
   double extent = 0;
-  for (const BodyDescription& body : scene.bodies) {
+  const auto reach = [&](const Vec3d& position) {
     for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], body.position[k]);
-      high[k] = std::max(high[k], body.position[k]);
+      low[k] = std::min(low[k], position[k]);
+      high[k] = std::max(high[k], position[k]);
     }
+  };
+  for (const ParticleSet& set : scene.particles) {
+    for (std::size_t i = 0; i < set.position.size(); ++i) {
+      reach(set.position[i]);
+      extent = std::max(extent, set.radius[i]);
+    }
+  }
+  for (const BodyDescription& body : scene.bodies) {
+    reach(body.position);
     extent = std::max({extent, body.shape.radius, norm(body.shape.half_extents)});
     if (body.shape.mesh >= 0)
       for (const Vec3d& v : scene.meshes.at(static_cast<std::size_t>(body.shape.mesh)).vertices)

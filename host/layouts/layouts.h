@@ -43,9 +43,9 @@ struct RadiusLaw {
   double largest() const;
 };
 
-struct PlacedSphere {
-  Vec3d center;   ///< [m]
-  double radius;  ///< [m]
+struct PlacedSpheres {
+  std::vector<Vec3d> center;   ///< [m]
+  PerParticle<double> radius;  ///< [m]
 };
 
 /// The region cannot hold as many spheres as were asked for.
@@ -61,27 +61,18 @@ struct LatticeLayout {
 };
 
 /// @param count  spheres; -1: as many as the region holds. @throws DoesNotFit
-std::vector<PlacedSphere> place_on_lattice(const LatticeLayout& layout, const RadiusLaw& radius,
-                                           long long count, RandomNumbers& random);
+PlacedSpheres place_on_lattice(const LatticeLayout& layout, const RadiusLaw& radius,
+                               long long count, RandomNumbers& random);
 
 /// Random sequential addition, the largest spheres first (they come first in the result too).
 /// Reaches a solid fraction of about 0.35. @throws DoesNotFit naming how many fitted
-std::vector<PlacedSphere> place_at_random(const Region& region, const RadiusLaw& radius,
-                                          long long count, RandomNumbers& random);
+PlacedSpheres place_at_random(const Region& region, const RadiusLaw& radius, long long count,
+                              RandomNumbers& random);
 
 /// One batch of rain: `count` sites of a jittered lattice, chosen at random from as few of its
 /// lowest planes as hold them. @param thickness  out: height taken by the batch [m]
 /// @throws DoesNotFit
-std::vector<PlacedSphere> place_rain_batch(const LatticeLayout& layout, const RadiusLaw& radius,
-                                           long long count, RandomNumbers& random,
-                                           double& thickness);
-
-/// Sites of the lattice of a layout, in the order bottom up; shared by lattice and rain.
-/// @param margin  radius of the largest sphere [m]
-struct LatticeSites {
-  std::vector<Vec3d> sites;
-  std::vector<std::size_t> plane_ends;  ///< number of sites up to the end of each horizontal plane
-};
-LatticeSites lattice_sites(const LatticeLayout& layout, double margin, std::size_t limit);
+PlacedSpheres place_rain_batch(const LatticeLayout& layout, const RadiusLaw& radius,
+                               long long count, RandomNumbers& random, double& thickness);
 
 }  // namespace scree

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
 
 #include "host/layouts/layouts.h"
 
@@ -24,40 +28,41 @@ class SphereGrid {
       if (total <= static_cast<double>(most_cells)) break;
     }
     cell_ = cell;
-    heads_.resize(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]));
+    heads_.assign(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]), kNone);
   }
 
-  bool is_clear(const PlacedSphere& s, const std::vector<PlacedSphere>& spheres) const {
+  /// @param centers, radii  of the spheres inserted so far, and of more
+  bool is_clear(const Vec3d& center, double radius, const std::vector<Vec3d>& centers,
+                const std::vector<double>& radii) const {
     bool clear = true;
-    for_cells(s, [&](std::size_t cell) {
-      if (!clear) return;
-      for (const int other : heads_[cell]) {
-        const PlacedSphere& o = spheres[static_cast<std::size_t>(other)];
-        const double reach = s.radius + o.radius;
-        if (norm2(s.center - o.center) < reach * reach) {
-          clear = false;
-          return;
-        }
+    for_cells(center, radius, [&](std::size_t cell) {
+      for (std::size_t e = heads_[cell]; clear && e != kNone; e = entries_[e].next) {
+        const std::size_t other = entries_[e].sphere;
+        const double reach = radius + radii[other];
+        clear = norm2(center - centers[other]) >= reach * reach;
       }
     });
     return clear;
   }
 
-  void insert(const PlacedSphere& s, int index) {
-    for_cells(s, [&](std::size_t cell) { heads_[cell].push_back(index); });
+  void insert(const Vec3d& center, double radius, std::size_t index) {
+    for_cells(center, radius, [&](std::size_t cell) {
+      entries_.push_back({static_cast<std::uint32_t>(index), heads_[cell]});
+      heads_[cell] = static_cast<std::uint32_t>(entries_.size() - 1);
+    });
   }
 
  private:
   template <class F>
-  void for_cells(const PlacedSphere& s, F f) const {
+  void for_cells(const Vec3d& center, double radius, F f) const {
     int from[3];
     int to[3];
     for (int k = 0; k < 3; ++k) {
       const double last = cells_[k] - 1;
       from[k] = static_cast<int>(
-          std::clamp(std::floor((s.center[k] - s.radius - low_[k]) / cell_), 0.0, last));
+          std::clamp(std::floor((center[k] - radius - low_[k]) / cell_), 0.0, last));
       to[k] = static_cast<int>(
-          std::clamp(std::floor((s.center[k] + s.radius - low_[k]) / cell_), 0.0, last));
+          std::clamp(std::floor((center[k] + radius - low_[k]) / cell_), 0.0, last));
     }
     for (int z = from[2]; z <= to[2]; ++z)
       for (int y = from[1]; y <= to[1]; ++y)
@@ -68,10 +73,18 @@ class SphereGrid {
             static_cast<std::size_t>(x));
   }
 
+  static constexpr auto kNone = static_cast<std::uint32_t>(-1);
+  /// One sphere in the list of one cell.
+  struct Entry {
+    std::uint32_t sphere;
+    std::uint32_t next;  ///< entry, or kNone
+  };
+
   Vec3d low_;
   double cell_ = 0;
   double cells_[3] = {1, 1, 1};
-  std::vector<std::vector<int>> heads_;
+  std::vector<std::uint32_t> heads_;  ///< first entry of each cell, or kNone
+  std::vector<Entry> entries_;
 };
 
 /// A uniformly distributed center for which the sphere lies inside, or false when one draw missed.
@@ -101,37 +114,43 @@ bool can_hold(const Region& region, const Vec3d& low, const Vec3d& high, double 
 
 }  // namespace
 
-std::vector<PlacedSphere> place_at_random(const Region& region, const RadiusLaw& radius,
-                                          long long count, RandomNumbers& random) {
+PlacedSpheres place_at_random(const Region& region, const RadiusLaw& radius, long long count,
+                              RandomNumbers& random) {
   std::vector<double> radii(static_cast<std::size_t>(count));
   for (double& r : radii) r = radius.draw(random);
   std::sort(radii.begin(), radii.end(), std::greater<>());
-  std::vector<PlacedSphere> spheres;
+  PlacedSpheres spheres;
   if (radii.empty()) return spheres;
-  spheres.reserve(radii.size());
+  std::vector<Vec3d>& centers = spheres.center;
+  centers.reserve(radii.size());
 
   Vec3d low;
   Vec3d high;
   region.bounds(low, high);
   const auto fail = [&](const char* why) {
-    throw DoesNotFit(fmt::format("{} of {} spheres fit{}", spheres.size(), count, why));
+    throw DoesNotFit(fmt::format("{} of {} spheres fit{}", centers.size(), count, why));
   };
   if (!can_hold(region, low, high, radii.front()))
     fail(": the largest sphere is wider than the region");
   SphereGrid grid(low, high, 2 * radii[radii.size() / 2], 4 * radii.size() + 64);
   for (const double r : radii) {
-    PlacedSphere sphere{{}, r};
+    Vec3d center;
     for (int attempt = 0;; ++attempt) {
       if (attempt == kAttempts)
         fail(
             " without overlap; random placement fills about a third of a region, use a larger one "
             "or the layout \"lattice\" or \"rain\"");
-      if (draw_center(region, low, high, r, random, sphere.center) &&
-          grid.is_clear(sphere, spheres))
+      if (draw_center(region, low, high, r, random, center) &&
+          grid.is_clear(center, r, centers, radii))
         break;
     }
-    grid.insert(sphere, static_cast<int>(spheres.size()));
-    spheres.push_back(sphere);
+    grid.insert(center, r, centers.size());
+    centers.push_back(center);
+  }
+  if (radius.kind == RadiusLaw::Kind::constant) {
+    spheres.radius = radius.low;
+  } else {
+    spheres.radius = PerParticle<double>(std::move(radii));
   }
   return spheres;
 }

@@ -150,7 +150,7 @@ inline View camera_view(const CameraSettings& camera, int width, int height, dou
   view.top = static_cast<float>(tan_y);
   const double distance = norm(camera.target - camera.position);
   view.near_depth = static_cast<float>(std::max(1e-4 * std::min(scene_size, distance), 1e-12));
-  return view;
+  return with_all_rows(view);
 }
 
 /// Unit vector to the key light: from the upper left, a little in front of what the camera sees.
@@ -190,7 +190,7 @@ inline View light_view(const Box& box, const Vec3d& to_light, int side) {
   view.pitch = static_cast<float>(2 * half / side);
   view.left = static_cast<float>(-half);
   view.top = static_cast<float>(half);
-  return view;
+  return with_all_rows(view);
 }
 
 }  // namespace scree::render

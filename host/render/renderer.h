@@ -11,14 +11,23 @@
 
 namespace scree {
 
-/// Draws bodies. Keeps its buffers from picture to picture; they grow with the picture and the
-/// scene (about 32 bytes a sample, four samples a pixel, and 24 bytes a body).
+/// Draws bodies. A picture is drawn and shaded in bands of rows, so that only a window of its
+/// samples (four a pixel) is in memory.
 ///
-/// The same bodies give the same bytes for any number of threads and on every run.
+/// Keeps its buffers from picture to picture. They take 24 bytes a body, 9 bytes a sample of the
+/// window (kSampleBudget samples, or 432 rows where those are more), and 4 bytes a sample of the
+/// light's view (a square of 1.5 times the larger side of the picture, at most 8192): 25 MB for a
+/// picture of 1280x960, 48 MB for 1920x1080.
+///
+/// The same bodies give the same bytes for any number of threads and bands, and on every run.
 template <class B, class Real>
 class Renderer {
  public:
-  explicit Renderer(B& backend);
+  static constexpr Offset kSampleBudget = 1'100'000;  ///< default of sample_budget
+
+  /// @param sample_budget  samples of the picture to hold at once; a band has at least
+  ///                       kLeastBandRows rows, whatever this says
+  explicit Renderer(B& backend, Offset sample_budget = kSampleBudget);
 
   /// @param bodies    all in backend memory, as are `shapes` and `meshes`
   /// @param shapes    records that BodyView::shape points to
@@ -47,13 +56,20 @@ class Renderer {
   render::DrawList<Real> make_draw_list(B&, const BodyView<Real>&, Shapes, const MeshSetView<Real>&,
                                         const Vec3d& eye, const Vec3d& focus);
   void color_bodies(B&, const BodyView<Real>&, const PictureSettings&, double mean_radius);
-  /// Clears `samples` and draws every primitive of the source into it.
+  /// Fills the drawn rows of a view's buffer.
+  template <class Sample>
+  void clear(B&, const render::View&, Span<Sample> samples, Sample value);
+  /// Draws every primitive of the source into the drawn rows of its buffer.
   template <class Source>
-  void draw(B&, const Source&, Index primitive_count, Span<std::uint64_t> samples);
+  void draw(B&, const Source&);
 
-  Buffer<B, std::uint64_t> samples_;
-  Buffer<B, std::uint64_t> light_samples_;
-  Buffer<B, std::uint64_t> edge_samples_;
+  /// Rows of a band [samples], at least: each band goes through all primitives again.
+  static constexpr int kLeastBandRows = 112;
+
+  Offset sample_budget_;
+  Buffer<B, std::uint64_t> samples_;        ///< visibility, a window of rows
+  Buffer<B, std::uint8_t> edges_;           ///< marks, the same window
+  Buffer<B, std::uint32_t> light_samples_;  ///< depth
   Buffer<B, Index> counts_;
   Buffer<B, Offset> begins_;
   Buffer<B, Offset> triangle_begin_;

@@ -7,10 +7,11 @@
 namespace scree {
 
 template <class B, class Real>
-Renderer<B, Real>::Renderer(B& b)
-    : samples_(b),
+Renderer<B, Real>::Renderer(B& b, Offset sample_budget)
+    : sample_budget_(sample_budget),
+      samples_(b),
+      edges_(b),
       light_samples_(b),
-      edge_samples_(b),
       counts_(b),
       begins_(b),
       triangle_begin_(b),
@@ -162,11 +163,20 @@ void Renderer<B, Real>::color_bodies(B& b, const BodyView<Real>& bodies,
 }
 
 template <class B, class Real>
+template <class Sample>
+void Renderer<B, Real>::clear(B& b, const render::View& view, Span<Sample> samples, Sample value) {
+  for (int j = view.row_begin; j < view.row_end;) {  // in two parts where the rows pass the end
+    const int end = std::min(view.row_end, (j / view.buffer_rows + 1) * view.buffer_rows);
+    fill(b, Span<Sample>{samples.data + view.index(0, j), Offset{end - j} * view.width}, value);
+    j = end;
+  }
+}
+
+template <class B, class Real>
 template <class Source>
-void Renderer<B, Real>::draw(B& b, const Source& source, Index primitive_count,
-                             Span<std::uint64_t> samples) {
-  fill(b, samples, render::kNothing);
-  if (primitive_count == 0 || samples.empty()) return;
+void Renderer<B, Real>::draw(B& b, const Source& source) {
+  const Index primitive_count = source.primitive_count();
+  if (primitive_count == 0 || render::drawn_rect(source.view).empty()) return;
   counts_.reserve_discard(primitive_count);
   begins_.reserve_discard(Offset{primitive_count} + 1);
   const auto counts = counts_.view(primitive_count);
@@ -177,7 +187,7 @@ void Renderer<B, Real>::draw(B& b, const Source& source, Index primitive_count,
   constexpr Offset kItemsPerPass = Offset{1} << 30;  // element numbers are 32-bit
   for (Offset first = 0; first < items; first += kItemsPerPass) {
     for_each(b, static_cast<Index>(std::min(items - first, kItemsPerPass)),
-             render::DrawChunk<Source>{source, begins, first, samples});
+             render::DrawChunk<Source>{source, begins, first});
   }
 }
 
@@ -197,38 +207,41 @@ Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
   const auto list = make_draw_list(b, bodies, shapes, meshes, camera.position, focus);
   color_bodies(b, bodies, settings, extent.mean_radius);
 
-  const render::View view =
-      render::camera_view(camera, settings.width, settings.height, scene_size);
-  samples_.reserve_discard(view.sample_count());
-  const auto samples = samples_.view(view.sample_count());
-  draw(b, render::SolidSource<Real>{list, view, false}, list.primitive_count(), samples);
-
   // A shadow sample is about as large as a sample of the picture when the scene fills it.
   const Vec3d to_light = render::key_light_direction(camera);
   const int light_side = std::clamp(3 * std::max(settings.width, settings.height) / 2, 256, 8192);
   const render::View light = render::light_view(extent.framed, to_light, light_side);
   light_samples_.reserve_discard(light.sample_count());
   const auto light_samples = light_samples_.view(light.sample_count());
-  draw(b, render::SolidSource<Real>{list, light, true}, list.primitive_count(), light_samples);
+  clear(b, light, light_samples, render::kNoDepth);
+  draw(b, render::SolidSource<Real, std::uint32_t>{list, light, light_samples, true});
 
-  Span<std::uint64_t> edges;
-  const render::EdgeSource<Real> edge_source{list, view, 0.5f * render::kSupersampling};
-  if (edge_source.primitive_count() > 0) {
-    edge_samples_.reserve_discard(view.sample_count());
-    edges = edge_samples_.view(view.sample_count());
-    draw(b, edge_source, edge_source.primitive_count(), edges);
+  // The window holds the rows of a band and those above and below that occlusion looks at.
+  render::View view = render::camera_view(camera, settings.width, settings.height, scene_size);
+  constexpr int kMargin = 2 * render::kOcclusionReach;
+  view.buffer_rows = static_cast<int>(std::min<Offset>(
+      view.height, std::max<Offset>(sample_budget_ / view.width, kMargin + kLeastBandRows)));
+  const int band_rows =
+      view.buffer_rows == view.height
+          ? view.height
+          : (view.buffer_rows - kMargin) / render::kSupersampling * render::kSupersampling;
+  samples_.reserve_discard(view.sample_count());
+  const auto samples = samples_.view(view.sample_count());
+  render::EdgeSource<Real> edge_source{list, view, samples, {}, 0.5f * render::kSupersampling};
+  const bool has_edges = edge_source.primitive_count() > 0;
+  if (has_edges) {
+    edges_.reserve_discard(view.sample_count());
+    edge_source.marks = edges_.view(view.sample_count());
   }
+  rgb_.reserve_discard(3 * Offset{settings.width} * (band_rows / render::kSupersampling));
 
   const auto body_size =
       static_cast<float>(extent.mean_radius > 0 ? extent.mean_radius : 0.05 * scene_size);
-  const Index pixel_count = settings.width * settings.height;
-  rgb_.reserve_discard(3 * Offset{pixel_count});
-  const auto rgb = rgb_.view(3 * Offset{pixel_count});
   render::ShadePixel<Real> shade;
   shade.list = list;
   shade.view = view;
   shade.samples = samples;
-  shade.edges = edges;
+  shade.edges = edge_source.marks;
   shade.color = color_.view(bodies.count);
   shade.disk = render::make_tap_disk();
   shade.shadow = {light, light_samples, render::Vec3f(view.origin - light.origin),
@@ -237,14 +250,30 @@ Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
   shade.to_light = render::Vec3f(to_light);
   shade.sky_up = render::Vec3f(normalized(camera.up));
   shade.scene_size = static_cast<float>(scene_size);
-  shade.rgb = rgb;
-  for_each(b, pixel_count, shade);
 
   Image image;
   image.width = settings.width;
   image.height = settings.height;
-  image.rgb.resize(static_cast<std::size_t>(rgb.size));
-  download(b, Span<const std::uint8_t>(rgb), image.rgb.data());
+  image.rgb.resize(3 * static_cast<std::size_t>(image.width) * image.height);
+  view.row_end = 0;
+  for (int begin = 0; begin < view.height; begin += band_rows) {
+    const int end = std::min(begin + band_rows, view.height);
+    view.row_begin = view.row_end;  // rows above were drawn for the bands before
+    view.row_end = std::min(end + render::kOcclusionReach, view.height);
+    clear(b, view, samples, render::kNothing);
+    draw(b, render::SolidSource<Real, std::uint64_t>{list, view, samples, false});
+    if (has_edges) {
+      clear(b, view, edge_source.marks, std::uint8_t{0});
+      edge_source.view = view;
+      draw(b, edge_source);
+    }
+    shade.first_row = begin / render::kSupersampling;
+    const Index pixel_count = settings.width * ((end - begin) / render::kSupersampling);
+    shade.rgb = rgb_.view(3 * Offset{pixel_count});
+    for_each(b, pixel_count, shade);
+    download(b, Span<const std::uint8_t>(shade.rgb),
+             image.rgb.data() + 3 * static_cast<std::size_t>(settings.width) * shade.first_row);
+  }
   return image;
 }
 

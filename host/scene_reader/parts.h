@@ -13,8 +13,8 @@ namespace scree::reader {
 /// A scene being read.
 struct Draft {
   Scene scene;
-  std::map<double, std::vector<BodyDescription>> inserted;  ///< by time [s]
-  std::map<std::string, int> meshes;                        ///< file and options to index
+  std::map<double, Insertion> inserted;  ///< by time [s], which the values get at the end
+  std::map<std::string, int> meshes;     ///< file and options to index
 };
 
 /// Material named by the key "material" of the node; without the key, the one called "default", or

@@ -194,7 +194,7 @@ void read_body(const Node& node, Draft& draft) {
     Node(node.json(), node.path() + "." + fault->field, node.source())
         .fail(fault->value + " is not allowed: " + fault->expected);
   if (const auto time = node.find("insert_at"))
-    draft.inserted[time->number(kNonNegative, "s")].push_back(std::move(body));
+    draft.inserted[time->number(kNonNegative, "s")].bodies.push_back(std::move(body));
   else
     draft.scene.bodies.push_back(std::move(body));
 }

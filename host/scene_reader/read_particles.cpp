@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "host/layouts/layouts.h"
 #include "host/particle_table.h"
@@ -15,22 +17,23 @@ namespace {
 
 enum class Layout { lattice, random, rain, file };
 
-/// What all spheres of an entry share, and the values of those a file does not give.
-struct Common {
-  BodyDescription body;
-  double density = 0;  ///< [kg/m^3]; 0: not given
-};
-
-Common read_common(const Node& node, Draft& draft) {
-  Common common;
-  common.body.shape.kind = Shape::Kind::sphere;
-  common.body.material = read_material(node, draft);
+/// What all spheres of an entry share, and the values of those a file does not give: a set without
+/// positions and radii. Without a density in the entry that is 0.
+ParticleSet read_common(const Node& node, Draft& draft) {
+  Vec3d velocity;
+  Vec3d angular_velocity;
+  double density = 0;
+  ParticleSet common;
+  common.material = read_material(node, draft);
   const auto group = node.find("group");
-  common.body.group = group_index(group ? group->text() : "bodies", draft);
-  node.read("velocity", common.body.velocity, "m/s");
-  node.read("angular_velocity", common.body.angular_velocity, "rad/s");
-  if (const auto lock = node.find("lock")) common.body.locks = read_locks(*lock);
-  node.read("density", common.density, kPositive, "kg/m^3");
+  common.group = group_index(group ? group->text() : "bodies", draft);
+  node.read("velocity", velocity, "m/s");
+  node.read("angular_velocity", angular_velocity, "rad/s");
+  if (const auto lock = node.find("lock")) common.locks = read_locks(*lock);
+  node.read("density", density, kPositive, "kg/m^3");
+  common.velocity = velocity;
+  common.angular_velocity = angular_velocity;
+  common.density = density;
   return common;
 }
 
@@ -123,29 +126,22 @@ LatticeLayout read_lattice(const Node& node, const Region& region, const RadiusL
   return lattice;
 }
 
-BodyDescription sphere(const Common& common, const PlacedSphere& place) {
-  BodyDescription body = common.body;
-  body.shape.radius = place.radius;
-  body.position = place.center;
-  set_mass_from_density(body, common.density);
-  return body;
-}
-
-void append(const Common& common, const std::vector<PlacedSphere>& places,
-            std::vector<BodyDescription>& bodies) {
-  bodies.reserve(bodies.size() + places.size());
-  for (const PlacedSphere& place : places) bodies.push_back(sphere(common, place));
+ParticleSet particles(const ParticleSet& common, PlacedSpheres spheres) {
+  ParticleSet set = common;
+  set.position = std::move(spheres.center);
+  set.radius = std::move(spheres.radius);
+  return set;
 }
 
 /// Batches of rain must have left the region before the next one enters it.
-void check_fall(const Node& node, const Draft& draft, const Common& common, double interval,
+void check_fall(const Node& node, const Draft& draft, const ParticleSet& common, double interval,
                 const LatticeLayout& lattice, double thickness) {
   Vec3d low;
   Vec3d high;
   lattice.region.bounds(low, high);
   // A batch enters up to one step late.
   const double t = std::max(0.0, interval - draft.scene.stepping.time_step);
-  const Vec3d fall = t * common.body.velocity + 0.5 * t * t * draft.scene.gravity;
+  const Vec3d fall = t * common.velocity[0] + 0.5 * t * t * draft.scene.gravity;
   const Vec3d extent{high.x - low.x, high.y - low.y, thickness};
   for (int k = 0; k < 3; ++k)
     if (std::abs(fall[k]) >= extent[k]) return;
@@ -157,7 +153,7 @@ void check_fall(const Node& node, const Draft& draft, const Common& common, doub
                       thickness, norm(fall)));
 }
 
-void read_rain(const Node& node, const Common& common, const LatticeLayout& lattice,
+void read_rain(const Node& node, const ParticleSet& common, const LatticeLayout& lattice,
                const RadiusLaw& radius, RandomNumbers& random, Draft& draft) {
   constexpr long long most = std::numeric_limits<Index>::max();
   const long long count = node.at("count", "must be a whole number, 1 or more").integer(1, most);
@@ -181,27 +177,36 @@ void read_rain(const Node& node, const Common& common, const LatticeLayout& latt
     // Equal shares, with the remainder spread over the batches.
     const long long upto = count / layers * (k + 1) + count % layers * (k + 1) / layers;
     double thickness = 0;
-    const auto places = place_rain_batch(lattice, radius, upto - placed, random, thickness);
+    PlacedSpheres batch = place_rain_batch(lattice, radius, upto - placed, random, thickness);
     placed = upto;
     tallest = std::max(tallest, thickness);
     if (k == 0 && layers > 1) check_fall(node, draft, common, interval, lattice, thickness);
-    append(common, places, draft.inserted[start + static_cast<double>(k) * interval]);
+    draft.inserted[start + static_cast<double>(k) * interval].particles.push_back(
+        particles(common, std::move(batch)));
   }
   if (layers > 1) check_fall(node, draft, common, interval, lattice, tallest);
 }
 
-void read_file(const Node& node, const Common& common, Draft& draft) {
+/// Indices into the names of a file as those of the scene.
+PerParticle<int> renumbered(const PerParticle<int>& index, std::size_t count,
+                            const std::vector<int>& index_in_scene) {
+  std::vector<int> out(count);
+  for (std::size_t i = 0; i < count; ++i)
+    out[i] = index_in_scene[static_cast<std::size_t>(index[i])];
+  return PerParticle<int>(std::move(out));
+}
+
+void read_file(const Node& node, const ParticleSet& common, Draft& draft) {
   const Node named = node.at("file", "must be the name of a .csv or .h5 file");
   const std::filesystem::path path = named.file();
   ParticleTable table;
   if (path.extension() == ".h5") {
     table.particles = read_checkpoint_particles(path);
-    table.has_velocity = table.has_angular_velocity = true;
-    for (ParticleState& p : table.particles) p.group = p.material = -1;  // indices of another scene
   } else {
     table = read_particle_csv(path);
   }
-  if (table.particles.empty()) named.refuse("the file holds no particles");
+  ParticleSet& set = table.particles;
+  if (set.position.empty()) named.refuse("the file holds no particles");
   std::vector<int> groups;
   std::vector<int> materials;
   for (const std::string& name : table.groups) groups.push_back(group_index(name, draft));
@@ -209,31 +214,21 @@ void read_file(const Node& node, const Common& common, Draft& draft) {
     materials.push_back(material_index(named, name, draft));
   const auto radius = node.find("radius");
   const double default_radius = radius ? radius->number(kPositive, "m") : 0;
-
-  for (const ParticleState& p : table.particles) {
-    BodyDescription body = common.body;
-    body.position = p.position;
-    body.orientation = p.orientation;
-    if (table.has_velocity) body.velocity = p.velocity;
-    if (table.has_angular_velocity) body.angular_velocity = p.angular_velocity;
-    if (p.group >= 0) body.group = groups[static_cast<std::size_t>(p.group)];
-    if (p.material >= 0) body.material = materials[static_cast<std::size_t>(p.material)];
-    body.shape.radius = p.radius > 0 ? p.radius : default_radius;
-    if (!(body.shape.radius > 0))
-      node.fail_missing("radius", "the file has no radius column, so one is needed here [m]");
-    const double density = p.density > 0 ? p.density : common.density;
-    if (p.mass > 0) {
-      set_mass_from_density(body, 1.0);
-      body.inertia *= p.mass / body.mass;
-      body.mass = p.mass;
-    } else if (density > 0) {
-      set_mass_from_density(body, density);
-    } else {
-      node.fail_missing("density",
-                        "the file has no mass or density column, so one is needed here [kg/m^3]");
-    }
-    draft.scene.bodies.push_back(std::move(body));
-  }
+  if (set.radius.uniform()) set.radius = default_radius;
+  if (!(set.radius[0] > 0))
+    node.fail_missing("radius", "the file has no radius column, so one is needed here [m]");
+  if (set.density.uniform()) set.density = common.density;
+  if (set.mass.uniform() && !(set.density[0] > 0))
+    node.fail_missing("density",
+                      "the file has no mass or density column, so one is needed here [kg/m^3]");
+  if (set.velocity.uniform()) set.velocity = common.velocity;
+  if (set.angular_velocity.uniform()) set.angular_velocity = common.angular_velocity;
+  const std::size_t count = set.position.size();
+  set.group = set.group.uniform() ? common.group : renumbered(set.group, count, groups);
+  set.material =
+      set.material.uniform() ? common.material : renumbered(set.material, count, materials);
+  set.locks = common.locks;
+  draft.scene.particles.push_back(std::move(set));
 }
 
 /// Keys that mean something for each layout, beside those all have.
@@ -266,12 +261,12 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
                                               {"rain", Layout::rain},
                                               {"file", Layout::file}});
   check_layout_keys(node, layout, named.text());
-  const Common common = read_common(node, draft);
+  const ParticleSet common = read_common(node, draft);
   if (layout == Layout::file) {
     read_file(node, common, draft);
     return;
   }
-  if (common.density == 0) node.fail_missing("density", "must be positive [kg/m^3]");
+  if (common.density[0] == 0) node.fail_missing("density", "must be positive [kg/m^3]");
   const RadiusLaw radius = read_radius(node.at("radius", "must be positive [m]"));
   const Region region =
       read_region(node.at("region", "the space to fill, {min, max} or {cylinder}"));
@@ -282,12 +277,13 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
     if (layout == Layout::random) {
       const long long wanted =
           node.at("count", "must be a whole number, 1 or more").integer(1, most);
-      append(common, place_at_random(region, radius, wanted, random), draft.scene.bodies);
+      draft.scene.particles.push_back(
+          particles(common, place_at_random(region, radius, wanted, random)));
     } else if (layout == Layout::lattice) {
       const LatticeLayout lattice = read_lattice(node, region, radius);
-      append(common,
-             place_on_lattice(lattice, radius, count ? count->integer(1, most) : -1, random),
-             draft.scene.bodies);
+      const long long wanted = count ? count->integer(1, most) : -1;
+      draft.scene.particles.push_back(
+          particles(common, place_on_lattice(lattice, radius, wanted, random)));
     } else {
       const LatticeLayout lattice = read_lattice(node, region, radius);
       read_rain(node, common, lattice, radius, random, draft);

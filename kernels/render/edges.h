@@ -1,6 +1,6 @@
 #pragma once
-// The edges of containers and front walls, drawn as thin lines into a buffer of their own: they lie
-// over the bodies behind them without hiding them.
+// The edges of containers and front walls: thin lines that lie over the bodies behind them without
+// hiding them. A buffer of marks tells which samples they cover.
 
 #include "kernels/render/visibility.h"
 
@@ -15,7 +15,9 @@ struct EdgeSource {
   static constexpr const char* draw_name = "render_draw_edges";
   DrawList<Real> list;
   View view;
-  float half_width = 1;  ///< [samples]
+  Span<const std::uint64_t> samples;  ///< visibility buffer, finished
+  Span<std::uint8_t> marks;           ///< [view.sample_count()] in and out: 1 where an edge is seen
+  float half_width = 1;               ///< [samples]
 
   SCREE_HD Index primitive_count() const { return kBoxEdges * (list.count - list.fixed_begin); }
 
@@ -60,7 +62,7 @@ struct EdgeSource {
     return bounds.samples(view, half_width);
   }
 
-  SCREE_HD void draw(Index primitive, Index chunk, Span<std::uint64_t> samples) const {
+  SCREE_HD void draw(Index primitive, Index chunk) const {
     Vec3f a, b;
     if (!segment(primitive, a, b)) return;
     PlaneBounds bounds;
@@ -77,8 +79,9 @@ struct EdgeSource {
         const float s = clamp(dot(d, along) / length2, 0.0f, 1.0f);
         if (norm2(d - s * along) > reach * reach) continue;
         const float depth = 1.0f / mix(1.0f / a.z, 1.0f / b.z, s);  // 1/z is linear on the screen
-        atomic_min(samples.data + static_cast<Offset>(j) * view.width + i,
-                   pack_sample(depth, primitive));
+        // An edge of the wall that the sample sees is seen, too.
+        const Offset at = view.index(i, j);
+        if (depth < depth_of(samples[at]) * 1.002f) atomic_mark(marks.data + at);
       }
     }
   }

@@ -7,6 +7,7 @@ namespace scree::render {
 
 inline constexpr int kTaps = 8;                                            ///< per sample
 inline constexpr int kDiskTaps = kTaps * kSupersampling * kSupersampling;  ///< per pixel
+inline constexpr int kOcclusionReach = 160;  ///< farthest occlusion tap [samples]
 
 /// Points spread evenly over the unit disk. The samples of one pixel take different ones, so that a
 /// pixel averages all of them; the pattern is fixed, so pictures repeat bit for bit.
@@ -27,10 +28,10 @@ inline TapDisk make_tap_disk() {
   return disk;
 }
 
-/// Shadows by the visibility buffer of an orthographic view along the light.
+/// Shadows by the depth buffer of an orthographic view along the light.
 struct Shadow {
   View light;
-  Span<const std::uint64_t> samples;
+  Span<const std::uint32_t> samples;
   Vec3f eye_offset;    ///< camera origin minus light origin [m]
   float penumbra = 0;  ///< radius of the soft border [m]
 
@@ -56,7 +57,7 @@ struct Shadow {
       const int i = static_cast<int>(std::floor(fx + reach * disk.x[tap]));
       const int j = static_cast<int>(std::floor(fy + reach * disk.y[tap]));
       const bool inside = i >= 0 && j >= 0 && i < light.width && j < light.height;
-      lit += !inside || depth < depth_of(samples[static_cast<Offset>(j) * light.width + i]) ? 1 : 0;
+      lit += !inside || depth < depth_of(samples[light.index(i, j)]) ? 1 : 0;
     }
     return static_cast<float>(lit) / static_cast<float>(kTaps);
   }
@@ -66,9 +67,9 @@ struct Shadow {
 /// hollows of a few body sizes.
 struct Occlusion {
   View view;
-  Span<const std::uint64_t> samples;
-  float reach_small = 1;  ///< [m]
-  float reach_large = 1;  ///< [m]
+  Span<const std::uint64_t> samples;  ///< read up to kOcclusionReach rows away from row j
+  float reach_small = 1;              ///< [m]
+  float reach_large = 1;              ///< [m]
 
   /// Part of the sky that is hidden, 0 to 1.
   /// @param point, normal  view coordinates
@@ -84,11 +85,11 @@ struct Occlusion {
     for (int k = 0; k < kTaps; ++k) {
       const int tap = k * kSupersampling * kSupersampling + sub;
       const float reach = wide && (k & 1) != 0 ? reach_large : reach_small;
-      const float spread = clamp(reach * inv_footprint, 3.0f, 160.0f);
+      const float spread = clamp(reach * inv_footprint, 3.0f, static_cast<float>(kOcclusionReach));
       const int x = i + static_cast<int>(std::floor(spread * disk.x[tap] + 0.5f));
       const int y = j + static_cast<int>(std::floor(spread * disk.y[tap] + 0.5f));
       if (x < 0 || y < 0 || x >= view.width || y >= view.height) continue;
-      const std::uint64_t sample = samples[static_cast<Offset>(y) * view.width + x];
+      const std::uint64_t sample = samples[view.index(x, y)];
       if (sample == kNothing) continue;
       const Vec3f d = view.at(view.plane_x(x), view.plane_y(y), depth_of(sample)) - point;
       const float d2 = norm2(d) + kTiny;

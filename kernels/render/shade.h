@@ -7,7 +7,8 @@
 
 namespace scree::render {
 
-/// One pixel: shades its samples in linear light, averages them, and stores 8-bit sRGB.
+/// One pixel of a band of rows: shades its samples in linear light, averages them, and stores 8-bit
+/// sRGB.
 ///
 /// Bodies get a key light with shadows, a sky that neighbors hide, a darker rim that parts
 /// neighbors, and a pattern fixed to the body that shows how it turns. Planes and containers take
@@ -18,15 +19,16 @@ struct ShadePixel {
   DrawList<Real> list;
   View view;
   Span<const std::uint64_t> samples;
-  Span<const std::uint64_t> edges;  ///< empty when there are no edges to draw
-  Span<const Vec3f> color;          ///< [bodies] linear light
+  Span<const std::uint8_t> edges;  ///< marks of EdgeSource; empty when there are no edges
+  Span<const Vec3f> color;         ///< [bodies] linear light
   Shadow shadow;
   Occlusion occlusion;
   TapDisk disk;
   Vec3f to_light;          ///< unit, world
   Vec3f sky_up;            ///< unit, world: where the sky is brightest
   float scene_size = 1;    ///< size of what the camera frames [m]
-  Span<std::uint8_t> rgb;  ///< [3 * pixels] out, rows from the top
+  int first_row = 0;       ///< of the band [pixels]
+  Span<std::uint8_t> rgb;  ///< [3 * pixels of the band] out, rows from the top
 
   SCREE_HD static Vec3f key_light() { return {1.42f, 1.34f, 1.24f}; }
   SCREE_HD static Vec3f sky_light() { return {0.62f, 0.66f, 0.72f}; }
@@ -131,15 +133,14 @@ struct ShadePixel {
 
   SCREE_HD void operator()(Index pixel) const {
     const int width = view.width / kSupersampling;
-    const int px = pixel % width, py = pixel / width;
+    const int px = pixel % width, py = first_row + pixel / width;
     Vec3f sum;
     Solid solid;
     Index resolved = -1;
     for (int sub = 0; sub < kSupersampling * kSupersampling; ++sub) {
       const int i = px * kSupersampling + (sub & 1), j = py * kSupersampling + (sub >> 1);
-      const Offset at = static_cast<Offset>(j) * view.width + i;
+      const Offset at = view.index(i, j);
       const std::uint64_t sample = samples[at];
-      const float depth = depth_of(sample);
       Vec3f c;
       if (sample == kNothing) {
         c = background(i, j);
@@ -148,9 +149,9 @@ struct ShadePixel {
           resolved = primitive_of(sample);
           solid = resolve(list, view, resolved, false);
         }
-        c = shade(solid, depth, i, j);
+        c = shade(solid, depth_of(sample), i, j);
       }
-      if (!edges.empty() && edges[at] != kNothing && depth_of(edges[at]) < depth * 1.002f) {
+      if (!edges.empty() && edges[at] != 0) {
         const bool over_body = sample != kNothing && solid.body < list.fixed_begin;
         c = mix(c, Vec3f{0.20f, 0.22f, 0.25f}, over_body ? 0.30f : 0.45f);
       }

@@ -80,7 +80,7 @@ struct Solid {
     return kMiss;
   }
 
-  /// Samples the solid may cover.
+  /// Drawn samples the solid may cover.
   SCREE_HD SampleRect rect(const View& view) const {
     switch (kind) {
       case SolidKind::sphere:
@@ -89,7 +89,7 @@ struct Solid {
       case SolidKind::container:
         return box_rect(view, eye, half_extents);
       case SolidKind::half_space:
-        return whole_image(view);
+        return drawn_rect(view);
       case SolidKind::triangle: {
         const Vec3f a = eye.to_view(vertex);
         const Vec3f b = eye.to_view(vertex + edge1);

@@ -61,6 +61,9 @@ struct Eye {
 
 /// A camera or a light. Image-plane coordinates are tangents (perspective) or meters
 /// (orthographic).
+///
+/// Its sample buffer is a ring of rows: row j of the image lies in row j modulo buffer_rows, so a
+/// buffer lower than the image holds a window of it that moves down.
 struct View {
   Vec3<double> origin;   ///< eye, or center of the orthographic near plane, world [m]
   Vec3f right;           ///< unit, world
@@ -72,11 +75,18 @@ struct View {
   float near_depth = 0;  ///< nothing nearer is drawn [m]; positive for a perspective view
   int width = 0;         ///< [samples]
   int height = 0;
+  int row_begin = 0;  ///< rows [row_begin, row_end) are drawn now; solids are clipped to them
+  int row_end = 0;
+  int buffer_rows = 1;  ///< rows that the sample buffer holds
   bool orthographic = false;
 
   SCREE_HD float plane_x(int i) const { return left + pitch * (static_cast<float>(i) + 0.5f); }
   SCREE_HD float plane_y(int j) const { return top - pitch * (static_cast<float>(j) + 0.5f); }
-  SCREE_HD Index sample_count() const { return width * height; }
+  /// Samples of the buffer, and where it keeps sample (i, j).
+  SCREE_HD Offset sample_count() const { return static_cast<Offset>(width) * buffer_rows; }
+  SCREE_HD Offset index(int i, int j) const {
+    return static_cast<Offset>(j % buffer_rows) * width + i;
+  }
   /// Size of a sample at a depth [m].
   SCREE_HD float footprint(float depth) const { return orthographic ? pitch : pitch * depth; }
   /// View coordinates from image-plane coordinates and depth.
@@ -95,6 +105,14 @@ struct View {
             rotate_back(q, forward), orthographic};
   }
 };
+
+/// The view with all rows drawn at once, into a buffer that holds them all.
+inline View with_all_rows(View view) {
+  view.row_begin = 0;
+  view.row_end = view.height;
+  view.buffer_rows = view.height > 0 ? view.height : 1;
+  return view;
+}
 
 /// Samples [x_begin, x_end) x [y_begin, y_end).
 struct SampleRect {
@@ -115,7 +133,10 @@ struct SampleRect {
   }
 };
 
-SCREE_HD inline SampleRect whole_image(const View& view) { return {0, view.width, 0, view.height}; }
+/// All samples that are drawn now.
+SCREE_HD inline SampleRect drawn_rect(const View& view) {
+  return {0, view.width, view.row_begin, view.row_end};
+}
 
 /// Grows to the image-plane rectangle around points and edges in view coordinates. Edges are cut at
 /// the near depth, so that solids which reach behind the eye get the rectangle of their visible
@@ -146,18 +167,19 @@ struct PlaneBounds {
     cut.z = view.near_depth;
     add_point(view, cut);
   }
-  /// Samples whose centers may lie inside, `margin` samples added on each side.
+  /// Drawn samples whose centers may lie inside, `margin` samples added on each side.
   SCREE_HD SampleRect samples(const View& view, float margin = 0.0f) const {
     if (x_high < x_low) return {};
     const float s = 1.0f / view.pitch;
     // The half sample covers rounding: a rectangle may be too large, never too small.
     const float slack = 0.5f + margin;
-    const float w = static_cast<float>(view.width), h = static_cast<float>(view.height);
+    const float w = static_cast<float>(view.width);
+    const float first = static_cast<float>(view.row_begin), end = static_cast<float>(view.row_end);
     SampleRect r;
     r.x_begin = static_cast<int>(clamp((x_low - view.left) * s - slack, 0.0f, w));
     r.x_end = static_cast<int>(clamp((x_high - view.left) * s + slack + 1.0f, 0.0f, w));
-    r.y_begin = static_cast<int>(clamp((view.top - y_high) * s - slack, 0.0f, h));
-    r.y_end = static_cast<int>(clamp((view.top - y_low) * s + slack + 1.0f, 0.0f, h));
+    r.y_begin = static_cast<int>(clamp((view.top - y_high) * s - slack, first, end));
+    r.y_end = static_cast<int>(clamp((view.top - y_low) * s + slack + 1.0f, first, end));
     return r;
   }
 };

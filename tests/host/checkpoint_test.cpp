@@ -67,8 +67,8 @@ WorldState state_with(int contacts, int vectors_per_contact) {
 class CheckpointTest : public testing::Test {
  protected:
   void write(const WorldState& state, const std::string& scene_text = "{\"name\": \"bed\"}") {
-    write_checkpoint(file, state, test::scene_with(4, 0, 0), scene_text, BackendKind::cuda,
-                     Precision::double_precision);
+    write_checkpoint(file, state, BodyConstants(test::scene_with(4, 0, 0)), scene_text,
+                     BackendKind::cuda, Precision::double_precision);
   }
   /// Message of the refusal to read the file.
   std::string refusal() {
@@ -130,24 +130,23 @@ TEST_F(CheckpointTest, LeavesNoTemporaryFile) {
 TEST_F(CheckpointTest, GivesSpheresInTheOrderOfIds) {
   const WorldState state = state_with(0, 1);
   write(state);
-  const std::vector<ParticleState> particles = read_checkpoint_particles(file);
-  ASSERT_EQ(particles.size(), 3u);  // body 1 is the floor
+  const ParticleSet particles = read_checkpoint_particles(file);
+  ASSERT_EQ(particles.position.size(), 3u);  // body 1 is the floor
   const std::vector<int> ids{0, 2, 3};
   const std::vector<int> row{1, 2, 0};
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    EXPECT_EQ(particles[i].radius, 0.1 + ids[i]);
-    EXPECT_EQ(particles[i].mass, 2.0 + ids[i]);
-    EXPECT_EQ(particles[i].group, ids[i] % 3);
-    EXPECT_EQ(particles[i].velocity, state.velocity[static_cast<std::size_t>(row[i])]);
+    EXPECT_EQ(particles.radius[i], 0.1 + ids[i]);
+    EXPECT_EQ(particles.mass[i], 2.0 + ids[i]);
+    EXPECT_EQ(particles.velocity[i], state.velocity[static_cast<std::size_t>(row[i])]);
   }
 }
 
 TEST_F(CheckpointTest, LeavesBodiesThatAreNoSpheresOutOfTheParticles) {
   Scene scene = test::scene_with(4, 0, 0);
   scene.bodies[2].shape.kind = Shape::Kind::box;
-  write_checkpoint(file, state_with(0, 1), scene, "", BackendKind::cpu,
+  write_checkpoint(file, state_with(0, 1), BodyConstants(scene), "", BackendKind::cpu,
                    Precision::single_precision);
-  EXPECT_EQ(read_checkpoint_particles(file).size(), 2u);
+  EXPECT_EQ(read_checkpoint_particles(file).position.size(), 2u);
   write({});
   EXPECT_THROW(read_checkpoint_particles(file), InputError);
 }

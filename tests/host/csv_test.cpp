@@ -23,29 +23,28 @@ TEST(ParticleCsv, ReadsAllColumnsInAnyOrder) {
       "# in between\n"
       "8, 3, 2, 1, 4, 5, 6, 1e-1, 2, 0, 1, 0, 0, 7, 8, 9, right, glass");
   const ParticleTable table = read_particle_csv(file);
-  ASSERT_EQ(table.particles.size(), 2u);
-  const ParticleState& p = table.particles[0];
-  EXPECT_EQ(p.position, Vec3d(1, 2, 3));
-  EXPECT_EQ(p.velocity, Vec3d(4, 5, 6));
-  EXPECT_EQ(p.angular_velocity, Vec3d(7, 8, 9));
-  EXPECT_EQ(p.orientation.x, 1);
-  EXPECT_EQ(p.radius, 0.5);
-  EXPECT_EQ(p.mass, 2);
-  EXPECT_EQ(p.density, 0);
+  const ParticleSet& p = table.particles;
+  ASSERT_EQ(p.position.size(), 2u);
+  EXPECT_EQ(p.position[0], Vec3d(1, 2, 3));
+  EXPECT_EQ(p.velocity[0], Vec3d(4, 5, 6));
+  EXPECT_EQ(p.angular_velocity[0], Vec3d(7, 8, 9));
+  EXPECT_EQ(p.orientation[0].x, 1);
+  EXPECT_EQ(p.radius[0], 0.5);
+  EXPECT_EQ(p.mass[0], 2);
+  EXPECT_TRUE(p.density.uniform());
   EXPECT_EQ(table.groups, (std::vector<std::string>{"left", "right"}));
   EXPECT_EQ(table.materials, (std::vector<std::string>{"glass"}));
-  EXPECT_EQ(table.particles[1].group, 1);
-  EXPECT_EQ(table.particles[1].material, 0);
-  EXPECT_TRUE(table.has_velocity);
-  EXPECT_TRUE(table.has_angular_velocity);
+  EXPECT_EQ(p.radius[1], 0.1);
+  EXPECT_EQ(p.group[1], 1);
+  EXPECT_EQ(p.material[1], 0);
 }
 
 TEST(ParticleCsv, MissingColumnsAreLeftToTheCaller) {
   const ParticleTable table = read_particle_csv(write_file("p.csv", "\xEF\xBB\xBFx,y,z\n1,2,3\n"));
-  ASSERT_EQ(table.particles.size(), 1u);
-  EXPECT_EQ(table.particles[0].radius, 0);
-  EXPECT_EQ(table.particles[0].group, -1);
-  EXPECT_FALSE(table.has_velocity);
+  ASSERT_EQ(table.particles.position.size(), 1u);
+  EXPECT_TRUE(table.particles.radius.uniform());
+  EXPECT_TRUE(table.particles.group.uniform());
+  EXPECT_TRUE(table.particles.velocity.uniform());
 }
 
 struct BadTable {

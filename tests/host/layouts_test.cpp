@@ -39,13 +39,14 @@ RadiusLaw uniform(double low, double high) {
 }
 
 /// By brute force: no two spheres overlap, and all lie in the region.
-void expect_clear(const std::vector<PlacedSphere>& spheres, const Region& region) {
-  for (std::size_t i = 0; i < spheres.size(); ++i) {
-    EXPECT_TRUE(region.contains(spheres[i].center, spheres[i].radius - kRounding)) << i;
+void expect_clear(const PlacedSpheres& spheres, const Region& region) {
+  const std::vector<Vec3d>& x = spheres.center;
+  const PerParticle<double>& r = spheres.radius;
+  ASSERT_TRUE(r.fits(x.size()));
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    EXPECT_TRUE(region.contains(x[i], r[i] - kRounding)) << i;
     for (std::size_t j = 0; j < i; ++j)
-      ASSERT_GE(norm(spheres[i].center - spheres[j].center),
-                spheres[i].radius + spheres[j].radius - kRounding)
-          << i << " and " << j;
+      ASSERT_GE(norm(x[i] - x[j]), r[i] + r[j] - kRounding) << i << " and " << j;
   }
 }
 
@@ -119,11 +120,11 @@ TEST(Lattice, FillsABoxExactly) {
   RandomNumbers random(1, 0);
   LatticeLayout layout{unit_box(), 0.1, 0};
   const auto all = place_on_lattice(layout, constant(0.05), -1, random);
-  EXPECT_EQ(all.size(), 1000u);
+  EXPECT_EQ(all.center.size(), 1000u);
   expect_clear(all, layout.region);
   const auto some = place_on_lattice(layout, constant(0.05), 150, random);
-  EXPECT_EQ(some.size(), 150u);
-  for (const PlacedSphere& s : some) EXPECT_LT(s.center.z, 0.2);  // from the bottom up
+  EXPECT_EQ(some.center.size(), 150u);
+  for (const Vec3d& x : some.center) EXPECT_LT(x.z, 0.2);  // from the bottom up
 }
 
 TEST(Lattice, JitterKeepsSpheresApart) {
@@ -131,7 +132,7 @@ TEST(Lattice, JitterKeepsSpheresApart) {
   for (const Region& region : {unit_box(), tilted_cylinder()}) {
     LatticeLayout layout{region, 0.11, 1};
     const auto spheres = place_on_lattice(layout, uniform(0.01, 0.05), -1, random);
-    EXPECT_GT(spheres.size(), 400u);
+    EXPECT_GT(spheres.center.size(), 400u);
     expect_clear(spheres, region);
   }
 }
@@ -150,7 +151,7 @@ TEST(RandomLayout, PlacesWithoutOverlap) {
   RandomNumbers random(1, 0);
   for (const Region& region : {unit_box(), tilted_cylinder()}) {
     const auto spheres = place_at_random(region, uniform(0.02, 0.05), 800, random);
-    EXPECT_EQ(spheres.size(), 800u);
+    EXPECT_EQ(spheres.center.size(), 800u);
     expect_clear(spheres, region);
   }
 }
@@ -163,13 +164,13 @@ TEST(RandomLayout, HandlesSizesOneToFifty) {
   law.weights = {1, 999};
   const auto spheres = place_at_random(unit_box(), law, 2000, random);
   expect_clear(spheres, unit_box());
-  EXPECT_EQ(spheres.front().radius, 0.2);
-  EXPECT_EQ(spheres.back().radius, 0.004);
+  EXPECT_EQ(spheres.radius[0], 0.2);
+  EXPECT_EQ(spheres.radius[1999], 0.004);
 }
 
 TEST(RandomLayout, ReachesATightFillAndSaysWhenItIsFull) {
   RandomNumbers random(1, 0);
-  EXPECT_EQ(place_at_random(unit_box(), constant(0.05), 480, random).size(), 480u);  // 25 %
+  EXPECT_EQ(place_at_random(unit_box(), constant(0.05), 480, random).center.size(), 480u);  // 25 %
   try {
     place_at_random(unit_box(), constant(0.05), 2000, random);
     FAIL();
@@ -180,7 +181,7 @@ TEST(RandomLayout, ReachesATightFillAndSaysWhenItIsFull) {
 
 TEST(RandomLayout, ZeroSpheres) {
   RandomNumbers random(1, 0);
-  EXPECT_TRUE(place_at_random(unit_box(), constant(0.1), 0, random).empty());
+  EXPECT_TRUE(place_at_random(unit_box(), constant(0.1), 0, random).center.empty());
 }
 
 TEST(Rain, BatchesTakeTheLowestPlanesAndDoNotOverlap) {
@@ -188,7 +189,7 @@ TEST(Rain, BatchesTakeTheLowestPlanesAndDoNotOverlap) {
   LatticeLayout layout{unit_box(), 0.1, 1};
   double thickness = 0;
   const auto one_plane = place_rain_batch(layout, uniform(0.02, 0.04), 60, random, thickness);
-  EXPECT_EQ(one_plane.size(), 60u);
+  EXPECT_EQ(one_plane.center.size(), 60u);
   EXPECT_DOUBLE_EQ(thickness, 0.1);
   expect_clear(one_plane, layout.region);
   const auto two_planes = place_rain_batch(layout, constant(0.05), 101, random, thickness);
@@ -197,11 +198,21 @@ TEST(Rain, BatchesTakeTheLowestPlanesAndDoNotOverlap) {
   EXPECT_THROW(place_rain_batch(layout, constant(0.05), 1001, random, thickness), DoesNotFit);
 }
 
+TEST(Layouts, RadiiThatAreAllTheSameAreKeptOnce) {
+  RandomNumbers random(1, 0);
+  const LatticeLayout layout{unit_box(), 0.1, 0};
+  double thickness = 0;
+  EXPECT_TRUE(place_on_lattice(layout, constant(0.05), 10, random).radius.uniform());
+  EXPECT_TRUE(place_at_random(unit_box(), constant(0.05), 10, random).radius.uniform());
+  EXPECT_TRUE(place_rain_batch(layout, constant(0.05), 10, random, thickness).radius.uniform());
+  EXPECT_FALSE(place_on_lattice(layout, uniform(0.01, 0.05), 10, random).radius.uniform());
+}
+
 TEST(Layouts, AreDeterministic) {
-  const auto equal = [](const std::vector<PlacedSphere>& a, const std::vector<PlacedSphere>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& p, const auto& q) {
-      return p.center == q.center && p.radius == q.radius;
-    });
+  const auto equal = [](const PlacedSpheres& a, const PlacedSpheres& b) {
+    bool same = a.center == b.center;
+    for (std::size_t i = 0; same && i < a.center.size(); ++i) same = a.radius[i] == b.radius[i];
+    return same;
   };
   const RadiusLaw law = uniform(0.02, 0.04);
   double thickness = 0;

@@ -262,16 +262,20 @@ TEST(SceneReader, ReadsParticlesOfEveryLayout) {
     {"layout": "rain", "count": 1e1, "layers": 3, "interval": 0.5, "start": 0.25, "density": 1000,
      "radius": {"normal": {"mean": 0.1, "deviation": 0.01, "min": 0.08, "max": 0.12}},
      "region": {"min": [0, 0, 5], "max": [1, 1, 6]}})"));
-  ASSERT_EQ(scene.bodies.size(), 64u + 10u);
-  EXPECT_EQ(scene.bodies[0].velocity, Vec3d(0, 0, -1));
-  EXPECT_EQ(scene.bodies[0].locks, lock_rx);
-  EXPECT_EQ(scene.groups.at(static_cast<std::size_t>(scene.bodies[0].group)), "a");
-  EXPECT_NEAR(scene.bodies[0].mass, 1000 * 4 / 3.0 * kPi * 1e-3, 1e-12);
+  ASSERT_EQ(scene.particles.size(), 2u);
+  const ParticleSet& lattice = scene.particles[0];
+  EXPECT_EQ(lattice.position.size(), 64u);
+  EXPECT_EQ(scene.particles[1].position.size(), 10u);
+  EXPECT_EQ(lattice.velocity[0], Vec3d(0, 0, -1));
+  EXPECT_EQ(lattice.locks, lock_rx);
+  EXPECT_EQ(scene.groups.at(static_cast<std::size_t>(lattice.group[0])), "a");
+  EXPECT_NEAR(particle_mass(lattice, 0), 1000 * 4 / 3.0 * kPi * 1e-3, 1e-12);
   ASSERT_EQ(scene.insertions.size(), 3u);
   EXPECT_EQ(scene.insertions[0].time, 0.25);
   EXPECT_EQ(scene.insertions[2].time, 1.25);
   std::size_t rained = 0;
-  for (const Insertion& insertion : scene.insertions) rained += insertion.bodies.size();
+  for (const Insertion& insertion : scene.insertions)
+    rained += insertion.particles.at(0).position.size();
   EXPECT_EQ(rained, 10u);
 }
 
@@ -289,20 +293,22 @@ TEST(SceneReader, ReadsParticlesFromCsvWithDefaultsFromTheEntry) {
   const auto file = write_file("scene.json", R"({"time_step": 1, "duration": 1,
     "materials": {"m": {}, "n": {}}, "particles": [{"layout": "file", "file": "p.csv"}]})");
   const Scene scene = read_scene(file);
-  ASSERT_EQ(scene.bodies.size(), 2u);
-  EXPECT_EQ(scene.bodies[0].position, Vec3d(1, 2, 3));
-  EXPECT_EQ(scene.bodies[0].velocity, Vec3d(4, 5, 6));
-  EXPECT_NEAR(scene.bodies[0].mass, kPi, 1e-14);
-  EXPECT_EQ(scene.bodies[1].material, 1);
-  EXPECT_EQ(scene.groups.at(static_cast<std::size_t>(scene.bodies[1].group)), "right");
+  const ParticleSet& set = scene.particles.at(0);
+  ASSERT_EQ(set.position.size(), 2u);
+  EXPECT_EQ(set.position[0], Vec3d(1, 2, 3));
+  EXPECT_EQ(set.velocity[0], Vec3d(4, 5, 6));
+  EXPECT_NEAR(particle_mass(set, 0), kPi, 1e-14);
+  EXPECT_EQ(set.material[1], 1);
+  EXPECT_EQ(scene.groups.at(static_cast<std::size_t>(set.group[1])), "right");
 
   write_file("q.csv", "x,y,z,mass\n1,2,3,4\n");
   const Scene other = read_scene(write_file("scene2.json", R"({"time_step": 1, "duration": 1,
     "particles": [{"layout": "file", "file": "q.csv", "radius": 0.5, "velocity": [0, 0, 1]}]})"));
-  EXPECT_EQ(other.bodies[0].shape.radius, 0.5);
-  EXPECT_EQ(other.bodies[0].velocity, Vec3d(0, 0, 1));
-  EXPECT_NEAR(other.bodies[0].mass, 4, 1e-14);
-  EXPECT_NEAR(other.bodies[0].inertia.x, 0.4, 1e-14);
+  const BodyDescription body = particle_body(other.particles.at(0), 0);
+  EXPECT_EQ(body.shape.radius, 0.5);
+  EXPECT_EQ(body.velocity, Vec3d(0, 0, 1));
+  EXPECT_NEAR(body.mass, 4, 1e-14);
+  EXPECT_NEAR(body.inertia.x, 0.4, 1e-14);
 }
 
 TEST(SceneReader, OverridesSetAddAndNameElements) {
@@ -334,8 +340,8 @@ TEST(SceneReader, RandomLayoutsFollowTheSeed) {
   const Scene a = parsed(text);
   const Scene b = parsed(text);
   const Scene c = parsed(text, {"seed=2"});
-  for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(a.bodies[i].position, b.bodies[i].position);
-  EXPECT_FALSE(a.bodies[0].position == c.bodies[0].position);
+  EXPECT_EQ(a.particles.at(0).position, b.particles.at(0).position);
+  EXPECT_FALSE(a.particles.at(0).position[0] == c.particles.at(0).position[0]);
 }
 
 // --- refusals: file, key path, value and expectation, word by word -----------------------------

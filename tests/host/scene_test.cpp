@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "host/body_constants.h"
+#include "host/scene_summary.h"
 #include "tests/host/input_files.h"
 
 namespace scree {
@@ -116,6 +118,90 @@ TEST(Validate, RefusesBadInsertions) {
         s.insertions[0].bodies[1].mass = NAN;
       }),
       "insertions[0].bodies[1].mass: nan is not allowed: a free body needs a positive mass [kg]");
+}
+
+ParticleSet two_particles() {
+  ParticleSet set;
+  set.position = {{0, 0, 1}, {0, 0, 2}};
+  set.radius = 0.1;
+  set.density = 1000.0;
+  return set;
+}
+
+TEST(Validate, RefusesBadParticles) {
+  const auto refused_set = [](auto change) {
+    return refused([&](Scene& s) {
+      s.particles = {two_particles(), two_particles()};
+      change(s.particles[1]);
+    });
+  };
+  EXPECT_EQ(refused_set([](ParticleSet&) {}), "no error");
+  EXPECT_EQ(refused_set([](ParticleSet& set) { set.position[1].x = NAN; }),
+            "particles[1][1].position: [nan, 0, 2] is not allowed: must be three finite numbers "
+            "[m]");
+  EXPECT_EQ(refused_set([](ParticleSet& set) { set.density = 0.0; }),
+            "particles[1][0].mass: 0 is not allowed: a free body needs a positive mass [kg]");
+  EXPECT_EQ(refused_set([](ParticleSet& set) {
+              set.radius = PerParticle(std::vector<double>{0.1, -0.1});
+            }),
+            "particles[1][1].radius: -0.1 is not allowed: must be positive [m]");
+  EXPECT_EQ(refused_set([](ParticleSet& set) { set.mass = PerParticle(std::vector<double>{1.0}); }),
+            "particles[1].mass: a list of another length is not allowed: must be one value for "
+            "all, or one for each of 2 particles");
+  EXPECT_THAT(refused([](Scene& s) {
+                s.insertions = {{1, {}, {two_particles()}}};
+                s.insertions[0].particles[0].group = 3;
+              }),
+              StartsWith("insertions[0].particles[0][0].group: 3 is not allowed"));
+}
+
+TEST(ParticleSets, HaveTheMassAndInertiaOfTheSameBodies) {
+  BodyDescription ball = sphere(0.1);
+  set_mass_from_density(ball, 1000);
+  ParticleSet set = two_particles();
+  EXPECT_EQ(particle_body(set, 1).mass, ball.mass);
+  EXPECT_EQ(particle_body(set, 1).inertia, ball.inertia);
+  EXPECT_EQ(particle_mass(set, 1), ball.mass);
+  set.mass = PerParticle(std::vector<double>{0.0, 3.0});  // 0: from the density
+  EXPECT_EQ(particle_body(set, 0).mass, ball.mass);
+  EXPECT_EQ(particle_body(set, 1).mass, 3);
+  EXPECT_NEAR(particle_body(set, 1).inertia.y, 0.4 * 3 * 0.01, 1e-15);
+}
+
+TEST(BodyConstants, AreInTheOrderOfIds) {
+  Scene scene = scene_with({sphere(0.1), wall(Shape::Kind::container)});
+  scene.groups = {"bodies", "others"};
+  scene.particles = {two_particles(), ParticleSet{}, two_particles()};
+  scene.particles[2].radius = PerParticle(std::vector<double>{0.2, 0.3});
+  scene.particles[2].group = 1;
+  scene.insertions = {{1, {sphere(0.4), sphere(0.5)}, {two_particles()}}, {2, {sphere(0.6)}, {}}};
+  const BodyConstants constants(scene);
+  ASSERT_EQ(constants.size(), 11u);
+  const std::vector<double> radii{0.1, -1, 0.1, 0.1, 0.2, 0.3, 0.4, 0.5, 0.1, 0.1, 0.6};
+  for (std::size_t id = 0; id < radii.size(); ++id) {
+    if (id == 1) continue;
+    EXPECT_EQ(constants[id].radius, radii[id]) << id;
+    EXPECT_EQ(constants[id].kind, BodyKind::free) << id;
+    EXPECT_EQ(constants[id].shape, Shape::Kind::sphere) << id;
+    EXPECT_GT(constants[id].mass, 0) << id;
+    EXPECT_EQ(constants[id].group, id == 4 || id == 5 ? 1 : 0) << id;
+  }
+  EXPECT_EQ(constants[1].kind, BodyKind::fixed);
+  EXPECT_EQ(constants[1].shape, Shape::Kind::container);
+  EXPECT_EQ(constants[1].mass, 0);
+}
+
+TEST(SceneSummary, MedianOfSetsAndBodies) {
+  Scene scene = scene_with({sphere(0.5)});
+  scene.particles = {two_particles(), two_particles()};
+  scene.particles[1].radius = PerParticle(std::vector<double>{0.2, 0.3});
+  const SceneSummary s = summarize(scene);
+  EXPECT_EQ(s.free_capacity, 5);
+  EXPECT_EQ(s.median_diameter, 0.4);
+  EXPECT_EQ(s.largest_diameter, 1.0);
+  scene.particles.pop_back();
+  scene.bodies = {sphere(0.1)};
+  EXPECT_EQ(summarize(scene).median_diameter, 0.2);
 }
 
 TEST(Validate, ContainersMayTouchOrNestButNotOverlapInPart) {

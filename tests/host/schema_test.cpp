@@ -80,7 +80,8 @@ TEST(SceneFiles, AllPassTheReader) {
 TEST(SceneFiles, PileHasTenThousandSpheres) {
   const Scene scene = read_scene(SCREE_SCENE_DIR "/pile.json");
   std::size_t count = 0;
-  for (const Insertion& insertion : scene.insertions) count += insertion.bodies.size();
+  for (const Insertion& insertion : scene.insertions)
+    for (const ParticleSet& set : insertion.particles) count += set.position.size();
   EXPECT_EQ(count, 10000u);
 }
 

@@ -171,9 +171,9 @@ Outcome after_20_steps(const Scene& scene, BackendKind backend, Precision precis
     outcome.bodies = report.body_count;
   }
   const BodyStates s = world.states();
-  const BodyConstants c = world.constants();
+  const BodyConstants& c = world.constants();
   for (std::size_t i = 0; i < s.position.size(); ++i)
-    if (c.kind[i] == BodyKind::free) outcome.height += s.position[i].z / outcome.bodies;
+    if (c[i].kind == BodyKind::free) outcome.height += s.position[i].z / outcome.bodies;
   return outcome;
 }
 

@@ -57,9 +57,12 @@ struct PictureScene {
 };
 
 /// A picture of the scene, made on a backend from scratch.
+/// @param sample_budget   see Renderer
+/// @param renderer_bytes  out: what the renderer holds after the picture
 template <class Real>
-Image take_picture(TestBackend& b, const PictureScene<Real>& scene,
-                   const PictureSettings& settings) {
+Image take_picture(TestBackend& b, const PictureScene<Real>& scene, const PictureSettings& settings,
+                   Offset sample_budget = Renderer<TestBackend, Real>::kSampleBudget,
+                   std::size_t* renderer_bytes = nullptr) {
   Buffer<TestBackend, Vec3<double>> position(b);
   Buffer<TestBackend, Quat<Real>> orientation(b);
   Buffer<TestBackend, Vec3<Real>> velocity(b), vertices(b);
@@ -91,8 +94,11 @@ Image take_picture(TestBackend& b, const PictureScene<Real>& scene,
   view.group = group.view();
   view.id = id.view();
   const MeshSetView<Real> meshes{vertices.view(), triangles.view(), ranges.view()};
-  Renderer<TestBackend, Real> renderer(b);
-  return renderer.render(b, view, shapes.view(), meshes, settings);
+  const std::size_t bytes_before = b.allocated();
+  Renderer<TestBackend, Real> renderer(b, sample_budget);
+  const Image image = renderer.render(b, view, shapes.view(), meshes, settings);
+  if (renderer_bytes != nullptr) *renderer_bytes = b.allocated() - bytes_before;
+  return image;
 }
 
 /// A camera at (0, -distance, 0) that looks along +y.
@@ -153,13 +159,34 @@ PictureScene<Real> busy_scene() {
   return scene;
 }
 
+template <class Word>
 struct ContendForMinimum {
   static constexpr const char* name = "contend_for_minimum";
-  Span<std::uint64_t> cells;
-  SCREE_HD void operator()(Index i) const {
-    atomic_min(cells.data + i % cells.size,
-               (static_cast<std::uint64_t>(i) * 2654435761u) % 1000003u);
+  Span<Word> cells;
+  SCREE_HD static Word candidate(Index i) {
+    return static_cast<Word>((static_cast<std::uint64_t>(i) * 2654435761u) % 1000003u);
   }
+  SCREE_HD void operator()(Index i) const { atomic_min(cells.data + i % cells.size, candidate(i)); }
+};
+
+template <class Word>
+void expect_smallest_kept(TestBackend& b) {
+  constexpr Index kCount = 100000, kCells = 7;
+  Buffer<TestBackend, Word> cells(b, kCells);
+  fill(b, cells.view(), static_cast<Word>(~Word{0}));
+  for_each(b, kCount, ContendForMinimum<Word>{cells.view()});
+  std::vector<Word> expected(kCells, ~Word{0});
+  for (Index i = 0; i < kCount; ++i) {
+    Word& cell = expected[static_cast<std::size_t>(i % kCells)];
+    cell = std::min(cell, ContendForMinimum<Word>::candidate(i));
+  }
+  EXPECT_EQ(download(b, cells.view()), expected);
+}
+
+struct MarkThirds {
+  static constexpr const char* name = "mark_thirds";
+  Span<std::uint8_t> cells;
+  SCREE_HD void operator()(Index i) const { atomic_mark(cells.data + 3 * i % cells.size); }
 };
 
 }  // namespace
@@ -169,17 +196,17 @@ class RenderTest : public BackendTest<Real> {};
 TYPED_TEST_SUITE(RenderTest, Reals);
 
 TYPED_TEST(RenderTest, AtomicMinimumKeepsTheSmallest) {
+  expect_smallest_kept<std::uint32_t>(this->backend());
+  expect_smallest_kept<std::uint64_t>(this->backend());
+}
+
+TYPED_TEST(RenderTest, AtomicMarkSetsOneByte) {
   TestBackend& b = this->backend();
-  constexpr Index kCount = 100000, kCells = 7;
-  Buffer<TestBackend, std::uint64_t> cells(b, kCells);
-  fill(b, cells.view(), ~std::uint64_t{0});
-  for_each(b, kCount, ContendForMinimum{cells.view()});
-  std::vector<std::uint64_t> expected(kCells, ~std::uint64_t{0});
-  for (Index i = 0; i < kCount; ++i) {
-    auto& cell = expected[static_cast<std::size_t>(i % kCells)];
-    cell = std::min(cell, (static_cast<std::uint64_t>(i) * 2654435761u) % 1000003u);
-  }
-  EXPECT_EQ(download(b, cells.view()), expected);
+  Buffer<TestBackend, std::uint8_t> cells(b, 999);
+  fill(b, cells.view(), std::uint8_t{0});
+  for_each(b, 3000, MarkThirds{cells.view()});
+  const auto marks = download(b, cells.view());
+  for (std::size_t i = 0; i < marks.size(); ++i) EXPECT_EQ(marks[i], i % 3 == 0 ? 1 : 0) << i;
 }
 
 TYPED_TEST(RenderTest, SphereCoversItsClosedFormArea) {
@@ -232,6 +259,41 @@ TYPED_TEST(RenderTest, RepeatedPicturesHaveEqualBytes) {
       TestBackend b(threads);
       EXPECT_EQ(first.rgb, take_picture(b, scene, settings).rgb) << threads << " threads";
     }
+  }
+}
+
+TYPED_TEST(RenderTest, NumberOfBandsDoesNotChangeThePicture) {
+  // 300 x 960 samples, of which the smallest budget holds 432 rows. The bodies look so large that
+  // occlusion reaches as far as it ever does.
+  PictureSettings settings = looking_along_y(150, 480, 1.2, 60);
+  settings.camera.position.z = 0.5;
+  settings.camera.target.z = 0.4;
+  auto scene = busy_scene<TypeParam>();
+  for (TypeParam& r : scene.radius) r *= 4;
+  TestBackend& b = this->backend();
+  std::size_t bytes_in_one_band = 0;
+  const Image in_one_band = take_picture(b, scene, settings, Offset{300} * 960, &bytes_in_one_band);
+  for (const Offset rows : {0, 433, 500, 701, 959}) {
+    std::size_t bytes = 0;
+    const Image in_bands = take_picture(b, scene, settings, 300 * rows, &bytes);
+    EXPECT_EQ(differing_pixels(in_one_band, in_bands), 0) << rows << " rows";
+    EXPECT_LT(bytes, bytes_in_one_band) << rows << " rows";
+  }
+}
+
+TYPED_TEST(RenderTest, BuffersStaySmallForLargePictures) {
+  struct Case {
+    int width, height;
+    double bytes;
+  };
+  // The light takes 4 (1.5 width)^2 bytes of these.
+  for (const Case& c : {Case{640, 480, 14.5e6}, {1280, 960, 25.5e6}, {1920, 1080, 49e6}}) {
+    // Far away, so that the picture is soon done.
+    const auto settings = looking_along_y(c.width, c.height, 30.0);
+    std::size_t bytes = 0;
+    take_picture(this->backend(), busy_scene<TypeParam>(), settings,
+                 Renderer<TestBackend, TypeParam>::kSampleBudget, &bytes);
+    EXPECT_LT(static_cast<double>(bytes), c.bytes) << c.width << " x " << c.height;
   }
 }
 

@@ -25,10 +25,12 @@ double residual_rms(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> 
       .rms;
 }
 
-/// Contact pass and body pass in turn, as Apgd runs them between checks: from a random guess on,
-/// with momentum, restarts and rejected trials.
+/// Iterations as Apgd runs them between checks: from a random guess on, with momentum, restarts and
+/// rejected trials.
+/// @param plain  contact pass and body pass in turn instead of the backend's tuned twin
 template <class B, class Real>
-void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetricKind kind) {
+void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetricKind kind,
+                   bool plain) {
   B& b = suite.backend();
   const auto& bed = suite.template bed_problem<Real>(spheres);
   ApgdArrays<B, Real> arrays(b, bed, kind);
@@ -36,9 +38,12 @@ void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, Apgd
   const double first =
       residual_rms(b, bed.problem(), Span<const Vec3<Real>>(arrays.gamma.current(0)));
   double applications = 0;
-  suite.measure(state, Suite<B>::contact_work(bed, apgd_iteration_traffic<Real>(kind)), [&] {
-    arrays.iterate(b);
-    ++applications;
+  const Traffic traffic = kCheckEvery * apgd_iteration_traffic<Real>(kind);
+  Work work = Suite<B>::contact_work(bed, traffic);
+  work.items *= kCheckEvery;
+  suite.measure(state, work, [&] {
+    plain ? arrays.iterate_plainly(b, kCheckEvery) : arrays.iterate(b, kCheckEvery);
+    applications += kCheckEvery;
   });
   Suite<B>::report_size(state, bed);
   Buffer<B, ApgdCheck> check(b, 1);
@@ -101,7 +106,11 @@ void add_typed_apgd(Suite<B>& suite, Index n) {
   using State = benchmark::State;
   for (const ApgdMetricKind kind : metric_kinds<Real>()) {
     suite.add("apgd_iteration", variant_name<Real>(kind), n,
-              [n, kind](S& s, State& state) { run_iteration<B, Real>(s, state, n, kind); });
+              [n, kind](S& s, State& state) { run_iteration<B, Real>(s, state, n, kind, false); });
+    if (B::kIsDevice) {
+      suite.add("apgd_plain_iteration", variant_name<Real>(kind), n,
+                [n, kind](S& s, State& state) { run_iteration<B, Real>(s, state, n, kind, true); });
+    }
     suite.add("apgd_solve", variant_name<Real>(kind), n,
               [n, kind](S& s, State& state) { run_solve<B, Real>(s, state, n, kind); });
   }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/bed_problem.h"
-#include "kernels/apgd_passes.h"
+#include "kernels/apgd_iteration.h"
 #include "solvers/solver.h"
 
 namespace scree::bench {
@@ -17,7 +17,7 @@ class ApgdArrays {
 
   /// State before the first iteration, from random impulses.
   ApgdArrays(B& b, const BedProblem<B, Real>& bed, ApgdMetricKind kind)
-      : problem_(bed.problem()), metric_(b), state_(b, 1) {
+      : problem_(bed.problem()), metric_(b), state_(b, 1), iteration_(b) {
     const ContactProblem<Real>& p = problem_;
     for (int k = 0; k < 3; ++k) {
       impulses_.emplace_back(b, p.contact_count);
@@ -34,14 +34,15 @@ class ApgdArrays {
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.buffer[0]});
     copy(b, Span<const Vec3<Real>>(gamma.buffer[0]), gamma.buffer[2]);
     for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma.buffer[0], velocity.of_iterate[0]});
-    copy(b, Span<const Twist<Real>>(velocity.of_iterate[0]), velocity.of_extrapolated[0]);
     if (kind == ApgdMetricKind::diagonal) {
-      const Offset values = static_cast<Offset>(p.contact_count) * R::kMetricValues;
+      const Offset values =
+          static_cast<Offset>(p.contact_count) * StoredMetric<R, Real>::per_contact(p);
       metric_.reserve_discard(values);
-      metric.values = metric_.view(values);
+      metric = StoredMetric<R, Real>::on(p, metric_.view(values));
     }
     reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
                           ApgdStart{state_.data(), 0});
+    iteration_.start(b, passes());
   }
 
   /// Unrelated random numbers in all arrays a pass reads, and a momentum as in the middle of a
@@ -61,21 +62,22 @@ class ApgdArrays {
     upload(b, &middle, state_.view());
   }
 
+  ApgdPasses<R, Real> passes() { return {problem_, gamma, velocity, metric, state_.data()}; }
+
   void contact_pass(B& b) {
-    reduce<Sums<2>>(b, problem_.contact_count,
-                    ApgdContactPass<R, Real>{problem_, gamma, velocity, metric, state_.data()},
+    reduce<Sums<2>>(b, problem_.contact_count, passes().contact_pass(),
                     ApgdContactFinish{state_.data()});
   }
-  /// @param finish  ApgdBodyFinish in a solve
-  template <class Finish>
-  void body_pass(B& b, Finish finish) {
-    reduce<Sums<1>>(b, problem_.free_count,
-                    ApgdBodyPass<R, Real>{problem_, gamma, velocity, state_.data()}, finish);
+  /// Without acceptance.
+  void body_pass(B& b, Span<Sums<1>> energy) {
+    reduce<Sums<1>>(b, problem_.free_count, passes().body_pass(),
+                    StoreResult<Sums<1>>{energy.data});
   }
-  /// One trial of the line search, accepted or not.
-  void iterate(B& b) {
-    contact_pass(b);
-    body_pass(b, ApgdBodyFinish{state_.data()});
+  /// Trials of the line search, accepted or not, as a solve runs them.
+  void iterate(B& b, int count) { iteration_.run(b, passes(), count); }
+  /// The same as two passes each.
+  void iterate_plainly(B& b, int count) {
+    for (int k = 0; k < count; ++k) apgd_trial(b, passes());
   }
   void residual_pass(B& b, ApgdCheck* check) {
     reduce<ResidualSums>(b, problem_.contact_count,
@@ -93,6 +95,7 @@ class ApgdArrays {
   std::vector<Buffer<B, Twist<Real>>> twists_;
   Buffer<B, Real> metric_;
   Buffer<B, ApgdState> state_;
+  ApgdIteration<B> iteration_;
 };
 
 /// Metrics that are measured: both in float, only the default in double.

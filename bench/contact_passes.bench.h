@@ -44,7 +44,7 @@ void run_body_pass(Suite<B>& suite, benchmark::State& state, Index spheres) {
   suite.poison(vectors_of(extrapolated));
   Buffer<B, Sums<1>> energy(b, 1);
   suite.measure(state, Suite<B>::contact_work(bed, apgd_body_pass_traffic<Real>()),
-                [&] { arrays.body_pass(b, StoreResult<Sums<1>>{energy.data()}); });
+                [&] { arrays.body_pass(b, energy.view()); });
   Suite<B>::report_size(state, bed);
   suite.require_finite(state, Span<const Vec3<Real>>(vectors_of(iterate)));
   suite.require_finite(state, Span<const Vec3<Real>>(vectors_of(extrapolated)));

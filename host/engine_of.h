@@ -50,7 +50,7 @@ class EngineOf final : public Engine {
         obstacles_(*backend_, scene_, store_.fixed_begin()),
         detector_(*backend_, collision_settings(), obstacles_.data()),
         order_(*backend_),
-        assembly_(*backend_, scene_, summary_.layout),
+        assembly_(*backend_, scene_, summary_.layout, summary_.solid_spheres),
         gamma_(*backend_),
         integrate_sums_(*backend_, 1),
         renderer_(*backend_),

@@ -12,7 +12,8 @@ namespace scree {
 template <class B, class Real>
 class ProblemAssembly {
  public:
-  ProblemAssembly(B& b, const Scene& scene, ContactLayout layout)
+  /// @param solid_spheres  see SceneSummary
+  ProblemAssembly(B& b, const Scene& scene, ContactLayout layout, bool solid_spheres)
       : laws_(b),
         free_velocity_(b),
         radial_inertia_(b),
@@ -24,6 +25,7 @@ class ProblemAssembly {
         lists_(b),
         sums_(b, 1),
         layout_(layout),
+        solid_spheres_(solid_spheres),
         material_count_(static_cast<Index>(scene.materials.size())) {
     std::vector<PairLaw<Real>> laws;
     for (Index i = 0; i < material_count_; ++i) {
@@ -67,6 +69,7 @@ class ProblemAssembly {
     if (layout_ == ContactLayout::radial) {
       radial_inertia_.reserve_discard(bodies.count);
       p.radial_inertia = radial_inertia_.view(bodies.count);
+      if (solid_spheres_) p.spin_ratio = Real(2.5);  // r^2 / I over 1 / m
       for_each(b, bodies.count,
                PredictRadial<Real>{bodies, gravity_step, free_velocity_.view(bodies.count),
                                    radial_inertia_.view(bodies.count)});
@@ -117,6 +120,7 @@ class ProblemAssembly {
   BodyContacts<B> lists_;
   Buffer<B, SetupSums> sums_;
   ContactLayout layout_;
+  bool solid_spheres_ = false;
   Index material_count_;
   Real uniform_friction_ = 0;
   bool has_uniform_friction_ = true;

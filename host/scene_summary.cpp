@@ -33,6 +33,13 @@ bool fits_radial_layout(const BodyDescription& body) {
   return body.shape.kind == Shape::Kind::sphere && fits_radial_layout(body.locks);
 }
 
+bool is_free_solid_sphere(const BodyDescription& body) {
+  if (body.shape.kind != Shape::Kind::sphere || body.locks != 0) return false;
+  const double solid = 0.4 * body.mass * body.shape.radius * body.shape.radius;
+  const auto is_solid = [&](double moment) { return std::abs(moment - solid) <= 1e-9 * solid; };
+  return is_solid(body.inertia.x) && is_solid(body.inertia.y) && is_solid(body.inertia.z);
+}
+
 }  // namespace
 
 double bounding_radius(const Scene& scene, const BodyDescription& body) {
@@ -115,9 +122,12 @@ SceneSummary summarize(const Scene& scene) {
       scene,
       [&](std::size_t, const BodyDescription& body) {
         radial = radial && fits_radial_layout(body);
+        s.solid_spheres =
+            s.solid_spheres && (body.kind != BodyKind::free || is_free_solid_sphere(body));
       },
       [&](std::size_t, const ParticleSet& set) {
         radial = radial && fits_radial_layout(set.locks);
+        s.solid_spheres = s.solid_spheres && set.locks == 0;
       });
   find_diameters(scene, count.free, s);
   s.envelope =

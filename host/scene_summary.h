@@ -23,6 +23,7 @@ struct SceneSummary {
   double largest_diameter = 0;  ///< of the free bodies [m]
   double envelope = 0;          ///< resolved contact envelope [m]
   ContactLayout layout = ContactLayout::radial;
+  bool solid_spheres = true;  ///< all free bodies are homogeneous spheres with no axis locked
 };
 
 /// Radius of the sphere about a body's center that holds it [m]; 0: unbounded (half-spaces).

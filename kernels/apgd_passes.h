@@ -13,22 +13,43 @@ struct ApgdState {
   double lipschitz =
       1;  ///< L, inverse step: [-] in the diagonal metric, [1/kg] in the Euclidean one
   double lipschitz_max = 1;  ///< upper bound of the largest eigenvalue of H^-1 N
+  double step = 1;           ///< 1 / L
   double theta = 1;          ///< momentum parameter of the extrapolated point in use
   double beta = 0;           ///< its extrapolation factor
-  double next_theta = 1;     ///< those of the trial
+  double next_theta = 1;     ///< those of the next point, unless the step ends in a restart
   double next_beta = 0;
+  double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
   Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
+
+  /// Takes the momentum of the point in use, and works out that of the next one.
+  SCREE_HD void set_momentum(double new_theta, double new_beta) {
+    const double t = new_theta;
+    theta = t;
+    beta = new_beta;
+    next_theta = (-t * t + t * std::sqrt(t * t + 4)) / 2;
+    next_beta = t * (1 - t) / (t * t + next_theta);
+  }
+  SCREE_HD void set_lipschitz(double value) {
+    lipschitz = value < lipschitz_max ? value : lipschitz_max;
+    step = 1 / lipschitz;
+  }
 };
 
-/// Three impulse buffers: previous, current and next iterate by turns.
+/// Three impulse buffers: previous, current and next iterate by turns. Comparisons pick the buffer:
+/// an array that a device program indexes would move from registers to memory.
 template <class Real>
 struct ApgdImpulses {
   Span<Vec3<Real>> buffer[3];
-  SCREE_HD Span<Vec3<Real>> current(Index k) const { return buffer[k % 3]; }
-  SCREE_HD Span<Vec3<Real>> previous(Index k) const { return buffer[(k + 2) % 3]; }
-  SCREE_HD Span<Vec3<Real>> next(Index k) const { return buffer[(k + 1) % 3]; }
+  SCREE_HD Span<Vec3<Real>> current(Index k) const { return pick(k % 3); }
+  SCREE_HD Span<Vec3<Real>> previous(Index k) const { return pick((k + 2) % 3); }
+  SCREE_HD Span<Vec3<Real>> next(Index k) const { return pick((k + 1) % 3); }
+
+ private:
+  SCREE_HD Span<Vec3<Real>> pick(Index slot) const {
+    return slot == 0 ? buffer[0] : slot == 1 ? buffer[1] : buffer[2];
+  }
 };
 
 /// V of the current iterate and V_y of the extrapolated point, each with room for the trial's.
@@ -36,20 +57,49 @@ template <class Real>
 struct ApgdVelocities {
   Span<Twist<Real>> of_iterate[2];
   Span<Twist<Real>> of_extrapolated[2];
+
+  SCREE_HD Span<Twist<Real>> iterate(Index k) const {
+    return k % 2 == 0 ? of_iterate[0] : of_iterate[1];
+  }
+  SCREE_HD Span<Twist<Real>> extrapolated(Index k) const {
+    return k % 2 == 0 ? of_extrapolated[0] : of_extrapolated[1];
+  }
+  /// V of the accepted iterate.
+  SCREE_HD Span<const Twist<Real>> current(const ApgdState& s) const { return iterate(s.accepted); }
+  /// V_y of the point in use. Without momentum it is the iterate itself: so a restart, known only
+  /// after the body pass has extrapolated, needs no second pass.
+  SCREE_HD Span<const Twist<Real>> extrapolated(const ApgdState& s) const {
+    return s.beta == 0 ? iterate(s.accepted) : extrapolated(s.accepted);
+  }
 };
 
 /// Metric weights of every contact, or none: then the metric is Euclidean and no memory is read.
 template <class R, class Real>
 struct StoredMetric {
-  Span<Real> values;  ///< [R::kMetricValues * contact_count], or empty
+  Span<Real> values;  ///< [per_contact(p) * contact_count], or empty
+  /// Tangential over normal weight where it is the same for all contacts, else 0.
+  Real tangential_ratio = 0;
+
+  /// Values stored per contact.
+  static Index per_contact(const ContactProblem<Real>& p) {
+    return p.spin_ratio < 0 ? R::kMetricValues : 1;
+  }
+  static StoredMetric on(const ContactProblem<Real>& p, Span<Real> memory) {
+    return {memory, p.spin_ratio < 0 ? Real(0) : 1 + p.spin_ratio};
+  }
   SCREE_HD ContactMetric<Real> load(Index c) const {
     if (values.empty()) return euclidean_metric<Real>();
+    if (tangential_ratio > 0) return {values[c], tangential_ratio * values[c], 1};
     const Offset first = static_cast<Offset>(c) * R::kMetricValues;
     ContactMetric<Real> m{values[first], values[first + 1], 1};
     if constexpr (R::kMetricValues == 3) m.moment = values[first + 2];
     return m;
   }
   SCREE_HD void store(Index c, const ContactMetric<Real>& m) const {
+    if (tangential_ratio > 0) {
+      values[c] = m.normal;
+      return;
+    }
     const Offset first = static_cast<Offset>(c) * R::kMetricValues;
     values[first] = m.normal;
     values[first + 1] = m.tangential;
@@ -57,9 +107,39 @@ struct StoredMetric {
   }
 };
 
-/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L).
-/// Bytes per contact (radial, float): read normal and bias 16, ids 8, two impulses 24, metric 8,
-/// two twists 48 gathered (from cache when bodies are in Morton order); written 12.
+/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), on
+/// given buffers. Bytes per contact (radial, float): read normal and bias 16, ids 8, two impulses
+/// 24, metric 4 for alike bodies and 8 else, two twists 48 gathered (from cache when bodies are in
+/// Morton order); written 12.
+template <class R, class Real>
+struct ApgdContactStep {
+  Span<const Vec3<Real>> current;
+  Span<const Vec3<Real>> previous;
+  Span<Vec3<Real>> next;
+  Span<const Twist<Real>> extrapolated;  ///< V_y
+  Real beta;
+  Real step;  ///< 1 / L
+
+  /// @param v_a, v_b  V_y of the bodies of contact c
+  SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
+                              Index c, const Twist<Real>& v_a, const Twist<Real>& v_b) const {
+    const auto gamma = R::load(current, c);
+    const auto y = gamma + beta * (gamma - R::load(previous, c));
+    const auto g = R::velocity(p, c, v_a, v_b);
+    const ContactMetric<Real> h = metric.load(c);
+    const Vec3<Real> n = p.normal[c];
+    const auto moved = R::project(p, c, y - step * solve_metric(h, n, g), h);
+    R::store(next, c, moved);
+    return {{static_cast<double>(dot(g, moved - gamma)),
+             static_cast<double>(metric_norm2(h, n, moved - y))}};
+  }
+  SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
+                              Index c) const {
+    return (*this)(p, metric, c, extrapolated[p.body_a[c]], extrapolated[p.body_b[c]]);
+  }
+};
+
+/// The contact step of a running solve.
 template <class R, class Real>
 struct ApgdContactPass {
   static constexpr const char* name = "apgd_contact_pass";
@@ -69,35 +149,22 @@ struct ApgdContactPass {
   StoredMetric<R, Real> metric;
   const ApgdState* state;
 
-  SCREE_HD Sums<2> operator()(Index c) const {
+  SCREE_HD ApgdContactStep<R, Real> step() const {
     const Index k = state->accepted;
-    const Span<const Twist<Real>> v = velocity.of_extrapolated[k & 1];
-    const auto current = R::load(gamma.current(k), c);
-    const auto y =
-        current + static_cast<Real>(state->beta) * (current - R::load(gamma.previous(k), c));
-    const auto g = R::velocity(p, c, v[p.body_a[c]], v[p.body_b[c]]);
-    const ContactMetric<Real> h = metric.load(c);
-    const Vec3<Real> n = p.normal[c];
-    const auto next =
-        R::project(p, c, y - static_cast<Real>(1 / state->lipschitz) * solve_metric(h, n, g), h);
-    R::store(gamma.next(k), c, next);
-    const auto move = next - y;
-    return {{static_cast<double>(dot(g, next - current)),
-             static_cast<double>(metric_norm2(h, n, move))}};
+    return {gamma.current(k),
+            gamma.previous(k),
+            gamma.next(k),
+            velocity.extrapolated(*state),
+            static_cast<Real>(state->beta),
+            static_cast<Real>(state->step)};
   }
+  SCREE_HD Sums<2> operator()(Index c) const { return step()(p, metric, c); }
 };
 
-/// Next momentum, or a restart when the step goes against the gradient.
 struct ApgdContactFinish {
   ApgdState* state;
   SCREE_HD void operator()(const Sums<2>& sums) const {
-    const double t = state->theta;
-    state->next_theta = (-t * t + t * std::sqrt(t * t + 4)) / 2;
-    state->next_beta = t * (1 - t) / (t * t + state->next_theta);
-    if (sums.value[0] > 0) {
-      state->next_theta = 1;
-      state->next_beta = 0;
-    }
+    state->descent = sums.value[0];
     state->step_squares = sums.value[1];
   }
 };
@@ -119,33 +186,51 @@ struct ApgdBodyPass {
     const Twist<Real> next =
         p.free_velocity[i] +
         R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
-    const Twist<Real> extrapolated = velocity.of_extrapolated[k & 1][i];
+    const Twist<Real> extrapolated = velocity.extrapolated(*state)[i];
     const Twist<Real> momentum =
-        static_cast<Real>(state->next_beta) * (next - velocity.of_iterate[k & 1][i]);
-    velocity.of_iterate[(k + 1) & 1][i] = next;
-    velocity.of_extrapolated[(k + 1) & 1][i] = next + momentum;
+        static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]);
+    velocity.iterate(k + 1)[i] = next;
+    velocity.extrapolated(k + 1)[i] = next + momentum;
     return {{R::mass_norm2(p, i, next - extrapolated)}};
   }
 };
 
 /// Accepts the trial when (gamma+ - y)^T N (gamma+ - y) <= L |gamma+ - y|^2, else doubles L. At the
 /// upper bound of the spectrum the test holds in exact arithmetic, so the trial is accepted
-/// whatever rounding says.
+/// whatever rounding says. An accepted step against the gradient restarts the momentum.
 struct ApgdBodyFinish {
   ApgdState* state;
   SCREE_HD void operator()(const Sums<1>& energy) const {
-    const bool at_bound = state->lipschitz >= state->lipschitz_max;
-    if (energy.value[0] <= state->lipschitz * state->step_squares || at_bound) {
-      ++state->accepted;
-      if (state->next_beta == 0 && state->theta != 1) ++state->restarts;
-      state->theta = state->next_theta;
-      state->beta = state->next_beta;
-      state->lipschitz *= 0.9;
-    } else {
-      const double doubled = 2 * state->lipschitz;
-      state->lipschitz = doubled < state->lipschitz_max ? doubled : state->lipschitz_max;
+    ApgdState& s = *state;
+    const bool at_bound = s.lipschitz >= s.lipschitz_max;
+    if (!(energy.value[0] <= s.lipschitz * s.step_squares || at_bound)) {
+      s.set_lipschitz(2 * s.lipschitz);
+      return;
     }
+    ++s.accepted;
+    if (s.descent > 0) {
+      ++s.restarts;
+      s.set_momentum(1, 0);
+    } else {
+      s.set_momentum(s.next_theta, s.next_beta);
+    }
+    s.set_lipschitz(0.9 * s.lipschitz);
   }
+};
+
+/// All that the passes of a solve work on.
+template <class R, class Real>
+struct ApgdPasses {
+  ContactProblem<Real> p;
+  ApgdImpulses<Real> gamma;
+  ApgdVelocities<Real> velocity;
+  StoredMetric<R, Real> metric;
+  ApgdState* state;
+
+  SCREE_HD ApgdContactPass<R, Real> contact_pass() const {
+    return {p, gamma, velocity, metric, state};
+  }
+  SCREE_HD ApgdBodyPass<R, Real> body_pass() const { return {p, gamma, velocity, state}; }
 };
 
 /// Residual of the current iterate, wherever the rotation left it.
@@ -158,7 +243,7 @@ struct ApgdResidual {
   const ApgdState* state;
   SCREE_HD ResidualSums operator()(Index c) const {
     const Index k = state->accepted;
-    return ContactResidual<R, Real>{p, gamma.current(k), velocity.of_iterate[k & 1]}(c);
+    return ContactResidual<R, Real>{p, gamma.current(k), velocity.current(*state)}(c);
   }
 };
 
@@ -205,6 +290,7 @@ struct ApgdMetric {
       h = {std::sqrt(above.normal * block.normal), std::sqrt(above.tangential * block.tangential),
            R::kVectors == 2 ? std::sqrt(above.moment * block.moment) : Real(1)};
       metric.store(c, h);
+      h = metric.load(c);
     }
     Real largest = split.normal / h.normal;
     if (split.tangential / h.tangential > largest) largest = split.tangential / h.tangential;
@@ -230,8 +316,8 @@ struct ApgdStart {
     ApgdState s;
     s.lipschitz_max = bound.value > 0 ? bound.value * (1 + 1e-5) : 1;
     // A quarter of the bound: backtracking finds the local step within a few trials.
-    s.lipschitz = carried_lipschitz > 0 ? carried_lipschitz : s.lipschitz_max / 4;
-    if (s.lipschitz > s.lipschitz_max) s.lipschitz = s.lipschitz_max;
+    s.set_lipschitz(carried_lipschitz > 0 ? carried_lipschitz : s.lipschitz_max / 4);
+    s.set_momentum(1, 0);
     *state = s;
   }
 };

@@ -1,6 +1,7 @@
 #pragma once
 // Projections onto the Coulomb cone and its relatives. docs/theory.md, section "Cones".
 
+#include "kernels/math/scalar.h"
 #include "kernels/math/vec3.h"
 
 namespace scree {
@@ -31,13 +32,14 @@ SCREE_HD Vec3<Real> project_cone(Real mu, const Vec3<Real>& normal, const Vec3<R
                                  Real a_t) {
   const Real y_n = dot(normal, y);
   const Vec3<Real> y_t = y - y_n * normal;
-  const Real tangential = norm(y_t);
-  if (tangential <= mu * y_n) return y;
-  const Real pull = a_n * y_n + mu * a_t * tangential;
+  const Real square = norm2(y_t);
+  const Real bound = mu * y_n;
+  if (y_n >= Real(0) && square <= bound * bound) return y;
+  const Real inverse_length = inverse_sqrt(square);
+  const Real pull = a_n * y_n + mu * a_t * (square * inverse_length);
   if (pull <= Real(0)) return {0, 0, 0};
-  const Real n = pull / (a_n + mu * mu * a_t);
-  const Real scale = tangential > Real(0) ? mu * n / tangential : Real(0);
-  return n * normal + scale * y_t;
+  const Real n = pull * inverse(a_n + mu * mu * a_t);
+  return n * normal + (mu * n * inverse_length) * y_t;
 }
 
 /// One bounded part of a contact impulse that shares the contact's normal force.

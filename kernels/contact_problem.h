@@ -13,9 +13,10 @@
 
 namespace scree {
 
-/// Linear and angular part of a body's rate or of a generalized impulse.
+/// Linear and angular part of a body's rate or of a generalized impulse. Aligned so that a gather
+/// takes half the loads.
 template <class Real>
-struct Twist {
+struct alignas(2 * sizeof(Real)) Twist {
   Vec3<Real> linear;
   Vec3<Real> angular;
 
@@ -69,7 +70,7 @@ struct ContactProblem {
   Index body_count = 0;  ///< storage size of body arrays; bodies >= free_count keep their velocity
 
   // contacts [contact_count], sorted by body_a
-  Span<const Index> body_a;       ///< always free
+  Span<const Index> body_a;       ///< always free, and less than body_b
   Span<const Index> body_b;       ///< free or fixed
   Span<const Vec3<Real>> normal;  ///< unit, from A to B
   Span<const Real> bias;          ///< [m/s]
@@ -83,6 +84,8 @@ struct ContactProblem {
   Span<const Twist<Real>> free_velocity;             ///< v* = v + h M^-1 f_ext [body_count]
   Span<const RadialInertia<Real>> radial_inertia;    ///< [body_count], radial layout
   Span<const GeneralInertia<Real>> general_inertia;  ///< [body_count], other layouts
+  /// inv_spin / inv_mass where it is the same for all free bodies (radial layout), else negative.
+  Real spin_ratio = -1;
 
   // contacts of a body: as A they are the range [a_start[i], a_start[i+1]), as B the listed ones
   Span<const Index> a_start;    ///< [free_count + 1]

@@ -58,13 +58,13 @@ template <class Real>
 SCREE_HD ForceRows<Real> solve_metric(const ContactMetric<Real>& m, const Vec3<Real>& n,
                                       const ForceRows<Real>& x) {
   const Real x_n = dot(n, x.force);
-  const Real inv_t = Real(1) / m.tangential;
-  return {inv_t * x.force + (x_n * (Real(1) / m.normal - inv_t)) * n};
+  const Real inv_t = inverse(m.tangential);
+  return {inv_t * x.force + (x_n * (inverse(m.normal) - inv_t)) * n};
 }
 template <class Real>
 SCREE_HD ForceMomentRows<Real> solve_metric(const ContactMetric<Real>& m, const Vec3<Real>& n,
                                             const ForceMomentRows<Real>& x) {
-  return {solve_metric(m, n, ForceRows<Real>{x.force}).force, (Real(1) / m.moment) * x.moment};
+  return {solve_metric(m, n, ForceRows<Real>{x.force}).force, inverse(m.moment) * x.moment};
 }
 
 /// x^T H x.

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kernels/apgd_passes.h"
+#include "kernels/apgd_iteration.h"
 #include "solvers/residual.h"
 
 namespace scree {
@@ -41,7 +41,8 @@ class Apgd final : public Solver<B, Real> {
           metric(b),
           state(b, 1),
           check(b, 1),
-          residual(b) {}
+          residual(b),
+          iteration(b) {}
     Buffer<B, Vec3<Real>> impulses[3];
     Buffer<B, Twist<Real>> iterate[2];
     Buffer<B, Twist<Real>> extrapolated[2];
@@ -49,6 +50,7 @@ class Apgd final : public Solver<B, Real> {
     Buffer<B, ApgdState> state;
     Buffer<B, ApgdCheck> check;
     ResidualEvaluator<B, Real> residual;
+    ApgdIteration<B> iteration;
   };
 
   template <class R>
@@ -79,18 +81,20 @@ class Apgd final : public Solver<B, Real> {
       copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[0]);
       copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[2]);
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
-      copy(b, Span<const Twist<Real>>(velocities.of_iterate[0]), velocities.of_extrapolated[0]);
     };
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
     start_from_guess();
     StoredMetric<R, Real> metric;
     if (params_.metric == ApgdMetricKind::diagonal) {
-      const Offset values = static_cast<Offset>(p.contact_count) * R::kMetricValues;
+      const Offset values =
+          static_cast<Offset>(p.contact_count) * StoredMetric<R, Real>::per_contact(p);
       w.metric.reserve_discard(values);
-      metric.values = w.metric.view(values);
+      metric = StoredMetric<R, Real>::on(p, w.metric.view(values));
     }
     reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
                           ApgdStart{state, lipschitz_});
+    const ApgdPasses<R, Real> passes{p, impulses, velocities, metric, state};
+    w.iteration.start(b, passes);
 
     SolveStats stats;
     double best = -1;
@@ -129,13 +133,7 @@ class Apgd final : public Solver<B, Real> {
       if (stats.converged || !finite || stats.applications >= params_.max_iterations) break;
 
       const int block = std::min(params_.check_every, params_.max_iterations - stats.applications);
-      for (int k = 0; k < block; ++k) {
-        reduce<Sums<2>>(b, p.contact_count,
-                        ApgdContactPass<R, Real>{p, impulses, velocities, metric, state},
-                        ApgdContactFinish{state});
-        reduce<Sums<1>>(b, p.free_count, ApgdBodyPass<R, Real>{p, impulses, velocities, state},
-                        ApgdBodyFinish{state});
-      }
+      w.iteration.run(b, passes, block);
       stats.applications += block;
     }
     // Velocities of the best iterate, gathered from its impulses.

@@ -21,9 +21,8 @@ class Cuda {
   static constexpr bool kIsDevice = true;
   static constexpr const char* kName = "cuda";
   static constexpr int kBlock = 256;
-  /// Most blocks of a reduction: a constant, so that the order of summation is the same on every
-  /// device.
-  static constexpr int kReduceBlocks = 2048;
+  /// Most blocks of a reduction.
+  static constexpr int kReduceBlocks = 4096;
   static constexpr std::size_t kMaxReduceRecord = 128;
 
   explicit Cuda(int device = 0);
@@ -52,6 +51,18 @@ class Cuda {
   /// calls.
   void* partials() { return partials_; }
   unsigned* ticket() { return ticket_; }
+
+  /// Blocks of kBlock threads that the device runs at a time, at most kReduceBlocks.
+  /// @param shared_bytes  dynamic shared memory of a block
+  unsigned resident_blocks(const void* kernel, const char* name,
+                           std::size_t shared_bytes = 0) const {
+    int per_processor = 0, processors = 0;
+    check_cuda(
+        cudaOccupancyMaxActiveBlocksPerMultiprocessor(&per_processor, kernel, kBlock, shared_bytes),
+        name);
+    check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device_), name);
+    return static_cast<unsigned>(std::clamp(per_processor * processors, 1, kReduceBlocks));
+  }
 
   /// Reports a failed launch under the kernel's name; with SCREE_CHECK_SYNC also waits for it.
   void check_launch(const char* name) {
@@ -131,11 +142,15 @@ __global__ void __launch_bounds__(Cuda::kBlock)
   if (threadIdx.x == 0) finish(total);
 }
 
+/// As many blocks as the device holds at once, so that none is left over for a last, half empty
+/// wave.
 template <class R, class F, class G = NoFinish>
 void reduce(Cuda& cuda, Index n, F f, G finish = {}) {
   static_assert(sizeof(R) <= Cuda::kMaxReduceRecord);
+  static const unsigned resident =
+      cuda.resident_blocks(reinterpret_cast<const void*>(&reduce_kernel<R, F, G>), F::name);
   const Offset wanted = (static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock;
-  const auto blocks = static_cast<unsigned>(std::clamp<Offset>(wanted, 1, Cuda::kReduceBlocks));
+  const auto blocks = static_cast<unsigned>(std::clamp<Offset>(wanted, 1, resident));
   reduce_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(
       n, f, finish, static_cast<R*>(cuda.partials()), cuda.ticket());
   cuda.check_launch(F::name);

@@ -1,0 +1,152 @@
+// Iterations of APGD as the backend runs them, against its two plain passes.
+#include <cmath>
+#include <vector>
+
+#include "kernels/apgd_iteration.h"
+#include "tests/problem_builder.h"
+#include "tests/unit/backend_fixture.h"
+
+namespace scree {
+namespace {
+
+using fixtures::PlainProblem;
+using fixtures::ProblemBuffers;
+using fixtures::random_problem;
+
+/// The arrays of a solve from zero impulses, in the diagonal metric.
+template <class Real>
+class Arrays {
+ public:
+  using R = RadialRows<Real>;
+
+  Arrays(TestBackend& b, const ContactProblem<Real>& p)
+      : metric_(b, StoredMetric<R, Real>::per_contact(p) * Offset{p.contact_count}), state_(b, 1) {
+    passes_.p = p;
+    for (int k = 0; k < 3; ++k) {
+      impulses_.emplace_back(b, p.contact_count);
+      passes_.gamma.buffer[k] = impulses_.back().view();
+      fill(b, impulses_.back().view(), Vec3<Real>{});
+    }
+    for (int k = 0; k < 2; ++k) {
+      for (Span<Twist<Real>>* view :
+           {&passes_.velocity.of_iterate[k], &passes_.velocity.of_extrapolated[k]}) {
+        twists_.emplace_back(b, p.body_count);
+        *view = twists_.back().view();
+        copy(b, p.free_velocity.first(p.body_count), *view);
+      }
+    }
+    passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
+    passes_.state = state_.data();
+    reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, passes_.metric},
+                          ApgdStart{state_.data(), 0});
+  }
+
+  const ApgdPasses<R, Real>& passes() const { return passes_; }
+  ApgdState state(TestBackend& b) { return fetch(b, state_.data()); }
+  std::vector<Vec3<Real>> impulses(TestBackend& b) {
+    return download(b, passes_.gamma.current(state(b).accepted));
+  }
+  std::vector<Twist<Real>> velocities(TestBackend& b) {
+    return download(b, passes_.velocity.current(state(b)));
+  }
+
+ private:
+  ApgdPasses<R, Real> passes_;
+  std::vector<Buffer<TestBackend, Vec3<Real>>> impulses_;
+  std::vector<Buffer<TestBackend, Twist<Real>>> twists_;
+  Buffer<TestBackend, Real> metric_;
+  Buffer<TestBackend, ApgdState> state_;
+};
+
+template <class T>
+double distance(const std::vector<T>& a, const std::vector<T>& b) {
+  double difference = 0, size = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    difference += norm2(Vec3<double>(a[k] - b[k]));
+    size += norm2(Vec3<double>(a[k]));
+  }
+  return std::sqrt(difference / size);
+}
+
+template <class Real>
+std::vector<Vec3<Real>> linear(const std::vector<Twist<Real>>& twists) {
+  std::vector<Vec3<Real>> out;
+  for (const Twist<Real>& t : twists) out.push_back(t.linear);
+  return out;
+}
+
+template <class Real>
+class ApgdIterationTest : public BackendTest<Real> {
+ protected:
+  /// Trials in blocks of several sizes against plain ones; returns how many were accepted.
+  Index expect_match(const ContactProblem<Real>& p) {
+    TestBackend& b = this->backend();
+    Arrays<Real> plain(b, p), tuned(b, p), again(b, p);
+    for (int k = 0; k < 20; ++k) apgd_trial(b, plain.passes());
+    for (Arrays<Real>* arrays : {&tuned, &again}) {
+      ApgdIteration<TestBackend> iteration(b);
+      iteration.start(b, arrays->passes());
+      for (const int count : {1, 12, 7}) iteration.run(b, arrays->passes(), count);
+    }
+    const ApgdState expected = plain.state(b), found = tuned.state(b);
+    EXPECT_EQ(found.accepted, expected.accepted);
+    EXPECT_EQ(found.restarts, expected.restarts);
+    EXPECT_NEAR(found.lipschitz, expected.lipschitz, 1e-6 * expected.lipschitz);
+    EXPECT_NEAR(found.beta, expected.beta, 1e-12);
+    const double tolerance = this->tolerance(1e-13, 2e-5);
+    EXPECT_LE(distance(plain.impulses(b), tuned.impulses(b)), tolerance);
+    EXPECT_LE(distance(linear(plain.velocities(b)), linear(tuned.velocities(b))), tolerance);
+    EXPECT_EQ(tuned.impulses(b), again.impulses(b));
+    return expected.accepted;
+  }
+};
+TYPED_TEST_SUITE(ApgdIterationTest, Reals);
+
+TYPED_TEST(ApgdIterationTest, MatchesThePlainPasses) {
+  const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 3});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// More contacts than a tile keeps in fast memory.
+TYPED_TEST(ApgdIterationTest, MatchesWithManyContactsABody) {
+  const PlainProblem plain =
+      random_problem({.free_count = 300, .contact_count = 6000, .seed = 4, .has_adhesion = true});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// More tiles than a device works on at a time.
+TYPED_TEST(ApgdIterationTest, MatchesOverManyRounds) {
+  if (!TestBackend::kIsDevice) GTEST_SKIP() << "the CPU has no tuned twin";
+  const PlainProblem plain =
+      random_problem({.free_count = 300000, .contact_count = 500000, .seed = 5});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// One stored weight a contact when all bodies are alike, the same steps as with two.
+TYPED_TEST(ApgdIterationTest, AlikeBodiesNeedOneWeightAContact) {
+  TestBackend& b = this->backend();
+  PlainProblem plain;
+  for (int i = 0; i < 40; ++i) {
+    plain.data.bodies[plain.add_sphere(1 + 0.1 * i, 1, 2.5)].velocity = {0.1 * i, 0, -1};
+  }
+  plain.add_fixed();
+  plain.data.free_count = 40;
+  for (int i = 0; i < 40; ++i) plain.add_radial_contact(i, i + 1, {0, 0.6, -0.8}, 0.3);
+  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  ContactProblem<TypeParam> p = buffers.problem();
+  Arrays<TypeParam> two(b, p);
+  p.spin_ratio = TypeParam(2.5);
+  Arrays<TypeParam> one(b, p);
+  for (int k = 0; k < 20; ++k) {
+    apgd_trial(b, two.passes());
+    apgd_trial(b, one.passes());
+  }
+  EXPECT_EQ(one.state(b).accepted, two.state(b).accepted);
+  EXPECT_LE(distance(two.impulses(b), one.impulses(b)), this->tolerance(1e-12, 2e-5));
+}
+
+}  // namespace
+}  // namespace scree

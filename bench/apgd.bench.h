@@ -13,6 +13,12 @@ namespace {
 
 constexpr int kCheckEvery = 10;
 
+/// Whether the backend's tuned twin reads impulses and twists once for both passes.
+template <class B, class Real>
+constexpr bool is_fused() {
+  return B::kIsDevice && sizeof(Real) == 4;
+}
+
 /// RMS residual of impulses, evaluated like any solver's.
 template <class B, class Real>
 double residual_rms(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma) {
@@ -38,7 +44,9 @@ void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, Apgd
   const double first =
       residual_rms(b, bed.problem(), Span<const Vec3<Real>>(arrays.gamma.current(0)));
   double applications = 0;
-  const Traffic traffic = kCheckEvery * apgd_iteration_traffic<Real>(kind);
+  const Traffic traffic =
+      kCheckEvery * (is_fused<B, Real>() && !plain ? apgd_fused_iteration_traffic<Real>(kind)
+                                                   : apgd_iteration_traffic<Real>(kind));
   Work work = Suite<B>::contact_work(bed, traffic);
   work.items *= kCheckEvery;
   suite.measure(state, work, [&] {
@@ -92,8 +100,9 @@ void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetr
     state.SetIterationTime(std::max(seconds.back(), 0.0));
   }
   state.counters["runs_per_batch"] = runs;
-  const Traffic traffic =
-      apgd_iteration_traffic<Real>(kind) + (1.0 / kCheckEvery) * residual_traffic<Real>();
+  const Traffic traffic = (is_fused<B, Real>() ? apgd_fused_iteration_traffic<Real>(kind)
+                                               : apgd_iteration_traffic<Real>(kind)) +
+                          (1.0 / kCheckEvery) * residual_traffic<Real>();
   suite.report(state, Suite<B>::contact_work(bed, traffic), seconds);
   Suite<B>::report_size(state, bed);
   state.counters["applications"] = reached.applications;

@@ -16,7 +16,8 @@
 
 #include "bench/bed_problem.h"
 #include "bench/options.h"
-#include "bench/traffic.h"
+#include "host/copy_bandwidth_of.h"
+#include "solvers/traffic.h"
 
 namespace scree::bench {
 
@@ -26,19 +27,6 @@ struct Work {
   const char* rate_name = "items_per_s";
   double least_bytes = 0;
   double requested_bytes = 0;  ///< 0: the same
-};
-
-/// Two machine words: copies of these are as wide as a thread can make them.
-struct alignas(16) Block16 {
-  std::uint64_t word[2];
-};
-
-template <class T>
-struct CopyElements {
-  static constexpr const char* name = "copy_elements";
-  Span<const T> in;
-  Span<T> out;
-  SCREE_HD void operator()(Index i) const { out[i] = in[i]; }
 };
 
 /// Components that are NaN or infinite: an output poisoned with NaN must have none after its
@@ -179,18 +167,7 @@ class Suite {
 
   /// Bytes read plus bytes written per second by a copy too large for any cache; measured once.
   double copy_bandwidth() {
-    if (copy_bandwidth_ == 0) {
-      const Index n = kCopyBytes / sizeof(Block16);
-      Buffer<B, Block16> source(*backend_, n), target(*backend_, n);
-      for_each(*backend_, 2 * n, RandomWords<std::uint64_t>{3, 64, words(source)});
-      const auto run = [&] {
-        for_each(*backend_, n, CopyElements<Block16>{source.view(n), target.view(n)});
-      };
-      run();
-      double best = std::numeric_limits<double>::max();
-      for (int k = 0; k < 5; ++k) best = std::min(best, seconds_of(run, kLeastRuns) / kLeastRuns);
-      copy_bandwidth_ = 2.0 * kCopyBytes / best;
-    }
+    if (copy_bandwidth_ == 0) copy_bandwidth_ = copy_bandwidth_of(*backend_);
     return copy_bandwidth_;
   }
 
@@ -202,8 +179,6 @@ class Suite {
   static constexpr int kBatches = B::kIsDevice ? 20 : 5;
   static constexpr int kLeastRuns = B::kIsDevice ? 20 : 1;
   static constexpr double kBatchSeconds = B::kIsDevice ? 0.01 : 0.02;
-  static constexpr Offset kCopyBytes =
-      B::kIsDevice ? 1 << 29 : 1 << 27;  ///< read, and as many written
 
   static std::unique_ptr<B> make_backend(const Options& options) {
     if constexpr (B::kIsDevice) {

@@ -30,7 +30,7 @@ set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(host_flags -Wall -Wextra -ffp-contract=off -fno-math-errno)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # False alarms in std::string (GCC bug 105651) and in GCC's own AVX-512 headers (105593).
-  list(APPEND host_flags -Wno-restrict -Wno-maybe-uninitialized)
+  list(APPEND host_flags -Wno-restrict -Wno-maybe-uninitialized -Wno-uninitialized)
 endif()
 if(SCREE_NATIVE)
   list(APPEND host_flags -march=native)

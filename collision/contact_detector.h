@@ -71,9 +71,16 @@ class ContactDetector {
   void keep(B& b, int vectors, Span<const Vec3<Real>> impulse) {
     memory_.keep(b, contacts().key, vectors, impulse);
   }
+  /// The same for what the solver leaves at the contacts, -1 at new ones; keep() comes first.
+  /// @param mark  [contacts().count]
+  void match_marks(B& b, Span<Index> mark) const { memory_.match_marks(b, contacts().key, mark); }
+  void keep_marks(B& b, Span<const Index> mark) { memory_.keep_marks(b, mark); }
+
   /// Follows a reordering of the free bodies. The contacts of the last detect() are void after it.
+  /// @param bodies      needed for the names of their contacts, which a restored detector lacks
   /// @param new_of_old  [free_count] new storage index of each free body
-  void remap(B& b, Span<const Index> new_of_old) {
+  void remap(B& b, const BodyView<Real>& bodies, Span<const Index> new_of_old) {
+    name_elements(bodies);
     memory_.remap(b, sort_, keys_, new_of_old);
     contact_count_ = 0;
   }
@@ -85,6 +92,14 @@ class ContactDetector {
   void restore(B& b, const std::vector<std::uint64_t>& key,
                const std::vector<Vec3<double>>& impulse) {
     memory_.restore(b, key, impulse, vectors_per_contact(settings_.layout));
+  }
+
+  /// The remembered marks, empty when none were kept; restore() comes first.
+  std::vector<Index> save_marks(B& b) const { return download(b, memory_.marks()); }
+  void restore_marks(B& b, const std::vector<Index>& mark) {
+    Buffer<B, Index> marks(b);
+    upload(b, mark, marks);
+    memory_.keep_marks(b, marks.view());
   }
 
   /// How contact keys are built; set by detect().

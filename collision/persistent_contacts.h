@@ -1,5 +1,6 @@
 #pragma once
-// Contacts remembered from one step to the next, with their impulses.
+// Contacts remembered from one step to the next, with their impulses and what the solver left
+// there.
 
 #include <algorithm>
 #include <vector>
@@ -13,7 +14,7 @@ namespace scree {
 template <class B, class Real>
 class PersistentContacts {
  public:
-  explicit PersistentContacts(B& b) : key_(b), impulse_(b) {}
+  explicit PersistentContacts(B& b) : key_(b), impulse_(b), mark_(b) {}
 
   Index count() const { return count_; }
   int vectors() const { return vectors_; }
@@ -21,6 +22,8 @@ class PersistentContacts {
   Span<const Vec3<Real>> impulses() const {
     return impulse_.view(static_cast<Offset>(count_) * vectors_);
   }
+  /// [count()], or empty when none were kept.
+  Span<const Index> marks() const { return mark_.view(mark_count_); }
 
   /// Warm start: impulses of contacts that were there before, zero for new ones.
   /// Bytes per contact (float, one vector): 28 read, 12 written, and a few cached reads to find it.
@@ -42,6 +45,17 @@ class PersistentContacts {
     copy(b, impulse, impulse_.view(impulse.size));
   }
 
+  /// Marks of contacts that were there before, -1 for new ones. @param mark  [keys.size] out
+  void match_marks(B& b, Span<const std::uint64_t> keys, Span<Index> mark) const {
+    for_each(b, static_cast<Index>(keys.size),
+             MatchMarks{key_.view(mark_count_), mark_.view(mark_count_), keys, mark});
+  }
+  /// Remembers the marks of the contacts of the last keep(). @param mark  [count()]
+  void keep_marks(B& b, Span<const Index> mark) {
+    mark_count_ = count_;
+    copy(b, mark, sized(mark_, count_));
+  }
+
   /// Follows a reordering of the free bodies: renames the bodies in the keys and sorts again. Rare,
   /// so it takes its working memory for the moment.
   /// @param new_of_old  [free_count] new storage index of each free body
@@ -56,9 +70,13 @@ class PersistentContacts {
                32 + bits_for(static_cast<std::uint64_t>(std::max<Offset>(new_of_old.size, 1))));
     for_each(b, count_, Gather<Vec3<Real>>{order.view(), impulse, sorted.view(), vectors_});
     copy(b, Span<const Vec3<Real>>(sorted.view()), impulse);
+    if (mark_count_ == 0) return;
+    Buffer<B, Index> sorted_mark(b, mark_count_);
+    for_each(b, mark_count_, Gather<Index>{order.view(), marks(), sorted_mark.view()});
+    swap(mark_, sorted_mark);
   }
 
-  void forget() { count_ = 0; }
+  void forget() { count_ = mark_count_ = 0; }
 
   /// Everything remembered, for a checkpoint; double holds float exactly.
   void save(B& b, std::vector<std::uint64_t>& key, std::vector<Vec3<double>>& impulse) const {
@@ -78,13 +96,16 @@ class PersistentContacts {
   void resize(Index count, int vectors) {
     count_ = count;
     vectors_ = vectors;
+    mark_count_ = 0;
     sized(key_, count);
     sized(impulse_, static_cast<Offset>(count) * vectors);
   }
 
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Vec3<Real>> impulse_;
+  Buffer<B, Index> mark_;
   Index count_ = 0;
+  Index mark_count_ = 0;  ///< count_, or 0 when no marks are kept
   int vectors_ = 1;
 };
 

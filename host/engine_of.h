@@ -52,6 +52,7 @@ class EngineOf final : public Engine {
         order_(*backend_),
         assembly_(*backend_, scene_, summary_.layout, summary_.solid_spheres),
         gamma_(*backend_),
+        mark_(*backend_),
         integrate_sums_(*backend_, 1),
         renderer_(*backend_),
         solver_(make_step_solver()) {
@@ -82,8 +83,12 @@ class EngineOf final : public Engine {
     }
     report.ms.collision = clock.lap();
 
-    const auto [problem, sums] =
+    auto [problem, sums] =
         assembly_.assemble(b, bodies, contacts, scene_.stepping, summary_.envelope, gravity_step());
+    if (solver_->keeps_marks()) {
+      problem.mark = sized(mark_, contacts.count);
+      detector_.match_marks(b, problem.mark);
+    }
     const double reference = reference_speed(sums);
     report.ms.setup = clock.lap();
 
@@ -99,6 +104,7 @@ class EngineOf final : public Engine {
     const IntegrateSums moved = fetch(b, integrate_sums_.data());
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
     detector_.keep(b, vectors_per_contact(summary_.layout), gamma);
+    if (solver_->keeps_marks()) detector_.keep_marks(b, problem.mark);
     ++step_;
     time_ = static_cast<double>(step_) * h;
     set_motion(time_);
@@ -145,6 +151,8 @@ class EngineOf final : public Engine {
     detector_.save(*backend_, s.contact_key, s.contact_impulse);  // first: needs room to convert
     store_.save_free(s);
     s.solver_memory = solver_->memory();
+    const std::vector<Index> marks = detector_.save_marks(*backend_);
+    s.solver_memory.insert(s.solver_memory.end(), marks.begin(), marks.end());
     return s;
   }
 
@@ -158,7 +166,7 @@ class EngineOf final : public Engine {
     store_.arrange(s.id);
     store_.restore_free(s);
     detector_.restore(*backend_, s.contact_key, s.contact_impulse);
-    solver_->restore_memory(s.solver_memory);
+    restore_solver(s.solver_memory, s.contact_key.size());
     step_ = s.step;
     time_ = s.time;
     set_motion(time_);
@@ -310,7 +318,22 @@ class EngineOf final : public Engine {
     B& b = *backend_;
     order_.compute(b, store_.view().position.first(store_.free_count()));
     store_.for_each_array([&](auto& array) { order_.apply(b, array.view()); });
-    detector_.remap(b, order_.new_of_old());
+    detector_.remap(b, store_.view(), order_.new_of_old());
+  }
+
+  /// @param memory  of the solver, then what it left at each contact; the latter is missing in a
+  ///                checkpoint written with another solver
+  void restore_solver(std::vector<double> memory, std::size_t contact_count) {
+    if (solver_->keeps_marks() && memory.size() >= contact_count) {
+      const auto is_mark = [](double value) { return value >= 0 && value < 1 << 30; };
+      const std::size_t own = memory.size() - contact_count;
+      std::vector<Index> marks(contact_count);
+      for (std::size_t c = 0; c < contact_count; ++c)
+        marks[c] = is_mark(memory[own + c]) ? static_cast<Index>(memory[own + c]) : -1;
+      detector_.restore_marks(*backend_, marks);
+      memory.resize(own);
+    }
+    solver_->restore_memory(memory);
   }
 
   int id_of(Index storage) { return fetch(*backend_, store_.view().id.data + storage); }
@@ -362,6 +385,7 @@ class EngineOf final : public Engine {
   BodyOrder<B> order_;
   ProblemAssembly<B, Real> assembly_;
   Buffer<B, Vec3<Real>> gamma_;  ///< impulses of the last step
+  Buffer<B, Index> mark_;        ///< what the solver left at their contacts
   Buffer<B, IntegrateSums> integrate_sums_;
   Renderer<B, Real> renderer_;
   std::unique_ptr<Solver<B, Real>> solver_;

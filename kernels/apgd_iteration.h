@@ -31,4 +31,6 @@ class ApgdIteration {
 
 #ifdef __CUDACC__
 #include "kernels/tuned/apgd_sweep.cuh"
+#else
+#include "kernels/tuned/apgd_blocks.h"
 #endif

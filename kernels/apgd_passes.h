@@ -76,27 +76,27 @@ struct ApgdVelocities {
 /// Metric weights of every contact, or none: then the metric is Euclidean and no memory is read.
 template <class R, class Real>
 struct StoredMetric {
-  Span<Real> values;  ///< [per_contact(p) * contact_count], or empty
-  /// Tangential over normal weight where it is the same for all contacts, else 0.
-  Real tangential_ratio = 0;
+  Span<Real> values;          ///< [per_contact(p) * contact_count], or empty
+  bool one_each = false;      ///< the tangential weight is a multiple of the normal one
+  Real tangential_ratio = 1;  ///< which multiple
 
   /// Values stored per contact.
   static Index per_contact(const ContactProblem<Real>& p) {
     return p.spin_ratio < 0 ? R::kMetricValues : 1;
   }
   static StoredMetric on(const ContactProblem<Real>& p, Span<Real> memory) {
-    return {memory, p.spin_ratio < 0 ? Real(0) : 1 + p.spin_ratio};
+    return {memory, !(p.spin_ratio < 0), 1 + p.spin_ratio};
   }
   SCREE_HD ContactMetric<Real> load(Index c) const {
     if (values.empty()) return euclidean_metric<Real>();
-    if (tangential_ratio > 0) return {values[c], tangential_ratio * values[c], 1};
+    if (one_each) return {values[c], tangential_ratio * values[c], 1};
     const Offset first = static_cast<Offset>(c) * R::kMetricValues;
     ContactMetric<Real> m{values[first], values[first + 1], 1};
     if constexpr (R::kMetricValues == 3) m.moment = values[first + 2];
     return m;
   }
   SCREE_HD void store(Index c, const ContactMetric<Real>& m) const {
-    if (tangential_ratio > 0) {
+    if (one_each) {
       values[c] = m.normal;
       return;
     }

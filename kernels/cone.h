@@ -34,12 +34,14 @@ SCREE_HD Vec3<Real> project_cone(Real mu, const Vec3<Real>& normal, const Vec3<R
   const Vec3<Real> y_t = y - y_n * normal;
   const Real square = norm2(y_t);
   const Real bound = mu * y_n;
-  if (y_n >= Real(0) && square <= bound * bound) return y;
+  const auto sticks = (y_n >= Real(0)) & (square <= bound * bound);
   const Real inverse_length = inverse_sqrt(square);
   const Real pull = a_n * y_n + mu * a_t * (square * inverse_length);
-  if (pull <= Real(0)) return {0, 0, 0};
-  const Real n = pull * inverse(a_n + mu * mu * a_t);
-  return n * normal + (mu * n * inverse_length) * y_t;
+  const Real n = select(pull <= Real(0), Real(0), pull * inverse(a_n + mu * mu * a_t));
+  const Real slide = mu * n * inverse_length;
+  return {select(sticks, y.x, n * normal.x + slide * y_t.x),
+          select(sticks, y.y, n * normal.y + slide * y_t.y),
+          select(sticks, y.z, n * normal.z + slide * y_t.z)};
 }
 
 /// One bounded part of a contact impulse that shares the contact's normal force.

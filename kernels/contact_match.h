@@ -39,6 +39,15 @@ SCREE_HD inline Offset lower_bound_near(Span<const std::uint64_t> sorted, std::u
   return low;
 }
 
+/// Position of contact c's key in the sorted keys of the step before, -1 for a new contact. Both
+/// lists are ascending, so it lies near the same fraction of the list.
+SCREE_HD inline Offset find_contact(Span<const std::uint64_t> previous_key,
+                                    Span<const std::uint64_t> key, Index c) {
+  const Offset hint = key.size > 0 ? c * previous_key.size / key.size : 0;
+  const Offset k = lower_bound_near(previous_key, key[c], hint);
+  return k < previous_key.size && previous_key[k] == key[c] ? k : -1;
+}
+
 /// Impulse of the same contact in the step before, zero for a new contact.
 /// Bytes per contact (float, one vector): 16 + 12 read, 12 written.
 template <class Real>
@@ -51,13 +60,25 @@ struct MatchImpulses {
   Span<Vec3<Real>> impulse;                 ///< [n * vectors] out
 
   SCREE_HD void operator()(Index c) const {
-    const Offset hint = key.size > 0 ? c * previous_key.size / key.size : 0;
-    const Offset k = lower_bound_near(previous_key, key[c], hint);
-    const bool known = k < previous_key.size && previous_key[k] == key[c];
+    const Offset k = find_contact(previous_key, key, c);
     for (int v = 0; v < vectors; ++v) {
       impulse[static_cast<Offset>(c) * vectors + v] =
-          known ? previous_impulse[k * vectors + v] : Vec3<Real>{};
+          k >= 0 ? previous_impulse[k * vectors + v] : Vec3<Real>{};
     }
+  }
+};
+
+/// What the solver left at the same contact in the step before, -1 at a new contact.
+struct MatchMarks {
+  static constexpr const char* name = "match_marks";
+  Span<const std::uint64_t> previous_key;  ///< [m] ascending
+  Span<const Index> previous_mark;         ///< [m]
+  Span<const std::uint64_t> key;           ///< [n] ascending
+  Span<Index> mark;                        ///< [n] out
+
+  SCREE_HD void operator()(Index c) const {
+    const Offset k = find_contact(previous_key, key, c);
+    mark[c] = k >= 0 ? previous_mark[k] : -1;
   }
 };
 

@@ -79,6 +79,9 @@ struct ContactProblem {
   Span<const Vec3<Real>> arm_a;   ///< [m], not in the radial layout
   Span<const Vec3<Real>> arm_b;
   Span<const RollingRow<Real>> rolling;  ///< rolling layout only
+  /// What the solver leaves at each contact and finds again in the next step, -1 at new contacts.
+  /// Empty unless Solver::keeps_marks().
+  Span<Index> mark;
 
   // bodies
   Span<const Twist<Real>> free_velocity;             ///< v* = v + h M^-1 f_ext [body_count]

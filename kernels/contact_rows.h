@@ -101,8 +101,7 @@ struct ForceRowsBase {
                                const ContactMetric<Real>& m) {
     const Vec3<Real> n = p.normal[c];
     const Real adhesion = p.adhesion[c];
-    if (adhesion == Real(0))
-      return {project_cone(p.friction[c], n, y.force, m.normal, m.tangential)};
+    if (is_zero(adhesion)) return {project_cone(p.friction[c], n, y.force, m.normal, m.tangential)};
     const Vec3<Real> apex = adhesion * n;
     return {project_cone(p.friction[c], n, y.force + apex, m.normal, m.tangential) - apex};
   }

@@ -4,10 +4,10 @@
 //
 // Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD"; docs/theory.md.
 // Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
-// is the other choice. Memory passes per iteration: one over contacts (116 B in float, 48 of them
+// is the other choice. Memory passes per iteration: one over contacts (112 B in float, 48 of them
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass every
 // `check_every` iterations. A rejected trial of the line search costs one more of both passes;
-// `applications` counts all of them.
+// `applications` counts all of them. Spheres take the tuned twins of kernels/tuned.
 
 #include <algorithm>
 #include <utility>

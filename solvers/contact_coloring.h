@@ -5,28 +5,40 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/body_contacts.h"
 #include "kernels/coloring.h"
 
 namespace scree {
 
 /// The same contacts give the same colors on every backend and for every number of threads.
-/// Cost: one radix sort of 2 * contact_count pairs, about 20 rounds over the bodies (one more per
-/// contact of the most loaded body, then over the few bodies still active), one sort of
-/// contact_count pairs; two host reads per 64 colors and three more.
+///
+/// A contact's mark (ContactProblem::mark) is its color. Contacts keep the colors of the step
+/// before, which no two of them on a body share, but for those of a rare last color. The others are
+/// colored around them, or all from scratch when most are new. Nothing else is remembered, so the
+/// marks of a checkpoint give the same colors again.
+///
+/// Cost from scratch: one radix sort of 2 * contact_count pairs, about 20 rounds over the bodies
+/// (one more per contact of the most loaded body, then over the few bodies still active), one sort
+/// of contact_count pairs; two host reads per 64 colors and three more. When m contacts are
+/// to be colored: two passes over contacts and a scan, the first sort is of 2 m pairs, and the
+/// rounds are over their bodies.
 template <class B>
 class ContactColoring {
  public:
   explicit ContactColoring(B& b)
       : keys_(b),
         incident_(b),
-        color_(b),
+        own_color_(b),
         order_(b),
         start_(b),
+        listed_(b),
         state_{Buffer<B, BodyColors>(b), Buffer<B, BodyColors>(b)},
         active_{Buffer<B, Index>(b), Buffer<B, Index>(b)},
         flag_(b),
         position_(b),
         sort_(b),
+        last_(b, 1),
+        to_color_(b, 1),
         work_(b, 1),
         count_(b, 1) {}
 
@@ -34,15 +46,19 @@ class ContactColoring {
   void compute(B& b, const ContactProblem<Real>& p) {
     contact_count_ = p.contact_count;
     starts_.assign(1, 0);
+    colored_count_ = 0;
     if (p.contact_count == 0) return;
-    sort_incident(b, p);
-    color_contacts(b, p);
+    if (p.mark.empty()) own_color_.reserve_discard(p.contact_count);
+    color_ = (p.mark.empty() ? own_color_.view() : p.mark).first(p.contact_count);
+    if (p.mark.empty() || !color_around_kept(b, p)) color_listed(b, p, {}, p.contact_count);
     sort_by_color(b);
   }
 
   Index color_count() const { return static_cast<Index>(starts_.size()) - 1; }
+  /// Contacts that did not keep a color, all when colored from scratch.
+  Index colored_count() const { return colored_count_; }
   /// Color of each contact [contact_count].
-  Span<const Index> color() const { return color_.view(contact_count_); }
+  Span<const Index> color() const { return color_.first(contact_count_); }
   /// Contacts sorted by (color, contact) [contact_count].
   Span<const Index> order() const { return order_.view(contact_count_); }
   /// Positions in `order` where colors start, on the host [color_count + 1].
@@ -51,35 +67,50 @@ class ContactColoring {
  private:
   static constexpr Index kLeastRounds = 8;  ///< rounds between host reads, at least
 
+  /// @return whether that was worth it; else nothing is done
   template <class Real>
-  void sort_incident(B& b, const ContactProblem<Real>& p) {
-    const Offset n = 2 * static_cast<Offset>(p.contact_count);
-    keys_.reserve_discard(n);
-    incident_.reserve_discard(n);
-    color_.reserve_discard(p.contact_count);
-    for_each(b, p.contact_count,
-             ColoringEntries{p.body_a, p.body_b, p.free_count, keys_.view(n), incident_.view(n),
-                             color_.view(p.contact_count)});
-    const auto bodies = static_cast<std::uint64_t>(p.free_count) + 1;
-    sort_pairs(b, sort_, keys_.view(n), incident_.view(n), bits_for(bodies) + kPriorityBits);
+  bool color_around_kept(B& b, const ContactProblem<Real>& p) {
+    const Index n = p.contact_count;
+    reduce<LastColor>(b, n, FindLastColor{color_}, StoreResult<LastColor>{last_.data()});
+    reduce<ToColor>(b, n, FlagToColor{color_, last_.data(), flags(n)},
+                    StoreResult<ToColor>{to_color_.data()});
+    const Index count = fetch(b, to_color_.data()).count;
+    if (count > n / 2) return false;
+    if (count > 0) color_listed(b, p, pack(b, {}, n, listed_, count), count);
+    return true;
   }
 
+  /// Colors the listed contacts, all when the list is empty.
   template <class Real>
-  void color_contacts(B& b, const ContactProblem<Real>& p) {
-    const Span<Index> incident = incident_.view(2 * static_cast<Offset>(p.contact_count));
-    const Span<Index> color = color_.view(p.contact_count);
+  void color_listed(B& b, const ContactProblem<Real>& p, Span<const Index> listed, Index count) {
+    colored_count_ = count;
+    const Offset n = 2 * static_cast<Offset>(count);
+    keys_.reserve_discard(n);
+    incident_.reserve_discard(n);
     for (auto& s : state_) s.reserve_discard(p.free_count);
     Span<BodyColors> now = state_[0].view(p.free_count), next = state_[1].view(p.free_count);
+    const Span<Index> incident = incident_.view(n);
+    for_each(
+        b, count,
+        ColoringEntries{p.body_a, p.body_b, p.free_count, listed, keys_.view(n), incident, color_});
+    const auto bodies = static_cast<std::uint64_t>(p.free_count) + 1;
+    sort_pairs(b, sort_, keys_.view(n), incident, bits_for(bodies) + kPriorityBits);
+    fill(b, now, BodyColors{});
+    for_each(b, count, ColoringLists{keys_.view(n), p.free_count, now});
+
     Span<const Index> active;  // empty: all free bodies
     Index body_count = p.free_count;
     for (Index first_color = 0;; first_color += kColorsPerBatch) {
-      ColoringWork left = reduce_work(
-          b, body_count,
-          ColoringBatch{p.a_start, p.b_start, active, color, incident, now, first_color == 0});
-      if (left.bodies == 0) break;
-      // Later batches concern few bodies; the list is worth a pass when it gets much shorter.
+      ColoringWork left =
+          reduce_work(b, body_count,
+                      ColoringBatch{p.a_start, p.b_start, p.b_contact, active, color_, incident,
+                                    now, first_color, listed.empty()});
+      if (left.bodies == 0) return;
+      // The list of bodies at work is worth a pass when it gets much shorter.
       if (left.bodies < body_count - body_count / 4) {
-        active = pack_active(b, active, now, body_count, left.bodies);
+        for_each(b, body_count, ColoringActiveFlag{active, now, flags(body_count)});
+        Buffer<B, Index>& target = active_[active.data == active_[0].data() ? 1 : 0];
+        active = pack(b, active, body_count, target, left.bodies);
         body_count = left.bodies;
       }
       while (left.bodies > 0) {
@@ -87,11 +118,13 @@ class ContactColoring {
         for (Index r = 0; r < rounds; ++r) {
           for_each(b, body_count,
                    ColoringRound{p.body_a, p.body_b, p.free_count, active, incident, now, next,
-                                 color, first_color});
+                                 color_, first_color});
           std::swap(now, next);
         }
         left = reduce_work(b, body_count, ColoringLeft{active, now});
       }
+      // A contact is left to the next batch when its bodies together have all colors of this one.
+      if (left.exhausting == 0) return;
     }
   }
 
@@ -101,47 +134,54 @@ class ContactColoring {
     return fetch(b, work_.data());
   }
 
-  /// The bodies of the list that have undecided contacts, as a new list.
-  Span<const Index> pack_active(B& b, Span<const Index> active, Span<const BodyColors> state,
-                                Index from_count, Index to_count) {
-    flag_.reserve_discard(from_count);
+  Span<Index> flags(Index count) {
+    flag_.reserve_discard(count);
+    return flag_.view(count);
+  }
+
+  /// The flagged elements of a list (of 0, 1, ... when it is empty), as a new list.
+  Span<const Index> pack(B& b, Span<const Index> list, Index from_count, Buffer<B, Index>& target,
+                         Index to_count) {
+    const Span<const Index> flag = std::as_const(flag_).view(from_count);
     position_.reserve_discard(static_cast<Offset>(from_count) + 1);
-    const Span<Index> flag = flag_.view(from_count);
     const Span<Offset> position = position_.view(static_cast<Offset>(from_count) + 1);
-    Buffer<B, Index>& target = active_[active.data == active_[0].data() ? 1 : 0];
     target.reserve_discard(to_count);
-    for_each(b, from_count, ColoringActiveFlag{active, state, flag});
-    exclusive_scan(b, Span<const Index>(flag), position);
-    for_each(b, from_count, ColoringActivePack{active, flag, position, target.view(to_count)});
+    exclusive_scan(b, flag, position);
+    for_each(b, from_count, ColoringPack{list, flag, position, target.view(to_count)});
     return std::as_const(target).view(to_count);
   }
 
   void sort_by_color(B& b) {
     const Index n = contact_count_;
+    keys_.reserve_discard(n);
     order_.reserve_discard(n);
     const Span<std::uint64_t> keys = keys_.view(n);
-    reduce<ColorCount>(b, n, ColorKeys{color_.view(n), keys, order_.view(n)},
+    reduce<ColorCount>(b, n, ColorKeys{color_, keys, order_.view(n)},
                        StoreResult<ColorCount>{count_.data()});
     const Index colors = fetch(b, count_.data()).count;
     sort_pairs(b, sort_, keys, order_.view(n), bits_for(static_cast<std::uint64_t>(colors)));
-    start_.reserve_discard(colors);
-    for_each(b, n, ColorStarts{keys, start_.view(colors)});
-    starts_ = download(b, start_.view(colors));
-    starts_.push_back(n);
+    start_.reserve_discard(colors + 1);
+    for_each(b, n + 1, RunStarts<std::uint64_t>{keys, n, colors, start_.view(colors + 1)});
+    starts_ = download(b, start_.view(colors + 1));
   }
 
   Index contact_count_ = 0;
+  Index colored_count_ = 0;
   std::vector<Index> starts_{0};
+  Span<Index> color_;
   Buffer<B, std::uint64_t> keys_;
   Buffer<B, Index> incident_;
-  Buffer<B, Index> color_;
+  Buffer<B, Index> own_color_;  ///< for a problem without marks
   Buffer<B, Index> order_;
   Buffer<B, Index> start_;
+  Buffer<B, Index> listed_;
   Buffer<B, BodyColors> state_[2];
   Buffer<B, Index> active_[2];
   Buffer<B, Index> flag_;
   Buffer<B, Offset> position_;
   SortSpace<B> sort_;
+  Buffer<B, LastColor> last_;
+  Buffer<B, ToColor> to_color_;
   Buffer<B, ColoringWork> work_;
   Buffer<B, ColorCount> count_;
 };

@@ -46,6 +46,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
 
   std::vector<double> memory() const override { return inner_->memory(); }
   void restore_memory(const std::vector<double>& m) override { inner_->restore_memory(m); }
+  bool keeps_marks() const override { return inner_->keeps_marks(); }
 
  private:
   struct Workspace {
@@ -111,6 +112,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
       velocity_ = inner_->velocity();
       stats.iterations += inner.iterations;
       stats.applications += inner.applications;
+      stats.colors = inner.colors;
       stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.exact_rms);
       const double distance = update_bias({});

@@ -2,12 +2,13 @@
 // Projected block Gauss-Seidel in parallel: contacts of one color share no free body and are solved
 // at once.
 //
-// Source: docs/theory.md, section "Gauss-Seidel and Jacobi". Once per solve: a coloring and one
-// pass that brings contact data into the order of colors, so that a sweep reads contacts as a
-// stream. Memory passes per sweep: one over contacts (48 B read and 12 B written in float) and two
-// bodies gathered and scattered at each (64 B read, 48 B written), in as many launches as there are
-// colors; at each check one pass over bodies and two over contacts more. A sweep cannot be faster
-// than the launches of its colors: a body with 2000 contacts makes 2000.
+// Source: docs/theory.md, section "Gauss-Seidel and Jacobi". Once per solve: a coloring, in which
+// contacts keep the color they had in the step before, and one pass that brings contact data into
+// the order of colors, so that a sweep reads contacts as a stream. Memory passes per sweep: one
+// over contacts (48 B read and 12 B written in float) and two bodies gathered and scattered at each
+// (64 B read, 48 B written), in as many launches as there are colors; at each check one pass over
+// bodies and two over contacts more. A sweep cannot be faster than the launches of its colors: a
+// body with 2000 contacts makes 2000.
 
 #include "kernels/gauss_seidel_pass.h"
 #include "solvers/contact_coloring.h"
@@ -26,8 +27,8 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
 
-  /// Colors of the last solve.
-  Index color_count() const { return space_ ? space_->coloring.color_count() : 0; }
+  /// A contact's mark is its color.
+  bool keeps_marks() const override { return true; }
 
  private:
   struct Workspace {
@@ -125,7 +126,9 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
       for_each(b, p.contact_count,
                ScatterImpulses<R, Real>{coloring.order(), ordered_gamma, gamma});
     };
-    return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, collect);
+    SolveStats stats = this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, collect);
+    stats.colors = coloring.color_count();
+    return stats;
   }
 
   std::unique_ptr<Workspace> space_;

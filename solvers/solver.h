@@ -63,6 +63,7 @@ struct SolveStats {
   int applications = 0;    ///< operator applications: passes over all contacts and bodies
   bool converged = false;  ///< residual reached the tolerance
   Residual residual;       ///< of the returned impulses
+  int colors = 0;          ///< of a colored solver
 };
 
 /// A point of a convergence curve.
@@ -89,6 +90,9 @@ class Solver {
   /// What is carried from step to step beside the impulses, for checkpoints.
   virtual std::vector<double> memory() const { return {}; }
   virtual void restore_memory(const std::vector<double>&) {}
+
+  /// Whether ContactProblem::mark is to travel with the contacts from step to step.
+  virtual bool keeps_marks() const { return false; }
 
   /// When set, every residual check of a solve is appended here.
   void record_curve(std::vector<CurvePoint>* curve) { curve_ = curve; }

@@ -1,23 +1,22 @@
 #pragma once
-// scree bench: whole time steps of a scene, per stage.
+// scree bench: the benchmarks that any user can run.
 
-#include "host/cli/options.h"
+#include "host/cli/bench/modes.h"
 
 namespace scree {
 
 struct BenchOptions {
-  RunTarget target{.scene = "pile",
-                   .backend = {},
-                   .precision = {},
-                   .threads = 0,
-                   .overrides = {},
-                   .json = false};
-  int warmup = 50;   ///< steps before measuring
-  int steps = 20;    ///< steps measured
-  std::string from;  ///< checkpoint to start from
+  SceneBenchOptions scene;
+  BedOptions iteration;
+  CollisionBenchOptions collision;
+  StepBenchOptions step;
+  SolverBenchOptions solvers;
+  BedOptions capacity;
 };
 
 CLI::App* add_bench_command(CLI::App& app, BenchOptions& options);
-int bench_scene(const BenchOptions& options);
+
+/// Runs the benchmark that the command line chose.
+int run_bench(const CLI::App& command, const BenchOptions& options);
 
 }  // namespace scree

@@ -25,13 +25,14 @@ int fail(const char* what, int code) {
 /// One line for what is wrong with the command line.
 std::string usage_fault(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   std::vector<std::string> names;
-  const CLI::App* chosen = nullptr;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(command->get_name());
-    if (command->parsed()) chosen = command;
+  std::string chosen;
+  for (const CLI::App* command = &app; !command->get_subcommands().empty();) {
+    command = command->get_subcommands().front();
+    chosen += command->get_name() + " ";
   }
-  if (chosen != nullptr)
-    return fmt::format("{}; see scree {} --help", error.what(), chosen->get_name());
+  if (!chosen.empty()) return fmt::format("{}; see scree {}--help", error.what(), chosen);
   if (argc > 1) {
     return fmt::format("{}: no such {}; expected a command: {}", argv[1],
                        argv[1][0] == '-' ? "option" : "command", fmt::join(names, ", "));
@@ -67,7 +68,7 @@ int main(int argc, char** argv) {
   try {
     if (*run_command) return scree::run_scene(run);
     if (*check_command) return scree::check_scene(check);
-    if (*bench_command) return scree::bench_scene(bench);
+    if (*bench_command) return scree::run_bench(*bench_command, bench);
     if (*info_command) return scree::print_info(info);
   } catch (const scree::InputError& error) {
     return fail(error.what(), 2);

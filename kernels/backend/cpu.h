@@ -73,10 +73,20 @@ void for_each(Cpu& cpu, Index n, F f) {
   for (Index i = 0; i < n; ++i) f(i);
 }
 
+/// Elements in one piece of a sum; programs whose elements are large name their own number.
+template <class F>
+constexpr Index chunk_size() {
+  if constexpr (requires { F::kChunk; }) {
+    return F::kChunk;
+  } else {
+    return 1024;
+  }
+}
+
 /// Chunks have a fixed size, so partial sums do not depend on the thread count.
 template <class R, class F, class G = NoFinish>
 void reduce(Cpu& cpu, Index n, F f, G finish = {}) {
-  constexpr Index kChunk = 1024;
+  constexpr Index kChunk = chunk_size<F>();
   const Index chunk_count = (n + kChunk - 1) / kChunk;
   R* partial = static_cast<R*>(cpu.scratch(sizeof(R) * static_cast<std::size_t>(chunk_count)));
   const auto run_chunk = [&](Index chunk) {

@@ -1,12 +1,21 @@
 #pragma once
-// Quotients and roots as the contact passes need them: on a device the short instruction sequences
-// with errors of one or two units in the last place, on the host IEEE arithmetic.
+// Quotients, roots and choices as the contact passes need them: on a device the short instruction
+// sequences with errors of one or two units in the last place, on the host IEEE arithmetic. They
+// are functions so that Lanes, many numbers at a time, can take the place of one.
 
 #include <cmath>
 
 #include "kernels/types.h"
 
 namespace scree {
+
+/// The first value where the condition holds, else the second.
+template <class Real>
+SCREE_HD Real select(bool condition, const Real& yes, const Real& no) {
+  return condition ? yes : no;
+}
+SCREE_HD inline bool is_zero(float x) { return x == 0.0f; }
+SCREE_HD inline bool is_zero(double x) { return x == 0.0; }
 
 /// 1 / x for normal x of less than 2^126.
 SCREE_HD inline float inverse(float x) {

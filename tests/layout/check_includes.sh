@@ -51,7 +51,7 @@ awk '
     } else if (in_tree && from == "scenes" && path ~ /^host\/.*\//) {
       fault("scenes may include public host headers only (" path ")")
     } else if ((!quoted || path ~ "/") && !in_tree && from ~ /^(kernels|collision|solvers)$/ &&
-               path !~ /^[a-z_0-9]+$/ && path !~ cuda && path !~ /^(omp|immintrin)\.h$/) {
+               path !~ /^(experimental\/)?[a-z_0-9]+$/ && path !~ cuda && path !~ /^(omp|immintrin)\.h$/) {
       fault(from " may include only the standard library and CUDA (" path ")")
     } else if (FILENAME ~ /^host\/[^\/]*\.h$/ && FILENAME !~ /\.inst\.h$/ &&
                (path ~ cuda || path ~ /\.cuh$/)) {

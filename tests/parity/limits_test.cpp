@@ -1,6 +1,8 @@
 // The ends of the range, on every backend there is: no contact, one contact, far more contacts than
 // expected, and states that are not finite.
 
+#include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "host/error.h"
@@ -69,6 +71,50 @@ TEST_P(Limits, BodiesCreatedInOnePlace) {
   EXPECT_EQ(w.contacts().size(), static_cast<std::size_t>(n * (n - 1) / 2));
   for (int k = 0; k < 5; ++k) w.step();
   for (const Vec3d& x : w.states().position) EXPECT_TRUE(is_finite(x));
+}
+
+TEST_P(Limits, FiftyNeighborsEachInTheFirstStep) {
+  // Spheres created overlapping, on a lattice of 2.3 points a diameter: inside it each touches the
+  // 56 that are less than 2.3 points away.
+  const int side = 14;
+  const double d = 0.02, spacing = d / 2.3;
+  Scene scene = empty_scene(1e-3, 0.5);
+  scene.solver.max_iterations = 30;
+  for (int k = 0; k < side * side * side; ++k) {
+    const Vec3d cell{static_cast<double>(k % side), static_cast<double>(k / side % side),
+                     static_cast<double>(k / side / side)};
+    add_sphere(scene, spacing * cell, d / 2, 0.01);
+  }
+  int ends = 0;  // of contacts, two each
+  for (int z = -2; z <= 2; ++z) {
+    for (int y = -2; y <= 2; ++y) {
+      for (int x = -2; x <= 2; ++x) {
+        if (x * x + y * y + z * z == 0 || spacing * std::sqrt(x * x + y * y + z * z) > d) continue;
+        ends += (side - std::abs(x)) * (side - std::abs(y)) * (side - std::abs(z));
+      }
+    }
+  }
+  World w = world(scene);
+  EXPECT_EQ(w.step().contact_count, ends / 2);
+  EXPECT_GT(ends, 35 * side * side * side);
+  for (int k = 0; k < 3; ++k) w.step();
+  for (const Vec3d& x : w.states().position) EXPECT_TRUE(is_finite(x));
+}
+
+TEST_P(Limits, ATimeStepFarTooLargeEnds) {
+  // Ten seconds a step: a correct run or a clear message, never a hang.
+  Scene scene = empty_scene(10, 0.5);
+  scene.solver.max_iterations = 50;
+  for (int i = 0; i < 300; ++i)
+    add_sphere(scene, {0.21 * (i % 10), 0.21 * (i / 10 % 10), 0.1 + 0.21 * (i / 100)}, 0.1, 1);
+  add_plane(scene);
+  World w = world(scene);
+  try {
+    for (int k = 0; k < 5; ++k) w.step();
+    for (const Vec3d& x : w.states().position) EXPECT_TRUE(is_finite(x));
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("body"), std::string::npos) << error.what();
+  }
 }
 
 TEST_P(Limits, AVelocityThatIsNotFiniteNamesTheBody) {

@@ -90,9 +90,15 @@ Scene rain_on_a_paddle(bool exact) {
 }
 
 TEST_P(Determinism, ARestoredRunContinuesBitForBit) {
-  for (const bool exact : {false, true}) {
-    const Scene scene = rain_on_a_paddle(exact);
-    for (const int half : {33, 50}) {  // between and after insertions
+  for (const auto& [solver, exact] : {std::pair{"apgd", false},
+                                      {"apgd", true},
+                                      {"gauss_seidel_colored", false},
+                                      {"gauss_seidel_colored", true}}) {
+    Scene scene = rain_on_a_paddle(exact);
+    scene.solver.name = solver;
+    SCOPED_TRACE(std::string(solver) + (exact ? ", exact" : ", convex"));
+    // Between and after insertions, and where the bodies are sorted.
+    for (const int half : {33, 50, 64}) {
       World whole(scene, cpu_options(2, GetParam()));
       for (int k = 0; k < half; ++k) whole.step();
       const WorldState saved = whole.save();

@@ -132,7 +132,7 @@ TYPED_TEST(PersistentContactsTest, ReorderedBodiesKeepTheirImpulses) {
   order.compute(b, bodies.position.first(bodies.free_count));
   order.apply(b, bodies.position);
   order.apply(b, bodies.radius);
-  run.detector().remap(b, order.new_of_old());
+  run.detector().remap(b, bodies, order.new_of_old());
   run.scene().position = download(b, bodies.position);
 
   const auto after = run.detect();
@@ -147,6 +147,51 @@ TYPED_TEST(PersistentContactsTest, ReorderedBodiesKeepTheirImpulses) {
     EXPECT_NE(found[2 * c].x, 0);
   }
   for (const auto& [bodies_of_pair, rest] : expected) EXPECT_EQ(rest, 0);
+}
+
+TYPED_TEST(PersistentContactsTest, MarksFollowTheirContacts) {
+  auto& b = this->backend();
+  CollisionRun<TestBackend, TypeParam> run(b, this->bed(400, 2));
+  const auto before = run.detect();
+  const auto count = static_cast<Offset>(before.size());
+  Buffer<TestBackend, Index> mark(b, count);
+  run.detector().match_marks(b, mark.view());  // nothing is known yet
+  EXPECT_EQ(download(b, mark.view()), std::vector<Index>(before.size(), -1));
+
+  // A contact is known by the places of its bodies; those of one sphere with one wall share it.
+  const auto place = [&](const HostContact& c) {
+    const auto& x = run.scene().position;
+    return std::pair{std::min(x[c.a].x, x[c.b].x), std::max(x[c.a].x, x[c.b].x)};
+  };
+  std::map<std::pair<double, double>, std::multiset<Index>> expected;
+  std::vector<Index> values;
+  for (std::size_t c = 0; c < before.size(); ++c) {
+    values.push_back(static_cast<Index>(c % 13));
+    expected[place(before[c])].insert(values.back());
+  }
+  upload(b, values, mark);
+  Buffer<TestBackend, Vec3<TypeParam>> gamma(b, count);
+  fill(b, gamma.view(), Vec3<TypeParam>{});
+  run.detector().keep(b, 1, gamma.view());
+  run.detector().keep_marks(b, mark.view());
+  EXPECT_EQ(run.detector().save_marks(b), values);
+
+  BodyOrder<TestBackend> order(b);
+  BodyView<TypeParam> bodies = run.bodies();
+  order.compute(b, bodies.position.first(bodies.free_count));
+  order.apply(b, bodies.position);
+  order.apply(b, bodies.radius);
+  run.detector().remap(b, bodies, order.new_of_old());
+  run.scene().position = download(b, bodies.position);
+  const auto after = run.detect();
+  run.detector().match_marks(b, mark.view());
+  const auto found = download(b, mark.view());
+  std::map<std::pair<double, double>, std::multiset<Index>> actual;
+  for (std::size_t c = 0; c < after.size(); ++c) actual[place(after[c])].insert(found[c]);
+  EXPECT_EQ(actual, expected);
+
+  run.detector().keep(b, 1, gamma.view());  // forgets marks that are not kept again
+  EXPECT_TRUE(run.detector().save_marks(b).empty());
 }
 
 TYPED_TEST(PersistentContactsTest, SavedMemoryRestores) {

@@ -1,0 +1,142 @@
+#include "host/cli/bench/bed_bench.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <utility>
+
+#include "host/error.h"
+
+namespace scree {
+namespace {
+
+constexpr int kMostBodies = 2'000'000'000;
+constexpr int kMostLayers = 1'000'000;
+constexpr int kDefaultLayers = 20;
+
+double mass_of(const Scene& scene) {
+  double mass = 0;
+  for (const ParticleSet& set : scene.particles)
+    for (std::size_t i = 0; i < set.position.size(); ++i) mass += particle_mass(set, i);
+  return mass;
+}
+
+/// Host memory that can be had without swapping [bytes]; infinite when unknown.
+double free_host_memory() {
+  std::ifstream lines("/proc/meminfo");
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("MemAvailable:")) return 1024 * std::stod(line.substr(13));
+  return std::numeric_limits<double>::infinity();
+}
+
+void tell(const std::string& text) {
+  if (isatty(STDERR_FILENO)) fmt::print(stderr, "{}\n", text);
+}
+
+}  // namespace
+
+BedBench::BedBench(const BedOptions& options, const BedDefaults& defaults)
+    : benchmark_(defaults.benchmark),
+      warmup_(options.warmup),
+      steps_(options.steps > 0 ? options.steps : defaults.steps),
+      settings_(defaults.settings),
+      json_(options.json) {
+  const auto& overrides = options.target.overrides;
+  settings_.insert(settings_.end(), overrides.begin(), overrides.end());
+  sizes_ = whole_numbers("--sizes", options.sizes, kMostBodies, "numbers of bodies");
+  layers_ = whole_numbers("--layers", options.layers, kMostLayers, "numbers of layers");
+  std::string notice;
+  world_options_ = resolve_options(options.target, bed_scene({.count = 1}, settings_), &notice);
+  if (!notice.empty()) fmt::print(stderr, "{}\n", notice);
+  if (sizes_.empty()) {
+    sizes_ = world_options_.backend == BackendKind::cuda ? defaults.cuda_sizes : defaults.cpu_sizes;
+  }
+}
+
+BedParams BedBench::bed(int count, bool walls) const {
+  if (layers_.size() > 1)
+    throw InputError(fmt::format("--layers: {} values, expected one", layers_.size()));
+  BedParams bed;
+  bed.count = count;
+  bed.walls = walls;
+  bed.layers = !layers_.empty() ? layers_[0] : walls ? kDefaultLayers : layers_of_cube(count);
+  return bed;
+}
+
+Scene BedBench::scene(const BedParams& bed, const std::vector<std::string>& more_settings) const {
+  std::vector<std::string> settings = settings_;
+  settings.insert(settings.end(), more_settings.begin(), more_settings.end());
+  return bed_scene(bed, settings);
+}
+
+int BedBench::warmup(const BedParams& bed, double time_step) const {
+  return warmup_ >= 0 ? warmup_ : static_cast<int>(std::ceil(warmup_time(bed) / time_step));
+}
+
+BenchRecord BedBench::record(const Json& more) const {
+  Json header = bench_header(benchmark_, world_options_);
+  header["settings"] = settings_;
+  return {joined(std::move(header), more), json_};
+}
+
+void BedBench::print_title() const {
+  fmt::print("{}\n", bench_title(bench_header(benchmark_, world_options_)));
+}
+
+std::vector<StepReport> BedRun::steps(int count) {
+  std::vector<StepReport> reports;
+  for (int k = 0; k < count; ++k) reports.push_back(world.step());
+  return reports;
+}
+
+void require_room(const BedBench& bench, const BedParams& bed) {
+  constexpr int kSmall = 10'000;
+  constexpr double kPositions = 24;  // bytes a sphere of the description, on the host
+  constexpr double kMiB = 1024.0 * 1024.0;
+  BedParams small = bed;
+  small.count = std::min(bed.count, kSmall);
+  const double per_body =
+      static_cast<double>(expected_memory(bench.scene(small), bench.world_options())) / small.count;
+  const BackendKind backend = bench.world_options().backend;
+  const bool on_gpu = backend == BackendKind::cuda;
+  const auto require = [&](double bytes_per_body, double there, const char* where) {
+    const double needed = bytes_per_body * bed.count;
+    if (needed <= there) return;
+    throw InputError(fmt::format(
+        "{} bodies need about {:.0f} MiB of {} memory, there are {:.0f} MiB: about {:.3g} bodies "
+        "fit",
+        bed.count, needed / kMiB, where, there / kMiB, there / bytes_per_body));
+  };
+  if (on_gpu) require(per_body, static_cast<double>(device_info(backend).memory_bytes), "device");
+  require(kPositions + (on_gpu ? 0 : per_body), free_host_memory(), "free host");
+}
+
+BedRun settled_bed(const BedBench& bench, const BedParams& bed,
+                   const std::vector<std::string>& more_settings) {
+  require_room(bench, bed);
+  Scene scene = bench.scene(bed, more_settings);
+  const double mass = mass_of(scene), h = scene.stepping.time_step;
+  const double v_star = h * norm(scene.gravity);
+  const SolverSettings solver = scene.solver;
+  const int warmup = bench.warmup(bed, h);
+  Json start = {{"scene", scene.name},   {"layers", bed.layers}, {"polydisperse", bed.polydisperse},
+                {"solver", solver.name}, {"time_step_s", h},     {"warmup_steps", warmup}};
+  tell(fmt::format("{} of {} bodies: {} steps of warm-up", scene.name, bed.count, warmup));
+  BedRun run{World(std::move(scene), bench.world_options()), h, solver, std::move(start)};
+  StepReport last;
+  for (int k = 0; k < warmup; ++k) last = run.world.step();
+  if (warmup > 0 && v_star > 0)
+    run.start["start_rms_speed_relative"] = std::sqrt(2 * last.kinetic_energy / mass) / v_star;
+  return run;
+}
+
+Json joined(Json first, const Json& second) {
+  if (second.is_object()) first.update(second);
+  return first;
+}
+
+}  // namespace scree

@@ -1,0 +1,39 @@
+#pragma once
+// Options that the benchmarks on beds share.
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "host/bed_scene.h"
+#include "host/cli/options.h"
+
+namespace scree {
+
+struct BedOptions {
+  RunTarget target;  ///< its scene is not used
+  std::vector<std::string> sizes;
+  std::vector<std::string> layers;
+  int warmup = -1;  ///< steps; -1: as many as the bed takes to settle
+  int steps = 0;    ///< measured; 0: the default of the benchmark
+  std::string json;
+};
+
+struct SolverBenchOptions {
+  BedOptions bed;
+  std::vector<std::string> solvers;
+  std::vector<std::string> levels;
+  double limit = 10;  ///< [s]
+};
+
+/// Adds the options that all of these benchmarks have.
+void add_bed_options(CLI::App& command, BedOptions& options);
+void add_steps_options(CLI::App& command, BedOptions& options);
+
+/// Numbers of a list such as "1e5,1e6". @throws InputError naming the option
+std::vector<int> whole_numbers(const char* option, const std::vector<std::string>& texts,
+                               int largest, const char* what);
+std::vector<double> positive_numbers(const char* option, const std::vector<std::string>& texts,
+                                     const char* what);
+
+}  // namespace scree

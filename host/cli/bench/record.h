@@ -1,0 +1,31 @@
+#pragma once
+// The JSON file of a benchmark: on which machine, of which program, and one entry per case.
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "host/world.h"
+
+namespace scree {
+
+using Json = nlohmann::ordered_json;
+
+/// Machine, backend, precision, program and date.
+Json bench_header(const std::string& benchmark, const WorldOptions& options);
+
+/// The header in one line of text.
+std::string bench_title(const Json& header);
+
+class BenchRecord {
+ public:
+  /// @param path  empty: nothing is written. @throws InputError when the file cannot be written
+  BenchRecord(Json header, std::string path);
+  /// Adds a case and writes the file anew, so that what is done is on disk when a later case fails.
+  void add(Json result);
+
+ private:
+  Json document_;
+  std::string path_;
+};
+
+}  // namespace scree

@@ -1,0 +1,184 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "host/cli/bench/bed_bench.h"
+#include "host/cli/bench/modes.h"
+#include "host/cli/bench/table.h"
+#include "host/error.h"
+
+namespace scree {
+namespace {
+
+/// A residual counts as reached up to the rounding of its evaluation.
+constexpr double kSlack = 1.01;
+
+/// One time step from a stored state with any solver.
+class SameStep {
+ public:
+  SameStep(const BedBench& bench, const BedParams& bed) : bench_(&bench), bed_(bed) {
+    BedRun run = settled_bed(bench, bed, {"solver.name=apgd", "solver.stop=quality"});
+    state_ = run.world.save();
+    start_ = std::move(run.start);
+    start_.erase("solver");
+  }
+
+  const Json& start() const { return start_; }
+
+  /// @param level  residual at which to stop [v*]
+  StepReport with(const std::string& solver, bool warm, double level, int most_iterations) const {
+    Scene scene = bench_->scene(bed_, {"solver.name=" + solver});
+    scene.solver.stop = {StopRule::Level::absolute, level * v_star(scene)};
+    scene.solver.max_iterations = most_iterations;
+    scene.solver.warm_start = warm;
+    WorldState state = state_;
+    if (!warm || solver != "apgd") state.solver_memory.clear();  // it is of APGD
+    World world(std::move(scene), bench_->world_options());
+    world.restore(state);
+    const StepReport first = world.step();
+    if (first.ms.solve > kRepeatBelow) return first;
+    world.restore(state);  // once more, with the memory allocated
+    return world.step();
+  }
+
+ private:
+  static constexpr double kRepeatBelow = 2000;  // [ms]
+
+  static double v_star(const Scene& scene) {
+    const double v = scene.stepping.time_step * norm(scene.gravity);
+    if (!(v > 0)) throw InputError("gravity: zero is not allowed: residuals are relative to v*");
+    return v;
+  }
+
+  const BedBench* bench_;
+  BedParams bed_;
+  WorldState state_;
+  Json start_;
+};
+
+/// Solves to tighter and tighter levels until the time limit ends a solve.
+class LevelSearch {
+ public:
+  LevelSearch(const SameStep& step, std::string solver, bool warm, double limit, int check_every)
+      : step_(&step),
+        solver_(std::move(solver)),
+        warm_(warm),
+        limit_ms_(1e3 * limit),
+        check_every_(check_every) {}
+
+  /// @param level  [v*]; at most that of the call before
+  StepReport to(double level) {
+    if (!time_ms_) {  // what an iteration costs
+      const StepReport probe = step_->with(solver_, warm_, kUnreachable, 2 * check_every_);
+      time_ms_ = probe.ms.solve / std::max(probe.applications, 1);
+    }
+    if (!gave_up_) {
+      const double most = std::clamp(limit_ms_ / std::max(*time_ms_, 1e-6), 1.0, 1e8);
+      const int blocks = static_cast<int>(std::ceil(most / check_every_));
+      last_ = step_->with(solver_, warm_, level, blocks * check_every_);
+      gave_up_ = !last_.converged;
+      if (last_.applications > 2 * check_every_) time_ms_ = last_.ms.solve / last_.applications;
+    }
+    return last_;
+  }
+
+ private:
+  static constexpr double kUnreachable = 1e-12;
+
+  const SameStep* step_;
+  std::string solver_;
+  bool warm_;
+  double limit_ms_;
+  int check_every_;
+  std::optional<double> time_ms_;
+  bool gave_up_ = false;
+  StepReport last_;
+};
+
+const std::vector<std::string> kSolvers{"apgd", "gauss_seidel_colored", "jacobi", "gauss_seidel"};
+
+/// Solvers to compare: the plain Gauss-Seidel is serial and left out on a GPU.
+std::vector<std::string> chosen_solvers(const SolverBenchOptions& options, BackendKind backend) {
+  for (const std::string& name : options.solvers)
+    if (std::find(kSolvers.begin(), kSolvers.end(), name) == kSolvers.end())
+      throw InputError(fmt::format("--solvers: \"{}\" is not allowed: expected some of {}", name,
+                                   fmt::join(kSolvers, ", ")));
+  if (!options.solvers.empty()) return options.solvers;
+  std::vector<std::string> all = kSolvers;
+  if (backend == BackendKind::cuda) all.pop_back();
+  return all;
+}
+
+}  // namespace
+
+int bench_solvers(const SolverBenchOptions& options) {
+  const BedBench bench(options.bed,
+                       {.benchmark = "solvers", .cuda_sizes = {1'000'000}, .cpu_sizes = {10'000}});
+  const bool on_gpu = bench.world_options().backend == BackendKind::cuda;
+  const auto solvers = chosen_solvers(options, bench.world_options().backend);
+  if (!(options.limit > 0))
+    throw InputError(
+        fmt::format("--limit: {} is not allowed: expected positive seconds", options.limit));
+  auto levels = positive_numbers("--levels", options.levels, "residuals relative to v*");
+  if (levels.empty()) levels = {3e-2, 1e-2, 1e-3, 1e-4};
+  std::sort(levels.begin(), levels.end(), std::greater<>());
+  std::vector<int> layers = bench.layers();
+  if (layers.empty()) layers = on_gpu ? std::vector<int>{20, 500} : std::vector<int>{20, 100};
+  const int check_every = bench.scene({.count = 1}).solver.check_every;
+
+  BenchRecord record = bench.record({{"limit_s", options.limit}});
+  bench.print_title();
+  fmt::print("one step of a settled bed, the same for all; at most about {:g} s a solve\n",
+             options.limit);
+  Table table({{"bodies"},
+               {"layers", 6},
+               {"contacts", 9},
+               {"start", 5},
+               {"solver", 20},
+               {"level/v*", 8},
+               {"reached", 7},
+               {"residual/v*", 11},
+               {"iterations"},
+               {"applic.", 8},
+               {"solve ms", 9},
+               {"step ms", 9}});
+  for (const int size : bench.sizes()) {
+    for (const int height : layers) {
+      const SameStep step(bench, {.count = size, .layers = height});
+      for (const bool warm : {true, false}) {
+        for (const std::string& solver : solvers) {
+          LevelSearch search(step, solver, warm, options.limit, check_every);
+          for (const double level : levels) {
+            const StepReport r = search.to(level);
+            const bool reached = r.converged && r.residual_relative <= kSlack * level;
+            record.add(joined(step.start(), {{"solver", solver},
+                                             {"start", warm ? "warm" : "cold"},
+                                             {"level", level},
+                                             {"reached", reached},
+                                             {"bodies", r.body_count},
+                                             {"contacts", r.contact_count},
+                                             {"iterations", r.iterations},
+                                             {"applications", r.applications},
+                                             {"residual_rms_m_per_s", r.residual_rms},
+                                             {"residual_relative", r.residual_relative},
+                                             {"objective_J", r.objective},
+                                             {"solve_ms", r.ms.solve},
+                                             {"step_ms", r.ms.total}}));
+            table.row({std::to_string(r.body_count), std::to_string(height),
+                       std::to_string(r.contact_count), warm ? "warm" : "cold", solver,
+                       digits(level), reached ? "yes" : "no", digits(r.residual_relative),
+                       std::to_string(r.iterations), std::to_string(r.applications),
+                       fixed(r.ms.solve, 2), fixed(r.ms.total, 2)});
+          }
+        }
+      }
+    }
+  }
+  return 0;
+}
+
+}  // namespace scree

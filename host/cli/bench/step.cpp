@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "host/cli/bench/bed_bench.h"
+#include "host/cli/bench/figures.h"
+#include "host/cli/bench/modes.h"
+#include "host/cli/bench/table.h"
+#include "host/error.h"
+
+namespace scree {
+namespace {
+
+void print_rows(Table& table, const char* level, const StepFigures& f) {
+  const auto times = [&](double Spread::*kind) {
+    std::vector<std::string> cells;
+    for (const StageSpread& stage : f.stages) cells.push_back(fixed(stage.ms.*kind, 3));
+    return cells;
+  };
+  std::vector<std::string> cells{std::to_string(f.bodies),
+                                 fixed(f.contacts, 0),
+                                 level,
+                                 fixed(f.applications, 1),
+                                 digits(f.residual_relative),
+                                 fmt::format("{}/{}", f.steps - f.not_converged, f.steps),
+                                 "median"};
+  for (const std::string& cell : times(&Spread::median)) cells.push_back(cell);
+  cells.push_back(digits(f.body_seconds_per_s));
+  table.row(cells);
+  cells = {"", "", "", "", "", "", "mean"};
+  for (const std::string& cell : times(&Spread::mean)) cells.push_back(cell);
+  table.row(cells);
+}
+
+}  // namespace
+
+int bench_step(const StepBenchOptions& options) {
+  const bool walls = options.kind == "bed";
+  if (!walls && options.kind != "column")
+    throw InputError(
+        fmt::format("--kind: \"{}\" is not allowed: expected bed or column", options.kind));
+  const BedBench bench(options.bed, {.benchmark = "step"});
+  static_cast<void>(bench.bed(1, walls));
+  BenchRecord record = bench.record();
+  bench.print_title();
+  fmt::print("{}, warm started; times in ms a step\n", walls ? "settled bed" : "collapsing column");
+  Table table({{"bodies"},
+               {"contacts", 11},
+               {"stop", 8},
+               {"applic.", 8},
+               {"residual/v*", 11},
+               {"converged", 9},
+               {"ms", 7},
+               {"collision"},
+               {"setup", 9},
+               {"solve", 9},
+               {"integrate", 9},
+               {"total"},
+               {"body-s/s", 9}});
+  for (const int size : bench.sizes()) {
+    const BedParams bed = bench.bed(size, walls);
+    std::optional<BedRun> run(settled_bed(bench, bed, {"solver.stop=quality"}));
+    const WorldState state = run->world.save();
+    const Json start = run->start;
+    for (const char* level : {"quality", "preview"}) {
+      if (std::string(level) == "preview") {
+        run.reset();  // one bed in memory at a time
+        Scene scene = bench.scene(bed, {"solver.stop=preview"});
+        const double h = scene.stepping.time_step;
+        const SolverSettings solver = scene.solver;
+        run.emplace(BedRun{World(std::move(scene), bench.world_options()), h, solver, start});
+        run->world.restore(state);
+        run->world.step();  // the first one allocates
+      }
+      const auto reports = run->steps(bench.steps());
+      const StepFigures f = figures_of(reports, run->time_step, run->world.peak_memory());
+      Json result = start;
+      result["stop"] = level;
+      record.add(joined(std::move(result), to_json(f)));
+      print_rows(table, level, f);
+    }
+  }
+  return 0;
+}
+
+}  // namespace scree

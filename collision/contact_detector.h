@@ -41,8 +41,8 @@ class ContactDetector {
   /// that they may then meet is listed too; bodies that move side by side get none. The detection
   /// is done again with the margins, and once more when that found contacts, for the bodies behind.
   ///
-  /// Three host reads: the number of cells, the number of contacts, and the largest push; two more
-  /// for each detection with margins.
+  /// Three host reads: the number of cells, the number of contacts, and the largest push; three
+  /// more for each detection with margins.
   ///
   /// Bytes moved a body, spheres in float with k contacts each, sorting passes of 8 bits, every
   /// array counted once (2^20 bodies, k = 3): extent and levels 52, cell keys 40, their sort 3 *
@@ -175,12 +175,12 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   obstacles_.refresh(b, bodies, keys_);
   list_within(b, bodies, range);
   if (!(settings_.margin_limit > 0) || contact_count_ == 0) return;
-  ImpactGraph<Real> graph{bodies, contacts(), h, settings_.lift, settings_.margin_limit, {}};
-  if (!(margins_.largest_push(b, graph) > 0.5 * settings_.envelope)) return;
   for (int k = 0; k < kMaxWidenings; ++k) {
     const Index before = contact_count_;
-    graph.contacts = contacts();
-    range.margin = margins_.compute(b, sort_, graph, key_.view(before));
+    const ImpactGraph<Real> graph{bodies, contacts(), h, settings_.lift, settings_.margin_limit};
+    const double largest_push = margins_.start(b, graph);
+    if (k == 0 && !(largest_push > 0.5 * settings_.envelope)) return;
+    range.margin = margins_.spread(b, graph);
     list_within(b, bodies, range);
     if (contact_count_ == before) return;
   }

@@ -1,6 +1,7 @@
 #pragma once
-// Margins of bodies around impacts. Their memory, 16 bytes a body and 4 a contact, is taken at the
-// first impact.
+// Margins of bodies around impacts. Their memory, 8 bytes a body, is taken at the first contact.
+
+#include <utility>
 
 #include "collision/growth.h"
 #include "kernels/impact_margins.h"
@@ -10,39 +11,37 @@ namespace scree {
 template <class B, class Real>
 class ImpactMargins {
  public:
-  explicit ImpactMargins(B& b) : lists_(b), margin_(b), spread_(b), largest_(b, 1) {}
+  explicit ImpactMargins(B& b) : margin_(b), spread_(b), largest_(b, 1) {}
 
-  /// How far contacts push bodies off their course at most [m]; one host read.
-  /// @param graph  without lists
-  double largest_push(B& b, const ImpactGraph<Real>& graph) {
-    reduce<LargestPush>(b, graph.contacts.count, MeasurePushes<Real>{graph},
+  /// Margins of the bodies in contact; one host read.
+  /// @return  how far contacts push bodies off their course at most [m]
+  double start(B& b, const ImpactGraph<Real>& graph) {
+    const Span<float> margin = sized(margin_, graph.bodies.free_count);
+    fill(b, margin, 0.0f);
+    reduce<LargestPush>(b, graph.contacts.count, StartMargins<Real>{graph, margin},
                         StoreResult<LargestPush>{largest_.data()});
     return fetch(b, largest_.data()).value;
   }
 
-  /// @param graph    without lists
-  /// @param scratch  [contact_count] out: of no use afterwards
-  /// @return         [free_count] how far each body may be pushed [m]; valid until the next call
-  Span<const float> compute(B& b, SortSpace<B>& sort, ImpactGraph<Real> graph,
-                            Span<std::uint64_t> scratch) {
+  /// Passes the margins on through the contacts.
+  /// @param graph  that of start()
+  /// @return       [free_count] how far each body may be pushed [m]; valid until the next start()
+  Span<const float> spread(B& b, const ImpactGraph<Real>& graph) {
     const Index n = graph.bodies.free_count;
-    const ContactView<Real>& contacts = graph.contacts;
-    graph.lists = lists_.build(b, sort, n, contacts.body_a, contacts.body_b, scratch);
-    Span<float> margin = sized(margin_, n);
-    Span<float> spread = sized(spread_, n);
-    for_each(b, n, StartMargins<Real>{graph, margin});
     for (int round = 0; round < kRounds; ++round) {
-      for_each(b, n, SpreadMargins<Real>{graph, margin, spread});
-      std::swap(margin, spread);
+      const Span<float> spread = sized(spread_, n);
+      copy(b, std::as_const(margin_).view(n), spread);
+      for_each(b, graph.contacts.count,
+               SpreadMargins<Real>{graph, std::as_const(margin_).view(n), spread});
+      std::swap(margin_, spread_);
     }
-    return margin;
+    return std::as_const(margin_).view(n);
   }
 
  private:
   /// Bodies one behind the other that an impact pushes within a step, besides the two that meet.
   static constexpr int kRounds = 4;
 
-  BodyLists<B> lists_;
   Buffer<B, float> margin_;
   Buffer<B, float> spread_;
   Buffer<B, LargestPush> largest_;

@@ -2,7 +2,7 @@
 // How far impacts may push bodies off their course within the step. A body that is hit takes over
 // speed that it did not have when contacts were listed, and so do the bodies behind it.
 
-#include "kernels/body_lists.h"
+#include "kernels/backend/atomic.h"
 #include "kernels/body_view.h"
 #include "kernels/contact_view.h"
 
@@ -16,7 +16,6 @@ struct ImpactGraph {
   double h = 0;      ///< time step [s]
   double lift = 0;   ///< separation speed the contact law asks for, per sliding speed [-]
   double limit = 0;  ///< largest margin, as a fraction of the diameter [-]
-  BodyListView lists;
 
   /// Velocity of body B relative to body A at contact c [m/s].
   SCREE_HD Vec3<Real> relative_velocity(Index c) const {
@@ -53,15 +52,6 @@ struct ImpactGraph {
     return end > 0 ? end : 0.0;
   }
 
-  /// Calls visit(c, other) for the contacts of free body i, in a fixed order.
-  template <class Visit>
-  SCREE_HD void visit_contacts(Index i, Visit&& visit) const {
-    for (Index c = lists.a_start[i]; c < lists.a_start[i + 1]; ++c) visit(c, contacts.body_b[c]);
-    for (Index k = lists.b_start[i]; k < lists.b_start[i + 1]; ++k) {
-      visit(lists.b_contact[k], contacts.body_a[lists.b_contact[k]]);
-    }
-  }
-
   SCREE_HD float limited(Index i, double margin) const {
     const double most = 2 * limit * static_cast<double>(bodies.radius[i]);
     return static_cast<float>(margin < most ? margin : most);
@@ -76,49 +66,44 @@ struct LargestPush {
   }
 };
 
+/// Margins of free bodies from their own contacts, and the largest push of all.
 /// Bytes per contact (float, radial), besides bodies from the caches: 24 read.
-template <class Real>
-struct MeasurePushes {
-  static constexpr const char* name = "measure_pushes";
-  ImpactGraph<Real> graph;
-  SCREE_HD LargestPush operator()(Index c) const { return {graph.push(c)}; }
-};
-
-/// Margin of each free body from its own contacts.
-/// Bytes per body, besides other bodies from the caches: 44, and 56 per contact (float, radial).
 template <class Real>
 struct StartMargins {
   static constexpr const char* name = "start_margins";
   ImpactGraph<Real> graph;
-  Span<float> margin;  ///< [free_count] out [m]
+  Span<float> margin;  ///< [free_count] in: zero; out [m]
 
-  SCREE_HD void operator()(Index i) const {
-    double largest = 0;
-    graph.visit_contacts(i, [&](Index c, Index) {
-      const double push = graph.push(c);
-      if (push > largest) largest = push;
-    });
-    margin[i] = graph.limited(i, largest);
+  SCREE_HD LargestPush operator()(Index c) const {
+    const double push = graph.push(c);
+    if (push > 0) {
+      raise(graph.contacts.body_a[c], push);
+      raise(graph.contacts.body_b[c], push);
+    }
+    return {push};
+  }
+  SCREE_HD void raise(Index i, double push) const {
+    if (i < graph.bodies.free_count) atomic_max(&margin[i], graph.limited(i, push));
   }
 };
 
 /// One round over the contacts: a body is pushed as far as its neighbor, less the room between
-/// them. Bytes per body: 24, and 56 per contact.
+/// them. Bytes per contact, besides bodies from the caches: 8, and 16 where the margins differ.
 template <class Real>
 struct SpreadMargins {
   static constexpr const char* name = "spread_margins";
   ImpactGraph<Real> graph;
   Span<const float> margin;  ///< [free_count]
-  Span<float> spread;        ///< [free_count] out [m]
+  Span<float> spread;        ///< [free_count] in: the same; out [m]
 
-  SCREE_HD void operator()(Index i) const {
-    double largest = margin[i];
-    graph.visit_contacts(i, [&](Index c, Index other) {
-      if (other >= graph.bodies.free_count) return;
-      const double push = static_cast<double>(margin[other]) - graph.room(c);
-      if (push > largest) largest = push;
-    });
-    spread[i] = graph.limited(i, largest);
+  SCREE_HD void operator()(Index c) const {
+    const Index a = graph.contacts.body_a[c], b = graph.contacts.body_b[c];
+    if (b >= graph.bodies.free_count) return;
+    const float of_a = margin[a], of_b = margin[b];
+    if (of_a == of_b) return;
+    const Index pushed = of_a < of_b ? a : b;
+    const double push = static_cast<double>(of_a < of_b ? of_b : of_a) - graph.room(c);
+    if (push > 0) atomic_max(&spread[pushed], graph.limited(pushed, push));
   }
 };
 

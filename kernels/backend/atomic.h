@@ -1,6 +1,6 @@
 #pragma once
-// Atomic operations an element program may use. Integers only: their result does not depend on the
-// order in which threads arrive, so pictures have the same bits on every run.
+// Atomic operations an element program may use: smallest and largest values only. Their result does
+// not depend on the order in which threads arrive, so it has the same bits on every run.
 
 #include <atomic>
 #include <type_traits>
@@ -25,6 +25,22 @@ SCREE_HD void atomic_min(Word* address, Word value) {
   std::atomic_ref<Word> target(*address);
   Word seen = target.load(std::memory_order_relaxed);
   while (value < seen && !target.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
+/// *address = max(*address, value) for values >= 0, safely against other threads that do the same.
+/// Floats that are not negative order like their bits, so the result is the same on every run.
+/// @param address  holds a value >= 0
+SCREE_HD inline void atomic_max(float* address, float value) {
+#ifdef __CUDA_ARCH__
+  if (value > *reinterpret_cast<volatile float*>(address)) {
+    atomicMax(reinterpret_cast<unsigned*>(address), __float_as_uint(value));
+  }
+#else
+  std::atomic_ref<float> target(*address);
+  float seen = target.load(std::memory_order_relaxed);
+  while (value > seen && !target.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
   }
 #endif
 }

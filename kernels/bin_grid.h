@@ -42,28 +42,37 @@ SCREE_HD inline int edge_phase(double diameter) {
   return ((k % kEdgePhases) + kEdgePhases) % kEdgePhases;
 }
 
-/// Edge of the finest level: among the phases the one that costs the fewest candidates, a body
-/// costing (edge of its level / diameter)^3.
-SCREE_HD inline double finest_edge(const BodyExtent& e) {
-  if (!(e.max_diameter > 0)) return 1;
-  constexpr double kStep = 1.1387886347566916;  // 2^(3/16): one phase more costs that much more
-  int best = 0;
-  double best_cost = 1e300;
-  for (int phase = 0; phase < kEdgePhases; ++phase) {
-    double cost = 0, weight = 1;
-    for (int excess = 0; excess < kEdgePhases; ++excess, weight *= kStep) {
-      cost += weight * e.phase_count[(phase - excess + kEdgePhases) % kEdgePhases];
-    }
-    if (cost < best_cost) {
-      best_cost = cost;
-      best = phase;
-    }
-  }
-  const double fraction = static_cast<double>(best) / kEdgePhases;
+/// Edge of the finest level of a phase that holds the smallest body.
+SCREE_HD inline double finest_edge_of_phase(const BodyExtent& e, int phase) {
+  const double fraction = static_cast<double>(phase) / kEdgePhases;
   double edge = std::exp2(std::ceil(std::log2(e.min_diameter) - fraction) + fraction);
   while (edge < e.min_diameter) edge *= 2;  // rounding of the logarithm
   while (edge * (1 << (kMaxLevels - 1)) < e.max_diameter) edge *= 2;
   return edge;
+}
+
+/// Edge of the finest level: among the phases the one that costs the fewest candidates, a body
+/// costing (edge of its level / diameter)^3, and about as much again for each coarser level that it
+/// has to look at too.
+SCREE_HD inline double finest_edge(const BodyExtent& e) {
+  if (!(e.max_diameter > 0)) return 1;
+  constexpr double kStep = 1.1387886347566916;  // 2^(3/16): one phase more costs that much more
+  double best = 1, best_cost = 1e300;
+  for (int phase = 0; phase < kEdgePhases; ++phase) {
+    const double edge = finest_edge_of_phase(e, phase);
+    double level_count = 1;
+    for (double coarsest = edge; coarsest < e.max_diameter; coarsest *= 2) ++level_count;
+    double cost = 0, weight = 1;
+    for (int excess = 0; excess < kEdgePhases; ++excess, weight *= kStep) {
+      cost +=
+          (weight + level_count - 1) * e.phase_count[(phase - excess + kEdgePhases) % kEdgePhases];
+    }
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = edge;
+    }
+  }
+  return best;
 }
 
 /// Bodies per level, levels being edge, 2 edge, 4 edge...

@@ -15,6 +15,7 @@ inline constexpr Index kFoundSlots = 8;
 template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
+  static constexpr int kLeastBlocks = 4;
   ContactSearch<kMix, Real> search;
   Index stride = 0;           ///< number of positions
   Span<Index> count;          ///< [stride] out

@@ -73,12 +73,15 @@ struct ContactSearch {
     const Index own_level = level_of_cell(grid, own_cell);
     const float inflated = own.radius - grid.level[own_level].slack;
 
-    search_level(grid.level[own_level], own.position, own.radius, own_cell, p + 1, i, body, emit);
+    Candidates near_bodies;
+    search_level(grid.level[own_level], own.position, own.radius, own_cell, p + 1, i, body,
+                 near_bodies, emit);
     for (Index k = own_level + 1; k < grid.level_count; ++k) {
       const BinLevel& l = grid.level[k];
       search_level(l, Vec3<float>(wrapped(grid, l, body.position)), inflated + l.slack, 0, 0, i,
-                   body, emit);
+                   body, near_bodies, emit);
     }
+    test_all(near_bodies, i, body, emit);
     if (i < bodies.free_count) {
       visit_walls<kMix>(walls, range, keys, body, range.envelope + range.margin_of(i), inflated,
                         emit);
@@ -86,6 +89,14 @@ struct ContactSearch {
   }
 
  private:
+  /// Positions of bodies that may touch. They are gathered before they are tested, so that the
+  /// threads of a device walk the cells together and then test together.
+  struct Candidates {
+    static constexpr int kMost = 12;
+    Index position[kMost];
+    int count = 0;
+  };
+
   /// @param x           position of the body, wrapped in this level
   /// @param radius      inflated, with slack
   /// @param first_cell  cells before this one are left out
@@ -93,7 +104,7 @@ struct ContactSearch {
   template <class Emit>
   SCREE_HD void search_level(const BinLevel& l, const Vec3<float>& x, float radius,
                              Index first_cell, Index first, Index i, const BodySample& body,
-                             Emit& emit) const {
+                             Candidates& near_bodies, Emit& emit) const {
     const float reach =
         radius + (0.5f * static_cast<float>(l.max_diameter) * (1 + 2e-7f) + 2 * l.slack);
     const CellSpan sx = cells_around(l, 0, x.x, reach);
@@ -121,11 +132,20 @@ struct ContactSearch {
                    wrapped_difference(d.z, l.wrap_f.z, l.inv_wrap.z)};
             }
             const float sum = radius + other.radius;
-            if (norm2(d) <= sum * sum * 1.00001f) test_pair(i, body, q, emit);
+            if (norm2(d) > sum * sum * 1.00001f) continue;
+            near_bodies.position[near_bodies.count++] = q;
+            if (near_bodies.count == Candidates::kMost) test_all(near_bodies, i, body, emit);
           }
         }
       }
     }
+  }
+
+  template <class Emit>
+  SCREE_HD void test_all(Candidates& near_bodies, Index i, const BodySample& body,
+                         Emit& emit) const {
+    for (int k = 0; k < near_bodies.count; ++k) test_pair(i, body, near_bodies.position[k], emit);
+    near_bodies.count = 0;
   }
 
   template <class Emit>

@@ -83,8 +83,19 @@ class Cuda {
   std::size_t peak_ = 0;
 };
 
+/// Blocks a multiprocessor shall hold: programs that wait for memory name a number, and get as few
+/// registers as that takes.
 template <class F>
-__global__ void __launch_bounds__(Cuda::kBlock) for_each_kernel(Index n, F f) {
+constexpr int least_blocks() {
+  if constexpr (requires { F::kLeastBlocks; }) {
+    return F::kLeastBlocks;
+  } else {
+    return 1;
+  }
+}
+
+template <class F>
+__global__ void __launch_bounds__(Cuda::kBlock, least_blocks<F>()) for_each_kernel(Index n, F f) {
   const Offset stride = static_cast<Offset>(gridDim.x) * blockDim.x;
   for (Offset i = static_cast<Offset>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) {
     f(static_cast<Index>(i));

@@ -179,8 +179,11 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
     const Index before = contact_count_;
     const ImpactGraph<Real> graph{bodies, contacts(), h, settings_.lift, settings_.margin_limit};
     const double largest_push = margins_.start(b, graph);
-    if (k == 0 && !(largest_push > 0.5 * settings_.envelope)) return;
+    const double least = 0.5 * settings_.envelope;
+    if (k == 0 && !(largest_push > least)) return;
     range.margin = margins_.spread(b, graph);
+    // Margins that hardly grew list nothing more than those before.
+    if (k > 0 && !(margins_.growth(b, bodies.free_count) > least)) return;
     list_within(b, bodies, range);
     if (contact_count_ == before) return;
   }

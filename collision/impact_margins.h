@@ -1,5 +1,5 @@
 #pragma once
-// Margins of bodies around impacts. Their memory, 8 bytes a body, is taken at the first contact.
+// Margins of bodies around impacts. Their memory, 12 bytes a body, is taken at the first contact.
 
 #include <utility>
 
@@ -11,11 +11,12 @@ namespace scree {
 template <class B, class Real>
 class ImpactMargins {
  public:
-  explicit ImpactMargins(B& b) : margin_(b), spread_(b), largest_(b, 1) {}
+  explicit ImpactMargins(B& b) : margin_(b), spread_(b), last_(b), largest_(b, 1) {}
 
   /// Margins of the bodies in contact; one host read.
   /// @return  how far contacts push bodies off their course at most [m]
   double start(B& b, const ImpactGraph<Real>& graph) {
+    std::swap(margin_, last_);
     const Span<float> margin = sized(margin_, graph.bodies.free_count);
     fill(b, margin, 0.0f);
     reduce<LargestPush>(b, graph.contacts.count, StartMargins<Real>{graph, margin},
@@ -25,7 +26,8 @@ class ImpactMargins {
 
   /// Passes the margins on through the contacts.
   /// @param graph  that of start()
-  /// @return       [free_count] how far each body may be pushed [m]; valid until the next start()
+  /// @return       [free_count] how far each body may be pushed [m]; valid until the start() after
+  ///               the next
   Span<const float> spread(B& b, const ImpactGraph<Real>& graph) {
     const Index n = graph.bodies.free_count;
     for (int round = 0; round < kRounds; ++round) {
@@ -38,12 +40,23 @@ class ImpactMargins {
     return std::as_const(margin_).view(n);
   }
 
+  /// How much the largest growth of a margin was from the start() before to this one [m]; one host
+  /// read.
+  double growth(B& b, Index free_count) {
+    reduce<LargestPush>(b, free_count,
+                        MarginGrowth{std::as_const(last_).view(free_count),
+                                     std::as_const(margin_).view(free_count)},
+                        StoreResult<LargestPush>{largest_.data()});
+    return fetch(b, largest_.data()).value;
+  }
+
  private:
   /// Bodies one behind the other that an impact pushes within a step, besides the two that meet.
   static constexpr int kRounds = 4;
 
   Buffer<B, float> margin_;
   Buffer<B, float> spread_;
+  Buffer<B, float> last_;
   Buffer<B, LargestPush> largest_;
 };
 

@@ -107,4 +107,14 @@ struct SpreadMargins {
   }
 };
 
+/// How much larger margins are than before. Bytes per body: 8.
+struct MarginGrowth {
+  static constexpr const char* name = "margin_growth";
+  Span<const float> before;  ///< [free_count]
+  Span<const float> margin;  ///< [free_count]
+  SCREE_HD LargestPush operator()(Index i) const {
+    return {static_cast<double>(margin[i]) - static_cast<double>(before[i])};
+  }
+};
+
 }  // namespace scree

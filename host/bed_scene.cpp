@@ -108,6 +108,12 @@ class EqualSpheres {
   RandomNumbers random_{1, 0};
 };
 
+/// Coordinates of point `index` of a grid that is n points wide along x and y.
+Vec3d grid_point(int index, int n) {
+  const int row = index / n, layer = row / n;
+  return {static_cast<double>(index % n), static_cast<double>(row % n), static_cast<double>(layer)};
+}
+
 /// A cubic lattice of cells, each filled with a cubic grid of spheres of one size.
 ParticleSet mixed_spheres(const BedParams& bed) {
   RandomNumbers random(1, 0);
@@ -122,10 +128,9 @@ ParticleSet mixed_spheres(const BedParams& bed) {
     const int division = kDivisions[random.below(kDivisions.size())];
     const double spacing = cell / division, d = bed.diameter / division;
     const double way = kCellJitter * (spacing - d);
-    const Vec3d corner{cell * (index % n), cell * (index / n % n), cell * (index / n / n)};
+    const Vec3d corner = cell * grid_point(index, n);
     for (int k = 0; k < division * division * division && set.position.size() < count; ++k) {
-      const Vec3d grid{0.5 + k % division, 0.5 + k / division % division,
-                       0.5 + k / division / division};
+      const Vec3d grid = grid_point(k, division) + Vec3d{0.5, 0.5, 0.5};
       set.position.push_back(
           corner + spacing * grid +
           Vec3d{random.uniform(-way, way), random.uniform(-way, way), random.uniform(-way, way)});

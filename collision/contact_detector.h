@@ -39,10 +39,11 @@ class ContactDetector {
   /// A body that is hit within the step moves where it was not expected. So when a contact may push
   /// its bodies farther than half the envelope, bodies get margins, see ImpactMargins, by which all
   /// that they may then meet is listed too; bodies that move side by side get none. The detection
-  /// is done again with the margins, and once more when that found contacts, for the bodies behind.
+  /// is done again with the margins, and once more when contacts found by that make margins grow,
+  /// for the bodies behind.
   ///
-  /// Three host reads: the number of cells, the number of contacts, and the largest push; three
-  /// more for each detection with margins.
+  /// Three host reads: the number of cells, the number of contacts, and the largest push; up to
+  /// four more for each detection with margins.
   ///
   /// Bytes moved a body, spheres in float with k contacts each, sorting passes of 8 bits, every
   /// array counted once (2^20 bodies, k = 3): extent and levels 52, cell keys 40, their sort 3 *
@@ -175,14 +176,14 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   obstacles_.refresh(b, bodies, keys_);
   list_within(b, bodies, range);
   if (!(settings_.margin_limit > 0) || contact_count_ == 0) return;
+  const double least = 0.5 * settings_.envelope;
   for (int k = 0; k < kMaxWidenings; ++k) {
     const Index before = contact_count_;
     const ImpactGraph<Real> graph{bodies, contacts(), h, settings_.lift, settings_.margin_limit};
     const double largest_push = margins_.start(b, graph);
-    const double least = 0.5 * settings_.envelope;
     if (k == 0 && !(largest_push > least)) return;
     range.margin = margins_.spread(b, graph);
-    // Margins that hardly grew list nothing more than those before.
+    // Margins that grew by less than calls for margins at all are not worth another detection.
     if (k > 0 && !(margins_.growth(b, bodies.free_count) > least)) return;
     list_within(b, bodies, range);
     if (contact_count_ == before) return;

@@ -1,5 +1,6 @@
 #pragma once
-// Runs APGD iterations on a backend: the two passes in turn, or a tuned twin of them.
+// Runs APGD iterations on a backend: tuned twins of the two passes where there are some, else the
+// passes in turn.
 
 #include "kernels/apgd_passes.h"
 
@@ -12,20 +13,12 @@ void apgd_trial(B& b, const ApgdPasses<R, Real>& a) {
   reduce<Sums<1>>(b, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state});
 }
 
-/// Trials of one solve after the other.
+/// Trials of one solve after the other; each backend has its own class, with
+///   ApgdIteration(B&)
+///   start(B&, const ApgdPasses<R, Real>&)             before the first trial of a solve
+///   run(B&, const ApgdPasses<R, Real>&, int count)    queues trials on the passes of start()
 template <class B>
-class ApgdIteration {
- public:
-  explicit ApgdIteration(B&) {}
-  /// Before the first trial of a solve.
-  template <class R, class Real>
-  void start(B&, const ApgdPasses<R, Real>&) {}
-  /// Queues `count` trials. @param a  the same as at start()
-  template <class R, class Real>
-  void run(B& b, const ApgdPasses<R, Real>& a, int count) {
-    for (int k = 0; k < count; ++k) apgd_trial(b, a);
-  }
-};
+class ApgdIteration;
 
 }  // namespace scree
 

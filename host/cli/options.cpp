@@ -9,14 +9,12 @@
 namespace scree {
 namespace fs = std::filesystem;
 
-void add_target_options(CLI::App& command, RunTarget& target) {
-  command.add_option("scene", target.scene, "scene file, or name of a scene in the scenes folder")
-      ->required();
-  command
-      .add_option("--backend", target.backend, "cuda, cpu or auto (default: what the scene says)")
+void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
+                         const std::string& precision) {
+  command.add_option("--backend", target.backend, "cuda, cpu or auto (default: " + backend + ")")
       ->take_last();
   command
-      .add_option("--precision", target.precision, "float or double (default: what the scene says)")
+      .add_option("--precision", target.precision, "float or double (default: " + precision + ")")
       ->take_last();
   command.add_option("--threads", target.threads, "CPU threads (default: all)")
       ->check(CLI::Range(0, 4096))
@@ -27,6 +25,12 @@ void add_target_options(CLI::App& command, RunTarget& target) {
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1);
+}
+
+void add_target_options(CLI::App& command, RunTarget& target) {
+  command.add_option("scene", target.scene, "scene file, or name of a scene in the scenes folder")
+      ->required();
+  add_backend_options(command, target, "what the scene says", "what the scene says");
 }
 
 fs::path find_scene(const std::string& name_or_path) {

@@ -19,7 +19,12 @@ struct RunTarget {
   bool json = false;
 };
 
-/// Adds SCENE, --backend, --precision, --threads and --set to a command.
+/// Adds --backend, --precision, --threads and --set to a command.
+/// @param backend, precision  what is taken by default, for the help text
+void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
+                         const std::string& precision);
+
+/// Adds SCENE and the options above to a command.
 void add_target_options(CLI::App& command, RunTarget& target);
 
 /// The file of a scene given by path or by name. @throws InputError listing the known names

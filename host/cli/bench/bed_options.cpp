@@ -30,12 +30,7 @@ void add_bed_options(CLI::App& command, BedOptions& options) {
   RunTarget& target = options.target;
   target.backend = "auto";
   target.precision = "float";
-  command.add_option("--backend", target.backend, "cuda, cpu or auto (default: auto)")->take_last();
-  command.add_option("--precision", target.precision, "float or double (default: float)")
-      ->take_last();
-  command.add_option("--threads", target.threads, "CPU threads (default: all)")
-      ->check(CLI::Range(0, 4096))
-      ->take_last();
+  add_backend_options(command, target, "auto", "float");
   command.add_option("--sizes", options.sizes, "numbers of bodies, such as 1e5,1e6")
       ->delimiter(',')
       ->type_name("N,...");
@@ -45,12 +40,6 @@ void add_bed_options(CLI::App& command, BedOptions& options) {
   command.add_option("--warmup", options.warmup, "steps before measuring (default: until settled)")
       ->check(CLI::Range(0, kMostSteps))
       ->take_last();
-  command
-      .add_option("--set", target.overrides,
-                  "key.path=value, replaces a value of the scene; repeatable")
-      ->type_name("KEY=VALUE")
-      ->take_all()
-      ->expected(1);
   command.add_option("--json", options.json, "write the results to this file")
       ->type_name("FILE")
       ->take_last();

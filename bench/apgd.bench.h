@@ -23,7 +23,7 @@ constexpr bool is_fused() {
 template <class B, class Real>
 double residual_rms(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma) {
   Buffer<B, Twist<Real>> velocity(b, p.body_count);
-  copy(b, p.free_velocity, velocity.view(p.body_count));
+  for_each(b, p.body_count, StartVelocity<Real>{p, velocity.view(p.body_count)});
   for_each(b, p.free_count, BodyVelocity<RadialRows<Real>, Real>{p, gamma, velocity.view()});
   ResidualEvaluator<B, Real> evaluator(b);
   return evaluator

@@ -27,7 +27,7 @@ class ApgdArrays {
       for (Span<Twist<Real>>* view : {&velocity.of_iterate[k], &velocity.of_extrapolated[k]}) {
         twists_.emplace_back(b, p.body_count);
         *view = twists_.back().view(p.body_count);
-        copy(b, p.free_velocity, *view);
+        for_each(b, p.body_count, StartVelocity<Real>{p, *view});
       }
     }
     bed.random_impulses(b, 51, gamma.buffer[0]);

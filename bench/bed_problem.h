@@ -56,8 +56,8 @@ class BedProblem {
     problem_.bias = bias_.view(problem_.contact_count);
     problem_.friction.uniform = static_cast<Real>(kFriction);
     problem_.free_velocity = free_velocity_.view(problem_.body_count);
-    problem_.spin_ratio = Real(2.5);
     problem_.radial_inertia = inertia_.view(problem_.body_count);
+    problem_.radial_inertia.spin_ratio = Real(2.5);
     lists_.build(b, problem_);
   }
 

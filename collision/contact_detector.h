@@ -68,21 +68,25 @@ class ContactDetector {
   void match(B& b, int vectors, Span<Vec3<Real>> impulse) const {
     memory_.match(b, contacts().key, vectors, impulse);
   }
-  /// Remembers the impulses of the present contacts for the next step.
-  void keep(B& b, int vectors, Span<const Vec3<Real>> impulse) {
-    memory_.keep(b, contacts().key, vectors, impulse);
+  /// Gives back the memory of the last step, once everything is matched.
+  void forget() { memory_.forget(); }
+  /// Remembers the impulses of the present contacts for the next step, and takes their memory over.
+  void keep(int vectors, Buffer<B, Vec3<Real>>&& impulse) {
+    memory_.keep(std::move(key_), contact_count_, vectors, std::move(impulse));
   }
+  /// What keep() was given.
+  Span<const Vec3<Real>> impulses() const { return memory_.impulses(); }
   /// The same for what the solver leaves at the contacts, -1 at new ones; keep() comes first.
   /// @param mark  [contacts().count]
   void match_marks(B& b, Span<Index> mark) const { memory_.match_marks(b, contacts().key, mark); }
-  void keep_marks(B& b, Span<const Index> mark) { memory_.keep_marks(b, mark); }
+  void keep_marks(Buffer<B, Index>&& mark) { memory_.keep_marks(std::move(mark)); }
 
   /// Follows a reordering of the free bodies. The contacts of the last detect() are void after it.
   /// @param bodies      needed for the names of their contacts, which a restored detector lacks
   /// @param new_of_old  [free_count] new storage index of each free body
   void remap(B& b, const BodyView<Real>& bodies, Span<const Index> new_of_old) {
     name_elements(bodies);
-    memory_.remap(b, sort_, keys_, new_of_old);
+    memory_.remap(b, keys_, new_of_old);
     contact_count_ = 0;
   }
 
@@ -100,7 +104,7 @@ class ContactDetector {
   void restore_marks(B& b, const std::vector<Index>& mark) {
     Buffer<B, Index> marks(b);
     upload(b, mark, marks);
-    memory_.keep_marks(b, marks.view());
+    memory_.keep_marks(std::move(marks));
   }
 
   /// How contact keys are built; set by detect().
@@ -269,7 +273,7 @@ ContactView<Real> ContactDetector<B, Real>::contacts() const {
   const Index n = contact_count_;
   const Index arms = settings_.layout != ContactLayout::radial ? n : 0;
   return {n,
-          key_.view(n),
+          key_.capacity() < n ? memory_.keys() : key_.view(n),  // after keep() the memory has them
           body_a_.view(n),
           body_b_.view(n),
           normal_.view(n),

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "collision/growth.h"
+#include "kernels/backend/backend.h"
 #include "kernels/contact_match.h"
 #include "kernels/permute.h"
 
@@ -38,11 +38,16 @@ class PersistentContacts {
                             keys, vectors, impulse});
   }
 
-  /// Remembers a step: ascending keys and [vectors * keys.size] impulses.
-  void keep(B& b, Span<const std::uint64_t> keys, int vectors, Span<const Vec3<Real>> impulse) {
-    resize(static_cast<Index>(keys.size), vectors);
-    copy(b, keys, key_.view(count_));
-    copy(b, impulse, impulse_.view(impulse.size));
+  /// Remembers a step; the memory of keys and impulses passes to this object.
+  /// @param key      [count] ascending
+  /// @param impulse  [vectors * count] [N s]
+  void keep(Buffer<B, std::uint64_t>&& key, Index count, int vectors,
+            Buffer<B, Vec3<Real>>&& impulse) {
+    key_ = std::move(key);
+    impulse_ = std::move(impulse);
+    count_ = count;
+    vectors_ = vectors;
+    mark_count_ = 0;
   }
 
   /// Marks of contacts that were there before, -1 for new ones. @param mark  [keys.size] out
@@ -51,32 +56,37 @@ class PersistentContacts {
              MatchMarks{key_.view(mark_count_), mark_.view(mark_count_), keys, mark});
   }
   /// Remembers the marks of the contacts of the last keep(). @param mark  [count()]
-  void keep_marks(B& b, Span<const Index> mark) {
+  void keep_marks(Buffer<B, Index>&& mark) {
+    mark_ = std::move(mark);
     mark_count_ = count_;
-    copy(b, mark, sized(mark_, count_));
   }
 
   /// Follows a reordering of the free bodies: renames the bodies in the keys and sorts again. Rare,
   /// so it takes its working memory for the moment.
   /// @param new_of_old  [free_count] new storage index of each free body
-  void remap(B& b, SortSpace<B>& sort, const ContactKeys& names, Span<const Index> new_of_old) {
+  void remap(B& b, const ContactKeys& names, Span<const Index> new_of_old) {
+    SortSpace<B> sort(b);
     Buffer<B, Index> order(b, count_);
     Buffer<B, Vec3<Real>> sorted(b, static_cast<Offset>(count_) * vectors_);
     const Span<std::uint64_t> key = key_.view(count_);
-    const Span<Vec3<Real>> impulse = impulse_.view(sorted.capacity());
+    const Span<Vec3<Real>> impulse = impulse_.view(static_cast<Offset>(count_) * vectors_);
     for_each(b, count_,
              RenameContacts<Real>{names, new_of_old, vectors_, key, impulse, order.view()});
     sort_pairs(b, sort, key, order.view(),
                32 + bits_for(static_cast<std::uint64_t>(std::max<Offset>(new_of_old.size, 1))));
     for_each(b, count_, Gather<Vec3<Real>>{order.view(), impulse, sorted.view(), vectors_});
-    copy(b, Span<const Vec3<Real>>(sorted.view()), impulse);
+    swap(impulse_, sorted);
     if (mark_count_ == 0) return;
     Buffer<B, Index> sorted_mark(b, mark_count_);
     for_each(b, mark_count_, Gather<Index>{order.view(), marks(), sorted_mark.view()});
     swap(mark_, sorted_mark);
   }
 
-  void forget() { count_ = mark_count_ = 0; }
+  /// Forgets everything and gives the memory back.
+  void forget() {
+    key_.release(), impulse_.release(), mark_.release();
+    count_ = mark_count_ = 0;
+  }
 
   /// Everything remembered, for a checkpoint; double holds float exactly.
   void save(B& b, std::vector<std::uint64_t>& key, std::vector<Vec3<double>>& impulse) const {
@@ -86,21 +96,15 @@ class PersistentContacts {
   }
   void restore(B& b, const std::vector<std::uint64_t>& key,
                const std::vector<Vec3<double>>& impulse, int vectors) {
-    resize(static_cast<Index>(key.size()), vectors);
     const std::vector<Vec3<Real>> values(impulse.begin(), impulse.end());
-    upload(b, key.data(), key_.view(count_));
-    upload(b, values.data(), impulse_.view(static_cast<Offset>(values.size())));
+    Buffer<B, std::uint64_t> keys(b);
+    Buffer<B, Vec3<Real>> impulses(b);
+    upload(b, key, keys);
+    upload(b, values, impulses);
+    keep(std::move(keys), static_cast<Index>(key.size()), vectors, std::move(impulses));
   }
 
  private:
-  void resize(Index count, int vectors) {
-    count_ = count;
-    vectors_ = vectors;
-    mark_count_ = 0;
-    sized(key_, count);
-    sized(impulse_, static_cast<Offset>(count) * vectors);
-  }
-
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Vec3<Real>> impulse_;
   Buffer<B, Index> mark_;

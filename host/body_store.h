@@ -5,8 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/constant_array.h"
 #include "host/engine_errors.h"
-#include "host/scene.h"
+#include "host/shared_constants.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
 #include "kernels/body_view.h"
@@ -23,21 +24,25 @@ inline constexpr Index kTransferChunk = 65536;
 template <class B, class Real>
 class BodyStore {
  public:
-  /// @param capacity  free bodies ever in the simulation, insertions included
-  BodyStore(B& backend, Index capacity, Index fixed_count)
+  /// @param capacity       free bodies ever in the simulation, insertions included
+  /// @param solid_spheres  see SceneSummary: their moments are not stored
+  BodyStore(B& backend, Index capacity, Index fixed_count, const SharedConstants& shared,
+            bool solid_spheres)
       : b_(&backend),
         position_(backend, capacity + fixed_count),
         orientation_(backend, capacity + fixed_count),
         velocity_(backend, capacity + fixed_count),
         angular_velocity_(backend, capacity + fixed_count),
-        inv_mass_(backend, capacity + fixed_count),
-        inertia_(backend, capacity + fixed_count),
-        radius_(backend, capacity + fixed_count),
-        shape_(backend, capacity + fixed_count),
-        locks_(backend, capacity + fixed_count),
-        material_(backend, capacity + fixed_count),
-        group_(backend, capacity + fixed_count),
+        inertia_(backend, solid_spheres ? 0 : capacity + fixed_count),
         id_(backend, capacity + fixed_count),
+        inv_mass_(backend, capacity, capacity + fixed_count, inverse_of(shared.mass), Real(0)),
+        radius_(backend, capacity, capacity + fixed_count, converted<Real>(shared.radius), Real(0)),
+        shape_(backend, capacity, capacity + fixed_count,
+               shared.spheres ? std::optional<Index>(kSphereShape) : std::nullopt, kSphereShape),
+        locks_(backend, capacity, capacity + fixed_count, shared.locks, std::uint8_t(0)),
+        material_(backend, capacity, capacity + fixed_count,
+                  converted<std::uint8_t>(shared.material), std::uint8_t(0)),
+        group_(backend, capacity, capacity + fixed_count, shared.group, Index(0)),
         fixed_begin_(capacity),
         count_(capacity + fixed_count) {
     // Room for bodies that come later holds defined values: pictures and copies may pass over it.
@@ -45,13 +50,7 @@ class BodyStore {
     fill(backend, orientation_.view(), Quat<Real>{});
     fill(backend, velocity_.view(), Vec3<Real>{});
     fill(backend, angular_velocity_.view(), Vec3<Real>{});
-    fill(backend, inv_mass_.view(), Real(0));
     fill(backend, inertia_.view(), Vec3<Real>{});
-    fill(backend, radius_.view(), Real(0));
-    fill(backend, shape_.view(), kSphereShape);
-    fill(backend, locks_.view(), std::uint8_t(0));
-    fill(backend, material_.view(), std::uint8_t(0));
-    fill(backend, group_.view(), Index(0));
     fill(backend, id_.view(), Index(-1));
   }
 
@@ -111,8 +110,9 @@ class BodyStore {
       move_to(store_->orientation_, orientation_);
       move_to(store_->velocity_, velocity_);
       move_to(store_->angular_velocity_, angular_velocity_);
+      if (store_->inertia_.capacity() > 0) move_to(store_->inertia_, inertia_);
+      inertia_.clear();
       move_to(store_->inv_mass_, inv_mass_);
-      move_to(store_->inertia_, inertia_);
       move_to(store_->radius_, radius_);
       move_to(store_->shape_, shape_);
       move_to(store_->locks_, locks_);
@@ -127,6 +127,11 @@ class BodyStore {
     template <class T>
     void move_to(Buffer<B, T>& buffer, std::vector<T>& values) {
       store_->put(buffer, begin_, values);
+      values.clear();
+    }
+    template <class T>
+    void move_to(ConstantArray<B, T>& array, std::vector<T>& values) {
+      array.put(*store_->b_, begin_, values);
       values.clear();
     }
 
@@ -219,15 +224,24 @@ class BodyStore {
     return out;
   }
 
-  /// Applies f(buffer) to every array, for reordering.
+  /// Applies f(buffer) to every array of free bodies, for reordering.
   template <class F>
   void for_each_array(F&& f) {
-    f(position_), f(orientation_), f(velocity_), f(angular_velocity_), f(inv_mass_), f(inertia_),
-        f(radius_);
-    f(shape_), f(locks_), f(material_), f(group_), f(id_);
+    f(position_), f(orientation_), f(velocity_), f(angular_velocity_), f(id_);
+    if (inertia_.capacity() > 0) f(inertia_);
+    inv_mass_.if_stored(f), radius_.if_stored(f), shape_.if_stored(f);
+    locks_.if_stored(f), material_.if_stored(f), group_.if_stored(f);
   }
 
  private:
+  template <class To, class From>
+  static std::optional<To> converted(const std::optional<From>& value) {
+    return value ? std::optional<To>(static_cast<To>(*value)) : std::nullopt;
+  }
+  static std::optional<Real> inverse_of(const std::optional<double>& mass) {
+    return mass ? std::optional<Real>(static_cast<Real>(1 / *mass)) : std::nullopt;
+  }
+
   template <class T>
   void put(Buffer<B, T>& buffer, Index begin, const std::vector<T>& values) {
     upload(*b_, values.data(), Span<T>{buffer.data() + begin, static_cast<Offset>(values.size())});
@@ -268,14 +282,14 @@ class BodyStore {
   Buffer<B, Quat<Real>> orientation_;
   Buffer<B, Vec3<Real>> velocity_;
   Buffer<B, Vec3<Real>> angular_velocity_;
-  Buffer<B, Real> inv_mass_;
-  Buffer<B, Vec3<Real>> inertia_;
-  Buffer<B, Real> radius_;
-  Buffer<B, Index> shape_;
-  Buffer<B, std::uint8_t> locks_;
-  Buffer<B, std::uint8_t> material_;
-  Buffer<B, Index> group_;
+  Buffer<B, Vec3<Real>> inertia_;  ///< empty for solid spheres
   Buffer<B, Index> id_;
+  ConstantArray<B, Real> inv_mass_;
+  ConstantArray<B, Real> radius_;
+  ConstantArray<B, Index> shape_;
+  ConstantArray<B, std::uint8_t> locks_;
+  ConstantArray<B, std::uint8_t> material_;
+  ConstantArray<B, Index> group_;
   Index free_count_ = 0;
   Index fixed_begin_ = 0;
   Index count_ = 0;

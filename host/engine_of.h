@@ -46,13 +46,11 @@ class EngineOf final : public Engine {
         scene_(std::move(scene)),
         summary_(summarize(scene_)),
         constants_(scene_),
-        store_(*backend_, summary_.free_capacity, summary_.fixed_count),
+        store_(*backend_, summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
+               summary_.solid_spheres),
         obstacles_(*backend_, scene_, store_.fixed_begin()),
         detector_(*backend_, collision_settings(), obstacles_.data()),
-        order_(*backend_),
         assembly_(*backend_, scene_, summary_.layout, summary_.solid_spheres),
-        gamma_(*backend_),
-        mark_(*backend_),
         integrate_sums_(*backend_, 1),
         renderer_(*backend_),
         solver_(make_step_solver()) {
@@ -74,21 +72,23 @@ class EngineOf final : public Engine {
     const ContactView<Real> contacts = detector_.contacts();
     const Offset vectors =
         static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
-    gamma_.reserve_discard(vectors);
-    const Span<Vec3<Real>> gamma = gamma_.view(vectors);
+    Buffer<B, Vec3<Real>> impulse(b, vectors);
+    const Span<Vec3<Real>> gamma = impulse.view();
     if (scene_.solver.warm_start) {
       detector_.match(b, vectors_per_contact(summary_.layout), gamma);
     } else {
       fill(b, gamma, Vec3<Real>{});
     }
+    Buffer<B, Index> mark(b, solver_->keeps_marks() ? contacts.count : 0);
+    if (solver_->keeps_marks()) detector_.match_marks(b, mark.view());
+    detector_.forget();  // the last step, in favor of the solver's memory
     report.ms.collision = clock.lap();
 
-    auto [problem, sums] =
+    StepProblem<B, Real> assembled =
         assembly_.assemble(b, bodies, contacts, scene_.stepping, summary_.envelope, gravity_step());
-    if (solver_->keeps_marks()) {
-      problem.mark = sized(mark_, contacts.count);
-      detector_.match_marks(b, problem.mark);
-    }
+    ContactProblem<Real>& problem = assembled.problem;
+    const SetupSums& sums = assembled.sums;
+    problem.mark = mark.view();
     const double reference = reference_speed(sums);
     report.ms.setup = clock.lap();
 
@@ -103,8 +103,8 @@ class EngineOf final : public Engine {
         StoreResult<IntegrateSums>{integrate_sums_.data()});
     const IntegrateSums moved = fetch(b, integrate_sums_.data());
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
-    detector_.keep(b, vectors_per_contact(summary_.layout), gamma);
-    if (solver_->keeps_marks()) detector_.keep_marks(b, problem.mark);
+    detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
+    if (solver_->keeps_marks()) detector_.keep_marks(std::move(mark));
     ++step_;
     time_ = static_cast<double>(step_) * h;
     set_motion(time_);
@@ -133,7 +133,7 @@ class EngineOf final : public Engine {
     const auto normal = download(b, view.normal);
     const auto gap = download(b, view.gap);
     const int vectors = vectors_per_contact(summary_.layout);
-    const auto gamma = download(b, gamma_.view(static_cast<Offset>(view.count) * vectors));
+    const auto gamma = download(b, detector_.impulses());
     std::vector<ContactRecord> out(static_cast<std::size_t>(view.count));
     for (std::size_t c = 0; c < out.size(); ++c) {
       out[c] = {id[static_cast<std::size_t>(body_a[c])], id[static_cast<std::size_t>(body_b[c])],
@@ -316,9 +316,10 @@ class EngineOf final : public Engine {
   /// Sorts the free bodies along the Morton curve and renames the kept contacts accordingly.
   void reorder() {
     B& b = *backend_;
-    order_.compute(b, store_.view().position.first(store_.free_count()));
-    store_.for_each_array([&](auto& array) { order_.apply(b, array.view()); });
-    detector_.remap(b, store_.view(), order_.new_of_old());
+    BodyOrder<B> order(b);
+    order.compute(b, store_.view().position.first(store_.free_count()));
+    store_.for_each_array([&](auto& array) { order.apply(b, array.view()); });
+    detector_.remap(b, store_.view(), order.new_of_old());
   }
 
   /// @param memory  of the solver, then what it left at each contact; the latter is missing in a
@@ -382,10 +383,7 @@ class EngineOf final : public Engine {
   BodyStore<B, Real> store_;
   Obstacles<B, Real> obstacles_;
   ContactDetector<B, Real> detector_;
-  BodyOrder<B> order_;
   ProblemAssembly<B, Real> assembly_;
-  Buffer<B, Vec3<Real>> gamma_;  ///< impulses of the last step
-  Buffer<B, Index> mark_;        ///< what the solver left at their contacts
   Buffer<B, IntegrateSums> integrate_sums_;
   Renderer<B, Real> renderer_;
   std::unique_ptr<Solver<B, Real>> solver_;

@@ -9,20 +9,38 @@
 
 namespace scree {
 
+/// The contact problem of a step with the memory it points at, beside that of the bodies and of the
+/// contacts.
+template <class B, class Real>
+struct StepProblem {
+  explicit StepProblem(B& b)
+      : free_velocity(b),
+        radial_inertia(b),
+        general_inertia(b),
+        bias(b),
+        friction(b),
+        adhesion(b),
+        rolling(b),
+        lists(b) {}
+
+  ContactProblem<Real> problem;
+  SetupSums sums;
+  Buffer<B, Twist<Real>> free_velocity;
+  Buffer<B, RadialInertia<Real>> radial_inertia;
+  Buffer<B, GeneralInertia<Real>> general_inertia;
+  Buffer<B, Real> bias;
+  Buffer<B, Real> friction;
+  Buffer<B, Real> adhesion;
+  Buffer<B, RollingRow<Real>> rolling;
+  BodyContacts<B> lists;
+};
+
 template <class B, class Real>
 class ProblemAssembly {
  public:
   /// @param solid_spheres  see SceneSummary
   ProblemAssembly(B& b, const Scene& scene, ContactLayout layout, bool solid_spheres)
       : laws_(b),
-        free_velocity_(b),
-        radial_inertia_(b),
-        general_inertia_(b),
-        bias_(b),
-        friction_(b),
-        adhesion_(b),
-        rolling_(b),
-        lists_(b),
         sums_(b, 1),
         layout_(layout),
         solid_spheres_(solid_spheres),
@@ -40,20 +58,18 @@ class ProblemAssembly {
     for (const PairLaw<Real>& law : laws) {
       has_uniform_friction_ = has_uniform_friction_ && law.friction == uniform_friction_;
       has_cohesion_ = has_cohesion_ || law.cohesion > 0;
+      has_restitution_ = has_restitution_ || law.restitution > 0;
     }
     upload(b, laws, laws_);
   }
 
-  struct Result {
-    ContactProblem<Real> problem;
-    SetupSums sums;
-  };
-
-  /// @param gravity_step  h g [m/s]
-  Result assemble(B& b, const BodyView<Real>& bodies, const ContactView<Real>& contacts,
-                  const SteppingSettings& stepping, double cohesion_range,
-                  const Vec3<Real>& gravity_step) {
-    ContactProblem<Real> p;
+  /// @param bodies, contacts  the problem points at them: they must not change while it is in use
+  /// @param gravity_step      h g [m/s]
+  StepProblem<B, Real> assemble(B& b, const BodyView<Real>& bodies,
+                                const ContactView<Real>& contacts, const SteppingSettings& stepping,
+                                double cohesion_range, const Vec3<Real>& gravity_step) {
+    StepProblem<B, Real> step(b);
+    ContactProblem<Real>& p = step.problem;
     p.layout = layout_;
     p.contact_count = contacts.count;
     p.free_count = bodies.free_count;
@@ -63,61 +79,65 @@ class ProblemAssembly {
     p.normal = contacts.normal;
     p.arm_a = contacts.arm_a;
     p.arm_b = contacts.arm_b;
-
-    free_velocity_.reserve_discard(bodies.count);
-    p.free_velocity = free_velocity_.view(bodies.count);
-    if (layout_ == ContactLayout::radial) {
-      radial_inertia_.reserve_discard(bodies.count);
-      p.radial_inertia = radial_inertia_.view(bodies.count);
-      if (solid_spheres_) p.spin_ratio = Real(2.5);  // r^2 / I over 1 / m
-      for_each(b, bodies.count,
-               PredictRadial<Real>{bodies, gravity_step, free_velocity_.view(bodies.count),
-                                   radial_inertia_.view(bodies.count)});
-    } else {
-      general_inertia_.reserve_discard(bodies.count);
-      p.general_inertia = general_inertia_.view(bodies.count);
-      for_each(b, bodies.count,
-               PredictGeneral<Real>{bodies, gravity_step, free_velocity_.view(bodies.count),
-                                    general_inertia_.view(bodies.count)});
-    }
+    set_bodies(b, bodies, gravity_step, step);
 
     const Index n = contacts.count;
-    bias_.reserve_discard(n);
-    p.bias = bias_.view(n);
+    p.bias.gap = contacts.gap;
+    p.bias.inv_time_step = static_cast<Real>(1 / stepping.time_step);
+    p.bias.least = static_cast<Real>(-stepping.max_recovery_speed);
     ContactSetup<Real> setup;
     setup.bodies = bodies;
     setup.contacts = contacts;
     setup.law = {laws_.view(), material_count_};
+    setup.without_impact = p.bias;
     setup.time_step = static_cast<Real>(stepping.time_step);
-    setup.max_recovery_speed = static_cast<Real>(stepping.max_recovery_speed);
     setup.restitution_threshold = static_cast<Real>(stepping.restitution_threshold);
     setup.cohesion_range = static_cast<Real>(cohesion_range);
-    setup.bias = bias_.view(n);
     p.friction.uniform = uniform_friction_;
-    if (!has_uniform_friction_) p.friction.values = setup.friction = sized(friction_, n);
-    if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(adhesion_, n);
-    if (layout_ == ContactLayout::rolling) p.rolling = setup.rolling = sized(rolling_, n);
+    if (has_restitution_) p.bias.values = setup.bias = sized(step.bias, n);
+    if (!has_uniform_friction_) p.friction.values = setup.friction = sized(step.friction, n);
+    if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(step.adhesion, n);
+    if (layout_ == ContactLayout::rolling) p.rolling = setup.rolling = sized(step.rolling, n);
     reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
-    lists_.build(b, p);
-    return {p, fetch(b, sums_.data())};
+    step.lists.build(b, p);
+    step.sums = fetch(b, sums_.data());
+    return step;
   }
 
  private:
+  void set_bodies(B& b, const BodyView<Real>& bodies, const Vec3<Real>& gravity_step,
+                  StepProblem<B, Real>& step) {
+    ContactProblem<Real>& p = step.problem;
+    if (layout_ == ContactLayout::radial && solid_spheres_) {
+      p.free_velocity.velocity = bodies.velocity;
+      p.free_velocity.angular_velocity = bodies.angular_velocity;
+      p.free_velocity.radius = bodies.radius;
+      p.free_velocity.gravity_step = gravity_step;
+      p.free_velocity.free_count = bodies.free_count;
+      p.radial_inertia.inv_mass = bodies.inv_mass;
+      p.radial_inertia.spin_ratio = Real(2.5);  // r^2 / I over 1 / m
+      return;
+    }
+    const Span<Twist<Real>> free_velocity = sized(step.free_velocity, bodies.count);
+    p.free_velocity = free_velocity;
+    if (layout_ == ContactLayout::radial) {
+      const Span<RadialInertia<Real>> inertia = sized(step.radial_inertia, bodies.count);
+      p.radial_inertia = inertia;
+      for_each(b, bodies.count, PredictRadial<Real>{bodies, gravity_step, free_velocity, inertia});
+    } else {
+      const Span<GeneralInertia<Real>> inertia = sized(step.general_inertia, bodies.count);
+      p.general_inertia = inertia;
+      for_each(b, bodies.count, PredictGeneral<Real>{bodies, gravity_step, free_velocity, inertia});
+    }
+  }
+
   template <class T>
   static Span<T> sized(Buffer<B, T>& buffer, Index n) {
     buffer.reserve_discard(std::max<Index>(n, 1));  // an empty view would mean "uniform"
-    return buffer.view(std::max<Index>(n, 1));
+    return buffer.view();
   }
 
   Buffer<B, PairLaw<Real>> laws_;
-  Buffer<B, Twist<Real>> free_velocity_;
-  Buffer<B, RadialInertia<Real>> radial_inertia_;
-  Buffer<B, GeneralInertia<Real>> general_inertia_;
-  Buffer<B, Real> bias_;
-  Buffer<B, Real> friction_;
-  Buffer<B, Real> adhesion_;
-  Buffer<B, RollingRow<Real>> rolling_;
-  BodyContacts<B> lists_;
   Buffer<B, SetupSums> sums_;
   ContactLayout layout_;
   bool solid_spheres_ = false;
@@ -125,6 +145,7 @@ class ProblemAssembly {
   Real uniform_friction_ = 0;
   bool has_uniform_friction_ = true;
   bool has_cohesion_ = false;
+  bool has_restitution_ = false;
 };
 
 }  // namespace scree

@@ -82,10 +82,10 @@ struct StoredMetric {
 
   /// Values stored per contact.
   static Index per_contact(const ContactProblem<Real>& p) {
-    return p.spin_ratio < 0 ? R::kMetricValues : 1;
+    return p.radial_inertia.spin_ratio < 0 ? R::kMetricValues : 1;
   }
   static StoredMetric on(const ContactProblem<Real>& p, Span<Real> memory) {
-    return {memory, !(p.spin_ratio < 0), 1 + p.spin_ratio};
+    return {memory, !(p.radial_inertia.spin_ratio < 0), 1 + p.radial_inertia.spin_ratio};
   }
   SCREE_HD ContactMetric<Real> load(Index c) const {
     if (values.empty()) return euclidean_metric<Real>();

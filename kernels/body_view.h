@@ -2,7 +2,7 @@
 // Bodies as structures of arrays, and the shapes that are not plain spheres.
 
 #include "kernels/math/quat.h"
-#include "kernels/types.h"
+#include "kernels/per_body.h"
 
 namespace scree {
 
@@ -50,14 +50,24 @@ struct BodyView {
   Span<Quat<Real>> orientation;       ///< body to world, unit
   Span<Vec3<Real>> velocity;          ///< [m/s]
   Span<Vec3<Real>> angular_velocity;  ///< world frame [rad/s]
-  Span<Real> inv_mass;                ///< [1/kg]; 0 for fixed and kinematic bodies
-  Span<Vec3<Real>> inertia;           ///< principal moments, body frame [kg m^2]; 0 when not free
-  Span<Real> radius;  ///< sphere radius, else radius of the bounding sphere [m]; 0: unbounded
-  Span<Index> shape;  ///< -1: sphere, else index of a ShapeRecord
-  Span<std::uint8_t> locks;     ///< Lock bits (host/scene.h): x y z rx ry rz
-  Span<std::uint8_t> material;  ///< index of the material
-  Span<Index> group;            ///< index of the group, for colors and outputs
-  Span<Index> id;               ///< index in the scene; stable when storage is reordered
+  Span<Index> id;                     ///< index in the scene; stable when storage is reordered
+  PerBody<Real> inv_mass;             ///< [1/kg]; 0 for fixed and kinematic bodies
+  /// Principal moments, body frame [kg m^2]; 0 when not free. Empty when all free bodies are solid
+  /// spheres: see moments().
+  Span<const Vec3<Real>> inertia;
+  PerBody<Real> radius;  ///< sphere radius, else radius of the bounding sphere [m]; 0: unbounded
+  PerBody<Index> shape;  ///< -1: sphere, else index of a ShapeRecord
+  PerBody<std::uint8_t> locks;     ///< Lock bits (host/scene.h): x y z rx ry rz
+  PerBody<std::uint8_t> material;  ///< index of the material
+  PerBody<Index> group;            ///< index of the group, for colors and outputs
+
+  /// Principal moments of body i, body frame [kg m^2]; 0 when not free.
+  SCREE_HD Vec3<Real> moments(Index i) const {
+    if (!inertia.empty()) return inertia[i];
+    const Real m = inv_mass[i], r = radius[i];
+    const Real solid = m > Real(0) ? Real(0.4) * r * r / m : Real(0);
+    return {solid, solid, solid};
+  }
 };
 
 }  // namespace scree

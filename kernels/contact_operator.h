@@ -36,6 +36,15 @@ struct BodyVelocity {
   }
 };
 
+/// velocity[i] = v*_i, for all bodies.
+template <class Real>
+struct StartVelocity {
+  static constexpr const char* name = "start_velocity";
+  ContactProblem<Real> p;
+  Span<Twist<Real>> velocity;
+  SCREE_HD void operator()(Index i) const { velocity[i] = p.free_velocity[i]; }
+};
+
 /// Projects every impulse onto its contact's cone, in the Euclidean metric.
 template <class R, class Real>
 struct ProjectImpulses {

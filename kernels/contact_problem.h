@@ -9,7 +9,9 @@
 // that no radius and no lever arm is read in a solver iteration; otherwise s = w.
 
 #include "kernels/contact_view.h"
+#include "kernels/math/scalar.h"
 #include "kernels/math/sym3.h"
+#include "kernels/per_body.h"
 
 namespace scree {
 
@@ -62,6 +64,70 @@ struct PerContact {
   SCREE_HD Real operator[](Index c) const { return values.empty() ? uniform : values[c]; }
 };
 
+/// Bias of each contact [m/s]: stored, or gap / h with the push out of overlaps limited.
+template <class Real>
+struct ContactBias {
+  Span<const Real> values;  ///< [contact_count], or empty:
+  Span<const Real> gap;     ///< [contact_count] [m]
+  Real inv_time_step = 0;   ///< 1 / h [1/s]
+  Real least = 0;           ///< -max_recovery_speed [m/s]
+
+  ContactBias() = default;
+  template <class U>
+  requires(std::is_same_v<std::remove_const_t<U>, Real>) SCREE_HD
+      constexpr ContactBias(const Span<U>& all)
+      : values(all) {}
+  SCREE_HD Real operator[](Index c) const {
+    if (!values.empty()) return values[c];
+    const Real value = inv_time_step * gap[c];
+    return select(value <= least, least, value);  // NaN stays
+  }
+};
+
+/// v* = v + h g of each body: stored, or worked out from the rates of free spheres and of bodies
+/// that do not turn.
+template <class Real>
+struct FreeVelocity {
+  Span<const Twist<Real>> values;           ///< [body_count], or empty:
+  Span<const Vec3<Real>> velocity;          ///< [body_count] [m/s]
+  Span<const Vec3<Real>> angular_velocity;  ///< [body_count] [rad/s]
+  PerBody<Real> radius;                     ///< [m]
+  Vec3<Real> gravity_step;                  ///< h g [m/s]
+  Index free_count = 0;
+
+  FreeVelocity() = default;
+  template <class U>
+  requires(std::is_same_v<std::remove_const_t<U>, Twist<Real>>) SCREE_HD
+      constexpr FreeVelocity(const Span<U>& all)
+      : values(all) {}
+  SCREE_HD Twist<Real> operator[](Index i) const {
+    if (!values.empty()) return values[i];
+    if (i >= free_count) return {velocity[i], {}};
+    return {velocity[i] + gravity_step, radius[i] * angular_velocity[i]};
+  }
+};
+
+/// Inverse mass of each body in the radial layout: stored, or that of bodies alike in inv_spin /
+/// inv_mass.
+template <class Real>
+struct RadialInertias {
+  Span<const RadialInertia<Real>> values;  ///< [body_count], or empty:
+  PerBody<Real> inv_mass;                  ///< [1/kg]
+  /// inv_spin / inv_mass where it is the same for all free bodies, else negative.
+  Real spin_ratio = -1;
+
+  RadialInertias() = default;
+  template <class U>
+  requires(std::is_same_v<std::remove_const_t<U>, RadialInertia<Real>>) SCREE_HD
+      constexpr RadialInertias(const Span<U>& all)
+      : values(all) {}
+  SCREE_HD RadialInertia<Real> operator[](Index i) const {
+    if (!values.empty()) return values[i];
+    const Real m = inv_mass[i];
+    return {m, spin_ratio * m};
+  }
+};
+
 template <class Real>
 struct ContactProblem {
   ContactLayout layout = ContactLayout::radial;
@@ -73,7 +139,7 @@ struct ContactProblem {
   Span<const Index> body_a;       ///< always free, and less than body_b
   Span<const Index> body_b;       ///< free or fixed
   Span<const Vec3<Real>> normal;  ///< unit, from A to B
-  Span<const Real> bias;          ///< [m/s]
+  ContactBias<Real> bias;         ///< [m/s]
   PerContact<Real> friction;      ///< mu [-]
   PerContact<Real> adhesion;      ///< c h [N s]: the cone's apex lies at gamma_n = -c h
   Span<const Vec3<Real>> arm_a;   ///< [m], not in the radial layout
@@ -84,11 +150,9 @@ struct ContactProblem {
   Span<Index> mark;
 
   // bodies
-  Span<const Twist<Real>> free_velocity;             ///< v* = v + h M^-1 f_ext [body_count]
-  Span<const RadialInertia<Real>> radial_inertia;    ///< [body_count], radial layout
+  FreeVelocity<Real> free_velocity;                  ///< v* = v + h M^-1 f_ext [body_count]
+  RadialInertias<Real> radial_inertia;               ///< [body_count], radial layout
   Span<const GeneralInertia<Real>> general_inertia;  ///< [body_count], other layouts
-  /// inv_spin / inv_mass where it is the same for all free bodies (radial layout), else negative.
-  Real spin_ratio = -1;
 
   // contacts of a body: as A they are the range [a_start[i], a_start[i+1]), as B the listed ones
   Span<const Index> a_start;    ///< [free_count + 1]

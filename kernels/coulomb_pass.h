@@ -45,10 +45,10 @@ template <class Real>
 struct ShiftBias {
   static constexpr const char* name = "shift_bias";
   Real relaxation;
-  Span<const Real> original_bias;  ///< [m/s]
-  Span<const Real> change;         ///< [m/s]
-  Span<Real> shift;                ///< [m/s]
-  Span<Real> bias;                 ///< [m/s]
+  ContactBias<Real> original_bias;
+  Span<const Real> change;  ///< [m/s]
+  Span<Real> shift;         ///< [m/s]
+  Span<Real> bias;          ///< [m/s]
   SCREE_HD void operator()(Index c) const {
     shift[c] += relaxation * change[c];
     bias[c] = original_bias[c] + shift[c];

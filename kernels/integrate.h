@@ -73,7 +73,7 @@ struct Integrate {
     const Vec3<Real> v = solved[i].linear;
     Vec3<Real> w = radial ? (Real(1) / bodies.radius[i]) * solved[i].angular : solved[i].angular;
     Quat<Real> q = bodies.orientation[i];
-    const Vec3<Real> moments = bodies.inertia[i];
+    const Vec3<Real> moments = bodies.moments(i);
     const bool isotropic = moments.x == moments.y && moments.y == moments.z;
     if (isotropic || free_angular_axes(bodies.locks[i]) != 7u) {
       q = normalized(exp_map(static_cast<Real>(time_step) * w) * q);

@@ -39,6 +39,7 @@ SCREE_HD Vec3<Real> on_axes(const Vec3<Real>& v, unsigned free) {
 }
 
 /// v* = v + h g, and the inverse mass, of one body in the radial layout (angular part: r w).
+/// Solid spheres need no such pass: see FreeVelocity and RadialInertias.
 template <class Real>
 struct PredictRadial {
   static constexpr const char* name = "predict_radial";
@@ -57,7 +58,7 @@ struct PredictRadial {
     const bool turns = bodies.locks[i] == 0;
     free_velocity[i] = {bodies.velocity[i] + gravity_step,
                         turns ? r * bodies.angular_velocity[i] : Vec3<Real>{}};
-    inertia[i] = {bodies.inv_mass[i], turns ? r * r / bodies.inertia[i].x : Real(0)};
+    inertia[i] = {bodies.inv_mass[i], turns ? r * r / bodies.moments(i).x : Real(0)};
   }
 };
 
@@ -86,7 +87,7 @@ struct PredictGeneral {
     g.mass = Real(1) / bodies.inv_mass[i];
     g.inv_mass =
         on_axes(Vec3<Real>{bodies.inv_mass[i], bodies.inv_mass[i], bodies.inv_mass[i]}, linear);
-    g.inertia = rotated_diagonal(bodies.orientation[i], bodies.inertia[i]);
+    g.inertia = rotated_diagonal(bodies.orientation[i], bodies.moments(i));
     g.inv_inertia = inverse_on_axes(g.inertia, angular);
     inertia[i] = g;
   }
@@ -116,14 +117,14 @@ struct ContactSetup {
   BodyView<Real> bodies;
   ContactView<Real> contacts;
   LawTable<Real> law;
-  Real time_step;                  ///< h [s]
-  Real max_recovery_speed;         ///< [m/s]
-  Real restitution_threshold;      ///< [m/s]
-  Real cohesion_range;             ///< largest gap at which cohesion acts [m]
-  Span<Real> bias;                 ///< out [m/s]
-  Span<Real> friction;             ///< out, empty when uniform
-  Span<Real> adhesion;             ///< out [N s], empty when no pair has cohesion
-  Span<RollingRow<Real>> rolling;  ///< out, empty unless the layout is rolling
+  ContactBias<Real> without_impact;  ///< of contacts that do not bounce
+  Real time_step;                    ///< h [s]
+  Real restitution_threshold;        ///< [m/s]
+  Real cohesion_range;               ///< largest gap at which cohesion acts [m]
+  Span<Real> bias;                   ///< out [m/s], empty when no pair bounces
+  Span<Real> friction;               ///< out, empty when uniform
+  Span<Real> adhesion;               ///< out [N s], empty when no pair has cohesion
+  Span<RollingRow<Real>> rolling;    ///< out, empty unless the layout is rolling
 
   SCREE_HD SetupSums operator()(Index c) const {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
@@ -137,13 +138,14 @@ struct ContactSetup {
                   cross(bodies.angular_velocity[a], contacts.arm_a[c]);
     }
     const Real u_n = dot(relative, n);
-    Real value = gap / time_step;
-    if (value < -max_recovery_speed) value = -max_recovery_speed;
-    if (pair.restitution > 0 && u_n < -restitution_threshold && gap + time_step * u_n <= 0 &&
-        pair.restitution * u_n < value) {
-      value = pair.restitution * u_n;
+    if (!bias.empty()) {
+      Real value = without_impact[c];
+      if (pair.restitution > 0 && u_n < -restitution_threshold && gap + time_step * u_n <= 0 &&
+          pair.restitution * u_n < value) {
+        value = pair.restitution * u_n;
+      }
+      bias[c] = value;
     }
-    bias[c] = value;
     if (!friction.empty()) friction[c] = pair.friction;
     if (!adhesion.empty())
       adhesion[c] = gap <= cohesion_range ? pair.cohesion * time_step : Real(0);

@@ -27,24 +27,24 @@ class Apgd final : public Solver<B, Real> {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
-  Span<const Twist<Real>> velocity() const override { return velocity_; }
-
   std::vector<double> memory() const override { return {lipschitz_}; }
   void restore_memory(const std::vector<double>& m) override { lipschitz_ = m.empty() ? 0 : m[0]; }
 
  private:
+  /// Bytes: 72 a body and 40 a contact (radial layout of alike bodies in float).
   struct Workspace {
-    explicit Workspace(B& b)
-        : impulses{Buffer<B, Vec3<Real>>(b), Buffer<B, Vec3<Real>>(b), Buffer<B, Vec3<Real>>(b)},
-          iterate{Buffer<B, Twist<Real>>(b), Buffer<B, Twist<Real>>(b)},
-          extrapolated{Buffer<B, Twist<Real>>(b), Buffer<B, Twist<Real>>(b)},
+    Workspace(B& b, Offset vectors, Index bodies)
+        : impulses{Buffer<B, Vec3<Real>>(b, vectors), Buffer<B, Vec3<Real>>(b, vectors),
+                   Buffer<B, Vec3<Real>>(b, vectors)},
+          iterate(b, bodies),
+          extrapolated{Buffer<B, Twist<Real>>(b, bodies), Buffer<B, Twist<Real>>(b, bodies)},
           metric(b),
           state(b, 1),
           check(b, 1),
           residual(b),
           iteration(b) {}
     Buffer<B, Vec3<Real>> impulses[3];
-    Buffer<B, Twist<Real>> iterate[2];
+    Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
     Buffer<B, Twist<Real>> extrapolated[2];
     Buffer<B, Real> metric;
     Buffer<B, ApgdState> state;
@@ -55,26 +55,19 @@ class Apgd final : public Solver<B, Real> {
 
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
-    if (!space_) space_ = std::make_unique<Workspace>(b);
-    Workspace& w = *space_;
-    const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
-    ApgdImpulses<Real> impulses;
-    for (int k = 0; k < 3; ++k) {
-      w.impulses[k].reserve_discard(vectors);
-      impulses.buffer[k] = w.impulses[k].view(vectors);
-    }
-    ApgdVelocities<Real> velocities;
-    for (int k = 0; k < 2; ++k) {
-      w.iterate[k].reserve_discard(p.body_count);
-      w.extrapolated[k].reserve_discard(p.body_count);
-      velocities.of_iterate[k] = w.iterate[k].view(p.body_count);
-      velocities.of_extrapolated[k] = w.extrapolated[k].view(p.body_count);
-      // Bodies that do not move keep this velocity through the whole solve.
-      copy(b, p.free_velocity.first(p.body_count), velocities.of_iterate[k]);
-      copy(b, p.free_velocity.first(p.body_count), velocities.of_extrapolated[k]);
-    }
-    velocity_ = velocities.of_iterate[0];
+    const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contact_count == 0) return {0, 0, true, {}};
+
+    const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
+    Workspace w(b, vectors, p.body_count);
+    const ApgdImpulses<Real> impulses{
+        {w.impulses[0].view(), w.impulses[1].view(), w.impulses[2].view()}};
+    const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()},
+                                          {w.extrapolated[0].view(), w.extrapolated[1].view()}};
+    // Bodies that do not move keep this velocity through the whole solve.
+    for (const Span<Twist<Real>>& view :
+         {w.iterate.view(), w.extrapolated[0].view(), w.extrapolated[1].view()})
+      copy(b, Span<const Twist<Real>>(velocity), view);
 
     ApgdState* state = w.state.data();
     const auto start_from_guess = [&] {
@@ -89,7 +82,7 @@ class Apgd final : public Solver<B, Real> {
       const Offset values =
           static_cast<Offset>(p.contact_count) * StoredMetric<R, Real>::per_contact(p);
       w.metric.reserve_discard(values);
-      metric = StoredMetric<R, Real>::on(p, w.metric.view(values));
+      metric = StoredMetric<R, Real>::on(p, w.metric.view());
     }
     reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
                           ApgdStart{state, lipschitz_});
@@ -137,9 +130,8 @@ class Apgd final : public Solver<B, Real> {
       stats.applications += block;
     }
     // Velocities of the best iterate, gathered from its impulses.
-    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
-    velocity_ = velocities.of_iterate[0];
-    stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity_);
+    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
+    stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     return stats;
   }
 
@@ -152,8 +144,6 @@ class Apgd final : public Solver<B, Real> {
 
   SolverParams params_;
   double lipschitz_ = 0;
-  std::unique_ptr<Workspace> space_;
-  Span<const Twist<Real>> velocity_;
 };
 
 template <class B, class Real>

@@ -42,7 +42,6 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
-  Span<const Twist<Real>> velocity() const override { return velocity_; }
 
   std::vector<double> memory() const override { return inner_->memory(); }
   void restore_memory(const std::vector<double>& m) override { inner_->restore_memory(m); }
@@ -50,8 +49,8 @@ class CoulombFixedPoint final : public Solver<B, Real> {
 
  private:
   struct Workspace {
-    explicit Workspace(B& b) : velocity(b), shift(b), change(b), bias(b), sums(b, 1), residual(b) {}
-    Buffer<B, Twist<Real>> velocity;  ///< of the guess
+    Workspace(B& b, Index contacts)
+        : shift(b, contacts), change(b, contacts), bias(b, contacts), sums(b, 1), residual(b) {}
     Buffer<B, Real> shift;
     Buffer<B, Real> change;
     Buffer<B, Real> bias;
@@ -61,26 +60,16 @@ class CoulombFixedPoint final : public Solver<B, Real> {
 
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
-    if (!space_) space_ = std::make_unique<Workspace>(b);
-    Workspace& w = *space_;
-    w.velocity.reserve_discard(p.body_count);
-    const Span<Twist<Real>> guess_velocity = w.velocity.view(p.body_count);
-    copy(b, p.free_velocity.first(p.body_count), guess_velocity);
-    velocity_ = guess_velocity;
+    const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contact_count == 0) return {0, 0, true, {}};
-
-    w.shift.reserve_discard(p.contact_count);
-    w.change.reserve_discard(p.contact_count);
-    w.bias.reserve_discard(p.contact_count);
-    const Span<Real> shift = w.shift.view(p.contact_count), change = w.change.view(p.contact_count),
-                     bias = w.bias.view(p.contact_count);
+    Workspace w(b, p.contact_count);
+    const Span<Real> shift = w.shift.view(), change = w.change.view(), bias = w.bias.view();
     ContactProblem<Real> shifted = p;
-    shifted.bias = bias;
+    shifted.bias = ContactBias<Real>(bias);
     double relaxation = 1;
     // Moves the shift towards what the present velocities ask for; returns the RMS distance to it.
     const auto update_bias = [&](Span<const Vec3<Real>> guess) {
-      reduce<ShiftSums>(b, p.contact_count,
-                        ShiftChange<R, Real>{p, velocity_, shift, change, guess},
+      reduce<ShiftSums>(b, p.contact_count, ShiftChange<R, Real>{p, velocity, shift, change, guess},
                         StoreResult<ShiftSums>{w.sums.data()});
       const ShiftSums sums = fetch(b, w.sums.data());
       relaxation = next_relaxation(relaxation, sums);
@@ -90,7 +79,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     };
 
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
-    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, guess_velocity});
+    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
     fill(b, shift, Real(0));
     fill(b, change, Real(0));
     // A contact with a guessed impulse probably goes on sliding as it does; any other starts from
@@ -100,7 +89,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     fill(b, change, Real(0));  // not a step of the fixed point
 
     SolveStats stats;
-    stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
+    stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity);
     this->add_to_curve(0, 0, stats.residual.exact_rms);
     for (int outer = 0; outer < max_outer_iterations_ && !stats.converged; ++outer) {
       if (stats.residual.bad_contact >= 0) break;
@@ -109,17 +98,17 @@ class CoulombFixedPoint final : public Solver<B, Real> {
           std::max(kShareOfTolerance * tolerance, kShareOfResidual * stats.residual.exact_rms);
       const SolveStats inner =
           inner_->solve(b, shifted, gamma, tolerance > 0 ? inner_tolerance : 0);
-      velocity_ = inner_->velocity();
+      copy(b, inner_->velocity(), velocity);
       stats.iterations += inner.iterations;
       stats.applications += inner.applications;
       stats.colors = inner.colors;
-      stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity_);
+      stats.residual = w.residual.template evaluate<R>(b, p, gamma, velocity);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.exact_rms);
       const double distance = update_bias({});
       stats.converged = stats.residual.exact_rms <= tolerance && distance <= tolerance;
     }
     stats.converged = stats.residual.exact_rms <= tolerance;
-    stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity_);
+    stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     return stats;
   }
 
@@ -136,8 +125,6 @@ class CoulombFixedPoint final : public Solver<B, Real> {
 
   std::unique_ptr<Solver<B, Real>> inner_;
   int max_outer_iterations_;
-  std::unique_ptr<Workspace> space_;
-  Span<const Twist<Real>> velocity_;
 };
 
 }  // namespace scree

@@ -29,7 +29,8 @@ class GaussSeidel final : public RelaxationSolver<B, Real> {
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
     if (p.contact_count == 0) return {0, 0, true, {}};
-    const Span<ContactMetric<Real>> metric = this->metric(p);
+    Buffer<B, ContactMetric<Real>> weights(b, p.contact_count);
+    const Span<ContactMetric<Real>> metric = weights.view();
     for_each(b, p.contact_count, StoreBlockMetric<R, Real>{p, metric});
 
     const GaussSeidelPass<R, Real> pass{p, metric, velocity, gamma, this->relaxation()};

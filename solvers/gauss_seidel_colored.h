@@ -32,19 +32,21 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
 
  private:
   struct Workspace {
-    explicit Workspace(B& b)
+    Workspace(B& b, Index contacts, Offset vectors)
         : coloring(b),
+          metric(b, contacts),
           body_a(b),
           body_b(b),
           normal(b),
-          bias(b),
+          bias(b, contacts),
           friction(b),
           adhesion(b),
           arm_a(b),
           arm_b(b),
           rolling(b),
-          gamma(b) {}
+          gamma(b, vectors) {}
     ContactColoring<B> coloring;
+    Buffer<B, ContactMetric<Real>> metric;
     Buffer<B, Index> body_a;
     Buffer<B, Index> body_b;
     Buffer<B, Vec3<Real>> normal;
@@ -67,14 +69,12 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
   /// The problem with its contacts in the order of colors; its body-to-contact lists are not
   /// usable.
   template <class R>
-  ContactProblem<Real> order_contacts(B& b, const ContactProblem<Real>& p,
-                                      Span<ContactMetric<Real>> metric) {
-    Workspace& w = *space_;
+  static ContactProblem<Real> order_contacts(B& b, const ContactProblem<Real>& p, Workspace& w) {
     OrderedContacts<Real> to;
     to.body_a = sized_like(p.body_a.first(p.contact_count), w.body_a);
     to.body_b = sized_like(p.body_b.first(p.contact_count), w.body_b);
     to.normal = sized_like(p.normal.first(p.contact_count), w.normal);
-    to.bias = sized_like(p.bias.first(p.contact_count), w.bias);
+    to.bias = w.bias.view();
     to.friction = sized_like(p.friction.values, w.friction);
     to.adhesion = sized_like(p.adhesion.values, w.adhesion);
     if (p.layout != ContactLayout::radial) {
@@ -82,14 +82,14 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
       to.arm_b = sized_like(p.arm_b, w.arm_b);
     }
     if (p.layout == ContactLayout::rolling) to.rolling = sized_like(p.rolling, w.rolling);
-    to.metric = metric;
+    to.metric = w.metric.view();
     for_each(b, p.contact_count, GatherContacts<R, Real>{p, w.coloring.order(), to});
 
     ContactProblem<Real> ordered = p;
     ordered.body_a = to.body_a;
     ordered.body_b = to.body_b;
     ordered.normal = to.normal;
-    ordered.bias = to.bias;
+    ordered.bias = ContactBias<Real>(to.bias);
     ordered.friction.values = to.friction;
     ordered.adhesion.values = to.adhesion;
     ordered.arm_a = to.arm_a;
@@ -101,17 +101,14 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
 
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
-    if (!space_) space_ = std::make_unique<Workspace>(b);
-    ContactColoring<B>& coloring = space_->coloring;
     const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
-    coloring.compute(b, p);
     if (p.contact_count == 0) return {0, 0, true, {}};
-    const Span<ContactMetric<Real>> metric = this->metric(p);
-    const ContactProblem<Real> ordered = order_contacts<R>(b, p, metric);
-
-    const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
-    space_->gamma.reserve_discard(vectors);
-    const Span<Vec3<Real>> ordered_gamma = space_->gamma.view(vectors);
+    Workspace w(b, p.contact_count, static_cast<Offset>(p.contact_count) * R::kVectors);
+    ContactColoring<B>& coloring = w.coloring;
+    coloring.compute(b, p);
+    const ContactProblem<Real> ordered = order_contacts<R>(b, p, w);
+    const Span<ContactMetric<Real>> metric = w.metric.view();
+    const Span<Vec3<Real>> ordered_gamma = w.gamma.view();
     for_each(b, p.contact_count, GatherImpulses<R, Real>{coloring.order(), gamma, ordered_gamma});
 
     const std::vector<Index>& starts = coloring.starts();
@@ -130,8 +127,6 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
     stats.colors = coloring.color_count();
     return stats;
   }
-
-  std::unique_ptr<Workspace> space_;
 };
 
 template <class B, class Real>

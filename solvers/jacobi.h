@@ -28,7 +28,8 @@ class Jacobi final : public RelaxationSolver<B, Real> {
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
     if (p.contact_count == 0) return {0, 0, true, {}};
-    const Span<ContactMetric<Real>> metric = this->metric(p);
+    Buffer<B, ContactMetric<Real>> weights(b, p.contact_count);
+    const Span<ContactMetric<Real>> metric = weights.view();
     for_each(b, p.contact_count, StoreMassSplitMetric<R, Real>{p, metric});
 
     bool is_current = false;  // V belongs to gamma

@@ -15,28 +15,15 @@ class RelaxationSolver : public Solver<B, Real> {
  public:
   explicit RelaxationSolver(const SolverParams& params) : params_(params) { validate(params_); }
 
-  Span<const Twist<Real>> velocity() const override { return velocity_; }
-
  protected:
   Real relaxation() const { return static_cast<Real>(params_.relaxation); }
 
-  /// Sizes the velocities and projects the guess.
+  /// Projects the guess.
   /// @return V, valid for bodies that do not move; iterate() computes it for the others
   template <class R>
   Span<Twist<Real>> begin(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma) {
-    if (!space_) space_ = std::make_unique<Workspace>(b);
-    space_->velocity.reserve_discard(p.body_count);
-    const Span<Twist<Real>> velocity = space_->velocity.view(p.body_count);
-    copy(b, p.free_velocity.first(p.body_count), velocity);
-    velocity_ = velocity;
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
-    return velocity;
-  }
-
-  /// Room for the metric of each contact.
-  Span<ContactMetric<Real>> metric(const ContactProblem<Real>& p) {
-    space_->metric.reserve_discard(p.contact_count);
-    return space_->metric.view(p.contact_count);
+    return this->start_velocity(b, p);
   }
 
   /// Repeats `sweep` until a check stops it. Before each check `collect` brings the impulses into
@@ -44,11 +31,12 @@ class RelaxationSolver : public Solver<B, Real> {
   template <class R, class Sweep, class Collect>
   SolveStats iterate(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance,
                      Span<Twist<Real>> velocity, Sweep sweep, Collect collect) {
+    ResidualEvaluator<B, Real> residual(b);
     SolveStats stats;
     for (;;) {
       collect();
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
-      stats.residual = space_->residual.template evaluate<R>(b, p, gamma, velocity);
+      stats.residual = residual.template evaluate<R>(b, p, gamma, velocity);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.rms);
       stats.converged = stats.residual.rms <= tolerance;
       const bool is_finite = stats.residual.bad_contact < 0;
@@ -58,21 +46,12 @@ class RelaxationSolver : public Solver<B, Real> {
       stats.iterations += block;
       stats.applications += block;
     }
-    stats.residual = space_->residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
+    stats.residual = residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     return stats;
   }
 
  private:
-  struct Workspace {
-    explicit Workspace(B& b) : velocity(b), metric(b), residual(b) {}
-    Buffer<B, Twist<Real>> velocity;
-    Buffer<B, ContactMetric<Real>> metric;
-    ResidualEvaluator<B, Real> residual;
-  };
-
   SolverParams params_;
-  std::unique_ptr<Workspace> space_;
-  Span<const Twist<Real>> velocity_;
 };
 
 }  // namespace scree

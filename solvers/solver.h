@@ -3,12 +3,12 @@
 // body velocities and an account of how good they are.
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "kernels/backend/backend.h"
-#include "kernels/contact_problem.h"
+#include "kernels/contact_operator.h"
 
 namespace scree {
 
@@ -80,12 +80,14 @@ class Solver {
 
   /// Solves to `tolerance` (RMS residual [m/s]; 0 runs all iterations).
   /// @param gamma  in: guess (any values; projected first); out: impulses, world frame [N s]
-  /// All buffers grow here, before the first iteration; none of the iterations allocates.
+  /// Working memory is taken before the first iteration and given back at the end.
   virtual SolveStats solve(B& backend, const ContactProblem<Real>& problem, Span<Vec3<Real>> gamma,
                            double tolerance) = 0;
 
   /// V = v* + M^-1 J^T gamma of the returned impulses [body_count]; valid until the next solve.
-  virtual Span<const Twist<Real>> velocity() const = 0;
+  Span<const Twist<Real>> velocity() const {
+    return velocity_ ? std::as_const(*velocity_).view(velocity_->capacity()) : Span<Twist<Real>>{};
+  }
 
   /// What is carried from step to step beside the impulses, for checkpoints.
   virtual std::vector<double> memory() const { return {}; }
@@ -102,7 +104,16 @@ class Solver {
     if (curve_ != nullptr) curve_->push_back({iterations, applications, rms});
   }
 
+  /// Takes the memory of velocity(), set to v*.
+  Span<Twist<Real>> start_velocity(B& b, const ContactProblem<Real>& p) {
+    velocity_.reset();  // first gives back what it had
+    velocity_.emplace(b, p.body_count);
+    for_each(b, p.body_count, StartVelocity<Real>{p, velocity_->view()});
+    return velocity_->view();
+  }
+
  private:
+  std::optional<Buffer<B, Twist<Real>>> velocity_;
   std::vector<CurvePoint>* curve_ = nullptr;
 };
 

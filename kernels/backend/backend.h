@@ -80,6 +80,13 @@ class Buffer {
     std::swap(capacity_, grown.capacity_);
   }
 
+  /// Gives the memory back.
+  void release() noexcept {
+    if (data_) backend_->deallocate(data_, bytes(capacity_));
+    data_ = nullptr;
+    capacity_ = 0;
+  }
+
   Offset capacity() const { return capacity_; }
   Span<T> view() { return {data_, capacity_}; }
   Span<T> view(Offset count) { return view().first(count); }
@@ -94,11 +101,6 @@ class Buffer {
 
  private:
   static std::size_t bytes(Offset count) { return static_cast<std::size_t>(count) * sizeof(T); }
-  void release() noexcept {
-    if (data_) backend_->deallocate(data_, bytes(capacity_));
-    data_ = nullptr;
-    capacity_ = 0;
-  }
 
   B* backend_;
   T* data_ = nullptr;

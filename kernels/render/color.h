@@ -86,7 +86,7 @@ template <class Real>
 struct ColorValue {
   ColorMode mode = ColorMode::speed;
   Span<const Vec3<Real>> velocity;
-  Span<const Real> radius;
+  PerBody<Real> radius;
   SCREE_HD Real operator()(Index body) const {
     return mode == ColorMode::speed ? norm(velocity[body]) : radius[body];
   }
@@ -101,7 +101,7 @@ struct ColorBodies {
   float high = 1;  ///< value at the light end, > low
   Index free_count = 0;
   Index fixed_begin = 0;
-  Span<const Index> group;
+  PerBody<Index> group;
   Span<const Index> id;
   Span<Vec3f> color;  ///< [count] out
   SCREE_HD void operator()(Index body) const {

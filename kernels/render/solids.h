@@ -31,8 +31,8 @@ struct DrawList {
   Index count = 0;
   Span<const Vec3<double>> position;
   Span<const Quat<Real>> orientation;
-  Span<const Real> radius;
-  Span<const Index> shape;
+  PerBody<Real> radius;
+  PerBody<Index> shape;
   Span<const ShapeRecord<Real>> shapes;
   MeshSetView<Real> meshes;
   Span<const Offset>

@@ -40,12 +40,12 @@ struct MeasureBodies {
   static constexpr const char* name = "render_measure_bodies";
   Index first = 0;  ///< storage index of i = 0
   Span<const Vec3<double>> position;
-  Span<const Real> radius;  ///< [m]; bodies with radius zero are unbounded: left out
-  Vec3<double> reference;   ///< point the squares are taken about [m]
+  PerBody<Real> radius;    ///< [m]; bodies with radius zero are unbounded: left out
+  Vec3<double> reference;  ///< point the squares are taken about [m]
   Vec3<double> keep_lower{-1e300, -1e300, -1e300};  ///< bodies whose center is outside are left out
   Vec3<double> keep_upper{1e300, 1e300, 1e300};
   Span<const Quat<Real>> orientation;
-  Span<const Index> shape;
+  PerBody<Index> shape;
   Span<const ShapeRecord<Real>> shapes;
 
   /// Half the size of the body along the world axes: exact for boxes, the bounding radius
@@ -128,7 +128,7 @@ struct MeasureFrame {
   static constexpr const char* name = "render_measure_frame";
   FrameAxes axes;
   Span<const Vec3<double>> position;
-  Span<const Real> radius;
+  PerBody<Real> radius;
   Vec3<double> keep_lower;  ///< bodies whose center is outside are left out
   Vec3<double> keep_upper;
   SCREE_HD FrameSides operator()(Index i) const {

@@ -59,7 +59,7 @@ struct ApgdContactBlock {
     Vec3<L> next;
     ContactProblem<L> p;
     p.normal = {&normal, 1};
-    p.bias = {&bias, 1};
+    p.bias.values = {&bias, 1};
     p.friction.values = {&friction, 1};
     p.adhesion.values = {&adhesion, 1};
     const StoredMetric<RadialRows<L>, L> metric{{weights, 2}};

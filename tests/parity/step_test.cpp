@@ -1,8 +1,8 @@
 // One step from a settled state, on both backends, solved to the same residual.
 
+#include "host/state_hash.h"
 #include "tests/parity/parity.h"
 #include "tests/physics/column.h"
-#include "tests/physics/state_hash.h"
 
 namespace scree::parity {
 namespace {
@@ -68,7 +68,7 @@ TEST_F(ParityStep, CudaGivesEqualBitsOnEveryRun) {
     for (int k = 0; k < 50; ++k) {
       const StepReport a = first.step(), b = second.step();
       ASSERT_EQ(a.iterations, b.iterations) << name_of(precision) << " step " << k;
-      ASSERT_EQ(physics::hash_of(first.states()), physics::hash_of(second.states()))
+      ASSERT_EQ(state_hash(first.states()), state_hash(second.states()))
           << name_of(precision) << " step " << k;
     }
   }

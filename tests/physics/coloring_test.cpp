@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "host/state_hash.h"
 #include "tests/physics/scene_builder.h"
-#include "tests/physics/state_hash.h"
 
 namespace scree::physics {
 namespace {
@@ -95,7 +95,7 @@ TEST(CarriedColors, StayValidFewAndMostlyTheSameInASettlingBed) {
     }
     const StepReport report = world.step();
     two_threads.step();
-    ASSERT_EQ(hash_of(world.states()), hash_of(two_threads.states())) << "step " << step;
+    ASSERT_EQ(state_hash(world.states()), state_hash(two_threads.states())) << "step " << step;
     const std::map<Touch, int> colors = colors_of(world.save());
     ASSERT_TRUE(is_valid(colors)) << "step " << step;
     if (compare) {

@@ -32,7 +32,7 @@ class Arrays {
            {&passes_.velocity.of_iterate[k], &passes_.velocity.of_extrapolated[k]}) {
         twists_.emplace_back(b, p.body_count);
         *view = twists_.back().view();
-        copy(b, p.free_velocity.first(p.body_count), *view);
+        for_each(b, p.body_count, StartVelocity<Real>{p, *view});
       }
     }
     passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
@@ -138,7 +138,7 @@ TYPED_TEST(ApgdIterationTest, AlikeBodiesNeedOneWeightAContact) {
   ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
   ContactProblem<TypeParam> p = buffers.problem();
   Arrays<TypeParam> two(b, p);
-  p.spin_ratio = TypeParam(2.5);
+  p.radial_inertia.spin_ratio = TypeParam(2.5);
   Arrays<TypeParam> one(b, p);
   for (int k = 0; k < 20; ++k) {
     apgd_trial(b, two.passes());

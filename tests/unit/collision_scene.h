@@ -138,6 +138,8 @@ class CollisionRun {
     return v;
   }
 
+  Span<Real> radius() { return radius_.view(static_cast<Offset>(scene_.radius.size())); }
+
   std::vector<HostContact> detect() {
     detector_.detect(*b_, bodies(), scene_.h);
     const ContactView<Real> view = detector_.contacts();

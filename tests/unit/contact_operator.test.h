@@ -78,7 +78,8 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
     Buffer<TestBackend, Twist<Real>> wrench(b, p.free_count);
     with_rows<Real>(layout, [&](auto rows) {
       using R = decltype(rows);
-      for_each(b, p.contact_count, StoreContactVelocity<R, Real>{p, p.free_velocity, u.view()});
+      for_each(b, p.contact_count,
+               StoreContactVelocity<R, Real>{p, p.free_velocity.values, u.view()});
       for_each(b, p.free_count, StoreWrench<R, Real>{p, buffers.gamma(), wrench.view()});
     });
     double left = 0, right = 0, size = 0;
@@ -88,7 +89,7 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
       left += term;
       size += std::abs(term);
     }
-    const std::vector<Twist<Real>> twists = download(b, p.free_velocity),
+    const std::vector<Twist<Real>> twists = download(b, p.free_velocity.values),
                                    wrenches = download(b, wrench.view());
     for (Index i = 0; i < p.free_count; ++i) {
       right += dot(Vec3<double>(twists[i].linear), Vec3<double>(wrenches[i].linear)) +
@@ -113,7 +114,7 @@ TYPED_TEST(ContactOperatorTest, VelocitiesAndResidualsMatchDenseMatrices) {
     const Eigen::VectorXd gamma = oracle::rows_from_world(plain.data, vectors);
 
     Buffer<TestBackend, Twist<Real>> v(b, p.body_count);
-    copy(b, p.free_velocity, v.view());
+    copy(b, p.free_velocity.values, v.view());
     ResidualEvaluator<TestBackend, Real> evaluator(b);
     Residual residual;
     with_rows<Real>(layout, [&](auto rows) {

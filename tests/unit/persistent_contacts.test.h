@@ -63,7 +63,8 @@ TYPED_TEST(PersistentContactsTest, MatchFindsOldImpulsesAndZeroForNew) {
     memory.match(this->backend(), new_key.view(), vectors, warm.view());
     for (const auto& g : download(this->backend(), warm.view())) EXPECT_EQ(g, Vec3<TypeParam>{});
 
-    memory.keep(this->backend(), old_key.view(), vectors, old_impulse.view());
+    memory.keep(std::move(old_key), static_cast<Index>(old_keys.size()), vectors,
+                std::move(old_impulse));
     memory.match(this->backend(), new_key.view(), vectors, warm.view());
     const auto found = download(this->backend(), warm.view());
     for (std::size_t c = 0; c < new_keys.size(); ++c) {
@@ -82,7 +83,8 @@ TYPED_TEST(PersistentContactsTest, MatchOfEmptyLists) {
   Buffer<TestBackend, std::uint64_t> none(this->backend());
   Buffer<TestBackend, Vec3<TypeParam>> nothing(this->backend());
   memory.match(this->backend(), none.view(), 1, nothing.view());
-  memory.keep(this->backend(), none.view(), 1, nothing.view());
+  memory.keep(Buffer<TestBackend, std::uint64_t>(this->backend()), 0, 1,
+              Buffer<TestBackend, Vec3<TypeParam>>(this->backend()));
   auto one = this->buffer(std::vector<std::uint64_t>{7});
   Buffer<TestBackend, Vec3<TypeParam>> warm(this->backend(), 1);
   memory.match(this->backend(), one.view(), 1, warm.view());
@@ -96,7 +98,7 @@ TYPED_TEST(PersistentContactsTest, UnchangedSceneKeepsAllImpulses) {
   for (std::size_t c = 0; c < contacts.size(); ++c)
     impulses.push_back(this->stamp(static_cast<double>(c)));
   auto gamma = this->buffer(impulses);
-  run.detector().keep(this->backend(), 1, gamma.view());
+  run.detector().keep(1, this->buffer(impulses));
   run.detect();
   fill(this->backend(), gamma.view(), Vec3<TypeParam>{});
   run.detector().match(this->backend(), 1, gamma.view());
@@ -124,14 +126,13 @@ TYPED_TEST(PersistentContactsTest, ReorderedBodiesKeepTheirImpulses) {
     impulses.push_back({0, static_cast<TypeParam>(signed_value), 0});
     expected[place(before[c], run.scene().position)] += value;
   }
-  auto gamma = this->buffer(impulses);
-  run.detector().keep(b, 2, gamma.view());
+  run.detector().keep(2, this->buffer(impulses));
 
   BodyOrder<TestBackend> order(b);
   BodyView<TypeParam> bodies = run.bodies();
   order.compute(b, bodies.position.first(bodies.free_count));
   order.apply(b, bodies.position);
-  order.apply(b, bodies.radius);
+  order.apply(b, run.radius());
   run.detector().remap(b, bodies, order.new_of_old());
   run.scene().position = download(b, bodies.position);
 
@@ -170,27 +171,28 @@ TYPED_TEST(PersistentContactsTest, MarksFollowTheirContacts) {
     expected[place(before[c])].insert(values.back());
   }
   upload(b, values, mark);
-  Buffer<TestBackend, Vec3<TypeParam>> gamma(b, count);
-  fill(b, gamma.view(), Vec3<TypeParam>{});
-  run.detector().keep(b, 1, gamma.view());
-  run.detector().keep_marks(b, mark.view());
+  auto gamma = this->buffer(std::vector<Vec3<TypeParam>>(before.size()));
+  run.detector().keep(1, std::move(gamma));
+  run.detector().keep_marks(std::move(mark));
   EXPECT_EQ(run.detector().save_marks(b), values);
 
   BodyOrder<TestBackend> order(b);
   BodyView<TypeParam> bodies = run.bodies();
   order.compute(b, bodies.position.first(bodies.free_count));
   order.apply(b, bodies.position);
-  order.apply(b, bodies.radius);
+  order.apply(b, run.radius());
   run.detector().remap(b, bodies, order.new_of_old());
   run.scene().position = download(b, bodies.position);
   const auto after = run.detect();
-  run.detector().match_marks(b, mark.view());
-  const auto found = download(b, mark.view());
+  Buffer<TestBackend, Index> matched(b, count);
+  run.detector().match_marks(b, matched.view());
+  const auto found = download(b, matched.view());
   std::map<std::pair<double, double>, std::multiset<Index>> actual;
   for (std::size_t c = 0; c < after.size(); ++c) actual[place(after[c])].insert(found[c]);
   EXPECT_EQ(actual, expected);
 
-  run.detector().keep(b, 1, gamma.view());  // forgets marks that are not kept again
+  // Marks that are not kept again are forgotten.
+  run.detector().keep(1, this->buffer(std::vector<Vec3<TypeParam>>(after.size())));
   EXPECT_TRUE(run.detector().save_marks(b).empty());
 }
 
@@ -201,14 +203,13 @@ TYPED_TEST(PersistentContactsTest, SavedMemoryRestores) {
   std::vector<Vec3<TypeParam>> impulses;
   for (std::size_t c = 0; c < contacts.size(); ++c)
     impulses.push_back(this->stamp(0.1 * static_cast<double>(c)));
-  auto gamma = this->buffer(impulses);
-  run.detector().keep(b, 1, gamma.view());
+  run.detector().keep(1, this->buffer(impulses));
   std::vector<std::uint64_t> keys;
   std::vector<Vec3<double>> values;
   run.detector().save(b, keys, values);
   other.detector().restore(b, keys, values);
   other.detect();
-  fill(b, gamma.view(), Vec3<TypeParam>{});
+  Buffer<TestBackend, Vec3<TypeParam>> gamma(b, static_cast<Offset>(impulses.size()));
   other.detector().match(b, 1, gamma.view());
   EXPECT_EQ(download(b, gamma.view()), impulses);
 }

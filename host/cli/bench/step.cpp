@@ -7,11 +7,12 @@
 #include "host/cli/bench/modes.h"
 #include "host/cli/bench/table.h"
 #include "host/error.h"
+#include "host/state_hash.h"
 
 namespace scree {
 namespace {
 
-void print_rows(Table& table, const char* level, const StepFigures& f) {
+void print_rows(Table& table, const char* level, const StepFigures& f, const std::string& hash) {
   const auto times = [&](double Spread::*kind) {
     std::vector<std::string> cells;
     for (const StageSpread& stage : f.stages) cells.push_back(fixed(stage.ms.*kind, 3));
@@ -26,6 +27,7 @@ void print_rows(Table& table, const char* level, const StepFigures& f) {
                                  "median"};
   for (const std::string& cell : times(&Spread::median)) cells.push_back(cell);
   cells.push_back(digits(f.body_seconds_per_s));
+  cells.push_back(hash);
   table.row(cells);
   cells = {"", "", "", "", "", "", "mean"};
   for (const std::string& cell : times(&Spread::mean)) cells.push_back(cell);
@@ -56,7 +58,8 @@ int bench_step(const StepBenchOptions& options) {
                {"solve", 9},
                {"integrate", 9},
                {"total"},
-               {"body-s/s", 9}});
+               {"body-s/s", 9},
+               {"state", 16}});
   for (const int size : bench.sizes()) {
     const BedParams bed = bench.bed(size, walls);
     std::optional<BedRun> run(settled_bed(bench, bed, {"solver.stop=quality"}));
@@ -75,9 +78,11 @@ int bench_step(const StepBenchOptions& options) {
       const auto reports = run->steps(bench.steps());
       const StepFigures f = figures_of(reports, run->time_step, run->world.peak_memory());
       Json result = start;
+      const std::string hash = fmt::format("{:016x}", state_hash(run->world.states()));
       result["stop"] = level;
+      result["state_hash"] = hash;
       record.add(joined(std::move(result), to_json(f)));
-      print_rows(table, level, f);
+      print_rows(table, level, f, hash);
     }
   }
   return 0;

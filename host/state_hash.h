@@ -1,15 +1,15 @@
 #pragma once
-// Bit patterns of all body states in one number.
+// Bit patterns of all body states in one number: runs that give the same are the same to the bit.
 
 #include <bit>
 #include <cstdint>
 
 #include "host/world.h"
 
-namespace scree::physics {
+namespace scree {
 
 /// FNV-1a over the bits of all positions, orientations and velocities.
-inline std::uint64_t hash_of(const BodyStates& s) {
+inline std::uint64_t state_hash(const BodyStates& s) {
   std::uint64_t hash = 14695981039346656037ull;
   const auto add = [&](double x) {
     hash = (hash ^ std::bit_cast<std::uint64_t>(x)) * 1099511628211ull;
@@ -22,4 +22,4 @@ inline std::uint64_t hash_of(const BodyStates& s) {
   return hash;
 }
 
-}  // namespace scree::physics
+}  // namespace scree

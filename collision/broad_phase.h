@@ -2,7 +2,7 @@
 // Sorts bodies into hierarchical Morton bins.
 
 #include "collision/growth.h"
-#include "kernels/contact_search.h"
+#include "kernels/pair_search.h"
 
 namespace scree {
 
@@ -19,19 +19,21 @@ class BroadPhase {
         edge_(b, 1),
         grid_(b, 1) {}
 
-  /// Bins all free bodies and all fixed or kinematic spheres; one host read (the number of cells).
+  /// Bins all free bodies and all fixed or kinematic spheres; one host read (the grid).
   /// Bytes per body: 48 + 4 extent and levels, 40 keys, 24 per sorting pass of 8 bits (CUDA) or 11
   /// (CPU) out of log2(cells), 56 records; 8 to clear and about 8 to fill per cell, at most 4 cells
   /// a body.
-  BinView build(B& b, SortSpace<B>& sort, const BodyView<Real>& bodies, const ContactRange& range) {
+  BinView build(B& b, SortSpace<B>& sort, const BodyView<Real>& bodies, const ContactRange& range,
+                const SpareReach& spare) {
     const BinnedRange binned{bodies.free_count, bodies.fixed_begin, bodies.count};
     const Index n = binned.size();
     const Span<float> inflated = sized(inflated_, n);
-    reduce<BodyExtent>(b, n, MeasureBodies<Real>{bodies, binned, range, inflated},
+    reduce<BodyExtent>(b, n, MeasureBodies<Real>{bodies, binned, range, spare, inflated},
                        StoreExtent{extent_.data(), edge_.data()});
     reduce<LevelCounts>(b, n, CountLevels{inflated, edge_.data()},
                         PlanBins{extent_.data(), edge_.data(), range.period, grid_.data()});
-    const Index cell_count = fetch(b, grid_.data()).cell_count;
+    const BinGrid grid = fetch(b, grid_.data());
+    const Index cell_count = grid.cell_count;
 
     const Span<std::uint64_t> cell = sized(cell_, n);
     const Span<Index> body = sized(body_, n);
@@ -43,7 +45,7 @@ class BroadPhase {
     fill(b, cells, CellRange{});
     for_each(b, n,
              GatherBins<Real>{bodies, binned, inflated, grid_.data(), cell, body, record, cells});
-    return {grid_.data(), record, cell, body, cells};
+    return {grid_.data(), grid.lower, inflated, record, cell, body, cells};
   }
 
  private:

@@ -65,8 +65,8 @@ struct SpareReach {
   /// Steps that a body may go on at its present speed, and the most that this adds, as a fraction
   /// of its radius. Without it the few fast bodies would use up the skin of all; without the limit
   /// they would fill the list.
-  static constexpr double kStepsAhead = 4;
-  static constexpr double kMostAhead = 0.25;
+  static constexpr double kStepsAhead = 16;
+  static constexpr double kMostAhead = 0.5;
 
   template <class Real>
   SCREE_HD double operator()(const BodyView<Real>& bodies, double h, Index i) const {

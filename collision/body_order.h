@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "collision/growth.h"
 #include "kernels/body_order.h"
 #include "kernels/permute.h"
 
@@ -32,11 +31,11 @@ class BodyOrder {
     reduce<Sums<4>>(b, count_, SumPositions{position}, StoreResult<Sums<4>>{center_.data()});
     reduce<Sums<1>>(b, count_, SumDeviations{position, center_.data()},
                     StoreResult<Sums<1>>{distance_.data()});
-    const Span<std::uint64_t> key = sized(key_, count_);
-    const Span<Index> order = sized(order_, count_);
+    const Span<std::uint64_t> key = key_.resize_discard(count_);
+    const Span<Index> order = order_.resize_discard(count_);
     for_each(b, count_, MortonKeys{position, center_.data(), distance_.data(), key, order});
     sort_pairs(b, sort_, key, order, 3 * kMortonBits);
-    for_each(b, count_, InvertOrder{order, sized(new_of_old_, count_)});
+    for_each(b, count_, InvertOrder{order, new_of_old_.resize_discard(count_)});
   }
 
   /// [count] old storage index of the body that comes to each place.
@@ -48,7 +47,8 @@ class BodyOrder {
   template <class T>
   void apply(B& b, Span<T> array) {
     const auto bytes = static_cast<Offset>(sizeof(T)) * count_;
-    const Span<T> moved{reinterpret_cast<T*>(sized(scratch_, (bytes + 7) / 8).data), count_};
+    const Span<T> moved{reinterpret_cast<T*>(scratch_.resize_discard((bytes + 7) / 8).data),
+                        count_};
     for_each(b, count_, Gather<T>{order(), array.first(count_), moved});
     copy(b, Span<const T>(moved), array.first(count_));
   }

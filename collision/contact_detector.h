@@ -9,6 +9,7 @@
 #include "collision/broad_phase.h"
 #include "collision/impact_margins.h"
 #include "collision/obstacle_buffers.h"
+#include "collision/pair_candidates.h"
 #include "collision/persistent_contacts.h"
 #include "kernels/contact_list.h"
 
@@ -21,6 +22,10 @@ struct CollisionSettings {
   double margin_limit = 0;  ///< largest margin around impacts, as a fraction of the diameter [-]
   double lift = 0;          ///< largest separation speed that the contact law asks for, per sliding
                             ///< speed [-]: the friction of the convex law, 0 for the exact one
+  double skin = 0;  ///< how far two bodies together may come nearer, about, until pairs of near
+                    ///< bodies are listed anew [m]; 0: for every listing of contacts
+  bool keep_candidates = true;  ///< false: the list of pairs goes at the end of detect(), to save
+                                ///< memory
 };
 
 template <class B, class Real>
@@ -42,22 +47,27 @@ class ContactDetector {
   /// is done again with the margins, and once more when contacts found by that make margins grow,
   /// for the bodies behind.
   ///
-  /// Three host reads: the number of cells, the number of contacts, and the largest push; up to
-  /// four more for each detection with margins.
+  /// Contacts are picked from a list of pairs of near bodies, which reaches farther by a skin and
+  /// is made anew only when a body has moved too far since, see PairCandidates. The contacts do not
+  /// depend on it.
   ///
-  /// Bytes moved a body, spheres in float with k contacts each, sorting passes of 8 bits, every
-  /// array counted once (2^20 bodies, k = 3): extent and levels 52, cell keys 40, their sort 3 *
-  /// 24, records and cells 80, search 68 + 4 k, scan 12, contact keys 16 + 12 k, their sort 6 * 24
-  /// k, geometry (8 + 32 + 36) k; about 340 + 236 k = 1050, a quarter of a millisecond for a
-  /// million bodies at 4.3 TB/s. The search also reads about 14 cells and 20 records of 16 bytes,
-  /// from the caches, because positions follow the Morton order.
+  /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
+  /// two more for a new list; up to four more for each detection with margins.
   ///
-  /// Memory, radial layout in float: 52 bytes a body (8 for each of about as many cells) and 44 a
-  /// contact, of which 12 are the sort's; the remembered keys and impulses take 20 a contact more.
+  /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every
+  /// array counted once: check 60, candidates 56 + 4 m, scan 12, keys 24 + 12 k, geometry (8 + 24 +
+  /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 270 for the
+  /// bins (extent and levels 52, cell keys 40, their sort 3 * 24, records and cells 80), and 136 +
+  /// 40 m = 340 for itself. Its search also reads about 18 cells and 26 records of 16 bytes, from
+  /// the caches, because positions follow the Morton order.
+  ///
+  /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
+  /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:
+  /// up to 92 + 4 m a body for a new list, 28 a body and 8 a contact to pick contacts.
   ///
   /// @param h  time step [s]
-  /// @throws std::runtime_error when there are more contacts than an Index can number, or more
-  /// bodies and
+  /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than an
+  /// Index can number, or more bodies and
   ///         wall features than fit a contact key
   void detect(B& b, const BodyView<Real>& bodies, double h);
 
@@ -87,6 +97,7 @@ class ContactDetector {
   void remap(B& b, const BodyView<Real>& bodies, Span<const Index> new_of_old) {
     name_elements(bodies);
     memory_.remap(b, keys_, new_of_old);
+    candidates_.forget();
     contact_count_ = 0;
   }
 
@@ -97,6 +108,7 @@ class ContactDetector {
   void restore(B& b, const std::vector<std::uint64_t>& key,
                const std::vector<Vec3<double>>& impulse) {
     memory_.restore(b, key, impulse, vectors_per_contact(settings_.layout));
+    candidates_.forget();
   }
 
   /// The remembered marks, empty when none were kept; restore() comes first.
@@ -110,28 +122,27 @@ class ContactDetector {
   /// How contact keys are built; set by detect().
   const ContactKeys& keys() const { return keys_; }
 
+  /// Lists of pairs of near bodies made so far.
+  std::int64_t list_builds() const { return candidates_.build_count(); }
+
  private:
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
   /// in a loose bed, more than two change little.
   static constexpr int kMaxWidenings = 2;
 
+  void list_with_margins(B& b, const BodyView<Real>& bodies, ContactRange range);
   template <ShapeMix kMix>
-  void list_contacts(B& b, const BodyView<Real>& bodies, const BinView& bins,
-                     const ContactRange& range);
+  void list_contacts(B& b, const BodyView<Real>& bodies, const ContactRange& range);
   void list_within(B& b, const BodyView<Real>& bodies, const ContactRange& range);
   void name_elements(const BodyView<Real>& bodies);
-  Span<std::uint32_t> found_slots(Index positions);
+  void release_contacts();
 
   CollisionSettings settings_;
   ObstacleBuffers<B, Real> obstacles_;
-  BroadPhase<B, Real> bins_;
+  PairCandidates<B, Real> candidates_;
   PersistentContacts<B, Real> memory_;
-  ImpactMargins<B, Real> margins_;
-  SortSpace<B> sort_;
   ContactKeys keys_;
   Index contact_count_ = 0;
-  Buffer<B, Index> found_count_;
-  Buffer<B, Offset> found_begin_;
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> body_a_;
   Buffer<B, Index> body_b_;
@@ -146,12 +157,8 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
                                           const ObstacleData<Real>& obstacles)
     : settings_(settings),
       obstacles_(b, obstacles),
-      bins_(b),
+      candidates_(b),
       memory_(b),
-      margins_(b),
-      sort_(b),
-      found_count_(b),
-      found_begin_(b),
       key_(b),
       body_a_(b),
       body_b_(b),
@@ -168,27 +175,36 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
   check(settings.envelope, "contact envelope");
   check(settings.margin_limit, "margin limit", "");
   check(settings.lift, "lift", "");
+  check(settings.skin, "skin");
   for (int k = 0; k < 3; ++k) check(settings.period[k], "period");
 }
 
 template <class B, class Real>
 void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double h) {
-  contact_count_ = 0;
+  release_contacts();
   name_elements(bodies);
   if (bodies.free_count == 0) return;
-  ContactRange range{settings_.envelope, h, settings_.period, {}};
   obstacles_.refresh(b, bodies, keys_);
+  list_with_margins(b, bodies, {settings_.envelope, h, settings_.period, {}});
+  if (!settings_.keep_candidates) candidates_.release();
+}
+
+template <class B, class Real>
+void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bodies,
+                                                 ContactRange range) {
   list_within(b, bodies, range);
   if (!(settings_.margin_limit > 0) || contact_count_ == 0) return;
+  ImpactMargins<B, Real> margins(b);
   const double least = 0.5 * settings_.envelope;
   for (int k = 0; k < kMaxWidenings; ++k) {
     const Index before = contact_count_;
-    const ImpactGraph<Real> graph{bodies, contacts(), h, settings_.lift, settings_.margin_limit};
-    const double largest_push = margins_.start(b, graph);
+    const ImpactGraph<Real> graph{bodies, contacts(), range.h, settings_.lift,
+                                  settings_.margin_limit};
+    const double largest_push = margins.start(b, graph);
     if (k == 0 && !(largest_push > least)) return;
-    range.margin = margins_.spread(b, graph);
+    range.margin = margins.spread(b, graph);
     // Margins that grew by less than calls for margins at all are not worth another detection.
-    if (k > 0 && !(margins_.growth(b, bodies.free_count) > least)) return;
+    if (k > 0 && !(margins.growth(b, bodies.free_count) > least)) return;
     list_within(b, bodies, range);
     if (contact_count_ == before) return;
   }
@@ -197,14 +213,17 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
 template <class B, class Real>
 void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
                                            const ContactRange& range) {
-  const BinView bins = bins_.build(b, sort_, bodies, range);
+  if (!candidates_.covers(b, bodies, range)) {
+    release_contacts();
+    candidates_.build(b, bodies, range, {settings_.skin});
+  }
   switch (obstacles_.mix()) {
     case ShapeMix::spheres_and_planes:
-      return list_contacts<ShapeMix::spheres_and_planes>(b, bodies, bins, range);
+      return list_contacts<ShapeMix::spheres_and_planes>(b, bodies, range);
     case ShapeMix::spheres:
-      return list_contacts<ShapeMix::spheres>(b, bodies, bins, range);
+      return list_contacts<ShapeMix::spheres>(b, bodies, range);
     case ShapeMix::any:
-      return list_contacts<ShapeMix::any>(b, bodies, bins, range);
+      return list_contacts<ShapeMix::any>(b, bodies, range);
   }
 }
 
@@ -222,50 +241,45 @@ void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
   }
   keys_.wall_begin = static_cast<std::uint32_t>(wall_begin);
   keys_.solid_begin = static_cast<std::uint32_t>(solid_begin);
-  keys_.element_bits = bits_for(end + 1);
 }
 
-/// Lives in the memory of the normals, which are written only when the slots have been read.
+/// The contacts of before are void; their memory serves the search for new ones.
 template <class B, class Real>
-Span<std::uint32_t> ContactDetector<B, Real>::found_slots(Index positions) {
-  const Offset slots = static_cast<Offset>(positions) * kFoundSlots;
-  constexpr Offset kPerVector = sizeof(Vec3<Real>) / sizeof(std::uint32_t);
-  sized(normal_, (slots + kPerVector - 1) / kPerVector);
-  return {reinterpret_cast<std::uint32_t*>(normal_.data()), slots};
+void ContactDetector<B, Real>::release_contacts() {
+  contact_count_ = 0;
+  key_.release(), body_a_.release(), body_b_.release();
+  normal_.release(), gap_.release(), arm_a_.release(), arm_b_.release();
 }
 
 template <class B, class Real>
 template <ShapeMix kMix>
 void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
-                                             const BinView& bins, const ContactRange& range) {
+                                             const ContactRange& range) {
   const WallView<Real> walls = obstacles_.walls();
-  const ContactSearch<kMix, Real> search{bodies, obstacles_.shapes(), bins, walls, range, keys_};
-  const auto positions = static_cast<Index>(bins.body.size);
-  const Span<Index> count = sized(found_count_, positions);
-  const Span<Offset> begin = sized(found_begin_, static_cast<Offset>(positions) + 1);
-  const Span<std::uint32_t> found = found_slots(positions);
-  for_each(b, positions, CountContacts<kMix, Real>{search, positions, count, found});
-  exclusive_scan(b, Span<const Index>(count), begin);
-  const Offset total = fetch(b, begin.data + positions);
+  const ContactTest<kMix, Real> test{bodies, obstacles_.shapes(), candidates_.view(), walls, range,
+                                     keys_};
+  const Index pieces = test.candidates.piece_count();
+  Buffer<B, Index> count(b, pieces);
+  Buffer<B, std::uint32_t> touching(b, pieces);
+  Buffer<B, Offset> begin(b, static_cast<Offset>(pieces) + 1);
+  for_each(b, pieces, CountContacts<kMix, Real>{test, count.view(), touching.view()});
+  exclusive_scan(b, Span<const Index>(count.view()), begin.view());
+  const Offset total = fetch(b, begin.data() + pieces);
   if (total >= std::numeric_limits<Index>::max()) {
     throw std::runtime_error(std::to_string(total) +
                              " contacts are more than one run can number (2^31)");
   }
   contact_count_ = static_cast<Index>(total);
-  const Span<std::uint64_t> key = sized(key_, total);
-  const Span<Index> body_a = sized(body_a_, total);
-  for_each(b, positions, WriteContactKeys<kMix, Real>{search, positions, count, found, begin, key});
-  // The values that travel with the keys are not used: they may be whatever body_a holds.
-  fill(b, body_a, Index(0));
-  sort_pairs(b, sort_, key, body_a,
-             keys_.element_bits + bits_for(static_cast<std::uint64_t>(bodies.free_count)));
+  const Span<std::uint64_t> key = key_.resize_discard(total);
+  for_each(b, pieces, WriteContactKeys<kMix, Real>{test, begin.view(), touching.view(), key});
 
   const bool arms = settings_.layout != ContactLayout::radial;
-  for_each(
-      b, contact_count_,
-      FillContacts<kMix, Real>{bodies, obstacles_.shapes(), walls, range, keys_, key, body_a,
-                               sized(body_b_, total), sized(normal_, total), sized(gap_, total),
-                               sized(arm_a_, arms ? total : 0), sized(arm_b_, arms ? total : 0)});
+  for_each(b, contact_count_,
+           FillContacts<kMix, Real>{bodies, obstacles_.shapes(), walls, range, keys_, key,
+                                    body_a_.resize_discard(total), body_b_.resize_discard(total),
+                                    normal_.resize_discard(total), gap_.resize_discard(total),
+                                    arm_a_.resize_discard(arms ? total : 0),
+                                    arm_b_.resize_discard(arms ? total : 0)});
 }
 
 template <class B, class Real>

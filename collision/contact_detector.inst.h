@@ -4,8 +4,8 @@
 
 namespace scree {
 
-template class BroadPhase<BuildBackend, float>;
-template class BroadPhase<BuildBackend, double>;
+template class PairCandidates<BuildBackend, float>;
+template class PairCandidates<BuildBackend, double>;
 template class PersistentContacts<BuildBackend, float>;
 template class PersistentContacts<BuildBackend, double>;
 template class ContactDetector<BuildBackend, float>;

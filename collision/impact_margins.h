@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "collision/growth.h"
 #include "kernels/impact_margins.h"
 
 namespace scree {
@@ -17,7 +16,7 @@ class ImpactMargins {
   /// @return  how far contacts push bodies off their course at most [m]
   double start(B& b, const ImpactGraph<Real>& graph) {
     std::swap(margin_, last_);
-    const Span<float> margin = sized(margin_, graph.bodies.free_count);
+    const Span<float> margin = margin_.resize_discard(graph.bodies.free_count);
     fill(b, margin, 0.0f);
     reduce<LargestPush>(b, graph.contacts.count, StartMargins<Real>{graph, margin},
                         StoreResult<LargestPush>{largest_.data()});
@@ -31,7 +30,7 @@ class ImpactMargins {
   Span<const float> spread(B& b, const ImpactGraph<Real>& graph) {
     const Index n = graph.bodies.free_count;
     for (int round = 0; round < kRounds; ++round) {
-      const Span<float> spread = sized(spread_, n);
+      const Span<float> spread = spread_.resize_discard(n);
       copy(b, std::as_const(margin_).view(n), spread);
       for_each(b, graph.contacts.count,
                SpreadMargins<Real>{graph, std::as_const(margin_).view(n), spread});

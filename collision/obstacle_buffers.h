@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "collision/growth.h"
 #include "collision/obstacles.h"
+#include "kernels/backend/backend.h"
 #include "kernels/wall_contacts.h"
 
 namespace scree {

@@ -200,6 +200,7 @@ class EngineOf final : public Engine {
   CollisionSettings collision_settings() const {
     CollisionSettings settings{summary_.envelope, summary_.layout, periodic_box().length};
     settings.margin_limit = 0.25;
+    settings.skin = summary_.skin;
     if (scene_.solver.exact_coulomb) return settings;
     const auto materials = static_cast<int>(scene_.materials.size());
     for (int i = 0; i < materials; ++i) {

@@ -231,6 +231,8 @@ void check_settings(const Scene& scene) {
   check_non_negative("stepping.restitution_threshold", stepping.restitution_threshold, "m/s");
   if (!std::isfinite(stepping.envelope))
     refuse("collision.envelope", text(stepping.envelope), "must be a finite number [m]");
+  if (!std::isfinite(stepping.skin))
+    refuse("collision.skin", text(stepping.skin), "must be a finite number [m]");
 
   const SolverSettings& solver = scene.solver;
   check_one_of("solver.name", solver.name,

@@ -192,6 +192,8 @@ struct SteppingSettings {
   double restitution_threshold = 1e-2;  ///< approach speed below which e = 0 [m/s], >= 0
   double envelope =
       -1;  ///< contacts are listed up to this gap [m]; negative: 1 % of the median diameter
+  double skin = -1;  ///< how far bodies move, about, until near pairs are listed anew [m]; changes
+                     ///< speed only; negative: 10 % of the median diameter
 };
 
 struct CameraSettings {

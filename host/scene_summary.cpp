@@ -13,6 +13,8 @@ namespace {
 
 /// Fraction of the median diameter up to which gaps are listed as contacts by default.
 constexpr double kDefaultEnvelope = 0.01;
+/// Fraction of the median diameter by which the list of near pairs reaches farther by default.
+constexpr double kDefaultSkin = 0.1;
 
 bool has_rolling_friction(const Scene& scene) {
   const int n = static_cast<int>(scene.materials.size());
@@ -132,6 +134,7 @@ SceneSummary summarize(const Scene& scene) {
   find_diameters(scene, count.free, s);
   s.envelope =
       scene.stepping.envelope >= 0 ? scene.stepping.envelope : kDefaultEnvelope * s.median_diameter;
+  s.skin = scene.stepping.skin >= 0 ? scene.stepping.skin : kDefaultSkin * s.median_diameter;
   if (has_rolling_friction(scene)) {
     s.layout = ContactLayout::rolling;
   } else if (!radial) {

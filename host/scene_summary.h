@@ -22,6 +22,7 @@ struct SceneSummary {
   double median_diameter = 0;   ///< of the free bodies [m]; spheres, else bounding spheres
   double largest_diameter = 0;  ///< of the free bodies [m]
   double envelope = 0;          ///< resolved contact envelope [m]
+  double skin = 0;              ///< resolved skin of the list of near pairs [m]
   ContactLayout layout = ContactLayout::radial;
   bool solid_spheres = true;  ///< all free bodies are homogeneous spheres with no axis locked
 };

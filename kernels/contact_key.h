@@ -16,8 +16,7 @@ namespace scree {
 inline constexpr int kPlaneSlots = 8;
 
 struct ContactKeys {
-  int feature_bits = 0;   ///< 0 when every pair of bodies has at most one contact
-  int element_bits = 32;  ///< enough for every element; sorting uses no more
+  int feature_bits = 0;  ///< 0 when every pair of bodies has at most one contact
   std::uint32_t wall_begin = 0;
   std::uint32_t solid_begin = 0;
 

@@ -1,65 +1,134 @@
 #pragma once
-// Element programs that list contacts: count, write keys, fill in the geometry.
+// Element programs that list contacts: which candidates and walls a body touches, their keys in
+// order, and their geometry.
 
-#include "kernels/contact_search.h"
 #include "kernels/contact_view.h"
+#include "kernels/pair_candidates.h"
+#include "kernels/wall_contacts.h"
 
 namespace scree {
 
-/// What a body found is noted in this many slots; a body with more contacts is searched again when
-/// keys are written.
-inline constexpr Index kFoundSlots = 8;
+/// Decides which candidates are contacts, exactly: the list of candidates only says which not to
+/// look at.
+template <ShapeMix kMix, class Real>
+struct ContactTest {
+  BodyView<Real> bodies;
+  Span<const ShapeRecord<Real>> shapes;
+  CandidateView candidates;
+  WallView<Real> walls;
+  ContactRange range;
+  ContactKeys keys;
 
-/// Counts the contacts that each position finds and notes the first few.
-/// Bytes per body, besides neighbors from the caches: 64 read, 4 and 4 per contact written.
+  /// Calls emit(feature) for each contact of body a with the higher body j.
+  template <class Emit>
+  SCREE_HD void pair(Index a, const BodySample& body, Index j, Emit&& emit) const {
+    const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
+    const double envelope = range.envelope + range.margin_of(a) + range.margin_of(j);
+    if constexpr (kMix != ShapeMix::any) {
+      const double distance = norm(d);
+      const double gap = distance - (body.radius + static_cast<double>(bodies.radius[j]));
+      if (gap > envelope) {
+        const double speed = dot(Vec3d(bodies.velocity[j]) - body.motion.linear, d) / distance;
+        if (!is_listed(gap, speed, envelope, range.h)) return;
+      }
+      emit(0u);
+    } else {
+      const BodySample other = load_body<kMix>(bodies, shapes, j);
+      const int features = pair_features(body.kind, other.kind);
+      for (int k = 0; k < features; ++k) {
+        const auto feature = static_cast<std::uint32_t>(k);
+        const ContactGeometry g = body_pair<kMix>(body, other, d, feature);
+        const double speed = separation_speed(g, body.motion, other.motion);
+        if (is_listed(g.gap, speed, envelope, range.h)) emit(feature);
+      }
+    }
+  }
+
+  /// Calls emit(element) for each contact of body a with the walls, in any order.
+  template <class Emit>
+  SCREE_HD void with_walls(Index a, const BodySample& body, Emit&& emit) const {
+    const float inflated = inflated_radius(bodies, range, a);
+    if (!(inflated > 0)) return;
+    visit_walls<kMix>(walls, range, keys, body, range.envelope + range.margin_of(a), inflated,
+                      emit);
+  }
+};
+
+/// Counts the contacts of each piece of the candidates, those with walls in the last piece of a
+/// body, and notes which candidates they are.
+/// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
+/// written.
 template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
   static constexpr int kLeastBlocks = 4;
-  ContactSearch<kMix, Real> search;
-  Index stride = 0;           ///< number of positions
-  Span<Index> count;          ///< [stride] out
-  Span<std::uint32_t> found;  ///< [kFoundSlots * stride] out, slot by slot
+  ContactTest<kMix, Real> test;
+  Span<Index> count;             ///< [piece count] out
+  Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
 
   SCREE_HD void operator()(Index p) const {
+    const CandidateView& list = test.candidates;
+    const Index a = list.body[p];
+    const BodySample body = load_body<kMix>(test.bodies, test.shapes, a);
+    const Index first = list.begin[p], end = list.begin[p + 1];
+    std::uint32_t found = 0;
     Index n = 0;
-    search(p, [&](std::uint32_t element) {
-      if (n < kFoundSlots) found[static_cast<Offset>(n) * stride + p] = element;
-      ++n;
-    });
+    for (Index k = first; k < end; ++k) {
+      test.pair(a, body, list.other[k], [&](std::uint32_t) {
+        found |= 1u << (k - first);
+        ++n;
+      });
+    }
+    if (list.is_last_of_body(p)) test.with_walls(a, body, [&](std::uint32_t) { ++n; });
     count[p] = n;
+    touching[p] = found;
   }
 };
 
-/// Writes the sort keys of the contacts.
-/// Bytes per body: 16 read; per contact: 4 read, 8 written.
+/// Writes the keys of the contacts in ascending order.
+/// Bytes per piece: 24 read, per contact 4 read and 8 written; bodies at walls are looked at again.
 template <ShapeMix kMix, class Real>
 struct WriteContactKeys {
   static constexpr const char* name = "write_contact_keys";
-  ContactSearch<kMix, Real> search;
-  Index stride = 0;
-  Span<const Index> count;
-  Span<const std::uint32_t> found;
-  Span<const Offset> begin;    ///< [stride + 1] scan of count
-  Span<std::uint64_t> packed;  ///< [contact_count] out, see packed_key()
+  ContactTest<kMix, Real> test;
+  Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
+  Span<const std::uint32_t> touching;
+  Span<std::uint64_t> key;  ///< [contact count] out
 
   SCREE_HD void operator()(Index p) const {
-    const Index n = count[p];
-    if (n == 0) return;
-    const Index i = search.bins.body[p];
     Offset next = begin[p];
-    if (n <= kFoundSlots) {
-      for (Index k = 0; k < n; ++k) {
-        packed[next++] = found_key(search.keys, i, found[static_cast<Offset>(k) * stride + p]);
-      }
+    const Offset end = begin[p + 1];
+    if (next == end) return;
+    const CandidateView& list = test.candidates;
+    const Index a = list.body[p];
+    const std::uint32_t found = touching[p];
+    for (Index k = 0; k < kPieceLength && found >> k != 0; ++k) {
+      if ((found >> k & 1) != 0) write_pair(a, list.other[list.begin[p] + k], next);
+    }
+    if (next == end) return;
+    // What is left are walls. Those of a mesh come as its tree has them.
+    const Offset first = next;
+    test.with_walls(a, load_body<kMix>(test.bodies, test.shapes, a), [&](std::uint32_t element) {
+      const std::uint64_t own = make_key(a, element);
+      Offset at = next++;
+      for (; at > first && key[at - 1] > own; --at) key[at] = key[at - 1];
+      key[at] = own;
+    });
+  }
+  SCREE_HD void write_pair(Index a, Index j, Offset& next) const {
+    const ContactKeys& keys = test.keys;
+    if (keys.feature_bits == 0) {
+      key[next++] = make_key(a, keys.body_element(j, 0));
       return;
     }
-    search(p, [&](std::uint32_t element) { packed[next++] = found_key(search.keys, i, element); });
+    test.pair(a, load_body<kMix>(test.bodies, test.shapes, a), j, [&](std::uint32_t feature) {
+      key[next++] = make_key(a, keys.body_element(j, feature));
+    });
   }
 };
 
-/// Turns sorted keys into contacts: bodies, normal, gap, lever arms.
-/// Bytes per contact (float, radial), besides bodies from the caches: 8 read, 32 written.
+/// Turns keys into contacts: bodies, normal, gap, lever arms.
+/// Bytes per contact (float, radial), besides bodies from the caches: 8 read, 24 written.
 template <ShapeMix kMix, class Real>
 struct FillContacts {
   static constexpr const char* name = "fill_contacts";
@@ -68,7 +137,7 @@ struct FillContacts {
   WallView<Real> walls;
   ContactRange range;
   ContactKeys keys;
-  Span<std::uint64_t> key;  ///< packed in, 64-bit contact keys out
+  Span<const std::uint64_t> key;
   Span<Index> body_a;       ///< out
   Span<Index> body_b;       ///< out
   Span<Vec3<Real>> normal;  ///< out
@@ -77,10 +146,8 @@ struct FillContacts {
   Span<Vec3<Real>> arm_b;   ///< out, empty when radial [m]
 
   SCREE_HD void operator()(Index c) const {
-    const std::uint64_t packed = key[c];
-    const auto a = static_cast<Index>(packed >> keys.element_bits);
-    const auto element =
-        static_cast<std::uint32_t>(packed & ((std::uint64_t{1} << keys.element_bits) - 1));
+    const Index a = key_body(key[c]);
+    const std::uint32_t element = key_element(key[c]);
     const BodySample body = load_body<kMix>(bodies, shapes, a);
     ContactGeometry g;
     Index b;
@@ -92,7 +159,6 @@ struct FillContacts {
     } else {
       g = wall_contact<kMix>(walls, range, keys, body, element, b);
     }
-    key[c] = make_key(a, element);
     body_a[c] = a;
     body_b[c] = b;
     normal[c] = Vec3<Real>(g.normal);

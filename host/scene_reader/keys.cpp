@@ -56,7 +56,7 @@ const std::vector<KeyTable>& scene_key_tables() {
        {"name", "stop", "max_iterations", "check_every", "warm_start", "model",
         "max_outer_iterations", "relaxation", "metric"}},
       {"stepping", {"max_recovery_speed", "restitution_threshold"}},
-      {"collision", {"envelope"}},
+      {"collision", {"envelope", "skin"}},
       {"output", {"frame_interval", "checkpoint_interval", "picture"}},
       {"picture", {"interval", "width", "height", "color_by", "color_range", "camera"}},
       {"camera", {"position", "target", "up", "vertical_angle_deg"}},

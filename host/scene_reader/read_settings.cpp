@@ -129,6 +129,7 @@ void read_settings(const Node& node, Scene& scene) {
   if (const auto collision = node.find("collision")) {
     collision->check_keys(scene_keys("collision"));
     collision->read("envelope", scene.stepping.envelope, kNonNegative, "m");
+    collision->read("skin", scene.stepping.skin, kNonNegative, "m");
   }
   if (const auto output = node.find("output")) read_output(*output, scene.output);
 }

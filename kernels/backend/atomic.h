@@ -1,6 +1,7 @@
 #pragma once
-// Atomic operations an element program may use: smallest and largest values only. Their result does
-// not depend on the order in which threads arrive, so it has the same bits on every run.
+// Atomic operations an element program may use: smallest and largest values, and whole numbers that
+// add up. Their result does not depend on the order in which threads arrive, so it has the same
+// bits on every run.
 
 #include <atomic>
 #include <type_traits>
@@ -42,6 +43,18 @@ SCREE_HD inline void atomic_max(float* address, float value) {
   float seen = target.load(std::memory_order_relaxed);
   while (value > seen && !target.compare_exchange_weak(seen, value, std::memory_order_relaxed)) {
   }
+#endif
+}
+
+/// *address += value, safely against other threads that do the same.
+/// @return  what it was before: that does depend on the order, so a program that hands out places
+/// by
+///          it must be followed by one that puts what is there into order
+SCREE_HD inline Index atomic_add(Index* address, Index value) {
+#ifdef __CUDA_ARCH__
+  return atomicAdd(address, value);
+#else
+  return std::atomic_ref<Index>(*address).fetch_add(value, std::memory_order_relaxed);
 #endif
 }
 

@@ -71,6 +71,14 @@ class Buffer {
     data_ = static_cast<T*>(backend_->allocate(bytes(count)));
     capacity_ = count;
   }
+  /// Makes the capacity `count`, no more; old contents are lost when it changes.
+  Span<T> resize_discard(Offset count) {
+    if (count != capacity_) {
+      release();  // first, so that the old and the new memory are never both held
+      reserve_discard(count);
+    }
+    return view();
+  }
   /// Makes room for `count` elements and keeps the first `keep` ones.
   void reserve_keep(Offset count, Offset keep) {
     if (count <= capacity_) return;

@@ -54,6 +54,7 @@ TEST(SceneReader, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(scene.solver.stop.level, StopRule::Level::quality);
   EXPECT_TRUE(scene.output.picture.camera.automatic);
   EXPECT_LT(scene.stepping.envelope, 0);
+  EXPECT_LT(scene.stepping.skin, 0);
 }
 
 TEST(SceneReader, ReadsSettings) {
@@ -64,7 +65,7 @@ TEST(SceneReader, ReadsSettings) {
                "warm_start": false, "model": "exact", "max_outer_iterations": 4, "relaxation": 1.5,
                "metric": "euclidean"},
     "stepping": {"max_recovery_speed": 0.1, "restitution_threshold": 0.2},
-    "collision": {"envelope": 0.003},
+    "collision": {"envelope": 0.003, "skin": 0.02},
     "output": {"frame_interval": 0.5, "checkpoint_interval": 0.6, "picture": {
       "interval": 0.25, "width": 64, "height": 32, "color_by": "size", "color_range": [1, 2],
       "camera": {"position": [1, 2, 3], "target": [0, 0, 1], "up": [0, 2, 0],
@@ -82,6 +83,7 @@ TEST(SceneReader, ReadsSettings) {
   EXPECT_EQ(scene.stepping.max_recovery_speed, 0.1);
   EXPECT_EQ(scene.stepping.restitution_threshold, 0.2);
   EXPECT_EQ(scene.stepping.envelope, 0.003);
+  EXPECT_EQ(scene.stepping.skin, 0.02);
   EXPECT_EQ(scene.solver.name, "gauss_seidel");
   EXPECT_EQ(scene.solver.stop.level, StopRule::Level::absolute);
   EXPECT_EQ(scene.solver.stop.residual, 1e-4);
@@ -421,6 +423,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "precision: \"half\" is not allowed: must be one of \"float\", \"double\""},
         Refusal{"Envelope", with_sphere(R"("collision": {"envelope": -1})"),
                 "collision.envelope: -1 is not allowed: must be zero or positive [m]"},
+        Refusal{"Skin", with_sphere(R"("collision": {"skin": -1})"),
+                "collision.skin: -1 is not allowed: must be zero or positive [m]"},
         Refusal{"PictureWidth", with_sphere(R"("output": {"picture": {"width": 8}})"),
                 "output.picture.width: 8 is not allowed: must be a whole number from 16 to 16384"},
         Refusal{

@@ -1,0 +1,190 @@
+#pragma once
+// Element programs of the list of pairs of bodies that may touch: whether it still covers a step,
+// and how it is made.
+//
+// When the list is made, every binned body gets a ball about its center, of its inflated radius
+// and some room more, and all pairs whose balls overlap are listed. As long as every body, as far
+// as it may touch others in the present step, stays within its ball, no contact between bodies
+// lies outside the list.
+
+#include "kernels/backend/atomic.h"
+#include "kernels/pair_search.h"
+
+namespace scree {
+
+/// Candidates of one piece at most: as many as an Index has bits for, see CountContacts.
+inline constexpr Index kPieceLength = 32;
+
+/// Pairs sorted by (body a, other body), a being the free body with the lower storage index. They
+/// are cut into pieces, so that one large body among many small ones does not hold up all others:
+/// where a body's candidates begin, and at each multiple of kPieceLength. Every free body has at
+/// least one piece.
+struct CandidateView {
+  Span<const Index> body;   ///< [piece count] body a
+  Span<const Index> begin;  ///< [piece count + 1] its first candidate
+  Span<const Index> other;  ///< [begin[piece count]] ascending within a body
+
+  SCREE_HD Index piece_count() const { return static_cast<Index>(body.size); }
+  SCREE_HD bool is_last_of_body(Index p) const {
+    return p + 1 == body.size || body[p + 1] != body[p];
+  }
+};
+
+/// First piece of a body whose candidates begin at `begin`.
+SCREE_HD inline Offset first_piece(Index a, Offset begin) { return a + begin / kPieceLength; }
+
+/// The ball of a body: 16 bytes.
+struct alignas(16) ReachRecord {
+  Vec3<float> center;  ///< relative to the origin of the list [m]
+  float reach = 0;     ///< radius [m]; 0: the body has no pairs
+};
+
+/// Bytes per binned body: 28 read, 16 written.
+template <class Real>
+struct RecordReach {
+  static constexpr const char* name = "record_reach";
+  BodyView<Real> bodies;
+  BinnedRange binned;
+  Vec3<double> origin;
+  Span<const float> reach;   ///< [binned.size()]
+  Span<ReachRecord> record;  ///< [binned.size()] out
+
+  SCREE_HD void operator()(Index m) const {
+    record[m] = {Vec3<float>(bodies.position[binned.body(m)] - origin), reach[m]};
+  }
+};
+
+/// Bodies that left their balls: the record of a reduction.
+struct LeftBodies {
+  Index count = 0;
+  SCREE_HD void combine(const LeftBodies& o) { count += o.count; }
+};
+
+/// Whether a body, as far as it may touch others in the step, is within its ball. A body that got a
+/// state which is not finite, or lost it, counts as outside.
+/// Bytes per binned body: 60 read, with margins 64.
+template <class Real>
+struct CheckReach {
+  static constexpr const char* name = "check_reach";
+  BodyView<Real> bodies;
+  BinnedRange binned;
+  ContactRange range;
+  Vec3<double> origin;
+  Span<const ReachRecord> record;  ///< [binned.size()]
+
+  SCREE_HD LeftBodies operator()(Index m) const {
+    const Index i = binned.body(m);
+    const float inflated = inflated_radius(bodies, range, i);
+    const ReachRecord own = record[m];
+    if (!(inflated > 0) || !(own.reach > 0)) return {inflated > 0 || own.reach > 0};
+    const Vec3<double> center(own.center);
+    const double moved = norm(minimum_image(bodies.position[i] - origin - center, range.period));
+    // Twice what rounding a center to float may have moved it.
+    const double rounding = 1.2e-7 * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z));
+    return {!(moved + rounding + static_cast<double>(inflated) <= static_cast<double>(own.reach))};
+  }
+};
+
+/// What a position found is noted in this many slots; one that finds more is searched again.
+inline constexpr Index kPairSlots = 10;
+
+/// Counts the pairs of each lower body, and notes what each position finds.
+/// Bytes per body, besides neighbors from the caches: 28 read, 4 per pair and 4 written; 4 per pair
+/// added to.
+struct CountCandidates {
+  static constexpr const char* name = "count_candidates";
+  static constexpr int kLeastBlocks = 4;
+  static constexpr Index kNoMore = -1;       ///< stands behind the last one found
+  static constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
+  PairSearch search;
+  Index stride = 0;   ///< number of positions
+  Span<Index> count;  ///< [free_count] in: zero; out: pairs whose lower body it is
+  Span<Index> found;  ///< [kPairSlots * stride] out, slot by slot
+
+  SCREE_HD void operator()(Index p) const {
+    const Index i = search.bins.body[p];
+    Index n = 0;
+    search(p, [&](Index j) {
+      if (n < kPairSlots) found[static_cast<Offset>(n) * stride + p] = j;
+      ++n;
+      atomic_add(&count[i < j ? i : j], 1);
+    });
+    if (n < kPairSlots) found[static_cast<Offset>(n) * stride + p] = kNoMore;
+    if (n > kPairSlots) found[p] = kSearchAgain;
+  }
+};
+
+/// Puts pairs among those of their lower body, in any order.
+/// Bytes per pair: 4 read, 4 written; 4 of the counts added to, and 8 of the scan, from the caches.
+struct WriteCandidates {
+  static constexpr const char* name = "write_candidates";
+  PairSearch search;
+  Index stride = 0;
+  Span<const Index> found;
+  Span<const Offset> begin;  ///< [free_count + 1] scan of count
+  Span<Index> count;         ///< [free_count] out: zero
+  Span<Index> other;         ///< out: the higher body
+
+  SCREE_HD void operator()(Index p) const {
+    const Index i = search.bins.body[p];
+    if (found[p] == CountCandidates::kSearchAgain) {
+      search(p, [&](Index j) { put(i, j); });
+      return;
+    }
+    for (Index n = 0; n < kPairSlots; ++n) {
+      const Index j = found[static_cast<Offset>(n) * stride + p];
+      if (j == CountCandidates::kNoMore) return;
+      put(i, j);
+    }
+  }
+  SCREE_HD void put(Index i, Index j) const {
+    const Index a = i < j ? i : j;
+    other[begin[a] + atomic_add(&count[a], -1) - 1] = i < j ? j : i;
+  }
+};
+
+/// Cuts the list into pieces; one more element than free bodies, for its end.
+/// Bytes per body: 16 read, 8 written per piece.
+struct CutPieces {
+  static constexpr const char* name = "cut_pieces";
+  Index free_count = 0;
+  Span<const Offset> begin;  ///< [free_count + 1]
+  Span<Index> piece_body;    ///< out
+  Span<Index> piece_begin;   ///< out, one more
+
+  SCREE_HD void operator()(Index a) const {
+    Offset piece = first_piece(a, begin[a]);
+    if (a == free_count) {
+      piece_begin[piece] = static_cast<Index>(begin[a]);
+      return;
+    }
+    const Offset end = first_piece(a + 1, begin[a + 1]);
+    for (Offset from = begin[a]; piece < end; from = (from / kPieceLength + 1) * kPieceLength) {
+      piece_body[piece] = a;
+      piece_begin[piece++] = static_cast<Index>(from);
+    }
+  }
+};
+
+/// Puts the candidates of each body in ascending order: each goes where as many are lower. The
+/// order before does not matter, so the list is the same on every run. Bytes per piece: 24 read;
+/// per candidate: 4 read, the others of its body from the caches, 4 written.
+struct OrderCandidates {
+  static constexpr const char* name = "order_candidates";
+  CandidateView list;        ///< in any order within a body
+  Span<const Offset> begin;  ///< [free_count + 1]
+  Span<Index> ordered;       ///< out
+
+  SCREE_HD void operator()(Index p) const {
+    const Index a = list.body[p];
+    const Offset first = begin[a], end = begin[a + 1];
+    for (Index k = list.begin[p]; k < list.begin[p + 1]; ++k) {
+      const Index j = list.other[k];
+      Offset lower = 0;
+      for (Offset q = first; q < end; ++q) lower += list.other[q] < j;
+      ordered[first + lower] = j;
+    }
+  }
+};
+
+}  // namespace scree

@@ -1,0 +1,126 @@
+#pragma once
+// Finds the bodies near one body: a walk over the neighboring bins.
+
+#include "kernels/binning.h"
+
+namespace scree {
+
+/// Bins as the search reads them, positions in cell order.
+struct BinView {
+  const BinGrid* grid = nullptr;
+  Vec3<double> lower;          ///< origin of the grid [m]
+  Span<const float> inflated;  ///< [binned.size()] by BinnedRange [m]
+  Span<const BinRecord> record;
+  Span<const std::uint64_t> cell;
+  Span<const Index> body;
+  Span<const CellRange> cells;
+};
+
+/// Coordinates of the cells that overlap [x - reach, x + reach] along an axis, each once.
+struct CellSpan {
+  Index first;  ///< may be negative: coordinates wrap
+  Index count;
+  bool is_whole;  ///< all cells of the axis: which image of a body is near is not known from its
+                  ///< cell
+};
+
+SCREE_HD inline CellSpan cells_around(const BinLevel& l, int axis, float x, float reach) {
+  const float inv = l.inv_edge[axis];
+  const Index n = l.cells[axis];
+  const auto low = static_cast<Index>(std::floor((x - reach) * inv));
+  const auto high = static_cast<Index>(std::floor((x + reach) * inv));
+  if (high - low + 1 >= n) return {0, n, true};
+  return {low, high - low + 1, false};
+}
+
+/// A coordinate that wraps, and what to add to positions in its cell to bring them near.
+struct WrappedCell {
+  Index cell;
+  float shift;
+};
+
+SCREE_HD inline WrappedCell wrapped_cell(Index c, Index n, float wrap) {
+  if (c < 0) return {c + n, -wrap};
+  if (c >= n) return {c - n, wrap};
+  return {c, 0};
+}
+
+/// Shortest difference of two wrapped coordinates.
+SCREE_HD inline float wrapped_difference(float d, float wrap, float inv_wrap) {
+  return d - wrap * std::rint(d * inv_wrap);
+}
+
+/// Finds the pairs of binned bodies whose inflated radii overlap, or nearly so; at least one of the
+/// two is free.
+struct PairSearch {
+  Span<const Vec3<double>> position;  ///< of all bodies [m]
+  Index fixed_begin = 0;
+  BinView bins;
+
+  /// Calls emit(body) for each partner that position p in cell order finds: later bodies in the
+  /// cells around it in its own level, and all bodies around it in coarser levels. Over all
+  /// positions every pair is found once, by its smaller body if their levels differ.
+  template <class Emit>
+  SCREE_HD void operator()(Index p, Emit&& emit) const {
+    const auto own_cell = static_cast<Index>(bins.cell[p]);
+    const BinGrid& grid = *bins.grid;
+    if (own_cell >= grid.cell_count) return;
+    const BinRecord own = bins.record[p];
+    const Index i = bins.body[p];
+    const Index own_level = level_of_cell(grid, own_cell);
+    const float inflated = own.radius - grid.level[own_level].slack;
+
+    search_level(grid.level[own_level], own.position, own.radius, own_cell, p + 1, i, emit);
+    for (Index k = own_level + 1; k < grid.level_count; ++k) {
+      const BinLevel& l = grid.level[k];
+      search_level(l, Vec3<float>(wrapped(grid, l, position[i])), inflated + l.slack, 0, 0, i,
+                   emit);
+    }
+  }
+
+ private:
+  /// @param x           position of the body, wrapped in this level
+  /// @param radius      inflated, with slack
+  /// @param first_cell  cells before this one are left out
+  /// @param first       positions before this one are left out
+  template <class Emit>
+  SCREE_HD void search_level(const BinLevel& l, const Vec3<float>& x, float radius,
+                             Index first_cell, Index first, Index i, Emit& emit) const {
+    const float reach =
+        radius + (0.5f * static_cast<float>(l.max_diameter) * (1 + 2e-7f) + 2 * l.slack);
+    const CellSpan sx = cells_around(l, 0, x.x, reach);
+    const CellSpan sy = cells_around(l, 1, x.y, reach);
+    const CellSpan sz = cells_around(l, 2, x.z, reach);
+    const bool is_small = sx.is_whole || sy.is_whole || sz.is_whole;
+    for (Index kz = 0; kz < sz.count; ++kz) {
+      const WrappedCell cz = wrapped_cell(sz.first + kz, l.cells[2], l.wrap_f.z);
+      const Index plane = l.first_cell + cell_part(l, 2, cz.cell);
+      for (Index ky = 0; ky < sy.count; ++ky) {
+        const WrappedCell cy = wrapped_cell(sy.first + ky, l.cells[1], l.wrap_f.y);
+        const Index row = plane + cell_part(l, 1, cy.cell);
+        for (Index kx = 0; kx < sx.count; ++kx) {
+          const WrappedCell cx = wrapped_cell(sx.first + kx, l.cells[0], l.wrap_f.x);
+          const Index cell = row + cell_part(l, 0, cx.cell);
+          if (cell < first_cell) continue;
+          const CellRange inside = bins.cells[cell];
+          const Vec3<float> near{x.x - cx.shift, x.y - cy.shift, x.z - cz.shift};
+          for (Index q = inside.begin > first ? inside.begin : first; q < inside.end; ++q) {
+            const BinRecord other = bins.record[q];
+            Vec3<float> d = other.position - near;
+            if (is_small) {
+              d = {wrapped_difference(d.x, l.wrap_f.x, l.inv_wrap.x),
+                   wrapped_difference(d.y, l.wrap_f.y, l.inv_wrap.y),
+                   wrapped_difference(d.z, l.wrap_f.z, l.inv_wrap.z)};
+            }
+            const float sum = radius + other.radius;
+            if (norm2(d) > sum * sum * 1.00001f) continue;
+            const Index j = bins.body[q];
+            if (i < fixed_begin || j < fixed_begin) emit(j);
+          }
+        }
+      }
+    }
+  }
+};
+
+}  // namespace scree

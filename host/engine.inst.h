@@ -1,5 +1,6 @@
 // Compiled once per backend: the engine in both precisions.
 #include "host/engine_of.h"
+#include "host/expected_memory.h"
 
 namespace scree {
 namespace {
@@ -16,11 +17,14 @@ std::unique_ptr<BuildBackend> make_backend([[maybe_unused]] const WorldOptions& 
 
 template <>
 std::unique_ptr<Engine> make_engine<BuildBackend>(Scene scene, const WorldOptions& options) {
+  const bool near_pairs = keeps_near_pairs(scene, options);
+  auto backend = make_backend(options);
   if (options.precision == Precision::double_precision) {
-    return std::make_unique<EngineOf<BuildBackend, double>>(make_backend(options),
-                                                            std::move(scene));
+    return std::make_unique<EngineOf<BuildBackend, double>>(std::move(backend), std::move(scene),
+                                                            near_pairs);
   }
-  return std::make_unique<EngineOf<BuildBackend, float>>(make_backend(options), std::move(scene));
+  return std::make_unique<EngineOf<BuildBackend, float>>(std::move(backend), std::move(scene),
+                                                         near_pairs);
 }
 
 }  // namespace scree

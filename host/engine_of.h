@@ -41,7 +41,8 @@ class StageClock {
 template <class B, class Real>
 class EngineOf final : public Engine {
  public:
-  EngineOf(std::unique_ptr<B> backend, Scene scene)
+  /// @param near_pairs  whether the list of near pairs is kept between steps
+  EngineOf(std::unique_ptr<B> backend, Scene scene, bool near_pairs)
       : backend_(std::move(backend)),
         scene_(std::move(scene)),
         summary_(summarize(scene_)),
@@ -49,7 +50,7 @@ class EngineOf final : public Engine {
         store_(*backend_, summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
                summary_.solid_spheres),
         obstacles_(*backend_, scene_, store_.fixed_begin()),
-        detector_(*backend_, collision_settings(), obstacles_.data()),
+        detector_(*backend_, collision_settings(near_pairs), obstacles_.data()),
         assembly_(*backend_, scene_, summary_.layout, summary_.solid_spheres),
         integrate_sums_(*backend_, 1),
         renderer_(*backend_),
@@ -197,10 +198,11 @@ class EngineOf final : public Engine {
                                                         scene_.solver.max_outer_iterations);
   }
 
-  CollisionSettings collision_settings() const {
+  CollisionSettings collision_settings(bool near_pairs) const {
     CollisionSettings settings{summary_.envelope, summary_.layout, periodic_box().length};
     settings.margin_limit = 0.25;
     settings.skin = summary_.skin;
+    settings.keep_candidates = near_pairs;
     if (scene_.solver.exact_coulomb) return settings;
     const auto materials = static_cast<int>(scene_.materials.size());
     for (int i = 0; i < materials; ++i) {

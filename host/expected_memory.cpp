@@ -1,48 +1,140 @@
+#include "host/expected_memory.h"
+
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "host/error.h"
 #include "host/scene_summary.h"
-#include "host/world.h"
+#include "host/shared_constants.h"
 
 namespace scree {
 namespace {
 
-/// Contacts a sphere has in a dense bed, listed ones that do not touch included.
+/// Contacts a sphere has in a dense bed, listed ones that do not touch included; and near pairs for
+/// each of them, at the default skin.
 constexpr double kContactsPerBody = 3.2;
+constexpr double kPairsPerContact = 1.35;
 
-double bytes_per_body(const SceneSummary& s, const WorldOptions& options) {
-  const double real = options.precision == Precision::double_precision ? 8 : 4;
-  const double vec = 3 * real, twist = 6 * real;
-  const bool radial = s.layout == ContactLayout::radial;
-  const double vectors = vectors_per_contact(s.layout);
-  // Per body: state (position 24, orientation, rates, mass, inertia, radius, five integers), bins
-  // 56, free velocity, inertia, four solver velocities, starts of the contact lists.
-  const double inertia = radial ? 2 * real : 16 * real;
-  const double body =
-      24 + 4 * real + 2 * vec + real + vec + real + 14 + 56 + twist + inertia + 4 * twist + 8;
-  // Per contact: key, ids, normal, gap and sort space; arms; bias; kept impulse, present one and
-  // three of the solver; list of contacts as B with its sort space.
-  const double contact =
-      8 + 8 + vec + real + 20 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
-  return body + kContactsPerBody * contact;
+/// Bytes for each body and for each contact.
+struct Bytes {
+  double body = 0;
+  double contact = 0;
+  friend Bytes operator+(const Bytes& a, const Bytes& b) {
+    return {a.body + b.body, a.contact + b.contact};
+  }
+};
+
+/// Sizes of what arrays hold, and what decides which arrays there are.
+struct Sizes {
+  Sizes(const Scene& scene_, const WorldOptions& options)
+      : scene(scene_),
+        summary(summarize(scene_)),
+        shared(shared_constants(scene_)),
+        real(options.precision == Precision::double_precision ? 8 : 4),
+        vec(3 * real),
+        twist(6 * real),
+        impulse(vectors_per_contact(summary.layout) * vec),
+        radial(summary.layout == ContactLayout::radial),
+        alike(radial && summary.solid_spheres) {}
+  const Scene& scene;
+  SceneSummary summary;
+  SharedConstants shared;
+  double real, vec, twist, impulse;
+  bool radial;
+  bool alike;  ///< free velocities and inverse masses come from the state
+};
+
+/// Position, orientation, rates, id, and the constants that are not shared.
+double state_of_body(const Sizes& s) {
+  double bytes = 24 + 4 * s.real + 2 * s.vec + 4;
+  if (!s.summary.solid_spheres) bytes += s.vec;
+  if (!s.shared.mass) bytes += s.real;
+  if (!s.shared.radius) bytes += s.real;
+  if (!s.shared.spheres) bytes += 4;
+  if (!s.shared.group) bytes += 4;
+  if (!s.shared.locks) bytes += 1;
+  if (!s.shared.material) bytes += 1;
+  return bytes;
+}
+
+/// Contacts as collision detection leaves them: ids, normal, gap, arms; key and impulse.
+double contact_set(const Sizes& s) {
+  return 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + 8 + s.impulse;
+}
+
+/// Lists of the contacts of a body, and what the state cannot give.
+Bytes problem(const Sizes& s) {
+  const auto any = [&](auto has) {
+    return std::any_of(s.scene.materials.begin(), s.scene.materials.end(), has) ||
+           std::any_of(s.scene.material_pairs.begin(), s.scene.material_pairs.end(),
+                       [&](const MaterialPair& pair) { return has(pair.values); });
+  };
+  const double friction = pair_values(s.scene, 0, 0).friction;
+  Bytes bytes{8, 4};
+  if (!s.alike) bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
+  if (any([](const Material& m) { return m.restitution > 0; })) bytes.contact += s.real;
+  if (any([](const Material& m) { return m.cohesion > 0; })) bytes.contact += s.real;
+  if (any([&](const Material& m) { return m.friction != friction; })) bytes.contact += s.real;
+  if (s.summary.layout == ContactLayout::rolling) bytes.contact += 3 * s.real;
+  return bytes;
+}
+
+Bytes solver(const Sizes& s) {
+  const double weights = 3 * s.real;
+  Bytes bytes{s.twist, weights};  // Jacobi, Gauss-Seidel
+  if (s.scene.solver.name == "apgd") {
+    const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
+    bytes = {4 * s.twist, 3 * s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
+  } else if (s.scene.solver.name == "gauss_seidel_colored") {
+    // Contacts in the order of colors, their marks, and the memory of a coloring from scratch.
+    const double ordered = 8 + s.vec + 3 * s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;
+    bytes = bytes + Bytes{72, ordered + 4 + 48};
+  }
+  if (s.scene.solver.exact_coulomb) bytes = bytes + Bytes{s.twist, 3 * s.real};
+  return bytes;
+}
+
+double bytes_per_body(const Sizes& s, bool near_pairs) {
+  const Bytes bytes = Bytes{state_of_body(s), contact_set(s)} + problem(s) + solver(s);
+  const double list = 24 + 4.25 * kPairsPerContact * kContactsPerBody;
+  return bytes.body + kContactsPerBody * bytes.contact + (near_pairs ? list : 0);
 }
 
 double body_count(const SceneSummary& s) {
   return static_cast<double>(s.free_capacity) + static_cast<double>(s.fixed_count);
 }
 
+double memory_there(const WorldOptions& options) {
+  return static_cast<double>(device_info(options.backend).memory_bytes);
+}
+
+bool keeps_near_pairs(const Sizes& s, const WorldOptions& options) {
+  return s.summary.skin > 0 &&
+         body_count(s.summary) * bytes_per_body(s, true) <= 0.5 * memory_there(options);
+}
+
 }  // namespace
 
+bool keeps_near_pairs(const Scene& scene, const WorldOptions& options) {
+  return keeps_near_pairs(Sizes(scene, options), options);
+}
+
+double expected_bytes_per_body(const Scene& scene, const WorldOptions& options, bool near_pairs) {
+  return bytes_per_body(Sizes(scene, options), near_pairs);
+}
+
 std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
-  const SceneSummary s = summarize(scene);
-  return static_cast<std::size_t>(body_count(s) * bytes_per_body(s, options));
+  const Sizes s(scene, options);
+  return static_cast<std::size_t>(body_count(s.summary) *
+                                  bytes_per_body(s, keeps_near_pairs(s, options)));
 }
 
 void require_memory(const Scene& scene, const WorldOptions& options) {
-  const SceneSummary s = summarize(scene);
-  const double bodies = body_count(s);
-  const double needed = bodies * bytes_per_body(s, options);
-  const double there = static_cast<double>(device_info(options.backend).memory_bytes);
+  const Sizes s(scene, options);
+  const double bodies = body_count(s.summary);
+  const double needed = bodies * bytes_per_body(s, false);
+  const double there = memory_there(options);
   if (needed <= there) return;
   const double mib = 1024.0 * 1024.0;
   throw InputError(fmt::format(

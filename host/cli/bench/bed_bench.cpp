@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "host/error.h"
+#include "host/expected_memory.h"
 
 namespace scree {
 namespace {
@@ -99,8 +100,7 @@ void require_room(const BedBench& bench, const BedParams& bed) {
   constexpr double kMiB = 1024.0 * 1024.0;
   BedParams small = bed;
   small.count = std::min(bed.count, kSmall);
-  const double per_body =
-      static_cast<double>(expected_memory(bench.scene(small), bench.world_options())) / small.count;
+  const double per_body = expected_bytes_per_body(bench.scene(small), bench.world_options(), false);
   const BackendKind backend = bench.world_options().backend;
   const bool on_gpu = backend == BackendKind::cuda;
   const auto require = [&](double bytes_per_body, double there, const char* where) {

@@ -92,8 +92,9 @@ class ContactDetector {
   /// @param new_of_old  [free_count] new storage index of each free body
   void remap(B& b, const BodyView<Real>& bodies, Span<const Index> new_of_old) {
     name_elements(bodies);
-    memory_.remap(b, sort_, keys_, new_of_old);
-    candidates_.forget();
+    candidates_.release(b);  // void, and its memory is about what the sort needs for the moment
+    SortSpace<B> space(b);
+    memory_.remap(b, space, keys_, new_of_old);
     contact_count_ = 0;
   }
 

@@ -9,6 +9,8 @@ namespace {
 
 /// Contacts a sphere has in a dense bed, listed ones that do not touch included.
 constexpr double kContactsPerBody = 3.2;
+/// Entries a sphere has there in the list of near pairs, with the default skin.
+constexpr double kPairsPerBody = 5;
 
 double bytes_per_body(const SceneSummary& s, const WorldOptions& options) {
   const double real = options.precision == Precision::double_precision ? 8 : 4;
@@ -16,14 +18,16 @@ double bytes_per_body(const SceneSummary& s, const WorldOptions& options) {
   const bool radial = s.layout == ContactLayout::radial;
   const double vectors = vectors_per_contact(s.layout);
   // Per body: state (position 24, orientation, rates, mass, inertia, radius, five integers), bins
-  // 56, free velocity, inertia, four solver velocities, starts of the contact lists.
+  // 56 and their sort space, list of near pairs, free velocity, inertia, four solver velocities,
+  // starts of the contact lists.
   const double inertia = radial ? 2 * real : 16 * real;
-  const double body =
-      24 + 4 * real + 2 * vec + real + vec + real + 14 + 56 + twist + inertia + 4 * twist + 8;
-  // Per contact: key, ids, normal, gap and sort space; arms; bias; kept impulse, present one and
+  const double pairs = 24 + 4 * kPairsPerBody;
+  const double body = 24 + 4 * real + 2 * vec + real + vec + real + 14 + 56 + 12 + pairs + twist +
+                      inertia + 4 * twist + 8;
+  // Per contact: key, ids, normal, gap and kept key; arms; bias; kept impulse, present one and
   // three of the solver; list of contacts as B with its sort space.
   const double contact =
-      8 + 8 + vec + real + 20 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
+      8 + 8 + vec + real + 8 + (radial ? 0 : 2 * vec) + real + 5 * vectors * vec + 8 + 24;
   return body + kContactsPerBody * contact;
 }
 

@@ -177,11 +177,11 @@ struct OrderCandidates {
 
   SCREE_HD void operator()(Index p) const {
     const Index a = list.body[p];
-    const Offset first = begin[a], end = begin[a + 1];
+    const auto first = static_cast<Index>(begin[a]), end = static_cast<Index>(begin[a + 1]);
     for (Index k = list.begin[p]; k < list.begin[p + 1]; ++k) {
       const Index j = list.other[k];
-      Offset lower = 0;
-      for (Offset q = first; q < end; ++q) lower += list.other[q] < j;
+      Index lower = 0;
+      for (Index q = first; q < end; ++q) lower += list.other[q] < j;
       ordered[first + lower] = j;
     }
   }

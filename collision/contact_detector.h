@@ -96,8 +96,8 @@ class ContactDetector {
   /// @param new_of_old  [free_count] new storage index of each free body
   void remap(B& b, const BodyView<Real>& bodies, Span<const Index> new_of_old) {
     name_elements(bodies);
+    candidates_.release();  // void, and its memory is about what the sort needs for the moment
     memory_.remap(b, keys_, new_of_old);
-    candidates_.forget();
     contact_count_ = 0;
   }
 

@@ -61,18 +61,17 @@ class PairCandidates {
       throw std::runtime_error(std::to_string(total) +
                                " pairs of near bodies are more than one run can number (2^31)");
     }
-    Buffer<B, Index> other(b, total);
-    for_each(
-        b, positions,
-        WriteCandidates{search, positions, found.view(), first.view(), count.view(), other.view()});
+    Buffer<B, Index> lower(b, total), other(b, total);
+    for_each(b, positions,
+             WriteCandidates{search, positions, found.view(), first.view(), count.view(),
+                             lower.view(), other.view()});
     found.release();
-
-    const Span<Index> body = body_.resize_discard(pieces);
-    const Span<Index> begin = begin_.resize_discard(pieces + 1);
-    for_each(b, n + 1, CutPieces{n, first.view(), body, begin});
+    for_each(b, n + 1,
+             CutPieces{n, first.view(), body_.resize_discard(pieces),
+                       begin_.resize_discard(pieces + 1)});
     for_each(
-        b, static_cast<Index>(pieces),
-        OrderCandidates{{body, begin, other.view()}, first.view(), other_.resize_discard(total)});
+        b, static_cast<Index>(total),
+        OrderCandidates{lower.view(), other.view(), first.view(), other_.resize_discard(total)});
     is_kept_ = spare.skin > 0;
     ++build_count_;
   }

@@ -44,7 +44,7 @@ struct ContactTest {
     }
   }
 
-  /// Calls emit(element) for each contact of body a with the walls, in any order.
+  /// Calls emit(element) for each contact of body a with the walls, elements ascending.
   template <class Emit>
   SCREE_HD void with_walls(Index a, const BodySample& body, Emit&& emit) const {
     const float inflated = inflated_radius(bodies, range, a);
@@ -106,14 +106,9 @@ struct WriteContactKeys {
       if ((found >> k & 1) != 0) write_pair(a, list.other[list.begin[p] + k], next);
     }
     if (next == end) return;
-    // What is left are walls. Those of a mesh come as its tree has them.
-    const Offset first = next;
-    test.with_walls(a, load_body<kMix>(test.bodies, test.shapes, a), [&](std::uint32_t element) {
-      const std::uint64_t own = make_key(a, element);
-      Offset at = next++;
-      for (; at > first && key[at - 1] > own; --at) key[at] = key[at - 1];
-      key[at] = own;
-    });
+    // What is left are walls, whose elements are above those of all bodies.
+    test.with_walls(a, load_body<kMix>(test.bodies, test.shapes, a),
+                    [&](std::uint32_t element) { key[next++] = make_key(a, element); });
   }
   SCREE_HD void write_pair(Index a, Index j, Offset& next) const {
     const ContactKeys& keys = test.keys;

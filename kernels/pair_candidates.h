@@ -115,7 +115,7 @@ struct CountCandidates {
 };
 
 /// Puts pairs among those of their lower body, in any order.
-/// Bytes per pair: 4 read, 4 written; 4 of the counts added to, and 8 of the scan, from the caches.
+/// Bytes per pair: 4 read, 8 written; 4 of the counts added to, and 8 of the scan, from the caches.
 struct WriteCandidates {
   static constexpr const char* name = "write_candidates";
   PairSearch search;
@@ -123,6 +123,7 @@ struct WriteCandidates {
   Span<const Index> found;
   Span<const Offset> begin;  ///< [free_count + 1] scan of count
   Span<Index> count;         ///< [free_count] out: zero
+  Span<Index> lower;         ///< out: the lower body
   Span<Index> other;         ///< out: the higher body
 
   SCREE_HD void operator()(Index p) const {
@@ -139,7 +140,9 @@ struct WriteCandidates {
   }
   SCREE_HD void put(Index i, Index j) const {
     const Index a = i < j ? i : j;
-    other[begin[a] + atomic_add(&count[a], -1) - 1] = i < j ? j : i;
+    const Offset at = begin[a] + atomic_add(&count[a], -1) - 1;
+    lower[at] = a;
+    other[at] = i < j ? j : i;
   }
 };
 
@@ -167,23 +170,21 @@ struct CutPieces {
 };
 
 /// Puts the candidates of each body in ascending order: each goes where as many are lower. The
-/// order before does not matter, so the list is the same on every run. Bytes per piece: 24 read;
-/// per candidate: 4 read, the others of its body from the caches, 4 written.
+/// order before does not matter, so the list is the same on every run. Bytes per candidate: 8 read,
+/// the others of its body from the caches, 4 written.
 struct OrderCandidates {
   static constexpr const char* name = "order_candidates";
-  CandidateView list;        ///< in any order within a body
+  Span<const Index> lower;   ///< the lower body of each pair
+  Span<const Index> other;   ///< the higher one, in any order within a body
   Span<const Offset> begin;  ///< [free_count + 1]
   Span<Index> ordered;       ///< out
 
-  SCREE_HD void operator()(Index p) const {
-    const Index a = list.body[p];
-    const Offset first = begin[a], end = begin[a + 1];
-    for (Index k = list.begin[p]; k < list.begin[p + 1]; ++k) {
-      const Index j = list.other[k];
-      Offset lower = 0;
-      for (Offset q = first; q < end; ++q) lower += list.other[q] < j;
-      ordered[first + lower] = j;
-    }
+  SCREE_HD void operator()(Index k) const {
+    const Index a = lower[k], j = other[k];
+    const auto first = static_cast<Index>(begin[a]), end = static_cast<Index>(begin[a + 1]);
+    Index before = 0;
+    for (Index q = first; q < end; ++q) before += other[q] < j;
+    ordered[first + before] = j;
   }
 };
 

@@ -40,7 +40,8 @@ SCREE_HD inline ContactGeometry mesh_contact(const BodySample& a, const WallSoli
   return sphere_surface_point(world, rotate(solid.orientation, normal), -world - d, a.radius);
 }
 
-/// Calls emit(element) for each listed contact of body A with the walls.
+/// Calls emit(element) for each listed contact of body A with the walls, in ascending order: planes
+/// come before solid walls, and the triangles of a mesh are numbered along its tree.
 /// @param envelope  contacts are listed up to this gap [m]
 /// @param inflated  inflated radius of A [m], see inflated_radius()
 template <ShapeMix kMix, class Real, class Emit>

@@ -52,6 +52,11 @@ class PairCandidatesTest : public BackendTest<Real> {
     }
   }
 
+  static bool is_ascending(const std::vector<HostContact>& contacts) {
+    return std::is_sorted(contacts.begin(), contacts.end(),
+                          [](const auto& x, const auto& y) { return x.key < y.key; });
+  }
+
   /// In each step a detector that keeps its list finds what a new one finds; the list has to last
   /// for some steps, and must not for all.
   /// @param speed  of the bodies: per step they move about this times h
@@ -67,6 +72,7 @@ class PairCandidatesTest : public BackendTest<Real> {
       run.load();
       const auto found = run.detect();
       ASSERT_EQ(found, fresh_contacts(s)) << "step " << k;
+      ASSERT_TRUE(is_ascending(found)) << "step " << k;
       contacts += found.size();
     }
     EXPECT_GT(contacts, 100u * static_cast<unsigned>(steps));
@@ -304,10 +310,25 @@ TYPED_TEST(PairCandidatesTest, StatesThatAreNotFinite) {
   EXPECT_EQ(detect(), all);
 }
 
+TYPED_TEST(PairCandidatesTest, PassingAPeriodicSideIsNoMotion) {
+  auto s = this->bed(500, 0.05, 0.05, 27);
+  s.settings.period = {1, 1, 1};
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
+  const auto before = run.detect();
+  for (auto& x : run.scene().position) x += {1, -2, 0};
+  run.load();
+  EXPECT_EQ(run.detect().size(), before.size());
+  EXPECT_EQ(run.detector().list_builds(), 1);
+}
+
 TYPED_TEST(PairCandidatesTest, WithoutSkinEachListingMakesItsOwn) {
-  auto s = this->bed(1000, 0.06, 0.06, 22);
+  CollisionScene<TypeParam>
+      s;  // balls that float holds exactly: nothing but the rule ends the list
+  for (int k = 0; k < 4; ++k) s.add_free({0.125 * k, 0, 0}, 1);
   s.add_half_space({0, 0, 0}, {0, 0, 1});
+  s.settings.skin = 1e-3;
   const auto with = this->fresh_contacts(s);
+  EXPECT_EQ(with.size(), 10u);
   s.settings.skin = 0;
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
   for (int k = 1; k <= 3; ++k) {
@@ -354,12 +375,37 @@ TYPED_TEST(PairCandidatesTest, OneBodyAmongThousands) {
   for (int k = 0; k < 3000; ++k) s.add_free(on_surface(), 0.012);
   s.add_half_space({0, 0, -0.5}, {0, 0, 1});
   const auto found = this->fresh_contacts(s);
-  EXPECT_TRUE(std::is_sorted(found.begin(), found.end(),
-                             [](const auto& x, const auto& y) { return x.key < y.key; }));
+  EXPECT_TRUE(this->is_ascending(found));
   const auto of_large = std::count_if(found.begin(), found.end(), [&](const HostContact& c) {
     return c.a == large || c.b == large;
   });
   EXPECT_EQ(of_large, 3101);
+}
+
+TYPED_TEST(PairCandidatesTest, ContactsWithOneMeshAreInOrder) {
+  // Valleys in which spheres touch both sides; triangles listed in no order.
+  MeshSource m;
+  m.closed = false;
+  for (int k = 0; k <= 16; ++k) {
+    for (const double y : {-1.0, 1.0}) m.vertices.push_back({0.1 * k, y, k % 2 == 0 ? 0.1 : 0.0});
+  }
+  for (Index k = 0; k < 16; ++k) {
+    const Index v = 2 * k;
+    m.triangles.push_back({v, v + 2, v + 3});
+    m.triangles.push_back({v, v + 3, v + 1});
+  }
+  std::shuffle(m.triangles.begin(), m.triangles.end(), std::mt19937(28));
+  CollisionScene<TypeParam> s;
+  s.settings.envelope = 1e-3;
+  s.settings.skin = 0.01;
+  for (int k = 0; k < 40; ++k) {
+    s.add_free({0.1 + 0.2 * (k % 8), -0.5 + 0.2 * (k / 8), 0.05 * std::sqrt(2.0)}, 0.05);
+  }
+  s.add_mesh_wall({0, 0, 0}, m);
+  s.add_half_space({0, 0, 0.05 * (std::sqrt(2.0) - 1)}, {0, 0, 1});
+  const auto found = this->fresh_contacts(s);
+  EXPECT_GE(found.size(), 120u) << "two sides and a plane each";
+  EXPECT_TRUE(this->is_ascending(found));
 }
 
 TYPED_TEST(PairCandidatesTest, RefusesBadSkin) {

@@ -61,17 +61,17 @@ SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange&
 /// serves the steps to come as well.
 struct SpareReach {
   double skin = 0;  ///< two bodies together [m]; 0: nothing is spared
+  /// Steps that a body may go on at its present speed. Without it the few fast bodies would use up
+  /// the skin of all.
+  double steps_ahead = 16;
 
-  /// Steps that a body may go on at its present speed, and the most that this adds, as a fraction
-  /// of its radius. Without it the few fast bodies would use up the skin of all; without the limit
-  /// they would fill the list.
-  static constexpr double kStepsAhead = 16;
+  /// The most that this adds, as a fraction of the radius: fast bodies shall not fill the list.
   static constexpr double kMostAhead = 0.5;
 
   template <class Real>
   SCREE_HD double operator()(const BodyView<Real>& bodies, double h, Index i) const {
     if (!(skin > 0)) return 0;
-    const double ahead = kStepsAhead * h * surface_speed(bodies, i);
+    const double ahead = steps_ahead * h * surface_speed(bodies, i);
     const double most = kMostAhead * static_cast<double>(bodies.radius[i]);
     return 0.5 * skin + (ahead < most ? ahead : most);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "kernels/backend/backend.h"
 #include "kernels/body_order.h"
 #include "kernels/permute.h"
 

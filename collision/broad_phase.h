@@ -1,6 +1,7 @@
 #pragma once
 // Sorts bodies into hierarchical Morton bins.
 
+#include "kernels/backend/backend.h"
 #include "kernels/pair_search.h"
 
 namespace scree {

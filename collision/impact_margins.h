@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "kernels/backend/backend.h"
 #include "kernels/impact_margins.h"
 
 namespace scree {

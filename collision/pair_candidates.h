@@ -1,7 +1,6 @@
 #pragma once
 // The list of pairs of bodies that may touch, kept over several steps.
 
-#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -29,24 +28,19 @@ class PairCandidates {
         b, binned.size(),
         CheckReach<Real>{bodies, binned, range, origin_, record_.view(binned.size())},
         StoreResult<LeftBodies>{left_.data()});
-    is_left_ = fetch(b, left_.data()).count > 0;
-    if (!is_left_) ++listings_;
-    return !is_left_;
+    return fetch(b, left_.data()).count == 0;
   }
 
   /// Makes the list for the range and some way beyond; two host reads, one of them by the bins.
   /// Bytes per body besides the bins, m candidates each, every array counted once: 44 for the
   /// balls, 44 + 12 m to search, 48 + 28 m to put into order (m is about 5 in a dense bed).
-  /// @param spare  without skin the list serves only one listing. Where bodies move too far for the
-  ///               list to last, less is spared: a list that soon ends had better be short.
+  /// @param spare  without skin the list serves only one listing
   /// @throws std::runtime_error when there are more pairs than an Index can number
   void build(B& b, const BodyView<Real>& bodies, const ContactRange& range,
              const SpareReach& spare) {
     release();
-    adapt_share();
     const Index n = bodies.free_count;
-    const Bins<B> bins = sort_into_bins(
-        b, bodies, range, SpareReach{share_ * spare.skin, share_ * spare.steps_ahead});
+    const Bins<B> bins = sort_into_bins(b, bodies, range, spare);
     binned_ = {n, bodies.fixed_begin, bodies.count};
     origin_ = bins.view.lower;
     for_each(b, binned_.size(),
@@ -99,16 +93,6 @@ class PairCandidates {
   std::int64_t build_count() const { return build_count_; }
 
  private:
-  /// Listings that the last list served tell what share of the spare reach pays.
-  void adapt_share() {
-    constexpr int kFew = 4, kMany = 24;  // two listings are a step with impacts
-    constexpr double kLeastShare = 1.0 / 16;
-    if (is_left_ && listings_ < kFew) share_ = std::max(share_ / 2, kLeastShare);
-    if (listings_ >= kMany) share_ = std::min(share_ * 2, 1.0);
-    listings_ = 1;
-    is_left_ = false;
-  }
-
   Buffer<B, ReachRecord> record_;
   Buffer<B, Index> body_;
   Buffer<B, Index> begin_;
@@ -117,9 +101,6 @@ class PairCandidates {
   BinnedRange binned_;
   Vec3<double> origin_;
   bool is_kept_ = false;
-  bool is_left_ = false;  ///< by a body of its ball, when last looked at
-  int listings_ = 0;      ///< of the present list
-  double share_ = 1;      ///< of the spare reach
   std::int64_t build_count_ = 0;
 };
 

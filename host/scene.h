@@ -176,7 +176,7 @@ struct SolverSettings {
   std::string name = "apgd";  ///< apgd, jacobi, gauss_seidel, gauss_seidel_colored
   StopRule stop;
   int max_iterations = 400;  ///< [-], > 0
-  int check_every = 10;      ///< iterations between residual checks, > 0
+  int check_every = 10;      ///< most iterations between residual checks, > 0
   bool warm_start = true;
   bool exact_coulomb = false;     ///< De Saxce fixed point around the convex solve
   int max_outer_iterations = 50;  ///< exact Coulomb: fixed point iterations, > 0

@@ -63,7 +63,7 @@ struct SpareReach {
   double skin = 0;  ///< two bodies together [m]; 0: nothing is spared
   /// Steps that a body may go on at its present speed. Without it the few fast bodies would use up
   /// the skin of all.
-  double steps_ahead = 16;
+  double steps_ahead = 4;
 
   /// The most that this adds, as a fraction of the radius: fast bodies shall not fill the list.
   static constexpr double kMostAhead = 0.5;

@@ -86,7 +86,7 @@ struct CheckReach {
 };
 
 /// What a position found is noted in this many slots; one that finds more is searched again.
-inline constexpr Index kPairSlots = 10;
+inline constexpr Index kPairSlots = 24;
 
 /// Counts the pairs of each lower body, and notes what each position finds.
 /// Bytes per body, besides neighbors from the caches: 28 read, 4 per pair and 4 written; 4 per pair

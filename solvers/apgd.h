@@ -5,14 +5,16 @@
 // Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD"; docs/theory.md.
 // Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
 // is the other choice. Memory passes per iteration: one over contacts (112 B in float, 48 of them
-// gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass every
-// `check_every` iterations. A rejected trial of the line search costs one more of both passes;
-// `applications` counts all of them. Spheres take the tuned twins of kernels/tuned.
+// gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
+// every residual check, at least each `check_every` iterations. A rejected trial, which is rare,
+// costs one more of both passes; `applications` counts all of them. Spheres take the tuned twins of
+// kernels/tuned.
 
 #include <algorithm>
 #include <utility>
 
 #include "kernels/apgd_iteration.h"
+#include "solvers/check_schedule.h"
 #include "solvers/residual.h"
 
 namespace scree {
@@ -65,9 +67,12 @@ class Apgd final : public Solver<B, Real> {
     const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()},
                                           {w.extrapolated[0].view(), w.extrapolated[1].view()}};
     // Bodies that do not move keep this velocity through the whole solve.
+    const auto fixed = [&](const Span<Twist<Real>>& v) {
+      return Span<Twist<Real>>{v.data + p.free_count, v.size - p.free_count};
+    };
     for (const Span<Twist<Real>>& view :
          {w.iterate.view(), w.extrapolated[0].view(), w.extrapolated[1].view()})
-      copy(b, Span<const Twist<Real>>(velocity), view);
+      copy(b, Span<const Twist<Real>>(fixed(velocity)), fixed(view));
 
     ApgdState* state = w.state.data();
     const auto start_from_guess = [&] {
@@ -91,7 +96,8 @@ class Apgd final : public Solver<B, Real> {
 
     SolveStats stats;
     double best = -1;
-    bool is_guess = true;
+    bool is_guess = true, is_best = true;
+    CheckSchedule schedule(params_.check_every, tolerance);
     for (;;) {
       // The residual is looked at on the host, the only synchronization of the loop.
       reduce<ResidualSums>(b, p.contact_count,
@@ -115,7 +121,7 @@ class Apgd final : public Solver<B, Real> {
       stats.iterations = check.state.accepted;
       lipschitz_ = check.state.lipschitz;
       this->add_to_curve(stats.iterations, stats.applications, residual.rms);
-      const bool is_best = best < 0 || residual.rms < best;
+      is_best = best < 0 || residual.rms < best;
       if (is_best) {
         best = residual.rms;
         stats.residual = residual;
@@ -125,13 +131,19 @@ class Apgd final : public Solver<B, Real> {
       const bool finite = residual.bad_contact < 0;
       if (stats.converged || !finite || stats.applications >= params_.max_iterations) break;
 
-      const int block = std::min(params_.check_every, params_.max_iterations - stats.applications);
+      const int block = std::min(schedule.next(stats.applications, residual.rms),
+                                 params_.max_iterations - stats.applications);
       w.iteration.run(b, passes, block);
       stats.applications += block;
     }
-    // Velocities of the best iterate, gathered from its impulses.
-    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
-    stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
+    if (is_best) {  // the last iterate, whose velocities and residual are at hand
+      const Span<const Twist<Real>> last = velocities.iterate(stats.iterations);
+      if (last.data != velocity.data) copy(b, last, velocity);
+      stats.residual.objective -= w.residual.template impulse_energy<R>(b, p, velocity);
+    } else {
+      for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
+    }
     return stats;
   }
 

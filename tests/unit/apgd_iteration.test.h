@@ -125,6 +125,28 @@ TYPED_TEST(ApgdIterationTest, MatchesOverManyRounds) {
   EXPECT_GT(this->expect_match(buffers.problem()), 10);
 }
 
+/// L after a trial that met the curvature rho, from L = 1.
+TEST(ApgdStepRule, FollowsTheCurvature) {
+  const auto after = [](double rho, double bound) {
+    ApgdState s;
+    s.lipschitz_max = bound;
+    s.set_lipschitz(1);
+    s.set_momentum(0.25, 0);
+    s.step_squares = 4;
+    ApgdBodyFinish{&s}({{4 * rho}});
+    return s;
+  };
+  EXPECT_EQ(after(0.3, 10).accepted, 1);
+  EXPECT_DOUBLE_EQ(after(0.3, 10).lipschitz, 0.95);
+  EXPECT_GT(after(0.3, 10).beta, 0.6);    // momentum from the first iteration on
+  EXPECT_EQ(after(1.5, 10).accepted, 1);  // too long, but it descends
+  EXPECT_DOUBLE_EQ(after(1.5, 10).lipschitz, 1.65);
+  EXPECT_EQ(after(3, 10).accepted, 0);
+  EXPECT_DOUBLE_EQ(after(3, 10).lipschitz, 3.3);
+  EXPECT_EQ(after(3, 1).accepted, 1);  // rounding: no curvature is above the bound
+  EXPECT_DOUBLE_EQ(after(3, 1).lipschitz, 1);
+}
+
 /// One stored weight a contact when all bodies are alike, the same steps as with two.
 TYPED_TEST(ApgdIterationTest, AlikeBodiesNeedOneWeightAContact) {
   TestBackend& b = this->backend();

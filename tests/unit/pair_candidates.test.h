@@ -226,26 +226,6 @@ TYPED_TEST(PairCandidatesTest, ListLastsUntilABodyLeavesItsBall) {
   EXPECT_EQ(builds_after(0), 3);
 }
 
-TYPED_TEST(PairCandidatesTest, ListsThatSoonEndGetShorter) {
-  auto& b = this->backend();
-  auto s = this->bed(3000, 0.06, 0.06, 31);
-  s.settings.skin = 0.03;
-  CollisionRun<TestBackend, TypeParam> run(b, s);
-  // The memory of a list, when a body has left its ball before `listings` of them.
-  const auto memory_after = [&](int listings) {
-    for (int k = 0; k < listings; ++k) run.detect();
-    run.scene().position[5].z += 1;
-    run.load();
-    EXPECT_EQ(run.detect(), this->fresh_contacts(run.scene()));
-    return b.allocated();
-  };
-  const std::size_t whole = memory_after(10);
-  std::size_t least = whole;
-  for (int k = 0; k < 6; ++k) least = memory_after(0);
-  EXPECT_LT(least, whole - 3000 * sizeof(Index)) << "at least a pair a body less";
-  EXPECT_GT(memory_after(40), least);
-}
-
 TYPED_TEST(PairCandidatesTest, SpeedIsPartOfTheReach) {
   auto s = this->bed(1500, 0.05, 0.05, 17);
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);

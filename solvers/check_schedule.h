@@ -1,0 +1,47 @@
+#pragma once
+// When a solver looks at its residual: a look costs more than half an iteration on a GPU, and every
+// iteration past the tolerance is wasted.
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+/// Foretells from the last two looks when the tolerance will be reached.
+class CheckSchedule {
+ public:
+  /// @param longest    most iterations between two looks, > 0
+  /// @param tolerance  residual to be reached; 0: never
+  CheckSchedule(int longest, double tolerance) : longest_(longest), tolerance_(tolerance) {}
+
+  /// Iterations from this look to the next one.
+  /// @param done  iterations so far; not less than at the look before
+  /// @param rms   residual found, above the tolerance
+  int next(int done, double rms) {
+    const double wait = foretell(done, rms);
+    done_ = done;
+    rms_ = rms;
+    const double least = std::min(kLeast, longest_);
+    return static_cast<int>(std::ceil(std::clamp(wait, least, static_cast<double>(longest_))));
+  }
+
+ private:
+  static constexpr int kLeast = 3;
+  static constexpr double kOffset = 5;  ///< iterations: the power law below holds from the start
+
+  /// Residuals of accelerated methods fall like a power of the iterations done.
+  double foretell(int done, double rms) const {
+    if (!(tolerance_ > 0 && rms_ > rms && done > done_)) return longest_;
+    const double here = done + kOffset;
+    const double power = std::log(rms_ / rms) / std::log(here / (done_ + kOffset));
+    if (!(power > 0.01)) return longest_;
+    return here * (std::pow(rms / tolerance_, 1 / power) - 1);
+  }
+
+  int longest_;
+  double tolerance_;
+  int done_ = 0;
+  double rms_ = 0;  ///< 0: no look so far
+};
+
+}  // namespace scree

@@ -63,7 +63,7 @@ class ContactDetector {
   ///
   /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
   /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:
-  /// up to 92 + 4 m a body for a new list, 28 a body and 8 a contact to pick contacts.
+  /// up to 170 + 12 m a body for a new list, 28 a body and 8 a contact to pick contacts.
   ///
   /// @param h  time step [s]
   /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than an

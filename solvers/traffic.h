@@ -47,7 +47,9 @@ constexpr Traffic apgd_contact_pass_traffic(ApgdMetricKind kind) {
 }
 
 /// ApgdBodyPass. Body: v*, V, V_y 18R, inertia 2R, two list starts 8 read; V, V_y 12R written.
-/// Contact: impulse 3R and normal 3R, once each or for both of its bodies; list entry 4.
+/// Solid spheres have v* from their rates, 6R and their radius, and one of mass and radius when all
+/// are equal: then 2R less are read than counted here. Contact: impulse 3R and normal 3R, once each
+/// or for both of its bodies; list entry 4.
 template <class Real>
 constexpr Traffic apgd_body_pass_traffic() {
   constexpr double r = sizeof(Real);

@@ -2,7 +2,8 @@
 // Accelerated projected gradient descent (Nesterov) with adaptive step and restart, the flagship
 // solver.
 //
-// Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD"; docs/theory.md.
+// Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD", with other
+// rules for step and momentum; docs/theory.md.
 // Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
 // is the other choice. Memory passes per iteration: one over contacts (112 B in float, 48 of them
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at

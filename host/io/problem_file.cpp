@@ -1,7 +1,9 @@
 #include "host/io/problem_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -41,6 +43,8 @@ StoredProblem read_problem(const fs::path& path) try {
   const auto status = fs::status(path, error);
   if (!fs::exists(status)) refuse(path, "there is no such file");
   if (!fs::is_regular_file(status)) refuse(path, "it is not a file");
+  if (::access(path.c_str(), R_OK) != 0)
+    refuse(path, "it cannot be read: " + std::generic_category().message(errno));
   if (!h5::is_hdf5(path)) refuse(path, "it is not an HDF5 file");
   try {
     const h5::File file = h5::File::open(path);

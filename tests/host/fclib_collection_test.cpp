@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/io/h5.h"
 #include "host/io/problem_file.h"
 #include "host/problems/matrix_form.h"
 #include "output_fixtures.h"
@@ -32,7 +33,7 @@ std::vector<fs::path> files_in(const std::string& folder) {
 struct Figures {
   std::string name;
   int dimension, contact_count;
-  double mu_min, mu_max, norm_q, asymmetry;
+  double mu_min, mu_max, norm_q, asymmetry, convex_minimum;
 };
 
 std::vector<Figures> figures() {
@@ -45,7 +46,7 @@ std::vector<Figures> figures() {
     std::istringstream words(line);
     Figures f;
     if (words >> f.name >> f.dimension >> f.contact_count >> f.mu_min >> f.mu_max >> f.norm_q >>
-        f.asymmetry)
+        f.asymmetry >> f.convex_minimum)
       all.push_back(f);
   }
   return all;
@@ -96,6 +97,37 @@ TEST_F(FclibCollection, LocalProblemsHaveTheirPublishedFigures) {
     EXPECT_NEAR(norm_of(p.q), f.norm_q, 1e-11 * f.norm_q);
     const double asymmetry = largest(difference(p.W, transpose(p.W))) / largest(p.W);
     EXPECT_NEAR(asymmetry, f.asymmetry, 0.06 * f.asymmetry + 1e-15);
+  }
+}
+
+/// Rows, signs and the order of impulses: at published impulses, velocities and objective come out.
+TEST_F(FclibCollection, PublishedImpulsesGiveThePublishedVelocitiesAndMinima) {
+  const h5::File file = h5::File::open(shared_file("fclib/reference_solutions.hdf5"));
+  for (const Figures& f : figures()) {
+    SCOPED_TRACE(f.name);
+    const StoredProblem stored = read_problem(shared_file("fclib/local/" + f.name + ".hdf5"));
+    const auto& p = std::get<LocalProblem>(stored.form);
+    const h5::Group solution = file.root().open_group(f.name);
+    const auto velocity = [&](const std::vector<double>& r) {
+      std::vector<double> u = multiply(p.W, r);
+      for (std::size_t k = 0; k < u.size(); ++k) u[k] += p.q[k];
+      return u;
+    };
+    const auto convex_r = solution.read<double>("ccp_r");
+    ASSERT_EQ(convex_r.size(), p.q.size());
+    const std::vector<double> convex_u = velocity(convex_r);
+    double objective = 0, size = 0;
+    for (std::size_t k = 0; k < p.q.size(); ++k) {
+      objective += (convex_u[k] + p.q[k]) * convex_r[k] / 2;
+      size += std::abs(p.q[k] * convex_r[k]);
+    }
+    EXPECT_NEAR(objective, f.convex_minimum, 1e-9 * std::abs(f.convex_minimum) + 1e-14 * size);
+
+    std::vector<double> apart = velocity(solution.read<double>("coulomb_r"));
+    const auto coulomb_u = solution.read<double>("coulomb_u");
+    ASSERT_EQ(coulomb_u.size(), apart.size());
+    for (std::size_t k = 0; k < apart.size(); ++k) apart[k] -= coulomb_u[k];
+    EXPECT_LE(norm_of(apart), 1e-9 * norm_of(p.q));
   }
 }
 

@@ -6,7 +6,8 @@
 #   solvers/    kernels, solvers            host/       kernels, collision, solvers, host
 #   scenes/     scenes and host/*.h         tests/reference/  anything but kernels/
 # Nobody includes tests/, bench/, host/cli/ or host/python/. kernels/, collision/ and solvers/ use only
-# the standard library and CUDA beside these; host/*.h has nothing of CUDA.
+# the standard library and CUDA beside these, and sources of solvers/assembled/ Eigen; host/*.h has
+# nothing of CUDA.
 set -euo pipefail
 cd "$1"
 
@@ -51,7 +52,8 @@ awk '
     } else if (in_tree && from == "scenes" && path ~ /^host\/.*\//) {
       fault("scenes may include public host headers only (" path ")")
     } else if ((!quoted || path ~ "/") && !in_tree && from ~ /^(kernels|collision|solvers)$/ &&
-               path !~ /^(experimental\/)?[a-z_0-9]+$/ && path !~ cuda && path !~ /^(omp|immintrin)\.h$/) {
+               path !~ /^(experimental\/)?[a-z_0-9]+$/ && path !~ cuda && path !~ /^(omp|immintrin)\.h$/ &&
+               !(FILENAME ~ /^solvers\/assembled\/.*\.cpp$/ && path ~ /^Eigen\//)) {
       fault(from " may include only the standard library and CUDA (" path ")")
     } else if (FILENAME ~ /^host\/[^\/]*\.h$/ && FILENAME !~ /\.inst\.h$/ &&
                (path ~ cuda || path ~ /\.cuh$/)) {

@@ -1,0 +1,100 @@
+#include "host/problems/assembled_form.h"
+
+#include <Eigen/Dense>
+#include <utility>
+#include <variant>
+
+#include "host/error.h"
+#include "host/problems/matrix_form.h"
+
+namespace scree {
+namespace {
+
+Eigen::MatrixXd dense(const SparseMatrix& a) {
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(a.row_count, a.column_count);
+  for (int row = 0; row < a.row_count; ++row)
+    for (int k = a.row_start[row]; k < a.row_start[row + 1]; ++k) d(row, a.column[k]) += a.value[k];
+  return d;
+}
+
+/// The problem without its bilateral constraints. They are few where there are any: dense.
+LocalProblem eliminated(const LocalProblem& p) {
+  const Eigen::MatrixXd V = dense(p.V);
+  const Eigen::FullPivLU<Eigen::MatrixXd> R(dense(p.R));
+  if (!R.isInvertible())
+    throw InputError("R is singular: the bilateral constraints depend on each other");
+  const Eigen::MatrixXd W = dense(p.W) - V * R.solve(V.transpose());
+  const Eigen::VectorXd shift =
+      V * R.solve(Eigen::Map<const Eigen::VectorXd>(p.s.data(), static_cast<int>(p.s.size())));
+  LocalProblem free;
+  free.dimension = p.dimension;
+  free.mu = p.mu;
+  free.q = p.q;
+  for (std::size_t k = 0; k < free.q.size(); ++k) free.q[k] -= shift(static_cast<int>(k));
+  std::vector<MatrixEntry> entries;
+  for (int row = 0; row < W.rows(); ++row)
+    for (int column = 0; column < W.cols(); ++column)
+      if (std::abs(W(row, column)) > 0) entries.push_back({row, column, W(row, column)});
+  free.W = compress(static_cast<int>(W.rows()), static_cast<int>(W.cols()), entries);
+  return free;
+}
+
+}  // namespace
+
+AssembledProblem assembled_form(const LocalProblem& problem) {
+  if (!problem.V.empty()) return assembled_form(eliminated(problem));
+  const int dimension = problem.dimension;
+  const int contact_count = problem.contact_count();
+  std::vector<PlacedBlock> blocks;
+  for (int row = 0; row < problem.W.row_count; ++row) {
+    for (int k = problem.W.row_start[row]; k < problem.W.row_start[row + 1]; ++k) {
+      const int column = problem.W.column[k];
+      PlacedBlock b{row / dimension, column / dimension, Block3{}};
+      // Rows are sorted by column: entries of one block in this row follow each other.
+      if (!blocks.empty() && blocks.back().row == b.row && blocks.back().column == b.column) {
+        blocks.back().value[3 * (row % dimension) + column % dimension] += problem.W.value[k];
+        continue;
+      }
+      b.value[3 * (row % dimension) + column % dimension] = problem.W.value[k];
+      blocks.push_back(b);
+    }
+  }
+  AssembledProblem p =
+      assemble(contact_count, std::move(blocks), to_three_rows(dimension, problem.q), problem.mu);
+  p.dimension = dimension;
+  if (dimension == 2) {
+    for (int c = 0; c < contact_count; ++c) {
+      Block3& d = p.diagonal(c);
+      const double mean = 0.5 * (d[0] + d[4]);
+      d[8] = mean > 0 ? mean : 1;
+    }
+  }
+  return p;
+}
+
+AssembledProblem assembled_form(const StoredProblem& problem) {
+  if (const auto* local = std::get_if<LocalProblem>(&problem.form)) return assembled_form(*local);
+  if (const auto* global = std::get_if<GlobalProblem>(&problem.form))
+    return assembled_form(local_form(*global));
+  return assembled_form(local_form(std::get<BodyProblem>(problem.form)));
+}
+
+std::vector<double> to_three_rows(int dimension, const std::vector<double>& rows) {
+  if (dimension == 3) return rows;
+  std::vector<double> three;
+  three.reserve(rows.size() / 2 * 3);
+  for (std::size_t k = 0; k + 1 < rows.size(); k += 2)
+    three.insert(three.end(), {rows[k], rows[k + 1], 0.0});
+  return three;
+}
+
+std::vector<double> from_three_rows(int dimension, const std::vector<double>& rows) {
+  if (dimension == 3) return rows;
+  std::vector<double> two;
+  two.reserve(rows.size() / 3 * 2);
+  for (std::size_t k = 0; k + 2 < rows.size(); k += 3)
+    two.insert(two.end(), {rows[k], rows[k + 1]});
+  return two;
+}
+
+}  // namespace scree

@@ -1,0 +1,26 @@
+#pragma once
+// Stored contact problems of any form as the solvers of solvers/assembled/ take them.
+
+#include "host/problems/stored_problem.h"
+#include "solvers/assembled/assembled_problem.h"
+
+namespace scree {
+
+/// W in 3x3 blocks.
+///
+/// A 2-D problem gets a second tangent with a diagonal entry, the mean of the contact's other two,
+/// and nothing else. Its velocity is that entry times its impulse, so both laws make both zero:
+/// solutions, residuals and objective are those of the 2-D problem.
+///
+/// Bilateral impulses are eliminated, l = -R^-1 (V^T r + s): W - V R^-1 V^T and q - V R^-1 s.
+/// @throws InputError when R is singular
+AssembledProblem assembled_form(const LocalProblem& problem);
+
+/// The same for any form. @throws InputError as the functions of matrix_form.h
+AssembledProblem assembled_form(const StoredProblem& problem);
+
+/// Rows of a problem's own dimension (a stored guess, a velocity) as three a contact, and back.
+std::vector<double> to_three_rows(int dimension, const std::vector<double>& rows);
+std::vector<double> from_three_rows(int dimension, const std::vector<double>& rows);
+
+}  // namespace scree

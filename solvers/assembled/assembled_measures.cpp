@@ -1,0 +1,82 @@
+#include "solvers/assembled/assembled_measures.h"
+
+#include <algorithm>
+#include <array>
+
+#include "kernels/cone.h"
+
+namespace scree {
+namespace {
+
+double norm_of(const std::vector<double>& v) {
+  double sum = 0;
+  for (const double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+/// a / b, and a where b is zero: at rest without loads every number is an error as it stands.
+double ratio(double a, double b) { return b > 0 ? a / b : a; }
+
+ContactState state_of(double mu, const std::array<double, 3>& x) {
+  const double t = std::hypot(x[1], x[2]);
+  if (mu * t <= -x[0]) return ContactState::open;
+  return t <= mu * x[0] ? ContactState::stick : ContactState::slip;
+}
+
+/// Square of |x - P(x - w)| of one contact.
+double natural_square(double mu, const std::array<double, 3>& x, const std::array<double, 3>& w) {
+  double y[3] = {x[0] - w[0], x[1] - w[1], x[2] - w[2]};
+  project_on_cone(mu, y);
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) sum += (x[k] - y[k]) * (x[k] - y[k]);
+  return sum;
+}
+
+}  // namespace
+
+void project_on_cone(double mu, double* x) {
+  const ContactVec<double> y = project_cone(mu, ContactVec<double>{x[0], x[1], x[2]});
+  x[0] = y.n;
+  x[1] = y.t1;
+  x[2] = y.t2;
+}
+
+AssembledResidual measure(const AssembledProblem& p, AssembledModel model,
+                          const std::vector<double>& scale, const std::vector<double>& r,
+                          const std::vector<double>& u, std::vector<ContactState>* state) {
+  AssembledResidual result;
+  double square = 0, free_square = 0, scaled_q = 0;
+  if (state != nullptr) state->resize(p.contact_count);
+  for (int c = 0; c < p.contact_count; ++c) {
+    const std::array<double, 3> impulse{r[3 * c], r[3 * c + 1], r[3 * c + 2]};
+    const std::array<double, 3> v = law_velocity(model, p.mu[c], &u[3 * c]);
+    const double root = std::sqrt(scale[c]);
+    std::array<double, 3> x, w, trial;
+    for (int k = 0; k < 3; ++k) {
+      x[k] = root * impulse[k];
+      w[k] = v[k] / root;
+      trial[k] = x[k] - w[k];
+      scaled_q += p.q[3 * c + k] * p.q[3 * c + k] / scale[c];
+      result.objective += 0.5 * impulse[k] * (u[3 * c + k] + p.q[3 * c + k]);
+    }
+    square += natural_square(p.mu[c], impulse, v);
+    free_square += natural_square(p.mu[c], x, w);
+    if (state != nullptr) (*state)[c] = state_of(p.mu[c], trial);
+  }
+  const double norm_q = norm_of(p.q);
+  result.absolute = std::sqrt(square);
+  result.relative = ratio(result.absolute, norm_q);
+  result.to_largest = ratio(result.absolute, std::max({norm_q, norm_of(r), norm_of(u)}));
+  result.unit_free = ratio(std::sqrt(free_square), std::sqrt(scaled_q));
+  return result;
+}
+
+AssembledResidual measure(const AssembledProblem& p, AssembledModel model,
+                          const std::vector<double>& r) {
+  std::vector<double> u;
+  multiply(p, r, u);
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] += p.q[k];
+  return measure(p, model, contact_scales(p), r, u);
+}
+
+}  // namespace scree

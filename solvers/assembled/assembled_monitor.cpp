@@ -1,0 +1,142 @@
+#include "solvers/assembled/assembled_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scree {
+namespace {
+
+double norm_of(const std::vector<double>& v) {
+  double sum = 0;
+  for (const double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+const char* to_string(AssembledStatus status) {
+  switch (status) {
+    case AssembledStatus::converged:
+      return "converged";
+    case AssembledStatus::iteration_limit:
+      return "iteration limit";
+    case AssembledStatus::time_limit:
+      return "time limit";
+    case AssembledStatus::stalled:
+      return "stalled";
+    case AssembledStatus::diverged:
+      return "diverged";
+    case AssembledStatus::singular:
+      return "singular";
+    case AssembledStatus::unsupported:
+      break;
+  }
+  return "unsupported";
+}
+
+AssembledMonitor::AssembledMonitor(const AssembledProblem& problem, const AssembledOptions& options,
+                                   std::vector<AssembledCurvePoint>* curve)
+    : problem_(problem),
+      options_(options),
+      curve_(curve),
+      start_(std::chrono::steady_clock::now()),
+      scale_(contact_scales(problem)) {
+  if (!options.reference_velocity.empty())
+    reference_norm_ = std::max(norm_of(options.reference_velocity), 1e-3 * norm_of(problem.q));
+  result_.r.assign(3 * static_cast<std::size_t>(problem.contact_count), 0.0);
+}
+
+bool AssembledMonitor::due(int iteration) const {
+  return iteration % std::max(1, options_.check_every) == 0 ||
+         iteration >= options_.max_iterations || out_of_time();
+}
+
+bool AssembledMonitor::look(int iteration, const std::vector<double>& r) {
+  std::vector<double> u;
+  multiply(problem_, r, u);
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] += problem_.q[k];
+  count_applications();
+  return look(iteration, r, u);
+}
+
+bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
+                            const std::vector<double>& u) {
+  if (stopped_) return true;
+  last_ = measure(problem_, options_.model, scale_, r, u, &state_);
+  velocity_ = u;
+  result_.iterations = phase_start_ + iteration;
+  const double size = norm_of(r);
+  if (!std::isfinite(last_.absolute) || !std::isfinite(size)) {
+    fail(AssembledStatus::diverged, "an iterate is not finite");
+    return true;
+  }
+  state_changes_ = 0;
+  for (std::size_t c = 0; c < last_state_.size(); ++c)
+    state_changes_ += state_[c] != last_state_[c];
+  last_state_ = state_;
+  if (!looked_ || last_.relative < result_.residual.relative) {
+    result_.r = r;
+    result_.residual = last_;
+  }
+  looked_ = true;
+  if (curve_ != nullptr) {
+    AssembledCurvePoint point;
+    point.iteration = result_.iterations;
+    point.applications = result_.applications;
+    point.seconds = seconds();
+    point.residual = last_;
+    point.state_changes = state_changes_;
+    if (!options_.reference_velocity.empty()) {
+      double square = 0;
+      for (std::size_t k = 0; k < u.size(); ++k) {
+        const double d = u[k] - options_.reference_velocity[k];
+        square += d * d;
+      }
+      point.velocity_error = reference_norm_ > 0 ? std::sqrt(square) / reference_norm_ : square;
+    }
+    curve_->push_back(point);
+  }
+  if (options_.tolerance > 0 && last_.relative <= options_.tolerance) {
+    fail(AssembledStatus::converged);
+  } else if (iteration >= options_.max_iterations) {
+    fail(AssembledStatus::iteration_limit);
+  } else if (out_of_time()) {
+    fail(AssembledStatus::time_limit);
+  }
+  return stopped_;
+}
+
+void AssembledMonitor::fail(AssembledStatus status, std::string text) {
+  result_.status = status;
+  stopped_ = true;
+  note(text);
+}
+
+void AssembledMonitor::note(const std::string& text) {
+  if (text.empty()) return;
+  if (!result_.note.empty()) result_.note += "; ";
+  result_.note += text;
+}
+
+void AssembledMonitor::next_phase() {
+  phase_start_ = result_.iterations;
+  if (converged() || out_of_time()) return;
+  stopped_ = false;
+  result_.status = AssembledStatus::iteration_limit;
+}
+
+bool AssembledMonitor::out_of_time() const {
+  return options_.max_seconds > 0 && seconds() >= options_.max_seconds;
+}
+
+double AssembledMonitor::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+AssembledResult AssembledMonitor::finish() {
+  result_.seconds = seconds();
+  return std::move(result_);
+}
+
+}  // namespace scree

@@ -1,0 +1,129 @@
+#pragma once
+// Options and results of solvers of assembled problems, and the monitor that looks at iterates: it
+// measures, records, keeps the best, and says when to stop. Every solver is judged by it alone.
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "solvers/assembled/assembled_measures.h"
+
+namespace scree {
+
+struct AssembledOptions {
+  AssembledModel model = AssembledModel::exact;
+  double tolerance = 1e-8;    ///< on AssembledResidual::relative, >= 0; 0 runs all iterations
+  int max_iterations = 0;     ///< of the method, outer ones where there are two kinds; 0: its own
+  int check_every = 0;        ///< iterations between looks; 0: the method's own
+  double max_seconds = 0;     ///< by the clock; 0: no limit
+  double relaxation = 0;      ///< of methods that have one, in (0, 2); 0: the method's own
+  std::vector<double> guess;  ///< [3 contact_count], any values; empty: zero
+  /// u that curves are compared with [3 contact_count]; empty: none
+  std::vector<double> reference_velocity;
+};
+
+enum class AssembledStatus {
+  converged,        ///< reached the tolerance
+  iteration_limit,  ///< stopped at max_iterations
+  time_limit,       ///< stopped at max_seconds
+  stalled,          ///< the method cannot get further: no descent, or nothing moves
+  diverged,         ///< impulses grew without bound or are not finite
+  singular,         ///< a linear system could not be solved
+  unsupported       ///< the method does not know this model or problem
+};
+
+/// "converged", "iteration limit", ...
+const char* to_string(AssembledStatus status);
+
+/// One look at an iterate.
+struct AssembledCurvePoint {
+  int iteration = 0;
+  long applications = 0;
+  double seconds = 0;
+  AssembledResidual residual;
+  double velocity_error = -1;  ///< |u - u*| / max(|u*|, 1e-3 |q|); -1 without a reference
+  int state_changes = 0;       ///< contacts whose open/stick/slip state changed since the last look
+};
+
+struct AssembledResult {
+  std::vector<double> r;    ///< best impulses that were looked at [3 contact_count]
+  int iterations = 0;       ///< done
+  long applications = 0;    ///< products with W: a sweep over all its rows counts one, and so does
+                            ///< the velocity that a look needs
+  long factorizations = 0;  ///< of sparse matrices
+  double seconds = 0;
+  AssembledResidual residual;  ///< of r
+  AssembledStatus status = AssembledStatus::iteration_limit;
+  std::string note;  ///< what a user should know, or empty
+};
+
+/// Follows one solve.
+class AssembledMonitor {
+ public:
+  /// All must outlive the monitor. @param curve  may be null
+  AssembledMonitor(const AssembledProblem& problem, const AssembledOptions& options,
+                   std::vector<AssembledCurvePoint>* curve);
+
+  /// Whether an iteration (from 0, the guess) is one to look at: every check_every-th, and the
+  /// last.
+  bool due(int iteration) const;
+
+  /// Looks at the impulses after `iteration` iterations of the current phase: one product with W.
+  /// @return whether to stop
+  bool look(int iteration, const std::vector<double>& r);
+  /// The same for a solver that has u = W r + q at hand.
+  bool look(int iteration, const std::vector<double>& r, const std::vector<double>& u);
+  /// Both of the above in a loop: looks when due and says whether to stop.
+  bool look_if_due(int iteration, const std::vector<double>& r) {
+    return due(iteration) && look(iteration, r);
+  }
+
+  void count_applications(long count = 1) { result_.applications += count; }
+  void count_factorizations(long count = 1) { result_.factorizations += count; }
+
+  /// Ends the solve for a reason other than the monitor's own.
+  void fail(AssembledStatus status, std::string note = {});
+  /// Appends to the note of the result.
+  void note(const std::string& text);
+
+  /// Starts another phase, in which iterations count from 0 again and a failure of the last one is
+  /// forgotten: for solvers that hand over to another.
+  void next_phase();
+
+  bool stopped() const { return stopped_; }
+  /// Whether the tolerance was reached.
+  bool converged() const { return stopped_ && result_.status == AssembledStatus::converged; }
+  bool out_of_time() const;
+  double seconds() const;
+  /// Residual of the last look.
+  const AssembledResidual& last() const { return last_; }
+  /// Best impulses so far and their residual.
+  const std::vector<double>& best() const { return result_.r; }
+  const AssembledResidual& best_residual() const { return result_.residual; }
+  /// Contacts whose state changed between the last two looks.
+  int state_changes() const { return state_changes_; }
+  long applications() const { return result_.applications; }
+  /// u of the last look.
+  const std::vector<double>& last_velocity() const { return velocity_; }
+
+  /// The account, complete. Call once, at the end.
+  AssembledResult finish();
+
+ private:
+  const AssembledProblem& problem_;
+  const AssembledOptions& options_;
+  std::vector<AssembledCurvePoint>* curve_;
+  std::chrono::steady_clock::time_point start_;
+  std::vector<double> scale_;
+  std::vector<double> velocity_;
+  std::vector<ContactState> state_, last_state_;
+  AssembledResidual last_;
+  AssembledResult result_;
+  double reference_norm_ = 0;
+  int phase_start_ = 0;  ///< iterations of earlier phases
+  int state_changes_ = 0;
+  bool looked_ = false;
+  bool stopped_ = false;
+};
+
+}  // namespace scree

@@ -1,0 +1,71 @@
+#pragma once
+// Contact problems given by the assembled operator: W in 3x3 blocks, q and mu, in double on the
+// host.
+//
+// u = W r + q, rows of a contact: normal, two tangents. Everything here has three rows a contact;
+// 2-D problems get a second tangent that nothing acts on (assembled_form.h).
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace scree {
+
+/// A 3x3 block, row by row.
+using Block3 = std::array<double, 9>;
+
+/// W in compressed block rows. Columns ascend within a row, and the diagonal block is always there.
+struct AssembledProblem {
+  int contact_count = 0;
+  int dimension = 3;             ///< rows a contact has in the file it came from: 2 or 3
+  std::vector<int> row_start;    ///< [contact_count + 1]
+  std::vector<int> column;       ///< [block_count] contact
+  std::vector<Block3> block;     ///< [block_count] [1/kg]
+  std::vector<int> diagonal_at;  ///< [contact_count] where in `block` W_cc is
+  std::vector<double> q;         ///< [3 contact_count] free contact velocity [m/s]
+  std::vector<double> mu;        ///< [contact_count] friction coefficient [-]
+
+  int block_count() const { return static_cast<int>(block.size()); }
+  const Block3& diagonal(int c) const { return block[diagonal_at[c]]; }
+  Block3& diagonal(int c) { return block[diagonal_at[c]]; }
+};
+
+/// One 3x3 block at a place; blocks of one place add up.
+struct PlacedBlock {
+  int row = 0;
+  int column = 0;
+  Block3 value{};
+};
+
+/// The problem with these blocks, zero diagonal blocks added where there are none.
+/// @param q, mu  [3 n], [n]
+AssembledProblem assemble(int contact_count, std::vector<PlacedBlock> blocks, std::vector<double> q,
+                          std::vector<double> mu);
+
+/// y = W x. @param x, y  [3 contact_count], different arrays; y is resized
+void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vector<double>& y);
+
+/// (W x)_c, three numbers.
+inline std::array<double, 3> row_product(const AssembledProblem& p, int c, const double* x) {
+  double y0 = 0, y1 = 0, y2 = 0;
+  for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k) {
+    const double* w = p.block[k].data();
+    const double* v = x + 3 * p.column[k];
+    y0 += w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
+    y1 += w[3] * v[0] + w[4] * v[1] + w[5] * v[2];
+    y2 += w[6] * v[0] + w[7] * v[1] + w[8] * v[2];
+  }
+  return {y0, y1, y2};
+}
+
+/// Largest |W - W^T| over largest |W|.
+double asymmetry(const AssembledProblem& p);
+
+/// The problem with (W + W^T) / 2, for which the convex model is a minimization.
+AssembledProblem symmetrized(const AssembledProblem& p);
+
+/// trace(W_cc) / 3 of every contact; where that is not positive, the mean of the others, or 1.
+/// The scale d_c of the unit-free measure, and 1 / d_c of step lengths [contact_count] [1/kg].
+std::vector<double> contact_scales(const AssembledProblem& p);
+
+}  // namespace scree

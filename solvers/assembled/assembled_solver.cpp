@@ -1,0 +1,102 @@
+#include "solvers/assembled/assembled_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "solvers/assembled/de_saxce_loop.h"
+
+namespace scree {
+
+#define SCREE_ASSEMBLED_SOLVER(name) std::unique_ptr<AssembledSolver> make_assembled_##name();
+#include "solvers/assembled/solver_list.inc"
+#undef SCREE_ASSEMBLED_SOLVER
+
+namespace {
+
+void require(bool ok, const std::string& what) {
+  if (!ok) throw AssembledError(what);
+}
+
+/// Products of rounding apart, W is symmetric below this.
+constexpr double symmetric_to = 1e-12;
+
+void check(const AssembledProblem& p, const AssembledOptions& o) {
+  const std::size_t rows = 3 * static_cast<std::size_t>(p.contact_count);
+  const auto require_rows = [&](const std::vector<double>& v, const char* name) {
+    require(v.size() == rows, std::string(name) + " has " + std::to_string(v.size()) +
+                                  " values, expected " + std::to_string(rows));
+    require(std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); }),
+            std::string(name) + " holds a value that is not finite");
+  };
+  require(p.contact_count > 0, "the problem has no contacts");
+  require(p.mu.size() == static_cast<std::size_t>(p.contact_count), "mu does not fit the contacts");
+  require_rows(p.q, "q");
+  if (!o.guess.empty()) require_rows(o.guess, "guess");
+  if (!o.reference_velocity.empty()) require_rows(o.reference_velocity, "reference_velocity");
+  require(o.tolerance >= 0, "tolerance must not be negative, got " + std::to_string(o.tolerance));
+  require(o.max_iterations >= 0,
+          "max_iterations must not be negative, got " + std::to_string(o.max_iterations));
+  require(o.check_every >= 0,
+          "check_every must not be negative, got " + std::to_string(o.check_every));
+  require(o.max_seconds >= 0,
+          "max_seconds must not be negative, got " + std::to_string(o.max_seconds));
+  require(o.relaxation >= 0 && o.relaxation < 2,
+          "relaxation must lie in (0, 2), got " + std::to_string(o.relaxation));
+}
+
+}  // namespace
+
+AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
+                                       const AssembledOptions& options,
+                                       std::vector<AssembledCurvePoint>* curve) const {
+  check(problem, options);
+  const AssembledTraits own = traits();
+  AssembledOptions o = options;
+  if (o.max_iterations == 0) o.max_iterations = own.default_iterations;
+  if (o.check_every == 0) o.check_every = own.default_check_every;
+  if (o.guess.empty()) o.guess.assign(problem.q.size(), 0.0);
+
+  const bool convex = o.model == AssembledModel::convex;
+  const double unsymmetric = convex || !own.exact ? asymmetry(problem) : 0;
+  AssembledProblem symmetric;
+  const bool replace = convex && unsymmetric > symmetric_to;
+  if (replace) symmetric = symmetrized(problem);
+  const AssembledProblem& p = replace ? symmetric : problem;
+
+  AssembledMonitor monitor(p, o, curve);
+  if (replace) {
+    char text[80];
+    std::snprintf(text, sizeof text, "W symmetrized (unsymmetric by %.1e)", unsymmetric);
+    monitor.note(text);
+  }
+  if (convex ? own.convex : own.exact) {
+    run(p, o, monitor);
+  } else if (!convex && own.convex) {
+    run_de_saxce_loop(*this, p, o, monitor);
+  } else {
+    monitor.fail(AssembledStatus::unsupported, "the method solves the exact model only");
+  }
+  return monitor.finish();
+}
+
+std::unique_ptr<AssembledSolver> make_assembled_solver(const std::string& name) {
+#define SCREE_ASSEMBLED_SOLVER(known) \
+  if (name == #known) return make_assembled_##known();
+#include "solvers/assembled/solver_list.inc"
+#undef SCREE_ASSEMBLED_SOLVER
+  std::string known;
+  for (const std::string& n : assembled_solver_names()) known += (known.empty() ? "" : ", ") + n;
+  throw AssembledError("solver \"" + name + "\" is not known; expected one of " + known);
+}
+
+std::vector<std::string> assembled_solver_names() {
+  return {
+#define SCREE_ASSEMBLED_SOLVER(name) #name,
+#include "solvers/assembled/solver_list.inc"
+#undef SCREE_ASSEMBLED_SOLVER
+  };
+}
+
+}  // namespace scree

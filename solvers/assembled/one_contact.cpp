@@ -94,13 +94,11 @@ void solve_convex(const Block3& W, const double* b, double mu, double* r) {
     const Vec2 s = tangential.solve(stretched(scale, t), bt);
     return b[0] - (cross.x * s.x + cross.y * s.y);
   };
-  const auto tangent_of = [&](double t, double n) {
-    return tangential.solve(stretched(scale, t), {-cross.x * n - bt.x, -cross.y * n - bt.y});
-  };
-  double at_floor = pivot(floor);
+  const double at_floor = pivot(floor);
   if (at_floor > 0) {
     const double n = -load(floor) / at_floor;
-    const Vec2 tangent = tangent_of(floor, n);
+    const Vec2 tangent =
+        tangential.solve(stretched(scale, floor), {-cross.x * n - bt.x, -cross.y * n - bt.y});
     if (length(tangent) <= mu * n) return set(r, n, tangent);
   }
   // The pole of r_n; r_n is positive on the side where load and pivot have different signs.
@@ -116,15 +114,28 @@ void solve_convex(const Block3& W, const double* b, double mu, double* r) {
         tangential.solve(l, {-cross.x * n_times_a - a * bt.x, -cross.y * n_times_a - a * bt.y});
     return length(times_a) - mu * n_times_a;
   };
+  // r_n = -load / pivot, but near the pole, where contacts that only slide sit, that is 0 / 0.
+  // There |A n + B| = mu n has one positive root, as the cone holds the null vector (1, A) of the
+  // pole.
+  const auto set_slip = [&](double t) {
+    const Vec2 A = tangential.solve(stretched(scale, t), {-cross.x, -cross.y});
+    const Vec2 B = tangential.solve(stretched(scale, t), {-bt.x, -bt.y});
+    const double square = mu * mu - A.x * A.x - A.y * A.y, half = A.x * B.x + A.y * B.y;
+    const double size = B.x * B.x + B.y * B.y, a = pivot(t);
+    double n = -load(t) / a;
+    if (square > 0 && std::abs(a) < 1e-3 * W[0]) {
+      const double root = std::sqrt(half * half + square * size);
+      n = half > 0 ? (half + root) / square : size / (root - half);
+    }
+    set_on_surface(mu, r, std::fmax(0.0, n), {A.x * n + B.x, A.y * n + B.y});
+  };
   const double other = sign > 0 ? floor : last_t;
   const double at_pole = miss(pole), at_other = miss(other);
-  if (!(at_pole < 0) || !(at_other > 0)) {
-    // Only rounding leads here: the ray along the normal is a feasible step downhill.
-    return set(r, std::fmax(0.0, -b[0] / W[0]), {});
+  if (at_pole < 0 && at_other > 0) {
+    set_slip(bracketed_root(miss, other, at_other, pole, at_pole));
+  } else {
+    set_slip(pole);
   }
-  const double t = bracketed_root(miss, other, at_other, pole, at_pole);
-  const double n = std::fmax(0.0, -load(t) / pivot(t));
-  set_on_surface(mu, r, n, tangent_of(t, n));
 }
 
 }  // namespace

@@ -1,0 +1,87 @@
+#include "solvers/assembled/proximal_method.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/assembled/newton_method.h"
+#include "solvers/assembled/sweep.h"
+
+namespace scree {
+namespace {
+
+/// Problem p with weight a around r: W + a D, q - a D r.
+void regularize(const AssembledProblem& p, const std::vector<double>& scale, double a,
+                const std::vector<double>& r, AssembledProblem& inner) {
+  for (int c = 0; c < p.contact_count; ++c) {
+    const Block3& from = p.diagonal(c);
+    Block3& to = inner.diagonal(c);
+    const double add = a * scale[c];
+    for (int k = 0; k < 3; ++k) {
+      to[4 * k] = from[4 * k] + add;
+      inner.q[3 * c + k] = p.q[3 * c + k] - add * r[3 * c + k];
+    }
+  }
+}
+
+double norm_of(const std::vector<double>& v) {
+  double sum = 0;
+  for (const double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+/// Adds the work of an inner solve.
+void take_account(AssembledMonitor& outer, const AssembledResult& inner) {
+  outer.count_applications(inner.applications);
+  outer.count_factorizations(inner.factorizations);
+}
+
+}  // namespace
+
+void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
+                  const ProximalSettings& settings, AssembledMonitor& monitor) {
+  const std::vector<double> scale = contact_scales(p);
+  AssembledProblem inner = p;
+  std::vector<double> r = o.guess;
+  double weight = settings.first_weight;
+  for (int k = 0; !monitor.look(k, r); ++k) {
+    regularize(p, scale, weight, r, inner);
+    AssembledOptions inner_options = o;
+    inner_options.reference_velocity.clear();
+    // The absolute error asked for is a share of the present one.
+    const double wanted = std::max(0.1 * monitor.last().absolute, 0.2 * o.tolerance * norm_of(p.q));
+    inner_options.tolerance = wanted / std::max(norm_of(inner.q), 1e-300);
+    if (o.max_seconds > 0)
+      inner_options.max_seconds = std::max(1e-3, o.max_seconds - monitor.seconds());
+    inner_options.guess = r;
+    AssembledResult best;
+    bool solved = false;
+    if (settings.newton) {
+      inner_options.max_iterations = settings.newton_iterations;
+      inner_options.check_every = 1;
+      AssembledMonitor inner_monitor(inner, inner_options, nullptr);
+      run_newton(inner, inner_options, {}, inner_monitor);
+      best = inner_monitor.finish();
+      take_account(monitor, best);
+      solved = best.status == AssembledStatus::converged;
+    }
+    const bool quick = solved && best.iterations <= settings.newton_iterations / 3;
+    if (!solved) {
+      inner_options.max_iterations = settings.sweeps;
+      inner_options.check_every = 10;
+      AssembledMonitor inner_monitor(inner, inner_options, nullptr);
+      std::vector<double> x = r;
+      for (int i = 0; !inner_monitor.look_if_due(i, x); ++i) {
+        sweep(inner, o.model, 1, false, x);
+        inner_monitor.count_applications();
+      }
+      const AssembledResult swept = inner_monitor.finish();
+      take_account(monitor, swept);
+      if (!settings.newton || swept.residual.relative < best.residual.relative) best = swept;
+    }
+    r = best.r;
+    if (quick) weight = std::max(settings.least_weight, 0.2 * weight);
+    if (!solved && settings.newton) weight = std::min(settings.largest_weight, 5 * weight);
+  }
+}
+
+}  // namespace scree

@@ -1,0 +1,21 @@
+#pragma once
+// The proximal point loop, for proximal and for the solvers that build on it.
+
+#include "solvers/assembled/assembled_solver.h"
+
+namespace scree {
+
+struct ProximalSettings {
+  double first_weight = 1e-2;  ///< a of the first outer iteration, in units of D
+  double least_weight = 1e-8;
+  double largest_weight = 10;
+  bool newton = true;  ///< whether inner problems go to Newton first
+  int newton_iterations = 30;
+  int sweeps = 300;  ///< of Gauss-Seidel where Newton fails
+};
+
+/// Runs from the guess until the monitor stops it. See proximal.cpp for the method.
+void run_proximal(const AssembledProblem& problem, const AssembledOptions& options,
+                  const ProximalSettings& settings, AssembledMonitor& monitor);
+
+}  // namespace scree

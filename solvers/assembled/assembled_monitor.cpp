@@ -41,15 +41,16 @@ AssembledMonitor::AssembledMonitor(const AssembledProblem& problem, const Assemb
       options_(options),
       curve_(curve),
       start_(std::chrono::steady_clock::now()),
-      scale_(contact_scales(problem)) {
+      scale_(contact_scales(problem)),
+      phase_limit_(options.max_iterations),
+      check_every_(std::max(1, options.check_every)) {
   if (!options.reference_velocity.empty())
     reference_norm_ = std::max(norm_of(options.reference_velocity), 1e-3 * norm_of(problem.q));
   result_.r.assign(3 * static_cast<std::size_t>(problem.contact_count), 0.0);
 }
 
 bool AssembledMonitor::due(int iteration) const {
-  return iteration % std::max(1, options_.check_every) == 0 ||
-         iteration >= options_.max_iterations || out_of_time();
+  return iteration % check_every_ == 0 || iteration >= phase_limit_ || out_of_time();
 }
 
 bool AssembledMonitor::look(int iteration, const std::vector<double>& r) {
@@ -99,7 +100,7 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
   }
   if (options_.tolerance > 0 && last_.relative <= options_.tolerance) {
     fail(AssembledStatus::converged);
-  } else if (iteration >= options_.max_iterations) {
+  } else if (iteration >= phase_limit_) {
     fail(AssembledStatus::iteration_limit);
   } else if (out_of_time()) {
     fail(AssembledStatus::time_limit);
@@ -119,11 +120,15 @@ void AssembledMonitor::note(const std::string& text) {
   result_.note += text;
 }
 
-void AssembledMonitor::next_phase() {
+bool AssembledMonitor::next_phase(int most, int check_every) {
+  const int left = options_.max_iterations - result_.iterations;
+  if (converged() || out_of_time() || left <= 0) return false;
   phase_start_ = result_.iterations;
-  if (converged() || out_of_time()) return;
+  phase_limit_ = most > 0 ? std::min(most, left) : left;
+  check_every_ = std::max(1, check_every > 0 ? check_every : options_.check_every);
   stopped_ = false;
   result_.status = AssembledStatus::iteration_limit;
+  return true;
 }
 
 bool AssembledMonitor::out_of_time() const {

@@ -86,9 +86,13 @@ class AssembledMonitor {
   /// Appends to the note of the result.
   void note(const std::string& text);
 
-  /// Starts another phase, in which iterations count from 0 again and a failure of the last one is
-  /// forgotten: for solvers that hand over to another.
-  void next_phase();
+  /// Starts another phase, for solvers that hand over to another: iterations count from 0 again,
+  /// and how the last phase ended is forgotten.
+  /// @param most         iterations of the phase, at whose end it stops; 0: what is left
+  /// @param check_every  iterations between looks in it; 0: that of the options
+  /// @return whether there is one: false, and nothing changes, when the solve has converged or is
+  ///         out of iterations or time
+  bool next_phase(int most = 0, int check_every = 0);
 
   bool stopped() const { return stopped_; }
   /// Whether the tolerance was reached.
@@ -121,6 +125,8 @@ class AssembledMonitor {
   AssembledResult result_;
   double reference_norm_ = 0;
   int phase_start_ = 0;  ///< iterations of earlier phases
+  int phase_limit_ = 0;  ///< iterations of this one
+  int check_every_ = 1;
   int state_changes_ = 0;
   bool looked_ = false;
   bool stopped_ = false;

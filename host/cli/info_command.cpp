@@ -6,6 +6,7 @@
 
 #include "host/version.h"
 #include "host/world.h"
+#include "solvers/assembled/assembled_solver.h"
 #include "solvers/solver.h"
 
 namespace scree {
@@ -32,6 +33,7 @@ int print_info(const InfoOptions& options) {
   const char* assertions = "on";
 #endif
   const std::vector<std::string> solvers = solver_names();
+  const std::vector<std::string> problem_solvers = assembled_solver_names();
   if (options.json) {
     nlohmann::json out = {
         {"version", version()},
@@ -40,6 +42,7 @@ int print_info(const InfoOptions& options) {
         {"assertions", assertions},
         {"built_with_cuda", built_with_cuda},
         {"solvers", solvers},
+        {"problem_solvers", problem_solvers},
         {"cpu",
          {{"name", cpu.name}, {"threads", cpu.threads}, {"memory_bytes", cpu.memory_bytes}}}};
     if (has_cuda) {
@@ -57,6 +60,7 @@ int print_info(const InfoOptions& options) {
   fmt::print("compiler    {}; assertions {}; CUDA {}\n", __VERSION__, assertions,
              built_with_cuda ? "built in" : "not built in");
   fmt::print("solvers     {}\n", fmt::join(solvers, ", "));
+  fmt::print("            for scree solve: {}\n", fmt::join(problem_solvers, ", "));
   fmt::print("cpu         {}, {} threads, {:.1f} GiB\n", cpu.name, cpu.threads,
              static_cast<double>(cpu.memory_bytes) / gib);
   if (has_cuda) {

@@ -12,6 +12,7 @@
 #include "host/cli/check_command.h"
 #include "host/cli/info_command.h"
 #include "host/cli/run_command.h"
+#include "host/cli/solve_command.h"
 #include "host/error.h"
 #include "host/version.h"
 
@@ -53,10 +54,12 @@ int main(int argc, char** argv) {
   run.command_line.assign(argv, argv + argc);
   scree::CheckOptions check;
   scree::BenchOptions bench;
+  scree::SolveOptions solve;
   scree::InfoOptions info;
   const CLI::App* run_command = scree::add_run_command(app, run);
   const CLI::App* check_command = scree::add_check_command(app, check);
   const CLI::App* bench_command = scree::add_bench_command(app, bench);
+  const CLI::App* solve_command = scree::add_solve_command(app, solve);
   const CLI::App* info_command = scree::add_info_command(app, info);
 
   try {
@@ -69,6 +72,7 @@ int main(int argc, char** argv) {
     if (*run_command) return scree::run_scene(run);
     if (*check_command) return scree::check_scene(check);
     if (*bench_command) return scree::run_bench(*bench_command, bench);
+    if (*solve_command) return scree::solve_problems(solve);
     if (*info_command) return scree::print_info(info);
   } catch (const scree::InputError& error) {
     return fail(error.what(), 2);

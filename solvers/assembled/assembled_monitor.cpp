@@ -29,6 +29,8 @@ const char* to_string(AssembledStatus status) {
       return "diverged";
     case AssembledStatus::singular:
       return "singular";
+    case AssembledStatus::no_solution:
+      return "no solution";
     case AssembledStatus::unsupported:
       break;
   }
@@ -65,6 +67,7 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
                             const std::vector<double>& u) {
   if (stopped_) return true;
   last_ = measure(problem_, options_.model, scale_, r, u, &state_);
+  last_r_ = r;
   velocity_ = u;
   result_.iterations = phase_start_ + iteration;
   const double size = norm_of(r);
@@ -111,7 +114,7 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
 void AssembledMonitor::fail(AssembledStatus status, std::string text) {
   result_.status = status;
   stopped_ = true;
-  note(text);
+  failure_ = std::move(text);
 }
 
 void AssembledMonitor::note(const std::string& text) {
@@ -127,6 +130,7 @@ bool AssembledMonitor::next_phase(int most, int check_every) {
   phase_limit_ = most > 0 ? std::min(most, left) : left;
   check_every_ = std::max(1, check_every > 0 ? check_every : options_.check_every);
   stopped_ = false;
+  failure_.clear();
   result_.status = AssembledStatus::iteration_limit;
   return true;
 }
@@ -140,6 +144,7 @@ double AssembledMonitor::seconds() const {
 }
 
 AssembledResult AssembledMonitor::finish() {
+  note(failure_);
   result_.seconds = seconds();
   return std::move(result_);
 }

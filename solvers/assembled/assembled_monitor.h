@@ -29,6 +29,7 @@ enum class AssembledStatus {
   stalled,          ///< the method cannot get further: no descent, or nothing moves
   diverged,         ///< impulses grew without bound or are not finite
   singular,         ///< a linear system could not be solved
+  no_solution,      ///< none exists, see AssembledResult::note
   unsupported       ///< the method does not know this model or problem
 };
 
@@ -107,7 +108,8 @@ class AssembledMonitor {
   /// Contacts whose state changed between the last two looks.
   int state_changes() const { return state_changes_; }
   long applications() const { return result_.applications; }
-  /// u of the last look.
+  /// Impulses and u of the last look.
+  const std::vector<double>& last_impulses() const { return last_r_; }
   const std::vector<double>& last_velocity() const { return velocity_; }
 
   /// The account, complete. Call once, at the end.
@@ -119,10 +121,11 @@ class AssembledMonitor {
   std::vector<AssembledCurvePoint>* curve_;
   std::chrono::steady_clock::time_point start_;
   std::vector<double> scale_;
-  std::vector<double> velocity_;
+  std::vector<double> last_r_, velocity_;
   std::vector<ContactState> state_, last_state_;
   AssembledResidual last_;
   AssembledResult result_;
+  std::string failure_;  ///< why the phase ended
   double reference_norm_ = 0;
   int phase_start_ = 0;  ///< iterations of earlier phases
   int phase_limit_ = 0;  ///< iterations of this one

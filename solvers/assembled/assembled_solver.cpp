@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solvers/assembled/de_saxce_loop.h"
+#include "solvers/assembled/infeasibility.h"
 
 namespace scree {
 
@@ -71,12 +72,20 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
     std::snprintf(text, sizeof text, "W symmetrized (unsymmetric by %.1e)", unsymmetric);
     monitor.note(text);
   }
-  if (convex ? own.convex : own.exact) {
+  if (const int hopeless = untouchable_contact(p); hopeless >= 0) {
+    monitor.look(0, o.guess);
+    monitor.fail(AssembledStatus::no_solution,
+                 "contact " + std::to_string(hopeless) + " approaches and no impulse acts on it");
+  } else if (convex ? own.convex : own.exact) {
     run(p, o, monitor);
   } else if (!convex && own.convex) {
     run_de_saxce_loop(*this, p, o, monitor);
   } else {
     monitor.fail(AssembledStatus::unsupported, "the method solves the exact model only");
+  }
+  if (!monitor.converged() && grows_without_bound(p, monitor.last_impulses())) {
+    monitor.fail(convex ? AssembledStatus::no_solution : AssembledStatus::diverged,
+                 "impulses grow without bound in a direction that W does not resist");
   }
   return monitor.finish();
 }

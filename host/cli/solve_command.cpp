@@ -1,0 +1,155 @@
+#include "host/cli/solve_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "host/error.h"
+#include "host/io/problem_file.h"
+#include "host/solve/solve_report.h"
+
+namespace scree {
+namespace {
+
+namespace fs = std::filesystem;
+
+AssembledOptions solver_options(const SolveOptions& options) {
+  const auto require = [](bool ok, const std::string& what) {
+    if (!ok) throw InputError(what);
+  };
+  AssembledOptions o;
+  if (options.model == "convex") {
+    o.model = AssembledModel::convex;
+  } else if (options.model != "exact") {
+    throw InputError(
+        fmt::format("--model: \"{}\" is not allowed: expected convex or exact", options.model));
+  }
+  require(std::isfinite(options.tolerance) && options.tolerance >= 0,
+          fmt::format("--tolerance: {} is not allowed: expected a number that is not negative",
+                      options.tolerance));
+  require(
+      options.max_iterations >= 0 && options.max_iterations <= std::numeric_limits<int>::max(),
+      fmt::format("--max-iterations: {} is not allowed: expected 1 to {}, or 0 for the solver's "
+                  "own",
+                  options.max_iterations, std::numeric_limits<int>::max()));
+  require(std::isfinite(options.max_seconds) && options.max_seconds >= 0,
+          fmt::format("--max-seconds: {} is not allowed: expected a number that is not negative",
+                      options.max_seconds));
+  require(options.check_every >= 0,
+          fmt::format("--check-every: {} is not allowed: expected a positive number",
+                      options.check_every));
+  require(std::isfinite(options.relaxation) && options.relaxation >= 0 && options.relaxation < 2,
+          fmt::format("--relaxation: {} is not allowed: expected a number between 0 and 2",
+                      options.relaxation));
+  o.tolerance = options.tolerance;
+  o.max_iterations = static_cast<int>(options.max_iterations);
+  o.max_seconds = options.max_seconds;
+  o.check_every = options.check_every;
+  o.relaxation = options.relaxation;
+  return o;
+}
+
+/// The file, or the problem files of the folder by name.
+std::vector<fs::path> problem_files(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_directory(path, error)) return {path};
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) {
+    const fs::path extension = entry.path().extension();
+    if (extension == ".hdf5" || extension == ".h5") files.push_back(entry.path());
+  }
+  if (error)
+    throw InputError(fmt::format("{}: cannot be read: {}", path.string(), error.message()));
+  if (files.empty())
+    throw InputError(
+        fmt::format("{}: holds no problem files, expected *.hdf5 or *.h5", path.string()));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Results are not mixed with those of before, nor with anything else.
+void require_free(const fs::path& out, bool force) {
+  std::error_code error;
+  if (out.empty() || !fs::exists(out, error)) return;
+  if (!fs::is_directory(out, error))
+    throw InputError(fmt::format("--out {}: is not a directory", out.string()));
+  if (!force && !fs::is_empty(out, error))
+    throw InputError(
+        fmt::format("--out {}: is not empty; add --force to write into it", out.string()));
+}
+
+}  // namespace
+
+CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
+  CLI::App* command = app.add_subcommand("solve", "Solve stored contact problems; compare solvers");
+  command
+      ->add_option("problem", options.problem, "problem file, or folder of *.hdf5 and *.h5 files")
+      ->required();
+  command
+      ->add_option("--solver", options.solver,
+                   "name, names separated by commas, or all (default: auto)")
+      ->take_last();
+  command->add_option("--model", options.model, "convex or exact (default: exact)")->take_last();
+  command
+      ->add_option("--tolerance", options.tolerance,
+                   "on the error |r - P(r - v)| / |q| (default: 1e-8)")
+      ->take_last();
+  command
+      ->add_option("--max-iterations", options.max_iterations,
+                   "most iterations (default: each solver's own)")
+      ->take_last();
+  command
+      ->add_option("--max-seconds", options.max_seconds,
+                   "most seconds per solver and problem, 0: no limit (default: 100)")
+      ->take_last();
+  command
+      ->add_option("--check-every", options.check_every,
+                   "iterations between looks at the residual (default: each solver's own)")
+      ->take_last();
+  command->add_option("--relaxation", options.relaxation, "of sor and jacobi (default: their own)")
+      ->take_last();
+  command->add_flag("--warm-start", options.warm_start, "start from the guess in the file, if any");
+  command->add_option("--out", options.out, "folder for CSV and JSON files (default: none written)")
+      ->take_last();
+  command->add_flag("--force", options.force, "write into a folder that is not empty");
+  command->add_flag("--json", options.json, "print JSON");
+  return command;
+}
+
+int solve_problems(const SolveOptions& options) {
+  const AssembledOptions common = solver_options(options);
+  const std::vector<std::string> solvers = parse_solver_list(options.solver);
+  require_free(options.out, options.force);
+  // All files are read before any is solved: bad input starts nothing.
+  std::vector<ProblemReport> reports;
+  std::vector<ReadyProblem> problems;
+  for (const fs::path& file : problem_files(options.problem)) {
+    const StoredProblem stored = read_problem(file);
+    try {
+      problems.push_back(ready(file.stem().string(), stored));
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+    }
+    const ReadyProblem& p = problems.back();
+    reports.push_back(
+        {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}});
+  }
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    AssembledOptions o = common;
+    if (options.warm_start) o.guess = problems[k].guess;
+    reports[k].runs = run_solvers(problems[k], solvers, o);
+    if (!options.json) fmt::print("{}{}", k > 0 ? "\n" : "", to_table(reports[k]));
+  }
+  if (!options.json && reports.size() > 1) fmt::print("\n{}", to_summary(reports));
+  if (options.json) fmt::print("{}\n", to_json(reports, common).dump(2));
+  if (!options.out.empty()) write_reports(options.out, reports, common);
+  return 0;
+}
+
+}  // namespace scree

@@ -1,0 +1,31 @@
+#pragma once
+// scree solve: solvers on stored contact problems, one file or a folder of them.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+namespace scree {
+
+struct SolveOptions {
+  std::filesystem::path problem;  ///< file, or folder with *.hdf5 and *.h5 files
+  std::string solver = "auto";    ///< name, comma-separated names, or all
+  std::string model = "exact";    ///< convex or exact
+  double tolerance = 1e-8;        ///< on |r - P(r - v)| / |q|
+  long long max_iterations = 0;   ///< 0: each solver's own
+  double max_seconds = 100;       ///< per solver and problem; 0: no limit
+  int check_every = 0;            ///< 0: each solver's own
+  double relaxation = 0;          ///< 0: each solver's own
+  bool warm_start = false;        ///< start from the guess in the file
+  std::filesystem::path out;      ///< empty: nothing is written
+  bool force = false;
+  bool json = false;
+};
+
+CLI::App* add_solve_command(CLI::App& app, SolveOptions& options);
+
+/// @return exit code 0, whether or not solvers reached the tolerance: that is the table's to say
+/// @throws InputError, RunError
+int solve_problems(const SolveOptions& options);
+
+}  // namespace scree

@@ -1,0 +1,41 @@
+#pragma once
+// Several solvers on one stored problem.
+
+#include <string>
+#include <vector>
+
+#include "host/problems/stored_problem.h"
+#include "solvers/assembled/assembled_solver.h"
+
+namespace scree {
+
+/// A stored problem made ready to be solved.
+struct ReadyProblem {
+  std::string name;
+  AssembledProblem problem;
+  double asymmetry = 0;                    ///< largest |W - W^T| over largest |W|
+  std::vector<double> guess;               ///< stored one, three rows a contact; empty: none
+  std::vector<double> reference_velocity;  ///< u of a stored solution of the exact model; or empty
+};
+
+/// @throws InputError as assembled_form
+ReadyProblem ready(const std::string& name, const StoredProblem& stored);
+
+/// What one solver did.
+struct SolverRun {
+  std::string solver;
+  AssembledResult result;
+  std::vector<AssembledCurvePoint> curve;
+};
+
+/// Runs solvers by name one after another, each from the guess of the options.
+/// @throws InputError naming an unknown solver and the known ones, or an option out of range
+std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
+                                   const std::vector<std::string>& solvers,
+                                   const AssembledOptions& options);
+
+/// Names of a comma-separated list; "all" stands for every known solver.
+/// @throws InputError naming a name that is unknown or empty, and the known ones
+std::vector<std::string> parse_solver_list(const std::string& list);
+
+}  // namespace scree

@@ -1,0 +1,184 @@
+#include "host/solve/solve_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "host/error.h"
+#include "host/io/atomic_file.h"
+#include "host/solve/performance_profile.h"
+#include "host/version.h"
+
+namespace scree {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool solved(const SolverRun& run) { return run.result.status == AssembledStatus::converged; }
+
+/// The least objective that a run ended with. Only of the convex model is it a minimum.
+double least_objective(const ProblemReport& report) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const SolverRun& run : report.runs)
+    if (solved(run)) least = std::min(least, run.result.residual.objective);
+  return least;
+}
+
+/// Text within quotes where it holds what separates cells.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+template <class Cost>
+std::string profile_csv(const std::vector<ProblemReport>& reports, Cost cost) {
+  ProfileCosts costs;
+  for (const SolverRun& run : reports.front().runs) costs.solvers.push_back(run.solver);
+  for (const ProblemReport& report : reports) {
+    costs.cost.emplace_back();
+    for (const SolverRun& run : report.runs)
+      costs.cost.back().push_back(solved(run) ? cost(run.result)
+                                              : std::numeric_limits<double>::infinity());
+  }
+  return to_csv(performance_profile(costs));
+}
+
+const char* name_of(AssembledModel model) {
+  return model == AssembledModel::exact ? "exact" : "convex";
+}
+
+}  // namespace
+
+std::string to_table(const ProblemReport& report) {
+  std::string text =
+      fmt::format("{}: {} contacts in {}-D", report.name, report.contact_count, report.dimension);
+  if (report.asymmetry > 1e-12) text += fmt::format(", W unsymmetric by {:.1e}", report.asymmetry);
+  text +=
+      fmt::format("\n{:<14} {:>10} {:>12} {:>10} {:>9} {:>9} {:>16}  {}\n", "solver", "iterations",
+                  "applications", "seconds", "residual", "unit-free", "objective", "status");
+  for (const SolverRun& run : report.runs) {
+    const AssembledResult& r = run.result;
+    text += fmt::format("{:<14} {:>10} {:>12} {:>10.4f} {:>9.2e} {:>9.2e} {:>16.9e}  {}{}\n",
+                        run.solver, r.iterations, r.applications, r.seconds, r.residual.relative,
+                        r.residual.unit_free, r.residual.objective, to_string(r.status),
+                        r.note.empty() ? "" : ": " + r.note);
+  }
+  return text;
+}
+
+std::string to_summary(const std::vector<ProblemReport>& reports) {
+  std::string text = fmt::format("{} problems\n{:<14} {:>10} {:>12}\n", reports.size(), "solver",
+                                 "solved", "seconds");
+  for (std::size_t s = 0; s < reports.front().runs.size(); ++s) {
+    int count = 0;
+    double seconds = 0;
+    for (const ProblemReport& report : reports) {
+      count += solved(report.runs[s]);
+      seconds += report.runs[s].result.seconds;
+    }
+    text +=
+        fmt::format("{:<14} {:>10} {:>12.4f}\n", reports.front().runs[s].solver, count, seconds);
+  }
+  return text;
+}
+
+nlohmann::json to_json(const std::vector<ProblemReport>& reports, const AssembledOptions& options) {
+  nlohmann::json problems = nlohmann::json::array();
+  for (const ProblemReport& report : reports) {
+    nlohmann::json runs = nlohmann::json::array();
+    for (const SolverRun& run : report.runs) {
+      const AssembledResult& r = run.result;
+      runs.push_back({{"solver", run.solver},
+                      {"status", to_string(r.status)},
+                      {"converged", solved(run)},
+                      {"iterations", r.iterations},
+                      {"applications", r.applications},
+                      {"factorizations", r.factorizations},
+                      {"seconds", r.seconds},
+                      {"residual", r.residual.relative},
+                      {"residual_absolute", r.residual.absolute},
+                      {"residual_to_largest", r.residual.to_largest},
+                      {"residual_unit_free", r.residual.unit_free},
+                      {"objective", r.residual.objective},
+                      {"note", r.note}});
+    }
+    problems.push_back({{"problem", report.name},
+                        {"file", report.file.string()},
+                        {"contacts", report.contact_count},
+                        {"dimension", report.dimension},
+                        {"asymmetry", report.asymmetry},
+                        {"runs", runs}});
+  }
+  return {{"version", version()},
+          {"commit", commit()},
+          {"model", name_of(options.model)},
+          {"tolerance", options.tolerance},
+          {"max_iterations", options.max_iterations},
+          {"max_seconds", options.max_seconds},
+          {"problems", problems}};
+}
+
+std::string results_csv(const std::vector<ProblemReport>& reports) {
+  std::string text =
+      "problem,contacts,dimension,solver,status,iterations,applications,factorizations,seconds,"
+      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,note\n";
+  for (const ProblemReport& report : reports) {
+    for (const SolverRun& run : report.runs) {
+      const AssembledResult& r = run.result;
+      text +=
+          fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{}\n",
+                      cell(report.name), report.contact_count, report.dimension, run.solver,
+                      to_string(r.status), r.iterations, r.applications, r.factorizations,
+                      r.seconds, r.residual.relative, r.residual.absolute, r.residual.to_largest,
+                      r.residual.unit_free, r.residual.objective, cell(r.note));
+    }
+  }
+  return text;
+}
+
+std::string curve_csv(const SolverRun& run, double least_objective) {
+  std::string text =
+      "iteration,applications,seconds,residual,residual_unit_free,objective,objective_gap,"
+      "velocity_error,state_changes\n";
+  for (const AssembledCurvePoint& p : run.curve) {
+    const std::string gap = std::isfinite(least_objective)
+                                ? fmt::format("{:.9g}", p.residual.objective - least_objective)
+                                : "";
+    const std::string error = p.velocity_error < 0 ? "" : fmt::format("{:.6g}", p.velocity_error);
+    text += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.15g},{},{},{}\n", p.iteration,
+                        p.applications, p.seconds, p.residual.relative, p.residual.unit_free,
+                        p.residual.objective, gap, error, p.state_changes);
+  }
+  return text;
+}
+
+void write_reports(const fs::path& folder, const std::vector<ProblemReport>& reports,
+                   const AssembledOptions& options) {
+  std::error_code error;
+  fs::create_directories(folder / "curves", error);
+  if (error)
+    throw RunError(
+        fmt::format("cannot create {}: {}", (folder / "curves").string(), error.message()));
+  for (const ProblemReport& report : reports) {
+    const double least = least_objective(report);
+    for (const SolverRun& run : report.runs)
+      write_file_atomically(folder / "curves" / (report.name + "_" + run.solver + ".csv"),
+                            curve_csv(run, least));
+  }
+  write_file_atomically(folder / "results.csv", results_csv(reports));
+  write_file_atomically(folder / "results.json", to_json(reports, options).dump(2) + "\n");
+  if (reports.size() < 2) return;
+  write_file_atomically(folder / "profile_seconds.csv",
+                        profile_csv(reports, [](const auto& r) { return r.seconds; }));
+  write_file_atomically(
+      folder / "profile_applications.csv",
+      profile_csv(reports, [](const auto& r) { return static_cast<double>(r.applications); }));
+}
+
+}  // namespace scree

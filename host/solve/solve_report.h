@@ -1,0 +1,44 @@
+#pragma once
+// What scree solve prints and writes about solver runs.
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "host/solve/solve_problem.h"
+
+namespace scree {
+
+/// Solvers on one problem.
+struct ProblemReport {
+  std::string name;
+  std::filesystem::path file;
+  int contact_count = 0;
+  int dimension = 3;
+  double asymmetry = 0;
+  std::vector<SolverRun> runs;
+};
+
+/// A table with one line a solver: iterations, applications, seconds, residuals, objective, status.
+std::string to_table(const ProblemReport& report);
+
+/// For several problems: how many each solver solved, and the seconds they took it.
+std::string to_summary(const std::vector<ProblemReport>& reports);
+
+/// @param options  what the solvers were given
+nlohmann::json to_json(const std::vector<ProblemReport>& reports, const AssembledOptions& options);
+
+/// One line a problem and solver.
+std::string results_csv(const std::vector<ProblemReport>& reports);
+
+/// One line a look. The objective gap is that to the least objective of all runs on the problem.
+std::string curve_csv(const SolverRun& run, double least_objective);
+
+/// Writes results.csv, results.json, curves/<problem>_<solver>.csv and, for several problems,
+/// profile_seconds.csv and profile_applications.csv below a folder.
+/// @throws RunError
+void write_reports(const std::filesystem::path& folder, const std::vector<ProblemReport>& reports,
+                   const AssembledOptions& options);
+
+}  // namespace scree

@@ -1,0 +1,19 @@
+#pragma once
+// Signs that a contact problem has no solution.
+
+#include "solvers/assembled/assembled_problem.h"
+
+namespace scree {
+
+/// A contact that approaches (q_n < 0) and whose rows of W are zero, so that nothing can be done
+/// about it; -1 when there is none.
+int untouchable_contact(const AssembledProblem& p);
+
+/// Whether impulses r of the cones, far from a solution, point along a direction d with W d = 0 and
+/// q.d < 0. For a symmetric W no impulses then give velocities in the dual cones, as d.u = d.q < 0
+/// for all of them: the convex problem has no solution. With W d small instead of zero there is
+/// none below |q.d| / |W d|, and "small" means: a thousand times what the loads ask of single
+/// contacts.
+bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r);
+
+}  // namespace scree

@@ -23,13 +23,21 @@ ContactState state_of(double mu, const std::array<double, 3>& x) {
   return t <= mu * x[0] ? ContactState::stick : ContactState::slip;
 }
 
-/// Square of |x - P(x - w)| of one contact.
+/// Square of |x - P(x - w)| of one contact. With y = x - w it is w + (y - P(y)), and so it is
+/// computed: where impulses are large, x - P(x - w) would lose w to rounding.
 double natural_square(double mu, const std::array<double, 3>& x, const std::array<double, 3>& w) {
-  double y[3] = {x[0] - w[0], x[1] - w[1], x[2] - w[2]};
-  project_on_cone(mu, y);
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += (x[k] - y[k]) * (x[k] - y[k]);
-  return sum;
+  const double y[3] = {x[0] - w[0], x[1] - w[1], x[2] - w[2]};
+  const double t = std::hypot(y[1], y[2]);
+  std::array<double, 3> f = w;
+  if (mu * t <= -y[0]) {
+    f = x;
+  } else if (t > mu * y[0]) {
+    const double beyond = (t - mu * y[0]) / (1 + mu * mu);
+    f[0] -= mu * beyond;
+    f[1] += beyond * y[1] / t;
+    f[2] += beyond * y[2] / t;
+  }
+  return f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
 }
 
 }  // namespace

@@ -1,0 +1,200 @@
+// scree solve: tables, files and refusals.
+#include <cmath>
+
+#include "host/io/problem_file.h"
+#include "tests/cli/program.h"
+
+namespace scree::test {
+namespace {
+
+using nlohmann::json;
+
+/// Contacts side by side that each press and slide: W is a diagonal.
+StoredProblem simple_problem(int dimension, int contact_count) {
+  LocalProblem p;
+  p.dimension = dimension;
+  const int rows = dimension * contact_count;
+  std::vector<MatrixEntry> entries;
+  for (int k = 0; k < rows; ++k) entries.push_back({k, k, 2});
+  p.W = compress(rows, rows, entries);
+  for (int c = 0; c < contact_count; ++c) {
+    for (int k = 0; k < dimension; ++k) p.q.push_back(k == 0 ? -1.0 : 0.5 * (c + k));
+    p.mu.push_back(0.3);
+  }
+  StoredProblem stored;
+  stored.form = p;
+  return stored;
+}
+
+fs::path put_problem(const fs::path& path, const StoredProblem& problem) {
+  write_problem(path, problem);
+  return path;
+}
+
+json solve_json(const Scratch& scratch, const Arguments& more) {
+  Arguments all{"solve", "--json"};
+  all.insert(all.end(), more.begin(), more.end());
+  const Result result = scree(scratch, all);
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  return json::parse(result.out);
+}
+
+TEST(CliSolve, PrintsOneLineASolver) {
+  const Scratch scratch;
+  const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
+  const Result result = scree(scratch, {"solve", file.string(), "--solver", "all"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  for (const char* word : {"a: 4 contacts in 3-D", "residual", "objective", "status", "auto",
+                           "nlgs", "newton", "proximal", "extragradient", "converged"})
+    EXPECT_NE(result.out.find(word), std::string::npos) << word << " in " << result.out;
+}
+
+TEST(CliSolve, AllSolversAgreeInBothDimensionsAndModels) {
+  const Scratch scratch;
+  for (const int dimension : {2, 3}) {
+    const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(dimension, 5));
+    for (const char* model : {"convex", "exact"}) {
+      const json out = solve_json(scratch, {file.string(), "--solver", "all", "--model", model});
+      EXPECT_EQ(out.at("model"), model);
+      const json& problem = out.at("problems").at(0);
+      EXPECT_EQ(problem.at("contacts"), 5);
+      EXPECT_EQ(problem.at("dimension"), dimension);
+      const double objective = problem.at("runs").at(0).at("objective");
+      for (const json& run : problem.at("runs")) {
+        EXPECT_TRUE(run.at("converged")) << run.dump(1);
+        EXPECT_LE(run.at("residual"), 1e-8);
+        EXPECT_NEAR(run.at("objective"), objective, 1e-6 * std::abs(objective)) << run.dump(1);
+      }
+    }
+  }
+}
+
+TEST(CliSolve, WritesResultsAndCurves) {
+  const Scratch scratch;
+  const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
+  const fs::path out = scratch / "out";
+  const Arguments arguments{"solve",         file.string(), "--solver", "nlgs,jacobi",
+                            "--check-every", "1",           "--out",    out.string()};
+  ASSERT_EQ(scree(scratch, arguments).code, 0);
+  const std::string results = contents(out / "results.csv");
+  EXPECT_TRUE(results.starts_with("problem,contacts,dimension,solver,status,iterations,"));
+  EXPECT_EQ(line_count(results), 3u);
+  EXPECT_NE(results.find("a,4,3,jacobi,converged,"), std::string::npos) << results;
+  EXPECT_EQ(json_file(out / "results.json").at("problems").at(0).at("runs").size(), 2u);
+  const std::string curve = contents(out / "curves/a_jacobi.csv");
+  EXPECT_TRUE(curve.starts_with("iteration,applications,seconds,residual,"));
+  EXPECT_GT(line_count(curve), 3u);
+  EXPECT_FALSE(fs::exists(out / "profile_seconds.csv"));
+  // Not over results that are there, unless told.
+  const Result again = scree(scratch, arguments);
+  EXPECT_EQ(again.code, 2);
+  EXPECT_NE(again.err.find("not empty"), std::string::npos);
+  Arguments forced = arguments;
+  forced.push_back("--force");
+  EXPECT_EQ(scree(scratch, forced).code, 0);
+}
+
+TEST(CliSolve, RunsAFolderAndWritesProfiles) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "folder");
+  put_problem(scratch / "folder/two.hdf5", simple_problem(2, 3));
+  put_problem(scratch / "folder/three.h5", simple_problem(3, 3));
+  put(scratch / "folder/readme.txt", "not a problem");
+  const Result result = scree(scratch, {"solve", (scratch / "folder").string(), "--solver",
+                                        "nlgs,extragradient", "--out", (scratch / "out").string()});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("2 problems"), std::string::npos) << result.out;
+  for (const char* name : {"profile_seconds.csv", "profile_applications.csv"}) {
+    const std::string profile = contents(scratch / "out" / name);
+    EXPECT_TRUE(profile.starts_with("ratio,nlgs,extragradient\n1,")) << profile;
+  }
+  for (const char* name : {"two_nlgs", "three_nlgs", "two_extragradient"})
+    EXPECT_TRUE(fs::exists(scratch / "out/curves" / (std::string(name) + ".csv"))) << name;
+}
+
+TEST(CliSolve, SolvesAProblemOfARun) {
+  const Scratch scratch;
+  const fs::path scene = put_scene(scratch, small_scene());
+  ASSERT_EQ(
+      scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "12", "--dump-problem", "12"}))
+          .code,
+      0);
+  const std::string file = (scratch / "a/problem_12.hdf5").string();
+  const json cold = solve_json(scratch, {file});
+  const json warm = solve_json(scratch, {file, "--warm-start"});
+  for (const json* out : {&cold, &warm})
+    EXPECT_TRUE(out->at("problems").at(0).at("runs").at(0).at("converged")) << out->dump(1);
+}
+
+TEST(CliSolve, NotReachingTheToleranceIsAStatus) {
+  const Scratch scratch;
+  const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
+  const json out = solve_json(scratch, {file.string(), "--solver", "jacobi", "--max-iterations",
+                                        "2", "--tolerance", "1e-14"});
+  const json& run = out.at("problems").at(0).at("runs").at(0);
+  EXPECT_EQ(run.at("status"), "iteration limit");
+  EXPECT_EQ(run.at("iterations"), 2);
+}
+
+TEST(CliSolve, NoSolutionIsAStatus) {
+  const Scratch scratch;
+  StoredProblem stored = simple_problem(3, 2);
+  auto& p = std::get<LocalProblem>(stored.form);
+  p.W = compress(6, 6, {{0, 0, 2}, {1, 1, 2}, {2, 2, 2}});  // nothing moves the second contact
+  const fs::path file = put_problem(scratch / "a.hdf5", stored);
+  const json out = solve_json(scratch, {file.string(), "--solver", "all"});
+  for (const json& run : out.at("problems").at(0).at("runs"))
+    EXPECT_EQ(run.at("status"), "no solution") << run.dump(1);
+}
+
+struct BadUse {
+  std::string name;
+  Arguments arguments;
+  std::vector<std::string> words;
+};
+
+class CliSolveRefusals : public testing::TestWithParam<BadUse> {};
+
+TEST_P(CliSolveRefusals, IsOneLineAndLeavesNothing) {
+  const Scratch scratch;
+  put_problem(scratch / "good.hdf5", simple_problem(3, 2));
+  put(scratch / "text.hdf5", "not a problem");
+  fs::create_directories(scratch / "empty");
+  Arguments all{"solve"};
+  all.insert(all.end(), GetParam().arguments.begin(), GetParam().arguments.end());
+  all.insert(all.end(), {"--out", (scratch / "out").string()});
+  const Result result = scree(scratch, all);
+  EXPECT_EQ(result.code, 2) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(line_count(result.err), 1u) << result.err;
+  EXPECT_TRUE(result.err.starts_with("scree: ")) << result.err;
+  for (const std::string& word : GetParam().words)
+    EXPECT_NE(result.err.find(word), std::string::npos) << word << " in " << result.err;
+  EXPECT_FALSE(fs::exists(scratch / "out"));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Uses, CliSolveRefusals,
+    testing::Values(
+        BadUse{"NoFile", {"nothing.hdf5"}, {"nothing.hdf5", "no such file"}},
+        BadUse{"NotHdf5", {"text.hdf5"}, {"text.hdf5", "not an HDF5 file"}},
+        BadUse{"EmptyFolder", {"empty"}, {"empty", "no problem files", "*.hdf5"}},
+        BadUse{"FolderWithABadFile", {"."}, {"text.hdf5", "not an HDF5 file"}},
+        BadUse{"Solver", {"good.hdf5", "--solver", "magic"}, {"\"magic\"", "nlgs", "all"}},
+        BadUse{
+            "Model", {"good.hdf5", "--model", "soft"}, {"--model", "\"soft\"", "convex or exact"}},
+        BadUse{"Tolerance", {"good.hdf5", "--tolerance", "-1"}, {"--tolerance", "-1"}},
+        BadUse{"ToleranceNan", {"good.hdf5", "--tolerance", "nan"}, {"--tolerance", "nan"}},
+        BadUse{"Iterations", {"good.hdf5", "--max-iterations", "-3"}, {"--max-iterations", "-3"}},
+        BadUse{"TooManyIterations",
+               {"good.hdf5", "--max-iterations", "99999999999"},
+               {"--max-iterations", "99999999999"}},
+        BadUse{"Seconds", {"good.hdf5", "--max-seconds", "-2"}, {"--max-seconds", "-2"}},
+        BadUse{"Checks", {"good.hdf5", "--check-every", "-2"}, {"--check-every", "-2"}},
+        BadUse{"Relaxation", {"good.hdf5", "--relaxation", "2"}, {"--relaxation", "2"}},
+        BadUse{"NoProblem", {}, {"problem"}}),
+    [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace scree::test

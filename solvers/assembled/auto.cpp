@@ -1,13 +1,13 @@
 // The solver to take when in doubt. For both models, from the guess:
 //
 //   1. up to 50 sweeps of nonlinear Gauss-Seidel: enough for easy problems, and a start for others;
-//   2. the proximal method, up to 300 outer iterations: around Newton, or around Gauss-Seidel alone
+//   2. the proximal method, up to 1500 outer iterations: around Newton, or around Gauss-Seidel
+//   alone
 //      where the factors of a matrix of more than 30,000 contacts would be too costly;
-//   3. by turns, from the best impulses so far, 2000 sweeps of Gauss-Seidel and 300 more outer
+//   3. by turns, from the best impulses so far, 2000 sweeps of Gauss-Seidel and 1500 more outer
 //      iterations of the proximal method with Gauss-Seidel in it, until iterations or time are out.
 //
-// An iteration is a sweep or an outer iteration. Of the 26 problems of FCLIB's collection that we
-// have, 1 and 2 solve all but one to 1e-8.
+// An iteration is a sweep or an outer iteration.
 
 #include "solvers/assembled/proximal_method.h"
 #include "solvers/assembled/sweep.h"
@@ -37,7 +37,7 @@ class Auto final : public AssembledSolver {
         monitor.count_applications();
       }
       from.guess = monitor.best();
-      if (!monitor.next_phase(300, 1)) return;
+      if (!monitor.next_phase(1500, 1)) return;
       run_proximal(p, from, settings, monitor);
       from.guess = monitor.best();
       settings.newton = false;

@@ -43,6 +43,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
   AssembledProblem inner = p;
   std::vector<double> r = o.guess;
   double weight = settings.first_weight;
+  bool failed = false;
   for (int k = 0; !monitor.look(k, r); ++k) {
     regularize(p, scale, weight, r, inner);
     AssembledOptions inner_options = o;
@@ -79,8 +80,12 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       if (!settings.newton || swept.residual.relative < best.residual.relative) best = swept;
     }
     r = best.r;
-    if (quick) weight = std::max(settings.least_weight, 0.2 * weight);
-    if (!solved && settings.newton) weight = std::min(settings.largest_weight, 5 * weight);
+    if (!settings.newton) continue;
+    // Boldly down until Newton fails for the first time, carefully after that: a weight that is too
+    // small for Newton throws away what several good steps have won.
+    failed = failed || !solved;
+    if (quick) weight = std::max(settings.least_weight, (failed ? 0.7 : 0.2) * weight);
+    if (!solved) weight = std::min(settings.largest_weight, 2 * weight);
   }
 }
 

@@ -11,7 +11,7 @@ struct ProximalSettings {
   double largest_weight = 10;
   bool newton = true;  ///< whether inner problems go to Newton first
   int newton_iterations = 30;
-  int sweeps = 300;  ///< of Gauss-Seidel where Newton fails
+  int sweeps = 100;  ///< of Gauss-Seidel where Newton fails
 };
 
 /// Runs from the guess until the monitor stops it. See proximal.cpp for the method.

@@ -9,8 +9,8 @@
 namespace scree {
 namespace fs = std::filesystem;
 
-void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
-                         const std::string& precision) {
+void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
+                        const std::string& precision) {
   command.add_option("--backend", target.backend, "cuda, cpu or auto (default: " + backend + ")")
       ->take_last();
   command
@@ -19,6 +19,11 @@ void add_backend_options(CLI::App& command, RunTarget& target, const std::string
   command.add_option("--threads", target.threads, "CPU threads (default: all)")
       ->check(CLI::Range(0, 4096))
       ->take_last();
+}
+
+void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
+                         const std::string& precision) {
+  add_device_options(command, target, backend, precision);
   command
       .add_option("--set", target.overrides,
                   "key.path=value, replaces a value of the scene; repeatable")

@@ -19,8 +19,12 @@ struct RunTarget {
   bool json = false;
 };
 
-/// Adds --backend, --precision, --threads and --set to a command.
+/// Adds --backend, --precision and --threads to a command.
 /// @param backend, precision  what is taken by default, for the help text
+void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
+                        const std::string& precision);
+
+/// The same and --set.
 void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
                          const std::string& precision);
 

@@ -8,11 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "host/error.h"
 #include "host/io/problem_file.h"
+#include "host/solve/matrix_free.h"
 #include "host/solve/solve_report.h"
+#include "solvers/solver.h"
 
 namespace scree {
 namespace {
@@ -73,6 +76,14 @@ std::vector<fs::path> problem_files(const fs::path& path) {
   return files;
 }
 
+/// Backend and precision of matrix-free solvers; double, and CUDA when it is there.
+WorldOptions matrix_free_options(const SolveOptions& options) {
+  Scene defaults;
+  defaults.backend = "auto";
+  defaults.precision = "double";
+  return resolve_options(options.target, defaults);
+}
+
 /// Results are not mixed with those of before, nor with anything else.
 void require_free(const fs::path& out, bool force) {
   std::error_code error;
@@ -114,6 +125,9 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
       ->take_last();
   command->add_option("--relaxation", options.relaxation, "of sor and jacobi (default: their own)")
       ->take_last();
+  command->add_flag("--matrix-free", options.matrix_free,
+                    "solvers of simulation steps, for problems with bodies");
+  add_device_options(*command, options.target, "auto, with --matrix-free", "double");
   command->add_flag("--warm-start", options.warm_start, "start from the guess in the file, if any");
   command->add_option("--out", options.out, "folder for CSV and JSON files (default: none written)")
       ->take_last();
@@ -124,17 +138,29 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
 
 int solve_problems(const SolveOptions& options) {
   const AssembledOptions common = solver_options(options);
-  const std::vector<std::string> solvers = parse_solver_list(options.solver);
+  const bool matrix_free = options.matrix_free;
+  const WorldOptions world = matrix_free ? matrix_free_options(options) : WorldOptions{};
+  const std::vector<std::string> solvers =
+      parse_solver_list(matrix_free && options.solver == "auto" ? "apgd" : options.solver,
+                        matrix_free ? solver_names() : assembled_solver_names());
   require_free(options.out, options.force);
   // All files are read before any is solved: bad input starts nothing.
   std::vector<ProblemReport> reports;
   std::vector<ReadyProblem> problems;
+  std::vector<BodyProblem> bodies;  // of matrix-free solvers
   for (const fs::path& file : problem_files(options.problem)) {
     const StoredProblem stored = read_problem(file);
     try {
       problems.push_back(ready(file.stem().string(), stored));
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", file.string(), error.what()));
+    }
+    if (matrix_free) {
+      const auto* with_bodies = std::get_if<BodyProblem>(&stored.form);
+      if (with_bodies == nullptr)
+        throw InputError(
+            fmt::format("{}: holds matrices, but --matrix-free needs bodies", file.string()));
+      bodies.push_back(*with_bodies);
     }
     const ReadyProblem& p = problems.back();
     reports.push_back(
@@ -143,7 +169,8 @@ int solve_problems(const SolveOptions& options) {
   for (std::size_t k = 0; k < problems.size(); ++k) {
     AssembledOptions o = common;
     if (options.warm_start) o.guess = problems[k].guess;
-    reports[k].runs = run_solvers(problems[k], solvers, o);
+    reports[k].runs = matrix_free ? run_matrix_free(bodies[k], problems[k], solvers, o, world)
+                                  : run_solvers(problems[k], solvers, o);
     if (!options.json) fmt::print("{}{}", k > 0 ? "\n" : "", to_table(reports[k]));
   }
   if (!options.json && reports.size() > 1) fmt::print("\n{}", to_summary(reports));

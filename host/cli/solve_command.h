@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "host/cli/options.h"
+
 namespace scree {
 
 struct SolveOptions {
@@ -17,6 +19,8 @@ struct SolveOptions {
   int check_every = 0;            ///< 0: each solver's own
   double relaxation = 0;          ///< 0: each solver's own
   bool warm_start = false;        ///< start from the guess in the file
+  bool matrix_free = false;       ///< the solvers of simulation steps, on the bodies
+  RunTarget target;               ///< backend, precision and threads of these
   std::filesystem::path out;      ///< empty: nothing is written
   bool force = false;
   bool json = false;

@@ -46,8 +46,8 @@ std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
   throw InputError(fmt::format("{}: {}", problem.name, error.what()));
 }
 
-std::vector<std::string> parse_solver_list(const std::string& list) {
-  const std::vector<std::string> known = assembled_solver_names();
+std::vector<std::string> parse_solver_list(const std::string& list,
+                                           const std::vector<std::string>& known) {
   if (list == "all") return known;
   std::vector<std::string> names;
   std::size_t start = 0;

@@ -36,6 +36,7 @@ std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
 
 /// Names of a comma-separated list; "all" stands for every known solver.
 /// @throws InputError naming a name that is unknown or empty, and the known ones
-std::vector<std::string> parse_solver_list(const std::string& list);
+std::vector<std::string> parse_solver_list(
+    const std::string& list, const std::vector<std::string>& known = assembled_solver_names());
 
 }  // namespace scree

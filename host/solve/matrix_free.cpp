@@ -1,0 +1,105 @@
+#include "host/solve/matrix_free.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "host/error.h"
+#include "host/io/checkpoint.h"
+#include "host/problems/matrix_form.h"
+
+namespace scree {
+
+class Cpu;
+class Cuda;
+
+namespace {
+
+constexpr int kMostIterations = 10'000;
+constexpr int kMostOuterIterations = 100;
+
+/// The next limit of a curve: about 1.4 times as many, and at least one more.
+int next_limit(int limit, int most) {
+  return static_cast<int>(std::min<long long>(most, std::max(limit + 1, (limit * 7LL + 4) / 5)));
+}
+
+/// Impulses as `ready` has them: rows of every contact, the apex of its cone at zero.
+std::vector<double> contact_rows(const BodyProblem& p, const std::vector<Vec3d>& impulse) {
+  std::vector<double> rows = to_rows(p, impulse);
+  for (std::size_t c = 0; c < p.adhesion.size(); ++c)
+    rows[3 * c] += p.adhesion[c] * norm(p.normal[c]);
+  return rows;
+}
+
+AssembledStatus status_of(const AssembledResidual& residual, const AssembledOptions& options,
+                          bool out_of_time) {
+  if (!std::isfinite(residual.relative)) return AssembledStatus::diverged;
+  if (residual.relative <= options.tolerance) return AssembledStatus::converged;
+  return out_of_time ? AssembledStatus::time_limit : AssembledStatus::iteration_limit;
+}
+
+SolverRun run(MatrixFreeProblem& uploaded, const BodyProblem& problem, const ReadyProblem& ready,
+              const std::string& solver, const AssembledOptions& options,
+              const WorldOptions& world) {
+  const bool exact = options.model == AssembledModel::exact;
+  const int inner = options.max_iterations > 0 ? options.max_iterations : kMostIterations;
+  const int most = exact ? kMostOuterIterations : inner;
+  const std::vector<Vec3d> guess = options.guess.empty() ? std::vector<Vec3d>{} : problem.impulse;
+  SolverRun out;
+  out.solver = solver;
+  double spent = 0;
+  for (int limit = 0; limit < most;) {
+    limit = next_limit(limit, most);
+    const MatrixFreeSolution s = uploaded.solve(solver, options.model, guess, limit, inner);
+    spent += s.seconds;
+    std::vector<double> r = contact_rows(problem, s.impulse);
+    AssembledCurvePoint point;
+    point.iteration = s.iterations;
+    point.applications = s.applications;
+    point.seconds = s.seconds;
+    point.residual = measure(ready.problem, options.model, r);
+    out.curve.push_back(point);
+    const bool out_of_time = options.max_seconds > 0 && spent > options.max_seconds;
+    const AssembledStatus status = status_of(point.residual, options, out_of_time);
+    const bool is_best =
+        out.result.r.empty() || point.residual.relative < out.result.residual.relative;
+    if (is_best) {
+      out.result.r = std::move(r);
+      out.result.residual = point.residual;
+    }
+    out.result.iterations = s.iterations;
+    out.result.applications = s.applications;
+    out.result.seconds = s.seconds;
+    out.result.status = status;
+    if (status != AssembledStatus::iteration_limit) break;
+  }
+  out.result.note = fmt::format("{}, {}", world.backend == BackendKind::cuda ? "cuda" : "cpu",
+                                to_string(world.precision));
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<MatrixFreeProblem> upload_matrix_free(const BodyProblem& problem,
+                                                      const WorldOptions& world) {
+  std::string reason;
+  if (!backend_available(world.backend, &reason)) throw InputError("backend cuda: " + reason);
+#ifdef SCREE_HAS_CUDA
+  if (world.backend == BackendKind::cuda) return upload_matrix_free_on<Cuda>(problem, world);
+#endif
+  return upload_matrix_free_on<Cpu>(problem, world);
+}
+
+std::vector<SolverRun> run_matrix_free(const BodyProblem& problem, const ReadyProblem& ready,
+                                       const std::vector<std::string>& solvers,
+                                       const AssembledOptions& options, const WorldOptions& world) {
+  const auto uploaded = upload_matrix_free(problem, world);
+  std::vector<SolverRun> runs;
+  for (const std::string& solver : solvers)
+    runs.push_back(run(*uploaded, problem, ready, solver, options, world));
+  return runs;
+}
+
+}  // namespace scree

@@ -47,12 +47,13 @@ class ContactDetector {
   /// is done again with the margins, and once more when contacts found by that make margins grow,
   /// for the bodies behind.
   ///
-  /// Contacts are picked from a list of pairs of near bodies, which reaches farther by a skin and
-  /// is made anew only when a body has moved too far since, see PairCandidates. The contacts do not
-  /// depend on it.
+  /// Contacts are picked from a list of pairs of near bodies, which reaches farther by a skin. When
+  /// a few bodies have moved too far since it was made, it is extended, and made anew when many
+  /// have, see PairCandidates. The contacts do not depend on it.
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
-  /// two more for a new list; up to four more for each detection with margins.
+  /// one more to extend the list and two more for a new one; up to five more for each detection with
+  /// margins.
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every
   /// array counted once: check 60, candidates 56 + 4 m, scan 12, keys 24 + 12 k, geometry (8 + 24 +
@@ -124,6 +125,8 @@ class ContactDetector {
 
   /// Lists of pairs of near bodies made so far.
   std::int64_t list_builds() const { return candidates_.build_count(); }
+  /// How often one was extended because a few bodies had moved too far.
+  std::int64_t list_extensions() const { return candidates_.extension_count(); }
 
  private:
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
@@ -215,7 +218,7 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
                                            const ContactRange& range) {
   if (!candidates_.covers(b, bodies, range)) {
     release_contacts();
-    candidates_.build(b, bodies, range, {settings_.skin});
+    candidates_.renew(b, bodies, range, {settings_.skin});
   }
   switch (obstacles_.mix()) {
     case ShapeMix::spheres_and_planes:

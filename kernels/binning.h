@@ -77,6 +77,15 @@ struct SpareReach {
   }
 };
 
+/// Radius of the ball of a body in a list of pairs; zero for bodies that are not binned.
+template <class Real>
+SCREE_HD float kept_radius(const BodyView<Real>& bodies, const ContactRange& range,
+                           const SpareReach& spare, Index i) {
+  const float r = inflated_radius(bodies, range, i);
+  if (!(r > 0)) return 0;
+  return static_cast<float>(static_cast<double>(r) + spare(bodies, range.h, i)) * (1.0f + 1.2e-7f);
+}
+
 /// Inflated radii, with what is spared, and the extent they need. Bytes per body: 44 read, 4
 /// written.
 template <class Real>
@@ -90,10 +99,7 @@ struct MeasureBodies {
 
   SCREE_HD BodyExtent operator()(Index m) const {
     const Index i = binned.body(m);
-    float r = inflated_radius(bodies, range, i);
-    if (r > 0) {
-      r = static_cast<float>(static_cast<double>(r) + spare(bodies, range.h, i)) * (1.0f + 1.2e-7f);
-    }
+    const float r = kept_radius(bodies, range, spare, i);
     inflated[m] = r;
     BodyExtent e;
     if (r > 0) {

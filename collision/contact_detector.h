@@ -52,8 +52,8 @@ class ContactDetector {
   /// have, see PairCandidates. The contacts do not depend on it.
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
-  /// one more to extend the list and two more for a new one; up to five more for each detection with
-  /// margins.
+  /// one more to extend the list and two more for a new one; up to five more for each detection
+  /// with margins.
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every
   /// array counted once: check 60, candidates 56 + 4 m, scan 12, keys 24 + 12 k, geometry (8 + 24 +

@@ -12,8 +12,8 @@
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 20 bytes
-/// a body and 8 a pair.
+/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 20
+/// bytes a body and 8 a pair.
 template <class B, class Real>
 class PairCandidates {
  public:

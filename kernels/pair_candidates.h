@@ -320,8 +320,8 @@ struct FindMissingPairs {
     const Index i = binned.body(m), j = binned.body(other);
     const Index a = i < j ? i : j, b = i < j ? j : i;
     if (a == b || a >= binned.free_count) return;
-    if (m > other && has_left(m)) return;  // two that left find each other twice
     if (list.contains(a, b)) return;
+    if (m > other && has_left(m)) return;  // two that left find each other twice
     const Index at = atomic_add(pair_count, 1);
     if (at >= pair_a.size) return;
     pair_a[at] = a;

@@ -125,7 +125,7 @@ class PairCandidates {
   /// has cost less for each of them than an extension.
   static constexpr Index kMostAge = 7;
   /// A list that lasts for fewer listings gets more skin the next time, one for more gets less.
-  static constexpr Index kShortAge = 6, kLongAge = 15;
+  static constexpr Index kShortAge = 9, kLongAge = 20;
   static constexpr double kStretchStep = 1.5, kMostStretch = 4;
 
   /// Gives the bodies that left their balls new ones, and adds what they reach to the list; one

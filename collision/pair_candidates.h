@@ -39,8 +39,12 @@ class PairCandidates {
       return false;
     }
     reduce<LeftBodies>(b, binned.size(),
-                       CheckReach<Real>{bodies, binned, range, origin_, record_.view(binned.size()),
-                                        left_count_.data(), left_.view()},
+                       CheckReach<Real>{{bodies, range, {}},
+                                        binned,
+                                        origin_,
+                                        record_.view(binned.size()),
+                                        left_count_.data(),
+                                        left_.view()},
                        StoreLeft{left_result_.data(), left_count_.data()});
     outside_ = fetch(b, left_result_.data()).count;
     ++age_;
@@ -69,20 +73,21 @@ class PairCandidates {
              const SpareReach& spare) {
     release();
     const Index n = bodies.free_count;
-    const Bins<B> bins = sort_into_bins(b, bodies, range, spare);
+    const BodyBalls<Real> balls{bodies, range, spare};
+    const Bins<B> bins = sort_into_bins(b, balls);
     binned_ = {n, bodies.fixed_begin, bodies.count};
     origin_ = bins.view.lower;
     for_each(b, binned_.size(),
-             RecordReach<Real>{bodies, binned_, origin_, bins.view.inflated,
+             RecordReach<Real>{balls, binned_, origin_, bins.view.inflated,
                                record_.resize_discard(binned_.size())});
 
-    const PairSearch search{bodies.position, bodies.fixed_begin, bins.view};
+    const PairSearch<Real> search{balls, bodies.fixed_begin, bins.view};
     const Index positions = binned_.size();
     Buffer<B, Index> found(b, static_cast<Offset>(positions) * kPairSlots);
     Buffer<B, Index> count(b, n);
     Buffer<B, Offset> first(b, static_cast<Offset>(n) + 1);
     fill(b, count.view(), Index(0));
-    for_each(b, positions, CountCandidates{search, positions, count.view(), found.view()});
+    for_each(b, positions, CountCandidates<Real>{search, positions, count.view(), found.view()});
     exclusive_scan(b, Span<const Index>(count.view()), first.view());
     const Offset total = fetch(b, first.data() + n);
     if (!can_number(n, total)) {
@@ -91,7 +96,7 @@ class PairCandidates {
     }
     Buffer<B, Index> lower(b, total), other(b, total);
     const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
-    for_each(b, positions, WriteCandidates{search, positions, found.view(), places});
+    for_each(b, positions, WriteCandidates<Real>{search, positions, found.view(), places});
     found.release();
     put_into_order(b, n, places);
     is_kept_ = spare.skin > 0;
@@ -139,8 +144,13 @@ class PairCandidates {
     Buffer<B, Index> added(b, 1), added_a(b, kMostAdded), added_b(b, kMostAdded);
     fill(b, added.view(), Index(0));
     for_each(b, outside_,
-             RenewReach<Real>{bodies, binned_, range, spare, origin_, left, record_.view(),
-                              ball.view(), added.data()});
+             RenewReach<Real>{{bodies, range, spare},
+                              binned_,
+                              origin_,
+                              left,
+                              record_.view(),
+                              ball.view(),
+                              added.data()});
     for_each(b, binned_.size(),
              FindMissingPairs{binned_, view(), Vec3<float>(range.period), record_.view(), left,
                               ball.view(), added.data(), added_a.view(), added_b.view()});

@@ -2,10 +2,9 @@
 // Element programs of the list of pairs of bodies that may touch: whether it still covers a step,
 // and how it is made.
 //
-// When the list is made, every binned body gets a ball about its center, of its inflated radius
-// and some room more, and all pairs whose balls overlap are listed. As long as every body, as far
-// as it may touch others in the present step, stays within its ball, no contact between bodies
-// lies outside the list.
+// When the list is made, every binned body gets a ball, of the present step and some room more, and
+// all pairs whose balls overlap are listed. As long as the ball of every body in the present step
+// stays within that, no contact between bodies lies outside the list.
 
 #include "kernels/backend/atomic.h"
 #include "kernels/pair_search.h"
@@ -73,18 +72,18 @@ SCREE_HD inline ReachRecord room_for_rounding(const ReachRecord& ball) {
   return {ball.center, ball.reach + static_cast<float>(4 * ball.rounding())};
 }
 
-/// Bytes per binned body: 28 read, 16 written.
+/// Bytes per binned body: 44 read, 16 written.
 template <class Real>
 struct RecordReach {
   static constexpr const char* name = "record_reach";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;
   BinnedRange binned;
   Vec3<double> origin;
   Span<const float> reach;   ///< [binned.size()]
   Span<ReachRecord> record;  ///< [binned.size()] out
 
   SCREE_HD void operator()(Index m) const {
-    record[m] = {Vec3<float>(bodies.position[binned.body(m)] - origin), reach[m]};
+    record[m] = {Vec3<float>(balls.center(binned.body(m)) - origin), reach[m]};
   }
 };
 
@@ -101,9 +100,8 @@ struct LeftBodies {
 template <class Real>
 struct CheckReach {
   static constexpr const char* name = "check_reach";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;  ///< of the present step
   BinnedRange binned;
-  ContactRange range;
   Vec3<double> origin;
   Span<const ReachRecord> record;  ///< [binned.size()]
   Index* left_count;               ///< in: zero; out: bodies outside
@@ -117,11 +115,11 @@ struct CheckReach {
   }
   SCREE_HD bool is_within(Index m) const {
     const Index i = binned.body(m);
-    const float inflated = inflated_radius(bodies, range, i);
+    const float inflated = balls.radius(i);
     const ReachRecord own = record[m];
     if (!(inflated > 0) || !(own.reach > 0)) return !(inflated > 0) && !(own.reach > 0);
     const Vec3<double> center(own.center);
-    const double moved = norm(minimum_image(bodies.position[i] - origin - center, range.period));
+    const double moved = norm(minimum_image(balls.center(i) - origin - center, balls.range.period));
     return moved + own.rounding() + static_cast<double>(inflated) <= static_cast<double>(own.reach);
   }
 };
@@ -138,16 +136,17 @@ struct StoreLeft {
 
 /// What a position found is noted in this many slots; one that finds more is searched again.
 inline constexpr Index kPairSlots = 24;
+inline constexpr Index kNoMore = -1;       ///< stands behind the last one found
+inline constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
 
 /// Counts the pairs of each lower body, and notes what each position finds.
 /// Bytes per body, besides neighbors from the caches: 28 read, 4 per pair and 4 written; 4 per pair
 /// added to.
+template <class Real>
 struct CountCandidates {
   static constexpr const char* name = "count_candidates";
   static constexpr int kLeastBlocks = 4;
-  static constexpr Index kNoMore = -1;       ///< stands behind the last one found
-  static constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
-  PairSearch search;
+  PairSearch<Real> search;
   Index stride = 0;   ///< number of positions
   Span<Index> count;  ///< [free_count] in: zero; out: pairs whose lower body it is
   Span<Index> found;  ///< [kPairSlots * stride] out, slot by slot
@@ -182,22 +181,23 @@ struct PairPlaces {
 
 /// Puts the pairs that were counted into their places.
 /// Bytes per pair: 4 read, 8 written; 4 of the counts added to, and 8 of the scan, from the caches.
+template <class Real>
 struct WriteCandidates {
   static constexpr const char* name = "write_candidates";
-  PairSearch search;
+  PairSearch<Real> search;
   Index stride = 0;
   Span<const Index> found;
   PairPlaces places;
 
   SCREE_HD void operator()(Index p) const {
     const Index i = search.bins.body[p];
-    if (found[p] == CountCandidates::kSearchAgain) {
+    if (found[p] == kSearchAgain) {
       search(p, [&](Index j) { places.put(i, j); });
       return;
     }
     for (Index n = 0; n < kPairSlots; ++n) {
       const Index j = found[static_cast<Offset>(n) * stride + p];
-      if (j == CountCandidates::kNoMore) return;
+      if (j == kNoMore) return;
       places.put(i, j);
     }
   }
@@ -250,10 +250,8 @@ struct OrderCandidates {
 template <class Real>
 struct RenewReach {
   static constexpr const char* name = "renew_reach";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;
   BinnedRange binned;
-  ContactRange range;
-  SpareReach spare;
   Vec3<double> origin;
   Span<const Index> left;
   Span<ReachRecord> record;     ///< [binned.size()] in, out
@@ -266,9 +264,9 @@ struct RenewReach {
   SCREE_HD void operator()(Index k) const {
     const Index i = binned.body(left[k]);
     ReachRecord ball;
-    ball.reach = kept_radius(bodies, range, spare, i);
+    ball.reach = balls.radius(i);
     if (ball.reach > 0) {
-      ball.center = Vec3<float>(bodies.position[i] - origin);
+      ball.center = Vec3<float>(balls.center(i) - origin);
     } else {
       atomic_add(pair_count, kTooMany);
     }

@@ -158,6 +158,62 @@ TYPED_TEST(PairCandidatesTest, BothListingsOfAStepShareAList) {
   EXPECT_EQ(run.detector().list_builds(), 1);
 }
 
+TYPED_TEST(PairCandidatesTest, FastAndSpinningBodiesMeetAllThatALongListHas) {
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    auto s = this->bed(700, 0.03, 0.1, 41 + seed);
+    std::mt19937 random(42 + seed);
+    s.add_free_box({0.5, 0.5, 0.15}, {0.2, 0.15, 0.04});
+    for (int k = 0; k < 10; ++k) {
+      s.add(Vec3<double>{0.5, 0.5, 0.15} + 0.4 * this->random_vector(random), 0.05,
+            20.0 * this->random_vector(random));
+    }
+    s.add_half_space({0, 0, 0}, {0, 0, 1});
+    if (seed % 2 == 1) s.settings.period = {1, 1.1, 0};
+    std::exponential_distribution<double> speed(1.0);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(s.free_count); ++i) {
+      s.velocity[i] = Vec3<TypeParam>(20 * speed(random) * this->random_vector(random));
+      s.angular_velocity[i] = Vec3<TypeParam>(200 * speed(random) * this->random_vector(random));
+    }
+    for (const double limit : {0.0, 0.25}) {
+      s.settings.margin_limit = limit;
+      s.settings.skin = 10;  // all pairs
+      const auto all = this->fresh_contacts(s);
+      EXPECT_GT(std::count_if(all.begin(), all.end(),
+                              [&](const HostContact& c) { return c.b == s.free_count - 1; }),
+                20)
+          << "of the box";
+      for (const double skin : {0.0, 1e-3, 0.02}) {
+        s.settings.skin = skin;
+        EXPECT_EQ(this->fresh_contacts(s), all) << "skin " << skin;
+      }
+    }
+  }
+}
+
+TYPED_TEST(PairCandidatesTest, AListServesBodiesOnTheirCourse) {
+  auto s = this->bed(2000, 0.05, 0.05, 43);
+  std::mt19937 random(44);
+  for (auto& v : s.velocity) v = Vec3<TypeParam>(1.7 * this->random_vector(random));
+  s.settings.skin = 5e-4;  // a step is up to 2.9 mm
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
+  for (int k = 0; k < 4; ++k) {
+    run.scene() = s;
+    run.load();
+    EXPECT_EQ(run.detect(), this->fresh_contacts(s));
+    EXPECT_EQ(run.detector().list_builds(), 1) << "step " << k;
+    EXPECT_EQ(run.detector().list_extensions(), 0) << "step " << k;
+    for (std::size_t i = 0; i < s.position.size(); ++i) {
+      s.position[i] += s.h * Vec3<double>(s.velocity[i]);
+    }
+  }
+  // Suddenly they are three times as fast.
+  for (auto& v : s.velocity) v = Vec3<TypeParam>(3.0 * Vec3<double>(v));
+  run.scene() = s;
+  run.load();
+  EXPECT_EQ(run.detect(), this->fresh_contacts(s));
+  EXPECT_EQ(run.detector().list_builds(), 2);
+}
+
 TYPED_TEST(PairCandidatesTest, InsertedBodies) {
   auto s = this->bed(1000, 0.06, 0.06, 11);
   const auto more = this->bed(50, 0.06, 0.06, 12);

@@ -66,7 +66,7 @@ struct SpareReach {
 
   /// The longest way that is spared, as a fraction of the radius: fast bodies shall not fill the
   /// list.
-  static constexpr double kMostAhead = 0.5;
+  static constexpr double kMostAhead = 1;
 
   /// Steps at its present speed for which a body is in its ball, the present one included.
   /// @param way  of the body in a step [m]

@@ -65,7 +65,7 @@ class PairCandidates {
   }
 
   /// Makes the list for the range and some way beyond; two host reads, one of them by the bins.
-  /// Bytes per body besides the bins, m candidates each, every array counted once: 44 for the
+  /// Bytes per body besides the bins, m candidates each, every array counted once: 60 for the
   /// balls, 44 + 12 m to search, 48 + 28 m to put into order (m is about 5 in a dense bed).
   /// @param spare  without skin the list serves only one listing
   /// @throws std::runtime_error when there are more pairs than an Index can number

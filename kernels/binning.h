@@ -92,7 +92,8 @@ struct SpareReach {
 /// in both cases, unless the bodies overlap by more than E, when the distance of their centers is
 /// below the sum of their radii. So |D + h u / 2| <= E + h |u| / 2; u is at most the sum of the
 /// speeds of both bodies and, for shapes that are not spheres, of radius times angular velocity. By
-/// h / 2 of the latter, too, a surface point may have left the ball about the moved center.
+/// h / 2 of the latter, too, a surface point may have left the ball about the moved center. Spheres
+/// may be taken as not turning: that changes neither gap nor u_n.
 ///
 /// A ball for k steps is about the middle of the way through all of them, with half of that way. It
 /// holds the ball of each of the steps, as long as the body keeps its velocity.

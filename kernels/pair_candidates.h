@@ -104,11 +104,12 @@ struct CheckReach {
   BinnedRange binned;
   Vec3<double> origin;
   Span<const ReachRecord> record;  ///< [binned.size()]
-  Index* left_count;               ///< in: zero; out: bodies outside
+  Index* left_count;               ///< in: zero; out: bodies noted, or more
   Span<Index> left;                ///< out: number of each among binned bodies
 
   SCREE_HD LeftBodies operator()(Index m) const {
     if (is_within(m)) return {0};
+    if (atomic_read(left_count) >= left.size) return {1};
     const Index at = atomic_add(left_count, 1);
     if (at < left.size) left[at] = m;
     return {1};

@@ -168,7 +168,7 @@ struct CountCandidates {
 /// Puts pairs among those of their lower body, in any order.
 struct PairPlaces {
   Span<const Offset> begin;  ///< [free_count + 1] scan of count
-  Span<Index> count;         ///< [free_count] pairs still to come; zero in the end
+  Span<Index> count;         ///< [free_count] pairs still to come
   Span<Index> lower;         ///< out: the lower body
   Span<Index> other;         ///< out: the higher body
 
@@ -346,7 +346,7 @@ struct CountListed {
   }
 };
 
-/// Puts pairs into their places. Bytes per pair: 24.
+/// Puts pairs into places of their lower body, from the last one down. Bytes per pair: 24.
 struct PlacePairs {
   static constexpr const char* name = "place_pairs";
   Span<const Index> lower;
@@ -355,14 +355,21 @@ struct PlacePairs {
   SCREE_HD void operator()(Index k) const { places.put(lower[k], other[k]); }
 };
 
-/// The same for those of one piece of a list. Bytes per piece: 12, per pair 16.
+/// Puts those of one piece of a list into the first places of their lower body.
+/// Bytes per piece: 20, per pair 12.
 struct PlaceListed {
   static constexpr const char* name = "place_listed";
   CandidateView list;
   PairPlaces places;
   SCREE_HD void operator()(Index p) const {
-    for (Index k = list.begin[p]; k < list.begin[p + 1]; ++k)
-      places.put(list.body[p], list.other[k]);
+    const Index a = list.body[p];
+    Index first = p;  // piece of the body
+    while (first > 0 && list.body[first - 1] == a) --first;
+    const Offset shift = places.begin[a] - list.begin[first];
+    for (Index k = list.begin[p]; k < list.begin[p + 1]; ++k) {
+      places.lower[k + shift] = a;
+      places.other[k + shift] = list.other[k];
+    }
   }
 };
 

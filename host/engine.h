@@ -8,7 +8,7 @@ namespace scree {
 class Engine {
  public:
   virtual ~Engine() = default;
-  virtual StepReport step() = 0;
+  virtual StepReport step(BodyProblem* problem) = 0;
   virtual std::int64_t steps_done() const = 0;
   virtual double time() const = 0;
   virtual int body_count() const = 0;

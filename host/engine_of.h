@@ -13,8 +13,10 @@
 #include "host/motion.h"
 #include "host/obstacles.h"
 #include "host/problem_assembly.h"
+#include "host/problems/download_problem.h"
 #include "host/render/renderer.h"
 #include "host/scene_summary.h"
+#include "host/version.h"
 #include "kernels/integrate.h"
 #include "solvers/coulomb.h"
 #include "solvers/solver.h"
@@ -59,7 +61,7 @@ class EngineOf final : public Engine {
     insert_due();
   }
 
-  StepReport step() override {
+  StepReport step(BodyProblem* stored) override {
     B& b = *backend_;
     const double h = scene_.stepping.time_step;
     StageClock<B> clock(b);
@@ -92,6 +94,11 @@ class EngineOf final : public Engine {
     problem.mark = mark.view();
     const double reference = reference_speed(sums);
     report.ms.setup = clock.lap();
+    if (stored != nullptr) {
+      *stored = download_problem<B, Real>(b, problem, gamma, store_.ids(), bodies.fixed_begin);
+      stored->source = problem_source(reference);
+      clock.lap();  // belongs to no stage
+    }
 
     const SolveStats stats = solver_->solve(b, problem, gamma, tolerance(reference));
     if (stats.residual.bad_contact >= 0) report_bad_contact(contacts, stats.residual.bad_contact);
@@ -231,6 +238,19 @@ class EngineOf final : public Engine {
     const double loads = norm(scene_.stepping.time_step * scene_.gravity);
     if (loads > 0) return loads;
     return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
+  }
+
+  ProblemSource problem_source(double reference) const {
+    ProblemSource s;
+    s.scene = scene_.name;
+    s.program = std::string("scree ") + version() + " (" + commit() + ")";
+    s.backend = B::kName;
+    s.precision = std::is_same_v<Real, double> ? "double" : "float";
+    s.step = step_ + 1;
+    s.time = time_;
+    s.time_step = scene_.stepping.time_step;
+    s.reference_speed = reference;
+    return s;
   }
 
   /// RMS residual at which the solver stops [m/s]. docs/theory.md, section "Residual".

@@ -34,7 +34,8 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-StepReport World::step() { return engine_->step(); }
+StepReport World::step() { return engine_->step(nullptr); }
+StepReport World::step(BodyProblem& problem) { return engine_->step(&problem); }
 std::int64_t World::steps_done() const { return engine_->steps_done(); }
 double World::time() const { return engine_->time(); }
 int World::body_count() const { return engine_->body_count(); }

@@ -92,7 +92,8 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
-class Engine;  // host/engine.h: implemented once, compiled per backend and precision
+struct BodyProblem;  // host/problems/body_problem.h
+class Engine;        // host/engine.h: implemented once, compiled per backend and precision
 
 class World {
  public:
@@ -105,6 +106,8 @@ class World {
 
   /// Advances by one time step. @throws RunError naming the body when a state is not finite
   StepReport step();
+  /// The same, and hands out the contact problem that the step solves, its warm start included.
+  StepReport step(BodyProblem& problem);
 
   std::int64_t steps_done() const;
   double time() const;

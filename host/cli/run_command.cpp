@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "host/io/frames.h"
 #include "host/io/output_directory.h"
 #include "host/io/png_file.h"
+#include "host/io/problem_file.h"
 #include "host/io/progress.h"
 #include "host/io/run_record.h"
 #include "host/io/signals.h"
@@ -77,6 +79,7 @@ class Run {
       }
       return 0;
     }
+    require_steps_to_dump(checkpoint ? checkpoint->state.step : 0);
     require_memory(scene_, world_options_);
     directory_.prepare();
     if (!notice_.empty() && !options_.quiet) fmt::print(stderr, "{}\n", notice_);
@@ -128,6 +131,30 @@ class Run {
                                  to_string(world_options_.precision)));
   }
 
+  /// @param first  steps done before the run
+  void require_steps_to_dump(std::int64_t first) const {
+    for (const std::int64_t step : options_.dump_problem)
+      if (step <= first || step > target_)
+        throw InputError(fmt::format("--dump-problem {}: this run makes the steps {} to {}", step,
+                                     first + 1, target_));
+  }
+
+  /// The next step; its contact problem goes to a file when that was asked for.
+  StepReport advance(World& world, WriterThread& writer, Progress& progress) const {
+    const std::int64_t step = world.steps_done() + 1;
+    const std::vector<std::int64_t>& wanted = options_.dump_problem;
+    if (std::find(wanted.begin(), wanted.end(), step) == wanted.end()) return world.step();
+    auto problem = std::make_shared<StoredProblem>();
+    StepReport report = world.step(problem->form.emplace<BodyProblem>());
+    if (report.contact_count == 0) {
+      progress.note(fmt::format("step {} has no contacts: {} is not written", step,
+                                directory_.problem(step).filename().string()));
+    } else {
+      writer.post([problem, path = directory_.problem(step)] { write_problem(path, *problem); });
+    }
+    return report;
+  }
+
   /// A step as the progress line and the totals tell it: with the residual of the model that is
   /// solved.
   StepReport judged(StepReport report) const {
@@ -177,7 +204,7 @@ class Run {
     if (!resumed_step) write_frame();
     double before = world.time();
     while (world.steps_done() < target_ && signals.received() == 0) {
-      const StepReport report = world.step();
+      const StepReport report = advance(world, writer, progress);
       steps.append(report);
       record_.totals.add(judged(report));
       progress.update(judged(report));
@@ -260,6 +287,13 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   command->add_option("--steps", options.steps, "time steps (default: the scene's duration)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}))
       ->take_last();
+  command
+      ->add_option("--dump-problem", options.dump_problem,
+                   "write the contact problem of step N; repeatable")
+      ->type_name("N")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
+      ->take_all()
+      ->expected(1);
   command->add_option("--out", options.out, "output directory (default: out/<scene name>)")
       ->take_last();
   command->add_flag("--resume", options.resume,

@@ -7,8 +7,9 @@ namespace scree {
 
 struct RunOptions {
   RunTarget target;
-  std::filesystem::path out;  ///< empty: out/<scene name>
-  std::int64_t steps = -1;    ///< -1: as many as the scene's duration takes
+  std::filesystem::path out;               ///< empty: out/<scene name>
+  std::int64_t steps = -1;                 ///< -1: as many as the scene's duration takes
+  std::vector<std::int64_t> dump_problem;  ///< steps whose contact problems are written
   bool resume = false;
   bool force = false;
   bool quiet = false;

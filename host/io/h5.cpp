@@ -315,6 +315,28 @@ void Group::read_array(const std::string& name, Type type, void* out, std::uint6
     fail(name, "");
 }
 
+std::uint64_t Group::value_count(const std::string& name) const {
+  const Guard guard;
+  const Handle dataset = open_array(name);
+  const Handle space(H5Dget_space(dataset.id()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.id());
+  if (count < 0) fail(name, "");
+  return static_cast<std::uint64_t>(count);
+}
+
+void Group::read_converted_array(const std::string& name, Type type, void* out,
+                                 std::uint64_t count) const {
+  const Guard guard;
+  const Handle dataset = open_array(name);
+  const Handle stored(H5Dget_type(dataset.id()), H5Tclose);
+  if (H5Tget_class(stored.id()) != H5Tget_class(native(type)))
+    fail(name, H5Tget_class(native(type)) == H5T_INTEGER ? "expected integers"
+                                                         : "expected floating-point numbers");
+  if (value_count(name) != count) fail(name, "the number of values changed");
+  if (count == 0) return;
+  if (H5Dread(dataset.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, out) < 0) fail(name, "");
+}
+
 void Group::write_text(const std::string& name, const std::string& text) {
   const Guard guard;
   const Handle type = text_type(text.size(), H5T_CSET_UTF8);
@@ -398,6 +420,11 @@ std::string Group::text_attribute(const std::string& name) const {
   if (H5Aread(attribute.id(), type.id(), text.data()) < 0) fail("attribute " + name, "");
   strip_padding(&text);
   return text;
+}
+
+bool is_hdf5(const std::filesystem::path& path) {
+  const Guard guard;
+  return H5Fis_hdf5(path.c_str()) > 0;
 }
 
 File::File(Handle handle, std::string path) : handle_(std::move(handle)), path_(std::move(path)) {}

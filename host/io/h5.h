@@ -119,6 +119,15 @@ class Group {
     return out;
   }
 
+  /// Reads all values of an array of any shape. The stored type may be any of the same kind as T,
+  /// integer or floating point; values outside of T's range become its nearest.
+  template <class T>
+  std::vector<T> read_converted(const std::string& name) const {
+    std::vector<T> out(value_count(name));
+    read_converted_array(name, TypeOf<T>::value, out.data(), out.size());
+    return out;
+  }
+
   /// Text of any length as one dataset; it must not end in a zero byte.
   void write_text(const std::string& name, const std::string& text);
   std::string read_text(const std::string& name) const;
@@ -153,6 +162,8 @@ class Group {
   void create_growing_array(const std::string&, Type, std::uint64_t columns, std::uint64_t rows);
   void append_array(const std::string&, Type, const void*, std::uint64_t count);
   void read_array(const std::string&, Type, void*, std::uint64_t count, std::uint64_t first) const;
+  std::uint64_t value_count(const std::string& name) const;
+  void read_converted_array(const std::string&, Type, void*, std::uint64_t count) const;
   void write_attribute_array(const std::string&, Type, const void*, std::uint64_t, bool scalar);
   void read_attribute_array(const std::string&, Type, void*, std::uint64_t) const;
 
@@ -160,6 +171,9 @@ class Group {
   std::string file_;  // for messages
   std::string path_;  // within the file, for messages; "" for the root group
 };
+
+/// Whether a file begins as HDF5 files do.
+bool is_hdf5(const std::filesystem::path& path);
 
 /// An open file. Groups and arrays of it must be gone before close().
 class File {

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 
 std::string reason(int error_number) { return std::generic_category().message(error_number); }
 
-bool is_picture(std::string_view name) {
-  constexpr std::string_view begin = "picture_", end = ".png";
+/// Whether a name is begin, digits, end.
+bool is_numbered(std::string_view name, std::string_view begin, std::string_view end) {
   if (!name.starts_with(begin) || !name.ends_with(end)) return false;
   if (name.size() <= begin.size() + end.size()) return false;
   const auto digits = name.substr(begin.size(), name.size() - begin.size() - end.size());
@@ -40,7 +40,8 @@ bool is_own_name(std::string_view name) {
     if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
   constexpr std::array<std::string_view, 5> names{"run.json", "steps.csv", "frames.vtkhdf",
                                                   "checkpoint.h5", "walls.obj"};
-  return is_picture(name) || std::find(names.begin(), names.end(), name) != names.end();
+  return is_numbered(name, "picture_", ".png") || is_numbered(name, "problem_", ".hdf5") ||
+         std::find(names.begin(), names.end(), name) != names.end();
 }
 
 bool may_change(const std::string& pointer, const std::vector<std::string>& may_differ) {
@@ -111,6 +112,10 @@ OutputDirectory::~OutputDirectory() {
 
 fs::path OutputDirectory::picture(int number) const {
   return path_ / fmt::format("picture_{:05}.png", number);
+}
+
+fs::path OutputDirectory::problem(std::int64_t step) const {
+  return path_ / fmt::format("problem_{}.hdf5", step);
 }
 
 /// The closest parent that exists must take a new directory.

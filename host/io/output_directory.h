@@ -1,6 +1,7 @@
 #pragma once
 // Where a run writes, and the rules that keep earlier results safe.
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -49,7 +50,8 @@ class OutputDirectory {
   std::filesystem::path frames() const { return path_ / "frames.vtkhdf"; }
   std::filesystem::path checkpoint_file() const { return path_ / "checkpoint.h5"; }
   std::filesystem::path walls() const { return path_ / "walls.obj"; }
-  std::filesystem::path picture(int number) const;  ///< picture_00042.png
+  std::filesystem::path picture(int number) const;         ///< picture_00042.png
+  std::filesystem::path problem(std::int64_t step) const;  ///< problem_42.hdf5
 
   /// The checkpoint to go on from; empty unless resuming. Taking it frees its memory here.
   bool resuming() const { return existing_ == ExistingOutput::resume; }

@@ -4,6 +4,7 @@
 
 #include "host/io/checkpoint.h"
 #include "host/io/h5.h"
+#include "host/io/problem_file.h"
 #include "host/io/steps_csv.h"
 #include "tests/cli/program.h"
 
@@ -132,6 +133,52 @@ TEST_F(CliRun, DefaultFolderIsOutAndTheName) {
       scree(scratch, {"run", scene.string(), "--backend", "cpu", "--steps", "1", "--quiet"});
   EXPECT_EQ(result.code, 0) << result.err;
   EXPECT_TRUE(fs::exists(scratch / "out/small/steps.csv"));
+}
+
+TEST_F(CliRun, DumpProblemWritesTheProblemsOfTheStepsAskedFor) {
+  must_run("plain", {"--steps", "20"});
+  must_run("dumped", {"--steps", "20", "--dump-problem", "20", "--dump-problem", "11"});
+  expect_same_run(scratch / "plain", scratch / "dumped");
+  for (const int step : {11, 20}) {
+    const auto path = scratch / "dumped" / ("problem_" + std::to_string(step) + ".hdf5");
+    const StoredProblem stored = read_problem(path);
+    const auto& problem = std::get<BodyProblem>(stored.form);
+    EXPECT_EQ(problem.source.scene, "small");
+    EXPECT_EQ(problem.source.step, step);
+    EXPECT_EQ(problem.source.precision, "float");
+    EXPECT_GT(problem.contact_count(), 10);
+  }
+  EXPECT_FALSE(fs::exists(scratch / "plain/problem_20.hdf5"));
+  must_run("dumped", {"--steps", "5", "--force"});
+  EXPECT_FALSE(fs::exists(scratch / "dumped/problem_20.hdf5"));
+}
+
+TEST_F(CliRun, DumpProblemOfAStepWithoutContactsSaysSo) {
+  nlohmann::json empty = small_scene();
+  empty["gravity"] = {0, 0, 0};
+  empty["bodies"] = nlohmann::json::array();
+  put_scene(scratch, empty);
+  const Result result = scree(
+      scratch,
+      run_arguments(scene, scratch / "a", {"--steps", "2", "--dump-problem", "1", "--quiet"}));
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "step 1 has no contacts: problem_1.hdf5 is not written\n");
+  EXPECT_FALSE(fs::exists(scratch / "a/problem_1.hdf5"));
+}
+
+TEST_F(CliRun, DumpProblemOfAStepThatIsNotMadeIsRefused) {
+  must_run("a", {"--steps", "3"});
+  for (const Arguments& more : {Arguments{"--steps", "8", "--dump-problem", "9"},
+                                Arguments{"--steps", "8", "--dump-problem", "3", "--resume"}}) {
+    const bool resumes = more.back() == "--resume";
+    const Result result =
+        scree(scratch, run_arguments(scene, scratch / (resumes ? "a" : "b"), more));
+    EXPECT_EQ(result.code, 2);
+    const std::string expected = resumes ? "--dump-problem 3: this run makes the steps 4 to 8"
+                                         : "--dump-problem 9: this run makes the steps 1 to 8";
+    EXPECT_NE(result.err.find(expected), std::string::npos) << result.err;
+  }
+  EXPECT_FALSE(fs::exists(scratch / "b"));
 }
 
 TEST_F(CliRun, ForceReplacesTheEarlierRunAndNothingElse) {

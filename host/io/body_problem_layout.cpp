@@ -1,0 +1,197 @@
+#include "host/io/body_problem_layout.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <span>
+
+#include "host/error.h"
+#include "host/io/values.h"
+
+namespace scree {
+namespace {
+
+constexpr const char* format_name = "scree contact problem";
+
+// Rows of arrays are these types, read and written as they lie in memory.
+static_assert(sizeof(Twist<double>) == 6 * sizeof(double));
+static_assert(sizeof(RollingRow<double>) == 3 * sizeof(double));
+static_assert(sizeof(Sym3<double>) == 6 * sizeof(double));
+
+template <class T>
+std::uint64_t columns_of() {
+  return sizeof(T) == sizeof(double) ? 0 : sizeof(T) / sizeof(double);
+}
+
+template <class T>
+void write_rows(h5::Group& group, const char* name, const std::vector<T>& rows) {
+  group.write(name,
+              std::span<const double>(reinterpret_cast<const double*>(rows.data()),
+                                      rows.size() * (sizeof(T) / sizeof(double))),
+              columns_of<T>());
+}
+
+template <class T>
+std::vector<T> read_rows(const h5::Group& group, const char* name) {
+  const h5::Shape shape = group.shape(name);
+  if (shape.columns != columns_of<T>())
+    throw InputError(fmt::format("{} has {} columns, expected {}", name, shape.values_per_row(),
+                                 sizeof(T) / sizeof(double)));
+  const std::vector<double> values = group.read_converted<double>(name);
+  std::vector<T> rows(shape.rows);
+  std::copy(values.begin(), values.end(), reinterpret_cast<double*>(rows.data()));
+  return rows;
+}
+
+std::vector<std::int32_t> read_indices(const h5::Group& group, const char* name) {
+  const auto stored = group.read_converted<std::int64_t>(name);
+  std::vector<std::int32_t> indices;
+  indices.reserve(stored.size());
+  for (std::size_t k = 0; k < stored.size(); ++k) {
+    if (stored[k] < -1 || stored[k] > std::numeric_limits<std::int32_t>::max())
+      throw InputError(fmt::format("{}[{}] is {}, expected an index", name, k, stored[k]));
+    indices.push_back(static_cast<std::int32_t>(stored[k]));
+  }
+  return indices;
+}
+
+/// Writes one member of every body.
+template <class Record, class Member>
+void write_member(h5::Group& group, const char* name, const std::vector<Record>& records,
+                  Member Record::*member) {
+  std::vector<Member> values;
+  values.reserve(records.size());
+  for (const Record& r : records) values.push_back(r.*member);
+  write_rows(group, name, values);
+}
+
+/// Reads one member of every body; all must have as many rows.
+template <class Record, class Member>
+void read_member(const h5::Group& group, const char* name, std::vector<Record>& records,
+                 Member Record::*member) {
+  const std::vector<Member> values = read_rows<Member>(group, name);
+  if (values.size() != records.size())
+    throw InputError(fmt::format("{} has {} rows, expected {} (one a body)", name, values.size(),
+                                 records.size()));
+  for (std::size_t k = 0; k < values.size(); ++k) records[k].*member = values[k];
+}
+
+ContactLayout read_layout(const h5::Group& root) {
+  const std::string word = root.text_attribute("layout");
+  for (const ContactLayout layout :
+       {ContactLayout::radial, ContactLayout::general, ContactLayout::rolling})
+    if (word == to_string(layout)) return layout;
+  throw InputError(
+      fmt::format("attribute layout is \"{}\", expected radial, general or rolling", word));
+}
+
+void write_source(h5::Group& root, const ProblemSource& s) {
+  root.write_text_attribute("scene", s.scene);
+  root.write_text_attribute("program", s.program);
+  root.write_text_attribute("backend", s.backend);
+  root.write_text_attribute("precision", s.precision);
+  root.write_attribute<std::int64_t>("step", s.step);
+  root.write_attribute<double>("time", s.time);
+  root.write_attribute<double>("time_step", s.time_step);
+  root.write_attribute<double>("reference_speed", s.reference_speed);
+}
+
+ProblemSource read_source(const h5::Group& root) {
+  ProblemSource s;
+  s.scene = root.text_attribute("scene");
+  s.program = root.text_attribute("program");
+  s.backend = root.text_attribute("backend");
+  s.precision = root.text_attribute("precision");
+  s.step = root.attribute<std::int64_t>("step");
+  s.time = root.attribute<double>("time");
+  s.time_step = root.attribute<double>("time_step");
+  s.reference_speed = root.attribute<double>("reference_speed");
+  return s;
+}
+
+}  // namespace
+
+bool is_body_problem(const h5::Group& root) {
+  return root.has_attribute("format") && root.text_attribute("format") == format_name;
+}
+
+BodyProblem read_body_problem(const h5::Group& root) {
+  const auto version = root.attribute<std::int64_t>("format_version");
+  if (version != problem_format_version)
+    throw InputError(fmt::format("attribute format_version is {}, expected {}", version,
+                                 problem_format_version));
+  BodyProblem p;
+  p.layout = read_layout(root);
+  p.source = read_source(root);
+  const auto free_count = root.attribute<std::int64_t>("free_count");
+  if (free_count < 0 || free_count > std::numeric_limits<std::int32_t>::max())
+    throw InputError(fmt::format("attribute free_count is {}, expected a count", free_count));
+  p.free_count = static_cast<int>(free_count);
+
+  p.body_id = read_indices(root, "body/id");
+  p.free_velocity = read_rows<Twist<double>>(root, "body/free_velocity");
+  if (p.layout == ContactLayout::radial) {
+    p.radial_inertia.resize(p.free_velocity.size());
+    read_member(root, "body/inv_mass", p.radial_inertia, &RadialInertia<double>::inv_mass);
+    read_member(root, "body/inv_spin", p.radial_inertia, &RadialInertia<double>::inv_spin);
+  } else {
+    p.general_inertia.resize(p.free_velocity.size());
+    read_member(root, "body/mass", p.general_inertia, &GeneralInertia<double>::mass);
+    read_member(root, "body/inv_mass", p.general_inertia, &GeneralInertia<double>::inv_mass);
+    read_member(root, "body/inertia", p.general_inertia, &GeneralInertia<double>::inertia);
+    read_member(root, "body/inv_inertia", p.general_inertia, &GeneralInertia<double>::inv_inertia);
+  }
+
+  p.body_a = read_indices(root, "contact/body_a");
+  p.body_b = read_indices(root, "contact/body_b");
+  p.normal = read_rows<Vec3d>(root, "contact/normal");
+  p.bias = read_rows<double>(root, "contact/bias");
+  p.mu = read_rows<double>(root, "contact/mu");
+  p.adhesion = read_rows<double>(root, "contact/adhesion");
+  if (p.layout != ContactLayout::radial) {
+    p.arm_a = read_rows<Vec3d>(root, "contact/arm_a");
+    p.arm_b = read_rows<Vec3d>(root, "contact/arm_b");
+  }
+  if (p.layout == ContactLayout::rolling)
+    p.rolling = read_rows<RollingRow<double>>(root, "contact/rolling");
+  p.impulse = read_rows<Vec3d>(root, "warm_start/impulse");
+  return p;
+}
+
+void write_body_problem(h5::Group& root, const BodyProblem& p) {
+  root.write_text_attribute("format", format_name);
+  root.write_attribute<std::int64_t>("format_version", problem_format_version);
+  root.write_text_attribute("layout", to_string(p.layout));
+  root.write_attribute<std::int64_t>("free_count", p.free_count);
+  write_source(root, p.source);
+
+  h5::Group body = root.create_group("body");
+  body.write("id", std::span<const std::int32_t>(p.body_id));
+  write_rows(body, "free_velocity", p.free_velocity);
+  if (p.layout == ContactLayout::radial) {
+    write_member(body, "inv_mass", p.radial_inertia, &RadialInertia<double>::inv_mass);
+    write_member(body, "inv_spin", p.radial_inertia, &RadialInertia<double>::inv_spin);
+  } else {
+    write_member(body, "mass", p.general_inertia, &GeneralInertia<double>::mass);
+    write_member(body, "inv_mass", p.general_inertia, &GeneralInertia<double>::inv_mass);
+    write_member(body, "inertia", p.general_inertia, &GeneralInertia<double>::inertia);
+    write_member(body, "inv_inertia", p.general_inertia, &GeneralInertia<double>::inv_inertia);
+  }
+
+  h5::Group contact = root.create_group("contact");
+  contact.write("body_a", std::span<const std::int32_t>(p.body_a));
+  contact.write("body_b", std::span<const std::int32_t>(p.body_b));
+  write_rows(contact, "normal", p.normal);
+  write_rows(contact, "bias", p.bias);
+  write_rows(contact, "mu", p.mu);
+  write_rows(contact, "adhesion", p.adhesion);
+  if (p.layout != ContactLayout::radial) {
+    write_rows(contact, "arm_a", p.arm_a);
+    write_rows(contact, "arm_b", p.arm_b);
+  }
+  if (p.layout == ContactLayout::rolling) write_rows(contact, "rolling", p.rolling);
+  h5::Group warm_start = root.create_group("warm_start");
+  write_rows(warm_start, "impulse", p.impulse);
+}
+
+}  // namespace scree

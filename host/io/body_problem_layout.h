@@ -1,0 +1,21 @@
+#pragma once
+// scree's own layout of contact problems in HDF5, with bodies. docs/problem_files.md.
+
+#include "host/io/h5.h"
+#include "host/problems/body_problem.h"
+
+namespace scree {
+
+/// Number of the layout; files of another version are refused.
+inline constexpr int problem_format_version = 1;
+
+/// Whether a file says that it is in this layout.
+bool is_body_problem(const h5::Group& root);
+
+/// @throws h5::Error, InputError naming what is wrong; shapes are checked, values are not
+BodyProblem read_body_problem(const h5::Group& root);
+
+/// @throws h5::Error
+void write_body_problem(h5::Group& root, const BodyProblem& problem);
+
+}  // namespace scree

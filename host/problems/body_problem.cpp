@@ -1,0 +1,178 @@
+#include "host/problems/body_problem.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "host/problems/checks.h"
+
+namespace scree {
+namespace {
+
+constexpr const char* per_body = "one a body";
+constexpr const char* per_contact = "one a contact";
+
+std::string text_of(const Vec3d& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
+
+template <class T, class Accept, class Show>
+void require_all(const std::vector<T>& values, const char* name, const char* expected,
+                 Accept accept, Show show) {
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (!accept(values[k]))
+      throw InputError(
+          fmt::format("{}[{}] is {}, expected {}", name, k, show(values[k]), expected));
+}
+
+void require_finite_vectors(const std::vector<Vec3d>& values, const char* name) {
+  require_all(values, name, "finite numbers", is_finite<double>, text_of);
+}
+
+bool is_finite_sym(const Sym3<double>& m) {
+  return std::isfinite(m.xx) && std::isfinite(m.yy) && std::isfinite(m.zz) && std::isfinite(m.xy) &&
+         std::isfinite(m.xz) && std::isfinite(m.yz);
+}
+
+std::string text_of_sym(const Sym3<double>& m) {
+  return fmt::format("({}, {}, {}, {}, {}, {})", m.xx, m.yy, m.zz, m.xy, m.xz, m.yz);
+}
+
+/// Zero, or positive definite on the axes whose diagonal entry is not zero.
+bool is_inverse_inertia(const Sym3<double>& m) {
+  if (!is_finite_sym(m) || m.xx < 0 || m.yy < 0 || m.zz < 0) return false;
+  // Minors of order two, and the determinant, with room for rounding of near-singular ones.
+  const double slack = 1e-6;
+  const auto minor = [&](double p, double q, double off) {
+    return off * off <= p * q * (1 + slack);
+  };
+  if (!minor(m.xx, m.yy, m.xy) || !minor(m.xx, m.zz, m.xz) || !minor(m.yy, m.zz, m.yz))
+    return false;
+  const double determinant = m.xx * (m.yy * m.zz - m.yz * m.yz) -
+                             m.xy * (m.xy * m.zz - m.yz * m.xz) +
+                             m.xz * (m.xy * m.yz - m.yy * m.xz);
+  return determinant >= -slack * m.xx * m.yy * m.zz;
+}
+
+void check_bodies(const BodyProblem& p) {
+  const std::size_t n = p.free_velocity.size();
+  if (p.free_count < 1 || static_cast<std::size_t>(p.free_count) > n)
+    throw InputError(
+        fmt::format("free_count is {}, expected 1 to {} (the number of bodies)", p.free_count, n));
+  require_size(p.body_id, n, "body/id", per_body);
+  require_all(
+      p.free_velocity, "body/free_velocity", "finite numbers",
+      [](const Twist<double>& t) { return is_finite(t.linear) && is_finite(t.angular); },
+      [](const Twist<double>& t) { return text_of(t.linear) + " " + text_of(t.angular); });
+
+  const bool radial = p.layout == ContactLayout::radial;
+  require_size(p.radial_inertia, radial ? n : 0, "body/inv_spin", "radial layout");
+  require_size(p.general_inertia, radial ? 0 : n, "body/inertia", "general and rolling layout");
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool is_free = i < static_cast<std::size_t>(p.free_count);
+    const char* expected = is_free ? "finite numbers that are not negative"
+                                   : "zero: bodies from free_count on do not move";
+    const auto check = [&](bool fits, const char* name, const std::string& found) {
+      if (!fits)
+        throw InputError(fmt::format("{}[{}] is {}, expected {}", name, i, found, expected));
+    };
+    const auto is_inverse = [&](double x) {
+      return std::isfinite(x) && x >= 0 && (is_free || !(x > 0));
+    };
+    if (radial) {
+      const RadialInertia<double>& r = p.radial_inertia[i];
+      check(is_inverse(r.inv_mass), "body/inv_mass", fmt::to_string(r.inv_mass));
+      check(is_inverse(r.inv_spin), "body/inv_spin", fmt::to_string(r.inv_spin));
+      continue;
+    }
+    const GeneralInertia<double>& g = p.general_inertia[i];
+    check(is_inverse(g.inv_mass.x) && is_inverse(g.inv_mass.y) && is_inverse(g.inv_mass.z),
+          "body/inv_mass", text_of(g.inv_mass));
+    check(is_inverse(g.inv_inertia.trace()), "body/inv_inertia", text_of_sym(g.inv_inertia));
+    expected = "a positive definite matrix on the axes that are not zero";
+    check(is_inverse_inertia(g.inv_inertia), "body/inv_inertia", text_of_sym(g.inv_inertia));
+    expected = "finite numbers that are not negative";
+    check(std::isfinite(g.mass) && g.mass >= 0, "body/mass", fmt::to_string(g.mass));
+    expected = "finite numbers";
+    check(is_finite_sym(g.inertia), "body/inertia", text_of_sym(g.inertia));
+  }
+}
+
+void check_pairs(const BodyProblem& p) {
+  for (std::size_t c = 0; c < p.body_a.size(); ++c) {
+    const int a = p.body_a[c], b = p.body_b[c];
+    if (a < 0 || a >= p.free_count)
+      throw InputError(fmt::format("contact/body_a[{}] is {}, expected 0 to {} (a free body)", c, a,
+                                   p.free_count - 1));
+    if (b <= a || b >= p.body_count())
+      throw InputError(fmt::format("contact/body_b[{}] is {}, expected {} to {} (a body behind {})",
+                                   c, b, a + 1, p.body_count() - 1, "body_a"));
+    if (c > 0 && a < p.body_a[c - 1])
+      throw InputError(fmt::format("contact/body_a[{}] is {}, expected at least {} (ascending)", c,
+                                   a, p.body_a[c - 1]));
+  }
+}
+
+void check_contacts(const BodyProblem& p) {
+  const std::size_t n = p.body_a.size();
+  if (n == 0) throw InputError("contact/body_a is empty: the problem has no contacts");
+  require_size(p.body_b, n, "contact/body_b", per_contact);
+  check_pairs(p);
+  require_size(p.normal, n, "contact/normal", per_contact);
+  require_all(
+      p.normal, "contact/normal", "a unit vector",
+      [](const Vec3d& v) { return std::abs(norm(v) - 1) < 1e-4; }, text_of);
+  require_size(p.bias, n, "contact/bias", per_contact);
+  require_finite(p.bias, "contact/bias");
+  require_size(p.mu, n, "contact/mu", per_contact);
+  require_not_negative(p.mu, "contact/mu");
+  require_size(p.adhesion, n, "contact/adhesion", per_contact);
+  require_not_negative(p.adhesion, "contact/adhesion");
+
+  const std::size_t arms = p.layout == ContactLayout::radial ? 0 : n;
+  require_size(p.arm_a, arms, "contact/arm_a", "one a contact, not in the radial layout");
+  require_size(p.arm_b, arms, "contact/arm_b", "one a contact, not in the radial layout");
+  require_finite_vectors(p.arm_a, "contact/arm_a");
+  require_finite_vectors(p.arm_b, "contact/arm_b");
+  require_size(p.rolling, p.layout == ContactLayout::rolling ? n : 0, "contact/rolling",
+               "one a contact, rolling layout only");
+  require_all(
+      p.rolling, "contact/rolling", "a positive length and coefficients that are not negative",
+      [](const RollingRow<double>& r) {
+        return std::isfinite(r.length) && r.length > 0 && std::isfinite(r.rolling) &&
+               r.rolling >= 0 && std::isfinite(r.spinning) && r.spinning >= 0;
+      },
+      [](const RollingRow<double>& r) {
+        return fmt::format("({}, {}, {})", r.length, r.rolling, r.spinning);
+      });
+  require_size(p.impulse, n * static_cast<std::size_t>(vectors_per_contact(p.layout)),
+               "warm_start/impulse", "vectors of all contacts");
+  require_finite_vectors(p.impulse, "warm_start/impulse");
+}
+
+}  // namespace
+
+void validate(const BodyProblem& p) {
+  const ProblemSource& s = p.source;
+  if (!(std::isfinite(s.time_step) && s.time_step > 0))
+    throw InputError(fmt::format("time_step is {}, expected a positive number [s]", s.time_step));
+  if (!std::isfinite(s.time))
+    throw InputError(fmt::format("time is {}, expected a finite number [s]", s.time));
+  if (!(std::isfinite(s.reference_speed) && s.reference_speed >= 0))
+    throw InputError(
+        fmt::format("reference_speed is {}, expected 0 or more [m/s]", s.reference_speed));
+  check_bodies(p);
+  check_contacts(p);
+}
+
+const char* to_string(ContactLayout layout) {
+  switch (layout) {
+    case ContactLayout::radial:
+      return "radial";
+    case ContactLayout::general:
+      return "general";
+    case ContactLayout::rolling:
+      break;
+  }
+  return "rolling";
+}
+
+}  // namespace scree

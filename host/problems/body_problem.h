@@ -1,0 +1,64 @@
+#pragma once
+// The contact problem of one step with its bodies, in host memory and in double: all that
+// kernels/contact_problem.h needs, the guess, and where it comes from.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/scene.h"
+#include "kernels/contact_problem.h"
+
+namespace scree {
+
+/// Where a problem comes from.
+struct ProblemSource {
+  std::string scene;           ///< name of the scene
+  std::string program;         ///< that wrote it, with its version
+  std::string backend;         ///< cpu or cuda
+  std::string precision;       ///< float or double: to what the numbers are rounded
+  std::int64_t step = 0;       ///< number of the step, from 1
+  double time = 0;             ///< at the start of the step [s]
+  double time_step = 0;        ///< h [s]
+  double reference_speed = 0;  ///< v* that residuals are divided by [m/s]; 0: none
+  friend bool operator==(const ProblemSource&, const ProblemSource&) = default;
+};
+
+/// Bodies [0, free_count) move, the others keep their velocity. In the radial layout the angular
+/// part of a rate is the surface speed r w [m/s], in the others it is w [rad/s]; world frame.
+struct BodyProblem {
+  ContactLayout layout = ContactLayout::radial;
+  ProblemSource source;
+
+  // bodies [body_count]
+  int free_count = 0;
+  std::vector<std::int32_t> body_id;                    ///< index in the scene
+  std::vector<Twist<double>> free_velocity;             ///< v* = v + h M^-1 f_ext
+  std::vector<RadialInertia<double>> radial_inertia;    ///< radial layout, else empty
+  std::vector<GeneralInertia<double>> general_inertia;  ///< other layouts, else empty
+
+  // contacts [contact_count], sorted by body_a
+  std::vector<std::int32_t> body_a;         ///< always free, and less than body_b
+  std::vector<std::int32_t> body_b;         ///< free or fixed
+  std::vector<Vec3d> normal;                ///< unit, from A to B
+  std::vector<Vec3d> arm_a;                 ///< center of A to the contact [m]; empty when radial
+  std::vector<Vec3d> arm_b;                 ///< center of B to the contact [m]; empty when radial
+  std::vector<double> bias;                 ///< [m/s]
+  std::vector<double> mu;                   ///< friction coefficient [-]
+  std::vector<double> adhesion;             ///< c h [N s]
+  std::vector<RollingRow<double>> rolling;  ///< rolling layout, else empty
+  /// The guess [vectors_per_contact * contact_count], world frame, acting on B [N s].
+  std::vector<Vec3d> impulse;
+
+  int body_count() const { return static_cast<int>(free_velocity.size()); }
+  int contact_count() const { return static_cast<int>(body_a.size()); }
+};
+
+/// Checks sizes, indices, signs, order and that all numbers are finite.
+/// @throws InputError naming the array, the place, the value and what was expected
+void validate(const BodyProblem& problem);
+
+/// "radial", "general" or "rolling": the words of files.
+const char* to_string(ContactLayout layout);
+
+}  // namespace scree

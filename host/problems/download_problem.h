@@ -1,0 +1,120 @@
+#pragma once
+// The contact problem of a step, copied from backend memory. Internal to host/.
+
+#include "host/problems/body_problem.h"
+#include "kernels/backend/backend.h"
+
+namespace scree {
+
+template <class T>
+Span<const T> host_view(const std::vector<T>& v) {
+  return {v.data(), static_cast<Offset>(v.size())};
+}
+
+/// Copies a problem as it is before the solve. Values that the problem works out where they are
+/// needed (bias, v*, inertia) are worked out here by the same functions; numbers of float problems
+/// become double, which is exact. Room of bodies that join later is left out.
+/// @param guess        impulses as matched with the last step, world frame
+/// @param body_id      ids in storage order
+/// @param fixed_begin  storage index of the first fixed body
+template <class B, class Real>
+BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> guess,
+                             const std::vector<Index>& body_id, Index fixed_begin) {
+  BodyProblem out;
+  out.layout = p.layout;
+  out.free_count = p.free_count;
+  const Index n = p.contact_count;
+  const auto contact_values = [&](auto span) {
+    return download(b, span.first(span.empty() ? 0 : n));
+  };
+  const auto vectors = [](const std::vector<Vec3<Real>>& values) {
+    return std::vector<Vec3d>(values.begin(), values.end());
+  };
+
+  // bodies
+  const Index room = fixed_begin - p.free_count;  // of bodies that join later
+  const Index bodies = p.body_count - room;
+  const auto storage = [&](Index i) { return i < p.free_count ? i : i + room; };
+  const auto per_body = [&](auto constant, auto& memory) {
+    memory = download(b, constant.values);
+    constant.values = host_view(memory);
+    return constant;
+  };
+  const auto twists = download(b, p.free_velocity.values);
+  const auto velocity = download(b, p.free_velocity.velocity);
+  const auto angular_velocity = download(b, p.free_velocity.angular_velocity);
+  std::vector<Real> radius, inv_mass;
+  FreeVelocity<Real> free_velocity = p.free_velocity;
+  free_velocity.values = host_view(twists);
+  free_velocity.velocity = host_view(velocity);
+  free_velocity.angular_velocity = host_view(angular_velocity);
+  free_velocity.radius = per_body(free_velocity.radius, radius);
+  const auto inertias = download(b, p.radial_inertia.values);
+  RadialInertias<Real> radial = p.radial_inertia;
+  radial.values = host_view(inertias);
+  radial.inv_mass = per_body(radial.inv_mass, inv_mass);
+  const auto general = download(b, p.general_inertia);
+  const auto sym = [](const Sym3<Real>& m) {
+    Sym3<double> d;
+    d.xx = m.xx, d.yy = m.yy, d.zz = m.zz, d.xy = m.xy, d.xz = m.xz, d.yz = m.yz;
+    return d;
+  };
+  for (Index i = 0; i < bodies; ++i) {
+    const Index k = storage(i);
+    out.body_id.push_back(body_id[static_cast<std::size_t>(k)]);
+    const Twist<Real> rate = free_velocity[k];
+    Twist<double> twist;
+    twist.linear = Vec3d(rate.linear);
+    twist.angular = Vec3d(rate.angular);
+    out.free_velocity.push_back(twist);
+    if (p.layout == ContactLayout::radial) {
+      const RadialInertia<Real> r = radial[k];
+      RadialInertia<double> inertia;
+      inertia.inv_mass = r.inv_mass;
+      inertia.inv_spin = r.inv_spin;
+      out.radial_inertia.push_back(inertia);
+    } else {
+      const GeneralInertia<Real>& g = general[static_cast<std::size_t>(k)];
+      GeneralInertia<double> inertia;
+      inertia.mass = g.mass;
+      inertia.inv_mass = Vec3d(g.inv_mass);
+      inertia.inertia = sym(g.inertia);
+      inertia.inv_inertia = sym(g.inv_inertia);
+      out.general_inertia.push_back(inertia);
+    }
+  }
+
+  // contacts
+  out.body_a = contact_values(p.body_a);
+  out.body_b = contact_values(p.body_b);
+  for (Index& body : out.body_b)
+    if (body >= p.free_count) body -= room;
+  out.normal = vectors(contact_values(p.normal));
+  out.arm_a = vectors(contact_values(p.arm_a));
+  out.arm_b = vectors(contact_values(p.arm_b));
+  const auto bias_values = contact_values(p.bias.values);
+  const auto gaps = contact_values(p.bias.gap);
+  ContactBias<Real> bias = p.bias;
+  bias.values = host_view(bias_values);
+  bias.gap = host_view(gaps);
+  const auto friction_values = contact_values(p.friction.values);
+  const auto adhesion_values = contact_values(p.adhesion.values);
+  const PerContact<Real> friction{host_view(friction_values), p.friction.uniform};
+  const PerContact<Real> adhesion{host_view(adhesion_values), p.adhesion.uniform};
+  for (Index c = 0; c < n; ++c) {
+    out.bias.push_back(bias[c]);
+    out.mu.push_back(friction[c]);
+    out.adhesion.push_back(adhesion[c]);
+  }
+  for (const RollingRow<Real>& row : contact_values(p.rolling)) {
+    RollingRow<double> resistance;
+    resistance.length = row.length;
+    resistance.rolling = row.rolling;
+    resistance.spinning = row.spinning;
+    out.rolling.push_back(resistance);
+  }
+  out.impulse = vectors(download(b, guess));
+  return out;
+}
+
+}  // namespace scree

@@ -1,0 +1,313 @@
+#include "host/problems/matrix_form.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <Eigen/SparseLU>
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "host/error.h"
+#include "host/problems/contact_frame.h"
+
+namespace scree {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using Vector = Eigen::VectorXd;
+using Block6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr double max_entries = std::numeric_limits<std::int32_t>::max();
+
+Vector vector_of(const std::vector<double>& v) {
+  return Eigen::Map<const Vector>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+std::vector<double> values_of(const Vector& v) { return {v.data(), v.data() + v.size()}; }
+
+Matrix matrix_of(const SparseMatrix& a) {
+  return Eigen::Map<const RowMatrix>(a.row_count, a.column_count, a.entry_count(),
+                                     a.row_start.data(), a.column.data(), a.value.data());
+}
+
+SparseMatrix plain(const Matrix& a) {
+  RowMatrix rows = a;
+  rows.makeCompressed();
+  SparseMatrix p;
+  p.row_count = static_cast<std::int32_t>(rows.rows());
+  p.column_count = static_cast<std::int32_t>(rows.cols());
+  p.row_start.assign(rows.outerIndexPtr(), rows.outerIndexPtr() + rows.rows() + 1);
+  p.column.assign(rows.innerIndexPtr(), rows.innerIndexPtr() + rows.nonZeros());
+  p.value.assign(rows.valuePtr(), rows.valuePtr() + rows.nonZeros());
+  return p;
+}
+
+/// Inverse mass of a body, linear before angular.
+Block6 inverse_mass(const BodyProblem& p, int body) {
+  Block6 inverse = Block6::Zero();
+  if (p.layout == ContactLayout::radial) {
+    const RadialInertia<double>& r = p.radial_inertia[static_cast<std::size_t>(body)];
+    inverse.diagonal() << r.inv_mass, r.inv_mass, r.inv_mass, r.inv_spin, r.inv_spin, r.inv_spin;
+    return inverse;
+  }
+  const GeneralInertia<double>& g = p.general_inertia[static_cast<std::size_t>(body)];
+  const Sym3<double>& i = g.inv_inertia;
+  inverse.diagonal().head<3>() << g.inv_mass.x, g.inv_mass.y, g.inv_mass.z;
+  inverse.bottomRightCorner<3, 3>() << i.xx, i.xy, i.xz, i.xy, i.yy, i.yz, i.xz, i.yz, i.zz;
+  return inverse;
+}
+
+/// What a body's rate does to the velocity of B against A at a contact, in contact rows. The
+/// velocity of the point at arm r is v + w x r; in the radial layout r w enters as s and the arms
+/// are along n, those of A and B with opposite signs.
+Eigen::Matrix<double, 3, 6> jacobian(const BodyProblem& p, std::size_t c, bool side_b) {
+  const ContactFrame frame = contact_frame(p.normal[c]);
+  const bool radial = p.layout == ContactLayout::radial;
+  const Vec3d arm = radial ? -1.0 * p.normal[c] : (side_b ? p.arm_b[c] : p.arm_a[c]);
+  const double sign = side_b ? 1 : -1;
+  Eigen::Matrix<double, 3, 6> j;
+  for (int row = 0; row < 3; ++row) {
+    const Vec3d e = frame[static_cast<std::size_t>(row)];
+    // e . (w x r) = w . (r x e)
+    const Vec3d turn = (radial ? 1 : sign) * cross(arm, e);
+    j.row(row) << sign * e.x, sign * e.y, sign * e.z, turn.x, turn.y, turn.z;
+  }
+  return j;
+}
+
+Eigen::Matrix<double, 6, 1> rate_of(const BodyProblem& p, int body) {
+  const Twist<double>& t = p.free_velocity[static_cast<std::size_t>(body)];
+  Eigen::Matrix<double, 6, 1> rate;
+  rate << t.linear.x, t.linear.y, t.linear.z, t.angular.x, t.angular.y, t.angular.z;
+  return rate;
+}
+
+/// The parts from which both forms are made.
+struct Parts {
+  Matrix mass, inverse;  ///< of the degrees of freedom that can move
+  Matrix H;
+  Vector free_velocity;  ///< v* of the same
+  Vector w;
+  Vector apex;  ///< c h e_n of all contacts
+};
+
+/// Numbers the axes that can move.
+/// @return per body and axis the degree of freedom, -1 where there is none
+std::vector<std::array<int, 6>> number_axes(const BodyProblem& p, int* count) {
+  std::vector<std::array<int, 6>> dof(static_cast<std::size_t>(p.body_count()));
+  *count = 0;
+  for (int i = 0; i < p.body_count(); ++i) {
+    const Block6 inverse = inverse_mass(p, i);
+    for (int k = 0; k < 6; ++k)
+      dof[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =
+          inverse(k, k) > 0 ? (*count)++ : -1;
+  }
+  return dof;
+}
+
+void set_bodies(const BodyProblem& p, const std::vector<std::array<int, 6>>& dof, int dof_count,
+                Parts& parts) {
+  std::vector<Eigen::Triplet<double>> mass, inverse;
+  parts.free_velocity = Vector::Zero(dof_count);
+  for (int i = 0; i < p.free_count; ++i) {
+    std::vector<int> axes;
+    for (int k = 0; k < 6; ++k)
+      if (dof[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] >= 0) axes.push_back(k);
+    if (axes.empty()) continue;
+    const Eigen::MatrixXd block = inverse_mass(p, i)(axes, axes);
+    // The linear axes are not coupled to the angular ones: their masses come out as 1 / inv_mass.
+    const Eigen::MatrixXd inverted = block.inverse();
+    const int first = dof[static_cast<std::size_t>(i)][static_cast<std::size_t>(axes.front())];
+    const Eigen::Matrix<double, 6, 1> rate = rate_of(p, i);
+    const int size = static_cast<int>(axes.size());
+    for (int row = 0; row < size; ++row) {
+      parts.free_velocity(first + row) = rate(axes[static_cast<std::size_t>(row)]);
+      for (int column = 0; column < size; ++column) {
+        if (std::abs(block(row, column)) > 0)
+          inverse.emplace_back(first + row, first + column, block(row, column));
+        if (std::abs(inverted(row, column)) > 0)
+          mass.emplace_back(first + row, first + column, inverted(row, column));
+      }
+    }
+  }
+  parts.mass.resize(dof_count, dof_count);
+  parts.mass.setFromTriplets(mass.begin(), mass.end());
+  parts.inverse.resize(dof_count, dof_count);
+  parts.inverse.setFromTriplets(inverse.begin(), inverse.end());
+}
+
+void set_contacts(const BodyProblem& p, const std::vector<std::array<int, 6>>& dof, int dof_count,
+                  Parts& parts) {
+  const int rows = 3 * p.contact_count();
+  std::vector<Eigen::Triplet<double>> h;
+  parts.w = Vector::Zero(rows);
+  parts.apex = Vector::Zero(rows);
+  for (int c = 0; c < p.contact_count(); ++c) {
+    const auto contact = static_cast<std::size_t>(c);
+    // The bias acts along the normal as it is stored, which is a unit vector to rounding.
+    parts.w(3 * c) = p.bias[contact] * norm(p.normal[contact]);
+    parts.apex(3 * c) = p.adhesion[contact] * norm(p.normal[contact]);
+    for (const bool side_b : {false, true}) {
+      const int body = side_b ? p.body_b[contact] : p.body_a[contact];
+      const Eigen::Matrix<double, 3, 6> j = jacobian(p, contact, side_b);
+      const Eigen::Matrix<double, 6, 1> rate = rate_of(p, body);
+      for (int k = 0; k < 6; ++k) {
+        const int column = dof[static_cast<std::size_t>(body)][static_cast<std::size_t>(k)];
+        for (int row = 0; row < 3; ++row) {
+          if (column < 0) {
+            parts.w(3 * c + row) += j(row, k) * rate(k);
+          } else if (std::abs(j(row, k)) > 0) {
+            h.emplace_back(column, 3 * c + row, j(row, k));
+          }
+        }
+      }
+    }
+  }
+  parts.H.resize(dof_count, rows);
+  parts.H.setFromTriplets(h.begin(), h.end());
+}
+
+Parts parts_of(const BodyProblem& p) {
+  validate(p);
+  if (p.layout == ContactLayout::rolling)
+    throw InputError(
+        "the problem has rolling friction, which matrices of three rows a contact do not hold; "
+        "expected layout radial or general");
+  if (18.0 * 2 * p.contact_count() > max_entries)
+    throw InputError(
+        fmt::format("H of {} contacts would hold more than 2^31 entries", p.contact_count()));
+  int dof_count = 0;
+  const auto dof = number_axes(p, &dof_count);
+  if (dof_count == 0) throw InputError("no body can move: the problem has no degrees of freedom");
+  Parts parts;
+  set_bodies(p, dof, dof_count, parts);
+  set_contacts(p, dof, dof_count, parts);
+  return parts;
+}
+
+/// @throws InputError when W would not fit 32-bit indices: a body couples all its contacts
+void require_room(const BodyProblem& p) {
+  std::vector<double> contacts(static_cast<std::size_t>(p.body_count()), 0);
+  for (int c = 0; c < p.contact_count(); ++c) {
+    ++contacts[static_cast<std::size_t>(p.body_a[static_cast<std::size_t>(c)])];
+    ++contacts[static_cast<std::size_t>(p.body_b[static_cast<std::size_t>(c)])];
+  }
+  double entries = 0;
+  for (int i = 0; i < p.free_count; ++i)
+    entries += 9 * contacts[static_cast<std::size_t>(i)] * contacts[static_cast<std::size_t>(i)];
+  if (entries > max_entries)
+    throw InputError(fmt::format(
+        "W of {} contacts could hold {:.3g} entries, expected at most 2^31; take the global form",
+        p.contact_count(), entries));
+}
+
+LocalProblem local_of(const BodyProblem& p, const Parts& parts) {
+  const Matrix weighted = parts.inverse * parts.H;
+  LocalProblem local;
+  local.W = plain(Matrix(parts.H.transpose() * weighted));
+  local.q = values_of(parts.w + parts.H.transpose() * parts.free_velocity -
+                      parts.H.transpose() * Vector(weighted * parts.apex));
+  local.mu = p.mu;
+  return local;
+}
+
+GlobalProblem global_of(const BodyProblem& p, const Parts& parts) {
+  GlobalProblem global;
+  global.M = plain(parts.mass);
+  global.H = plain(parts.H);
+  global.f = values_of(parts.mass * parts.free_velocity - parts.H * parts.apex);
+  global.w = values_of(parts.w);
+  global.mu = p.mu;
+  return global;
+}
+
+ProblemInfo info_of(const BodyProblem& p, const Parts& parts) {
+  const ProblemSource& s = p.source;
+  ProblemInfo info;
+  info.title = s.scene;
+  info.description =
+      fmt::format("Step {} of scene {} at {} s, time step {} s, in {} on {}; written by {}", s.step,
+                  s.scene, s.time, s.time_step, s.precision, s.backend, s.program);
+  info.math_info = "Impulses [N s], velocities [m/s]; rows: normal, two tangents.";
+  if (parts.apex.maxCoeff() > 0)
+    info.math_info += " Cohesion: impulses hold c h along the normal on top of the physical ones.";
+  return info;
+}
+
+}  // namespace
+
+GlobalProblem global_form(const BodyProblem& problem) {
+  return global_of(problem, parts_of(problem));
+}
+
+LocalProblem local_form(const BodyProblem& problem) {
+  require_room(problem);
+  return local_of(problem, parts_of(problem));
+}
+
+LocalProblem local_form(const GlobalProblem& problem) {
+  validate(problem);
+  const Matrix M = matrix_of(problem.M), H = matrix_of(problem.H);
+  Eigen::SparseLU<Matrix> factors(M);
+  if (factors.info() != Eigen::Success) throw InputError("M is singular");
+  const Matrix inverse_H = factors.solve(H);
+  const Vector inverse_f = factors.solve(vector_of(problem.f));
+  LocalProblem local;
+  local.dimension = problem.dimension;
+  local.mu = problem.mu;
+  local.W = plain(Matrix(H.transpose() * inverse_H));
+  local.q = values_of(vector_of(problem.w) + H.transpose() * inverse_f);
+  if (!problem.b.empty()) {
+    const Matrix G = matrix_of(problem.G);
+    const Matrix inverse_G = factors.solve(G);
+    local.V = plain(Matrix(H.transpose() * inverse_G));
+    local.R = plain(Matrix(G.transpose() * inverse_G));
+    local.s = values_of(vector_of(problem.b) + G.transpose() * inverse_f);
+  }
+  validate(local);
+  return local;
+}
+
+StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form) {
+  if (form == MatrixForm::local) require_room(problem);
+  const Parts parts = parts_of(problem);
+  StoredProblem stored;
+  stored.info = info_of(problem, parts);
+  const Vector r = vector_of(to_rows(problem, problem.impulse)) + parts.apex;
+  const Vector v = parts.free_velocity + parts.inverse * Vector(parts.H * Vector(r - parts.apex));
+  ProblemPoint guess;
+  guess.r = values_of(r);
+  guess.u = values_of(parts.w + parts.H.transpose() * v);
+  if (form == MatrixForm::global) {
+    guess.v = values_of(v);
+    stored.form = global_of(problem, parts);
+  } else {
+    stored.form = local_of(problem, parts);
+  }
+  stored.guesses.push_back(std::move(guess));
+  return stored;
+}
+
+std::vector<double> to_rows(const BodyProblem& problem, const std::vector<Vec3d>& vectors) {
+  std::vector<double> rows;
+  rows.reserve(3 * vectors.size());
+  for (std::size_t c = 0; c < vectors.size(); ++c) {
+    const Vec3d v = to_frame(contact_frame(problem.normal[c]), vectors[c]);
+    rows.insert(rows.end(), {v.x, v.y, v.z});
+  }
+  return rows;
+}
+
+std::vector<Vec3d> to_world(const BodyProblem& problem, const std::vector<double>& rows) {
+  std::vector<Vec3d> vectors;
+  vectors.reserve(rows.size() / 3);
+  for (std::size_t c = 0; 3 * c < rows.size(); ++c)
+    vectors.push_back(from_frame(contact_frame(problem.normal[c]),
+                                 {rows[3 * c], rows[3 * c + 1], rows[3 * c + 2]}));
+  return vectors;
+}
+
+}  // namespace scree

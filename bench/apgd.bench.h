@@ -40,7 +40,6 @@ void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, Apgd
   B& b = suite.backend();
   const auto& bed = suite.template bed_problem<Real>(spheres);
   ApgdArrays<B, Real> arrays(b, bed, kind);
-  suite.poison(arrays.gamma.next(0));
   const double first =
       residual_rms(b, bed.problem(), Span<const Vec3<Real>>(arrays.gamma.current(0)));
   double applications = 0;

@@ -19,7 +19,7 @@ class ApgdArrays {
   ApgdArrays(B& b, const BedProblem<B, Real>& bed, ApgdMetricKind kind)
       : problem_(bed.problem()), metric_(b), state_(b, 1), iteration_(b) {
     const ContactProblem<Real>& p = problem_;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 2; ++k) {
       impulses_.emplace_back(b, p.contact_count);
       gamma.buffer[k] = impulses_.back().view(p.contact_count);
     }
@@ -32,7 +32,7 @@ class ApgdArrays {
     }
     bed.random_impulses(b, 51, gamma.buffer[0]);
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.buffer[0]});
-    copy(b, Span<const Vec3<Real>>(gamma.buffer[0]), gamma.buffer[2]);
+    copy(b, Span<const Vec3<Real>>(gamma.buffer[0]), gamma.buffer[1]);
     for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma.buffer[0], velocity.of_iterate[0]});
     if (kind == ApgdMetricKind::diagonal) {
       const Offset values =
@@ -48,7 +48,7 @@ class ApgdArrays {
   /// Unrelated random numbers in all arrays a pass reads, and a momentum as in the middle of a
   /// solve.
   void scramble(B& b, const BedProblem<B, Real>& bed) {
-    for (unsigned k = 0; k < 3; ++k) {
+    for (unsigned k = 0; k < 2; ++k) {
       bed.random_impulses(b, 20 + k, gamma.buffer[k]);
       for_each(b, problem_.contact_count, ProjectImpulses<R, Real>{problem_, gamma.buffer[k]});
     }

@@ -47,19 +47,21 @@ class ContactDetector {
   /// is done again with the margins, and once more when contacts found by that make margins grow,
   /// for the bodies behind.
   ///
-  /// Contacts are picked from a list of pairs of near bodies, which reaches farther by a skin and
-  /// is made anew only when a body has moved too far since, see PairCandidates. The contacts do not
-  /// depend on it.
+  /// Contacts are picked from a list of pairs of near bodies, which reaches farther by a skin. When
+  /// a few bodies have moved too far since it was made, it is extended, and made anew when many
+  /// have, see PairCandidates. The contacts do not depend on it.
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
-  /// two more for a new list; up to four more for each detection with margins.
+  /// one more to extend the list and two more for a new one; up to five more for each detection
+  /// with margins.
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every
   /// array counted once: check 60, candidates 56 + 4 m, scan 12, keys 24 + 12 k, geometry (8 + 24 +
-  /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 270 for the
-  /// bins (extent and levels 52, cell keys 40, their sort 3 * 24, records and cells 80), and 136 +
-  /// 40 m = 340 for itself. Its search also reads about 18 cells and 26 records of 16 bytes, from
-  /// the caches, because positions follow the Morton order.
+  /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 300 for the
+  /// bins (extent and levels 52, cell keys 56, their sort 3 * 24, records and cells 96), and 152 +
+  /// 40 m = 350 for itself. Its search also reads about 12 cells and 23 records of 16 bytes in a
+  /// bed of equal spheres, 44 and 40 in one of diameters 1 : 10, from the caches, because positions
+  /// follow the Morton order.
   ///
   /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
   /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:
@@ -124,6 +126,8 @@ class ContactDetector {
 
   /// Lists of pairs of near bodies made so far.
   std::int64_t list_builds() const { return candidates_.build_count(); }
+  /// How often one was extended because a few bodies had moved too far.
+  std::int64_t list_extensions() const { return candidates_.extension_count(); }
 
  private:
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
@@ -215,7 +219,7 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
                                            const ContactRange& range) {
   if (!candidates_.covers(b, bodies, range)) {
     release_contacts();
-    candidates_.build(b, bodies, range, {settings_.skin});
+    candidates_.renew(b, bodies, range, {settings_.skin});
   }
   switch (obstacles_.mix()) {
     case ShapeMix::spheres_and_planes:

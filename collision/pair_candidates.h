@@ -1,6 +1,7 @@
 #pragma once
 // The list of pairs of bodies that may touch, kept over several steps.
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -11,11 +12,21 @@
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair.
+/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 20
+/// bytes a body and 8 a pair.
 template <class B, class Real>
 class PairCandidates {
  public:
-  explicit PairCandidates(B& b) : record_(b), body_(b), begin_(b), other_(b), left_(b, 1) {}
+  explicit PairCandidates(B& b)
+      : record_(b),
+        body_(b),
+        begin_(b),
+        other_(b),
+        left_(b, kMostRenewed),
+        left_count_(b, 1),
+        left_result_(b, 1) {
+    fill(b, left_count_.view(), Index(0));
+  }
 
   /// Whether the list holds every pair that may touch within the range. It does not after
   /// forget(), when there are other bodies than before, or when one left its ball; else nothing
@@ -23,16 +34,38 @@ class PairCandidates {
   /// Bytes per binned body: 60.
   bool covers(B& b, const BodyView<Real>& bodies, const ContactRange& range) {
     const BinnedRange binned{bodies.free_count, bodies.fixed_begin, bodies.count};
-    if (!is_kept_ || binned != binned_) return false;
-    reduce<LeftBodies>(
-        b, binned.size(),
-        CheckReach<Real>{bodies, binned, range, origin_, record_.view(binned.size())},
-        StoreResult<LeftBodies>{left_.data()});
-    return fetch(b, left_.data()).count == 0;
+    if (!is_kept_ || binned != binned_) {
+      forget();
+      return false;
+    }
+    reduce<LeftBodies>(b, binned.size(),
+                       CheckReach<Real>{{bodies, range, {}},
+                                        binned,
+                                        origin_,
+                                        record_.view(binned.size()),
+                                        left_count_.data(),
+                                        left_.view()},
+                       StoreLeft{left_result_.data(), left_count_.data()});
+    outside_ = fetch(b, left_result_.data()).count;
+    ++age_;
+    return outside_ == 0;
+  }
+
+  /// Makes the list cover the range, after covers() said that it does not: adds what a few bodies
+  /// that left their balls may touch now, or builds the list anew. An old list is not extended:
+  /// more and more bodies leave their balls, and extensions in every listing are dearer than a new
+  /// list now and then.
+  void renew(B& b, const BodyView<Real>& bodies, const ContactRange& range, SpareReach spare) {
+    spare.skin *= stretch_;
+    const bool is_young = age_ < kMostAge + extensions_;
+    const bool extends = is_kept_ && is_young && outside_ <= kMostRenewed;
+    if (extends && extend(b, bodies, range, spare)) return;
+    if (is_kept_) stretch(spare);
+    build(b, bodies, range, spare);
   }
 
   /// Makes the list for the range and some way beyond; two host reads, one of them by the bins.
-  /// Bytes per body besides the bins, m candidates each, every array counted once: 44 for the
+  /// Bytes per body besides the bins, m candidates each, every array counted once: 60 for the
   /// balls, 44 + 12 m to search, 48 + 28 m to put into order (m is about 5 in a dense bed).
   /// @param spare  without skin the list serves only one listing
   /// @throws std::runtime_error when there are more pairs than an Index can number
@@ -40,39 +73,34 @@ class PairCandidates {
              const SpareReach& spare) {
     release();
     const Index n = bodies.free_count;
-    const Bins<B> bins = sort_into_bins(b, bodies, range, spare);
+    const BodyBalls<Real> balls{bodies, range, spare};
+    const Bins<B> bins = sort_into_bins(b, balls);
     binned_ = {n, bodies.fixed_begin, bodies.count};
     origin_ = bins.view.lower;
     for_each(b, binned_.size(),
-             RecordReach<Real>{bodies, binned_, origin_, bins.view.inflated,
+             RecordReach<Real>{balls, binned_, origin_, bins.view.inflated,
                                record_.resize_discard(binned_.size())});
 
-    const PairSearch search{bodies.position, bodies.fixed_begin, bins.view};
+    const PairSearch<Real> search{balls, bodies.fixed_begin, bins.view};
     const Index positions = binned_.size();
     Buffer<B, Index> found(b, static_cast<Offset>(positions) * kPairSlots);
     Buffer<B, Index> count(b, n);
     Buffer<B, Offset> first(b, static_cast<Offset>(n) + 1);
     fill(b, count.view(), Index(0));
-    for_each(b, positions, CountCandidates{search, positions, count.view(), found.view()});
+    for_each(b, positions, CountCandidates<Real>{search, positions, count.view(), found.view()});
     exclusive_scan(b, Span<const Index>(count.view()), first.view());
     const Offset total = fetch(b, first.data() + n);
-    const Offset pieces = first_piece(n, total);
-    if (total >= std::numeric_limits<Index>::max() || pieces >= std::numeric_limits<Index>::max()) {
+    if (!can_number(n, total)) {
       throw std::runtime_error(std::to_string(total) +
                                " pairs of near bodies are more than one run can number (2^31)");
     }
     Buffer<B, Index> lower(b, total), other(b, total);
-    for_each(b, positions,
-             WriteCandidates{search, positions, found.view(), first.view(), count.view(),
-                             lower.view(), other.view()});
+    const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
+    for_each(b, positions, WriteCandidates<Real>{search, positions, found.view(), places});
     found.release();
-    for_each(b, n + 1,
-             CutPieces{n, first.view(), body_.resize_discard(pieces),
-                       begin_.resize_discard(pieces + 1)});
-    for_each(
-        b, static_cast<Index>(total),
-        OrderCandidates{lower.view(), other.view(), first.view(), other_.resize_discard(total)});
+    put_into_order(b, n, places);
     is_kept_ = spare.skin > 0;
+    age_ = extensions_ = 0;
     ++build_count_;
   }
 
@@ -89,19 +117,107 @@ class PairCandidates {
     record_.release(), body_.release(), begin_.release(), other_.release();
   }
 
-  /// Lists made so far.
+  /// Lists made so far, and how often one was extended.
   std::int64_t build_count() const { return build_count_; }
+  std::int64_t extension_count() const { return extension_count_; }
 
  private:
+  /// Most bodies that get new balls in a list: all others look at each of them, which should not
+  /// take longer than a new list.
+  static constexpr Index kMostRenewed = B::kIsDevice ? 1024 : 128;
+  static constexpr Index kMostAdded = 64 * kMostRenewed;
+  /// What a new list costs, in extensions: so many listings after it was made, a list without any
+  /// has cost less for each of them than an extension.
+  static constexpr Index kMostAge = 7;
+  /// A list that lasts for fewer listings gets more skin the next time, one for more gets less.
+  static constexpr Index kShortAge = 9, kLongAge = 20;
+  static constexpr double kStretchStep = 1.5, kMostStretch = 4;
+
+  /// Gives the bodies that left their balls new ones, and adds what they reach to the list; one
+  /// host read. Bytes per body with m candidates: 16, and 36 +
+  /// 40 m when there is something to add.
+  /// @return  false when there is too much to add: the list is void then
+  bool extend(B& b, const BodyView<Real>& bodies, const ContactRange& range,
+              const SpareReach& spare) {
+    const Span<const Index> left = std::as_const(left_).view(outside_);
+    Buffer<B, ReachRecord> ball(b, outside_);
+    Buffer<B, Index> added(b, 1), added_a(b, kMostAdded), added_b(b, kMostAdded);
+    fill(b, added.view(), Index(0));
+    for_each(b, outside_,
+             RenewReach<Real>{{bodies, range, spare},
+                              binned_,
+                              origin_,
+                              left,
+                              record_.view(),
+                              ball.view(),
+                              added.data()});
+    for_each(b, binned_.size(),
+             FindMissingPairs{binned_, view(), Vec3<float>(range.period), record_.view(), left,
+                              ball.view(), added.data(), added_a.view(), added_b.view()});
+    const Index more = fetch(b, added.data());
+    if (more > kMostAdded) return false;
+    ++extensions_, ++extension_count_;
+    if (more == 0) return true;
+
+    const CandidateView list = view();
+    const Index n = binned_.free_count;
+    Buffer<B, Index> count(b, n);
+    Buffer<B, Offset> first(b, static_cast<Offset>(n) + 1);
+    fill(b, count.view(), Index(0));
+    for_each(b, list.piece_count(), CountListed{list, count.view()});
+    for_each(b, more, CountPairs{added_a.view(more), count.view()});
+    exclusive_scan(b, Span<const Index>(count.view()), first.view());
+    const Offset total = static_cast<Offset>(list.other.size) + more;
+    if (!can_number(n, total)) return false;
+    Buffer<B, Index> lower(b, total), other(b, total);
+    const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
+    for_each(b, list.piece_count(), PlaceListed{list, places});
+    for_each(b, more, PlacePairs{added_a.view(more), added_b.view(more), places});
+    put_into_order(b, n, places);
+    return true;
+  }
+
+  /// Fits the skin to how long the list lasted. Never below what was asked for: shorter lists would
+  /// call for still shorter ones.
+  void stretch(SpareReach& spare) {
+    const double skin = spare.skin / stretch_;
+    if (age_ < kShortAge) stretch_ = std::min(kMostStretch, kStretchStep * stretch_);
+    if (age_ > kLongAge) stretch_ = std::max(1.0, stretch_ / kStretchStep);
+    spare.skin = skin * stretch_;
+  }
+
+  static bool can_number(Index free_count, Offset pairs) {
+    constexpr Offset kMost = std::numeric_limits<Index>::max();
+    return pairs < kMost && first_piece(free_count, pairs) < kMost;
+  }
+
+  /// The list, from pairs that are together for each lower body.
+  void put_into_order(B& b, Index free_count, const PairPlaces& pairs) {
+    const Offset total = pairs.lower.size;
+    const Offset pieces = first_piece(free_count, total);
+    for_each(b, free_count + 1,
+             CutPieces{free_count, pairs.begin, body_.resize_discard(pieces),
+                       begin_.resize_discard(pieces + 1)});
+    for_each(b, static_cast<Index>(total),
+             OrderCandidates{pairs.lower, pairs.other, pairs.begin, other_.resize_discard(total)});
+  }
+
   Buffer<B, ReachRecord> record_;
   Buffer<B, Index> body_;
   Buffer<B, Index> begin_;
   Buffer<B, Index> other_;
-  Buffer<B, LeftBodies> left_;
+  Buffer<B, Index> left_;
+  Buffer<B, Index> left_count_;
+  Buffer<B, LeftBodies> left_result_;
   BinnedRange binned_;
   Vec3<double> origin_;
   bool is_kept_ = false;
+  double stretch_ = 1;    ///< of the skin
+  Index outside_ = 0;     ///< bodies outside their balls, by the last covers()
+  Index age_ = 0;         ///< listings since the list was made
+  Index extensions_ = 0;  ///< since then
   std::int64_t build_count_ = 0;
+  std::int64_t extension_count_ = 0;
 };
 
 }  // namespace scree

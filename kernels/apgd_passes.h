@@ -37,19 +37,15 @@ struct ApgdState {
   }
 };
 
-/// Three impulse buffers: previous, current and next iterate by turns. Comparisons pick the buffer:
-/// an array that a device program indexes would move from registers to memory.
+/// Two impulse buffers, by turns of the current iterate and of its neighbors: a contact's next
+/// impulse takes the place of its previous one, which no one else needs. Comparisons pick the
+/// buffer: an array that a device program indexes would move from registers to memory.
 template <class Real>
 struct ApgdImpulses {
-  Span<Vec3<Real>> buffer[3];
-  SCREE_HD Span<Vec3<Real>> current(Index k) const { return pick(k % 3); }
-  SCREE_HD Span<Vec3<Real>> previous(Index k) const { return pick((k + 2) % 3); }
-  SCREE_HD Span<Vec3<Real>> next(Index k) const { return pick((k + 1) % 3); }
-
- private:
-  SCREE_HD Span<Vec3<Real>> pick(Index slot) const {
-    return slot == 0 ? buffer[0] : slot == 1 ? buffer[1] : buffer[2];
-  }
+  Span<Vec3<Real>> buffer[2];
+  SCREE_HD Span<Vec3<Real>> current(Index k) const { return k % 2 == 0 ? buffer[0] : buffer[1]; }
+  SCREE_HD Span<Vec3<Real>> previous(Index k) const { return current(k + 1); }
+  SCREE_HD Span<Vec3<Real>> next(Index k) const { return current(k + 1); }
 };
 
 /// V of the current iterate and V_y of the extrapolated point, each with room for the trial's.
@@ -108,9 +104,9 @@ struct StoredMetric {
 };
 
 /// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), on
-/// given buffers. Bytes per contact (radial, float): read normal and bias 16, ids 8, two impulses
-/// 24, metric 4 for alike bodies and 8 else, two twists 48 gathered (from cache when bodies are in
-/// Morton order); written 12.
+/// given buffers; gamma+ may take the place of gamma_prev. Bytes per contact (radial, float): read
+/// normal and bias 16, ids 8, two impulses 24, metric 4 for alike bodies and 8 else, two twists 48
+/// gathered (from cache when bodies are in Morton order); written 12.
 template <class R, class Real>
 struct ApgdContactStep {
   Span<const Vec3<Real>> current;
@@ -197,7 +193,8 @@ struct ApgdBodyPass {
 
 /// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that the trial
 /// met. Up to 2 L the trial lowers the objective and is accepted; a shorter step follows when rho
-/// passed L. Above, it is repeated: seldom, as L follows rho closely. At the upper bound of the
+/// passed L. Above, it is rejected, and one from the iterate itself follows: the previous iterate,
+/// on which y rests, is gone. That is seldom, as L follows rho closely. At the upper bound of the
 /// spectrum rho <= L in exact arithmetic, so the trial is accepted whatever rounding says. An
 /// accepted step against the gradient restarts the momentum.
 struct ApgdBodyFinish {
@@ -212,6 +209,7 @@ struct ApgdBodyFinish {
     const bool at_bound = s.lipschitz >= s.lipschitz_max;
     if (!(energy.value[0] <= 2 * allowed || at_bound)) {
       s.set_lipschitz(enough);
+      s.set_momentum(s.theta, 0);
       return;
     }
     ++s.accepted;

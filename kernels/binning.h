@@ -43,9 +43,8 @@ SCREE_HD double surface_speed(const BodyView<Real>& bodies, Index i) {
   return speed;
 }
 
-/// Radius of a binned body that covers all it may touch within the step: two bodies can have a
-/// contact only when their centers are at most the sum of their inflated radii apart. Zero for
-/// bodies that are not binned.
+/// Radius of a body about its center that covers all it may touch within the step, walls included.
+/// Zero for bodies that are not binned.
 template <class Real>
 SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange& range, Index i) {
   const bool is_sphere = bodies.shape[i] < 0;
@@ -65,39 +64,84 @@ struct SpareReach {
   /// the skin of all.
   double steps_ahead = 4;
 
-  /// The most that this adds, as a fraction of the radius: fast bodies shall not fill the list.
-  static constexpr double kMostAhead = 0.5;
+  /// The longest way that is spared, as a fraction of the radius: fast bodies shall not fill the
+  /// list.
+  static constexpr double kMostAhead = 1;
 
-  template <class Real>
-  SCREE_HD double operator()(const BodyView<Real>& bodies, double h, Index i) const {
-    if (!(skin > 0)) return 0;
-    const double ahead = steps_ahead * h * surface_speed(bodies, i);
-    const double most = kMostAhead * static_cast<double>(bodies.radius[i]);
-    return 0.5 * skin + (ahead < most ? ahead : most);
+  /// Steps at its present speed for which a body is in its ball, the present one included.
+  /// @param way  of the body in a step [m]
+  SCREE_HD double steps(double way, double radius) const {
+    if (!(skin > 0)) return 1;
+    const double most = kMostAhead * radius;
+    return 1 + (steps_ahead * way < most ? steps_ahead : most / way);
   }
 };
 
-/// Inflated radii, with what is spared, and the extent they need. Bytes per body: 44 read, 4
-/// written.
+/// The balls of binned bodies: two bodies can have a contact in a step only when their balls of
+/// that step overlap.
+///
+/// The ball of one step is about the middle of the body's way, x + h v / 2, and its radius is that
+/// of the body, half the envelope, the margin, and half the way, h |v| / 2. Let D be what leads
+/// from one surface to the other at the contact, gap times the normal n, u the relative velocity of
+/// the surfaces there, and E the envelope with both margins. A contact is listed when gap <= E, or
+/// when u_n < 0 and gap + h u_n <= E. Half a step on
+///
+///     |D + h u / 2|^2 = (gap + h u_n / 2)^2 + (h u_t / 2)^2,   |gap + h u_n / 2| <= E + h |u_n| /
+///     2
+///
+/// in both cases, unless the bodies overlap by more than E, when the distance of their centers is
+/// below the sum of their radii. So |D + h u / 2| <= E + h |u| / 2; u is at most the sum of the
+/// speeds of both bodies and, for shapes that are not spheres, of radius times angular velocity. By
+/// h / 2 of the latter, too, a surface point may have left the ball about the moved center. Spheres
+/// may be taken as not turning: that changes neither gap nor u_n.
+///
+/// A ball for k steps is about the middle of the way through all of them, with half of that way. It
+/// holds the ball of each of the steps, as long as the body keeps its velocity.
+template <class Real>
+struct BodyBalls {
+  BodyView<Real> bodies;
+  ContactRange range;
+  SpareReach spare;  ///< {}: balls of the present step
+
+  SCREE_HD Vec3<double> center(Index i) const {
+    const Vec3<double> v(bodies.velocity[i]);
+    return bodies.position[i] + (0.5 * range.h * steps(i, norm(v))) * v;
+  }
+  /// Zero for bodies that are not binned [m].
+  SCREE_HD float radius(Index i) const {
+    const bool is_sphere = bodies.shape[i] < 0;
+    if (i >= bodies.fixed_begin && !is_sphere) return 0;
+    const double own = bodies.radius[i];
+    const double speed = norm(Vec3<double>(bodies.velocity[i]));
+    double radius = own + 0.5 * (range.envelope + spare.skin) + range.margin_of(i) +
+                    0.5 * range.h * steps(i, speed) * speed;
+    if (!is_sphere) radius += range.h * own * norm(Vec3<double>(bodies.angular_velocity[i]));
+    // A state that is not finite has no contacts; the integration pass names it.
+    if (!(radius > 0 && radius < 1e30) || !is_finite(bodies.position[i])) return 0;
+    return static_cast<float>(radius) * (1.0f + 2.4e-7f);
+  }
+
+ private:
+  SCREE_HD double steps(Index i, double speed) const {
+    return spare.steps(range.h * speed, bodies.radius[i]);
+  }
+};
+
+/// Radii of balls, and the extent these need. Bytes per body: 44 read, 4 written.
 template <class Real>
 struct MeasureBodies {
   static constexpr const char* name = "measure_bodies";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;
   BinnedRange binned;
-  ContactRange range;
-  SpareReach spare;
   Span<float> inflated;  ///< [binned.size()] out [m]
 
   SCREE_HD BodyExtent operator()(Index m) const {
     const Index i = binned.body(m);
-    float r = inflated_radius(bodies, range, i);
-    if (r > 0) {
-      r = static_cast<float>(static_cast<double>(r) + spare(bodies, range.h, i)) * (1.0f + 1.2e-7f);
-    }
+    const float r = balls.radius(i);
     inflated[m] = r;
     BodyExtent e;
     if (r > 0) {
-      const Vec3<double> x = bodies.position[i];
+      const Vec3<double> x = balls.center(i);
       for (int k = 0; k < 3; ++k) e.lower[k] = e.upper[k] = x[k];
       const double diameter = 2.0 * r;
       e.min_diameter = e.max_diameter = diameter;
@@ -124,11 +168,11 @@ struct CountLevels {
   }
 };
 
-/// Cell of each body, the sort key. Bytes per body: 28 read, 12 written.
+/// Cell of each body, the sort key. Bytes per body: 44 read, 12 written.
 template <class Real>
 struct BinBodies {
   static constexpr const char* name = "bin_bodies";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;
   BinnedRange binned;
   Span<const float> inflated;
   const BinGrid* grid;
@@ -143,7 +187,7 @@ struct BinBodies {
     Index c = grid->cell_count;
     if (r > 0) {
       const BinLevel& l = grid->level[find_level(*grid, 2.0 * r)];
-      c = cell_of(l, wrapped(*grid, l, bodies.position[i]));
+      c = cell_of(l, wrapped(*grid, l, balls.center(i)));
     }
     cell[m] = static_cast<std::uint64_t>(c);
   }
@@ -161,12 +205,12 @@ struct CellRange {
   Index end = 0;
 };
 
-/// Records in cell order, and the range of each cell. Bytes per body: 40 read, 16 written, and 8
+/// Records in cell order, and the range of each cell. Bytes per body: 56 read, 16 written, and 8
 /// per cell.
 template <class Real>
 struct GatherBins {
   static constexpr const char* name = "gather_bins";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;
   BinnedRange binned;
   Span<const float> inflated;
   const BinGrid* grid;
@@ -181,7 +225,7 @@ struct GatherBins {
     if (c < grid->cell_count) {
       const Index i = body[p];
       const BinLevel& l = grid->level[level_of_cell(*grid, c)];
-      r.position = Vec3<float>(wrapped(*grid, l, bodies.position[i]));
+      r.position = Vec3<float>(wrapped(*grid, l, balls.center(i)));
       r.radius = inflated[binned.slot(i)] + l.slack;
       if (p == 0 || cell[p - 1] != cell[p]) cells[c].begin = p;
       if (p == cell.size - 1 || cell[p + 1] != cell[p]) cells[c].end = p + 1;

@@ -1,7 +1,7 @@
 #pragma once
 // Element programs that build the body-to-contact lists a gather needs.
 
-#include "kernels/types.h"
+#include "kernels/backend/atomic.h"
 
 namespace scree {
 
@@ -23,19 +23,60 @@ struct RunStarts {
   }
 };
 
-/// Sort keys for the contacts of bodies as B: the body, or `free_count` for bodies that do not
-/// move.
-struct BodyBKeys {
-  static constexpr const char* name = "body_b_keys";
+/// Counts the contacts of each free body as B. Bytes per contact: 4 read; counts are added to in
+/// the caches.
+struct CountAsB {
+  static constexpr const char* name = "count_as_b";
   Span<const Index> body_b;
   Index free_count;
-  Span<std::uint64_t> key;
-  Span<Index> contact;
+  Span<Index> count;  ///< [free_count] in: zero; out
   SCREE_HD void operator()(Index c) const {
     const Index b = body_b[c];
-    key[c] = static_cast<std::uint64_t>(b < free_count ? b : free_count);
-    contact[c] = c;
+    if (b < free_count) atomic_add(&count[b], 1);
   }
+};
+
+/// Puts contacts among those of their body B, in any order. Bytes per contact: 4 read, 4 written.
+struct PutAsB {
+  static constexpr const char* name = "put_as_b";
+  Span<const Index> body_b;
+  Index free_count;
+  Span<const Offset> start;  ///< [free_count + 1] scan of the counts
+  Span<Index> count;         ///< [free_count] out: zero
+  Span<Index> contact;       ///< out
+  SCREE_HD void operator()(Index c) const {
+    const Index b = body_b[c];
+    if (b < free_count) contact[start[b] + atomic_add(&count[b], -1) - 1] = c;
+  }
+};
+
+/// Puts the contacts of each body B in ascending order: each goes where as many are lower. The
+/// order before does not matter, so the list is the same on every run.
+/// Bytes per contact: 4 read and 4 of its body B gathered, 4 written; the others of its body from
+/// the caches.
+struct OrderAsB {
+  static constexpr const char* name = "order_as_b";
+  Span<const Index> body_b;
+  Index free_count;
+  Span<const Offset> start;   ///< [free_count + 1]
+  Span<const Index> contact;  ///< [start[free_count]] in any order within a body
+  Span<Index> ordered;        ///< out
+  SCREE_HD void operator()(Index k) const {
+    if (k >= start[free_count]) return;  // contacts of bodies that do not move
+    const Index c = contact[k], b = body_b[c];
+    const Offset first = start[b];
+    Offset before = 0;
+    for (Offset q = first; q < start[b + 1]; ++q) before += contact[q] < c;
+    ordered[first + before] = c;
+  }
+};
+
+/// Starts in the width that solvers read. Bytes per body: 8 read, 4 written.
+struct NarrowStarts {
+  static constexpr const char* name = "narrow_starts";
+  Span<const Offset> wide;
+  Span<Index> start;
+  SCREE_HD void operator()(Index i) const { start[i] = static_cast<Index>(wide[i]); }
 };
 
 }  // namespace scree

@@ -2,10 +2,9 @@
 // Element programs of the list of pairs of bodies that may touch: whether it still covers a step,
 // and how it is made.
 //
-// When the list is made, every binned body gets a ball about its center, of its inflated radius
-// and some room more, and all pairs whose balls overlap are listed. As long as every body, as far
-// as it may touch others in the present step, stays within its ball, no contact between bodies
-// lies outside the list.
+// When the list is made, every binned body gets a ball, of the present step and some room more, and
+// all pairs whose balls overlap are listed. As long as the ball of every body in the present step
+// stays within that, no contact between bodies lies outside the list.
 
 #include "kernels/backend/atomic.h"
 #include "kernels/pair_search.h"
@@ -28,6 +27,27 @@ struct CandidateView {
   SCREE_HD bool is_last_of_body(Index p) const {
     return p + 1 == body.size || body[p + 1] != body[p];
   }
+  /// Whether the pair is in the list, by bisection; a < b.
+  SCREE_HD bool contains(Index a, Index b) const {
+    const Index first = lower_bound(body, 0, piece_count(), a);
+    const Index end = lower_bound(body, first, piece_count(), a + 1);
+    const Index k = lower_bound(other, begin[first], begin[end], b);
+    return k < begin[end] && other[k] == b;
+  }
+
+ private:
+  /// First of the ascending elements [from, to) that is not below the value; `to` when all are.
+  SCREE_HD static Index lower_bound(Span<const Index> sorted, Index from, Index to, Index value) {
+    while (from < to) {
+      const Index middle = from + (to - from) / 2;
+      if (sorted[middle] < value) {
+        from = middle + 1;
+      } else {
+        to = middle;
+      }
+    }
+    return from;
+  }
 };
 
 /// First piece of a body whose candidates begin at `begin`.
@@ -37,20 +57,33 @@ SCREE_HD inline Offset first_piece(Index a, Offset begin) { return a + begin / k
 struct alignas(16) ReachRecord {
   Vec3<float> center;  ///< relative to the origin of the list [m]
   float reach = 0;     ///< radius [m]; 0: the body has no pairs
+
+  /// Twice what rounding the center to float may have moved it [m].
+  SCREE_HD double rounding() const {
+    const Vec3<double> x(center);
+    return 1.2e-7 * (std::abs(x.x) + std::abs(x.y) + std::abs(x.z));
+  }
 };
 
-/// Bytes per binned body: 28 read, 16 written.
+/// A ball so much larger that two of them overlap wherever those before rounding do, images
+/// included.
+SCREE_HD inline ReachRecord room_for_rounding(const ReachRecord& ball) {
+  if (!(ball.reach > 0)) return ball;
+  return {ball.center, ball.reach + static_cast<float>(4 * ball.rounding())};
+}
+
+/// Bytes per binned body: 44 read, 16 written.
 template <class Real>
 struct RecordReach {
   static constexpr const char* name = "record_reach";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;
   BinnedRange binned;
   Vec3<double> origin;
   Span<const float> reach;   ///< [binned.size()]
   Span<ReachRecord> record;  ///< [binned.size()] out
 
   SCREE_HD void operator()(Index m) const {
-    record[m] = {Vec3<float>(bodies.position[binned.body(m)] - origin), reach[m]};
+    record[m] = {Vec3<float>(balls.center(binned.body(m)) - origin), reach[m]};
   }
 };
 
@@ -60,43 +93,61 @@ struct LeftBodies {
   SCREE_HD void combine(const LeftBodies& o) { count += o.count; }
 };
 
-/// Whether a body, as far as it may touch others in the step, is within its ball. A body that got a
-/// state which is not finite, or lost it, counts as outside.
+/// Whether a body, as far as it may touch others in the step, is within its ball; notes those that
+/// are not, in any order, as many as there is room for. A body that got a state which is not
+/// finite, or lost it, counts as outside.
 /// Bytes per binned body: 60 read, with margins 64.
 template <class Real>
 struct CheckReach {
   static constexpr const char* name = "check_reach";
-  BodyView<Real> bodies;
+  BodyBalls<Real> balls;  ///< of the present step
   BinnedRange binned;
-  ContactRange range;
   Vec3<double> origin;
   Span<const ReachRecord> record;  ///< [binned.size()]
+  Index* left_count;               ///< in: zero; out: bodies noted, or more
+  Span<Index> left;                ///< out: number of each among binned bodies
 
   SCREE_HD LeftBodies operator()(Index m) const {
+    if (is_within(m)) return {0};
+    if (atomic_read(left_count) >= left.size) return {1};
+    const Index at = atomic_add(left_count, 1);
+    if (at < left.size) left[at] = m;
+    return {1};
+  }
+  SCREE_HD bool is_within(Index m) const {
     const Index i = binned.body(m);
-    const float inflated = inflated_radius(bodies, range, i);
+    const float inflated = balls.radius(i);
     const ReachRecord own = record[m];
-    if (!(inflated > 0) || !(own.reach > 0)) return {inflated > 0 || own.reach > 0};
+    if (!(inflated > 0) || !(own.reach > 0)) return !(inflated > 0) && !(own.reach > 0);
     const Vec3<double> center(own.center);
-    const double moved = norm(minimum_image(bodies.position[i] - origin - center, range.period));
-    // Twice what rounding a center to float may have moved it.
-    const double rounding = 1.2e-7 * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z));
-    return {!(moved + rounding + static_cast<double>(inflated) <= static_cast<double>(own.reach))};
+    const double moved = norm(minimum_image(balls.center(i) - origin - center, balls.range.period));
+    return moved + own.rounding() + static_cast<double>(inflated) <= static_cast<double>(own.reach);
+  }
+};
+
+/// Stores how many bodies left, and makes their counter ready for the next check.
+struct StoreLeft {
+  LeftBodies* result;
+  Index* left_count;
+  SCREE_HD void operator()(const LeftBodies& total) const {
+    *result = total;
+    *left_count = 0;
   }
 };
 
 /// What a position found is noted in this many slots; one that finds more is searched again.
 inline constexpr Index kPairSlots = 24;
+inline constexpr Index kNoMore = -1;       ///< stands behind the last one found
+inline constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
 
 /// Counts the pairs of each lower body, and notes what each position finds.
 /// Bytes per body, besides neighbors from the caches: 28 read, 4 per pair and 4 written; 4 per pair
 /// added to.
+template <class Real>
 struct CountCandidates {
   static constexpr const char* name = "count_candidates";
   static constexpr int kLeastBlocks = 4;
-  static constexpr Index kNoMore = -1;       ///< stands behind the last one found
-  static constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
-  PairSearch search;
+  PairSearch<Real> search;
   Index stride = 0;   ///< number of positions
   Span<Index> count;  ///< [free_count] in: zero; out: pairs whose lower body it is
   Span<Index> found;  ///< [kPairSlots * stride] out, slot by slot
@@ -115,34 +166,41 @@ struct CountCandidates {
 };
 
 /// Puts pairs among those of their lower body, in any order.
-/// Bytes per pair: 4 read, 8 written; 4 of the counts added to, and 8 of the scan, from the caches.
-struct WriteCandidates {
-  static constexpr const char* name = "write_candidates";
-  PairSearch search;
-  Index stride = 0;
-  Span<const Index> found;
+struct PairPlaces {
   Span<const Offset> begin;  ///< [free_count + 1] scan of count
-  Span<Index> count;         ///< [free_count] out: zero
+  Span<Index> count;         ///< [free_count] pairs still to come
   Span<Index> lower;         ///< out: the lower body
   Span<Index> other;         ///< out: the higher body
 
-  SCREE_HD void operator()(Index p) const {
-    const Index i = search.bins.body[p];
-    if (found[p] == CountCandidates::kSearchAgain) {
-      search(p, [&](Index j) { put(i, j); });
-      return;
-    }
-    for (Index n = 0; n < kPairSlots; ++n) {
-      const Index j = found[static_cast<Offset>(n) * stride + p];
-      if (j == CountCandidates::kNoMore) return;
-      put(i, j);
-    }
-  }
   SCREE_HD void put(Index i, Index j) const {
     const Index a = i < j ? i : j;
     const Offset at = begin[a] + atomic_add(&count[a], -1) - 1;
     lower[at] = a;
     other[at] = i < j ? j : i;
+  }
+};
+
+/// Puts the pairs that were counted into their places.
+/// Bytes per pair: 4 read, 8 written; 4 of the counts added to, and 8 of the scan, from the caches.
+template <class Real>
+struct WriteCandidates {
+  static constexpr const char* name = "write_candidates";
+  PairSearch<Real> search;
+  Index stride = 0;
+  Span<const Index> found;
+  PairPlaces places;
+
+  SCREE_HD void operator()(Index p) const {
+    const Index i = search.bins.body[p];
+    if (found[p] == kSearchAgain) {
+      search(p, [&](Index j) { places.put(i, j); });
+      return;
+    }
+    for (Index n = 0; n < kPairSlots; ++n) {
+      const Index j = found[static_cast<Offset>(n) * stride + p];
+      if (j == kNoMore) return;
+      places.put(i, j);
+    }
   }
 };
 
@@ -185,6 +243,133 @@ struct OrderCandidates {
     Index before = 0;
     for (Index q = first; q < end; ++q) before += other[q] < j;
     ordered[first + before] = j;
+  }
+};
+
+/// Gives a body that left its ball a new one. A body that has none any more has to leave the list,
+/// which then counts as too much to add. Bytes per such body: 60 read, 32 written.
+template <class Real>
+struct RenewReach {
+  static constexpr const char* name = "renew_reach";
+  BodyBalls<Real> balls;
+  BinnedRange binned;
+  Vec3<double> origin;
+  Span<const Index> left;
+  Span<ReachRecord> record;     ///< [binned.size()] in, out
+  Span<ReachRecord> left_ball;  ///< [left.size] out: the same, with room for rounding
+
+  Index* pair_count;  ///< see FindMissingPairs
+
+  static constexpr Index kTooMany = 1 << 20;
+
+  SCREE_HD void operator()(Index k) const {
+    const Index i = binned.body(left[k]);
+    ReachRecord ball;
+    ball.reach = balls.radius(i);
+    if (ball.reach > 0) {
+      ball.center = Vec3<float>(balls.center(i) - origin);
+    } else {
+      atomic_add(pair_count, kTooMany);
+    }
+    record[left[k]] = ball;
+    left_ball[k] = room_for_rounding(ball);
+  }
+};
+
+/// Finds the pairs of bodies that left their balls with all others which are not in the list yet.
+/// Every binned body looks at all that left: they are few.
+/// Bytes per binned body: 16 read.
+struct FindMissingPairs {
+  static constexpr const char* name = "find_missing_pairs";
+  BinnedRange binned;
+  CandidateView list;
+  Vec3<float> period;  ///< [m]; zero: not periodic
+  Span<const ReachRecord> record;
+  Span<const Index> left;
+  Span<const ReachRecord> left_ball;
+  Index* pair_count;  ///< in: zero; out: how many there are, also when there is not room for all
+  Span<Index> pair_a, pair_b;  ///< out, in any order
+
+  SCREE_HD void operator()(Index m) const {
+    const ReachRecord own = room_for_rounding(record[m]);
+    if (!(own.reach > 0)) return;
+    for (Index k = 0; k < left.size; ++k) {
+      const ReachRecord other = left_ball[k];
+      const float sum = own.reach + other.reach;
+      const Vec3<float> d = nearest_image(other.center - own.center);
+      if (norm2(d) > sum * sum * 1.00001f || !(other.reach > 0)) continue;
+      found(m, left[k]);
+    }
+  }
+
+ private:
+  SCREE_HD Vec3<float> nearest_image(Vec3<float> d) const {
+    for (int k = 0; k < 3; ++k) {
+      if (period[k] > 0) d[k] -= period[k] * std::rint(d[k] / period[k]);
+    }
+    return d;
+  }
+  SCREE_HD bool has_left(Index m) const {
+    for (Index k = 0; k < left.size; ++k) {
+      if (left[k] == m) return true;
+    }
+    return false;
+  }
+  SCREE_HD void found(Index m, Index other) const {
+    const Index i = binned.body(m), j = binned.body(other);
+    const Index a = i < j ? i : j, b = i < j ? j : i;
+    if (a == b || a >= binned.free_count) return;
+    if (list.contains(a, b)) return;
+    if (m > other && has_left(m)) return;  // two that left find each other twice
+    const Index at = atomic_add(pair_count, 1);
+    if (at >= pair_a.size) return;
+    pair_a[at] = a;
+    pair_b[at] = b;
+  }
+};
+
+/// Counts pairs by their lower body. Bytes per pair: 8.
+struct CountPairs {
+  static constexpr const char* name = "count_pairs";
+  Span<const Index> lower;
+  Span<Index> count;  ///< [free_count] added to
+  SCREE_HD void operator()(Index k) const { atomic_add(&count[lower[k]], 1); }
+};
+
+/// The same for those of one piece of a list. Bytes per piece: 12.
+struct CountListed {
+  static constexpr const char* name = "count_listed";
+  CandidateView list;
+  Span<Index> count;  ///< [free_count] added to
+  SCREE_HD void operator()(Index p) const {
+    atomic_add(&count[list.body[p]], list.begin[p + 1] - list.begin[p]);
+  }
+};
+
+/// Puts pairs into places of their lower body, from the last one down. Bytes per pair: 24.
+struct PlacePairs {
+  static constexpr const char* name = "place_pairs";
+  Span<const Index> lower;
+  Span<const Index> other;
+  PairPlaces places;
+  SCREE_HD void operator()(Index k) const { places.put(lower[k], other[k]); }
+};
+
+/// Puts those of one piece of a list into the first places of their lower body.
+/// Bytes per piece: 20, per pair 12.
+struct PlaceListed {
+  static constexpr const char* name = "place_listed";
+  CandidateView list;
+  PairPlaces places;
+  SCREE_HD void operator()(Index p) const {
+    const Index a = list.body[p];
+    Index first = p;  // piece of the body
+    while (first > 0 && list.body[first - 1] == a) --first;
+    const Offset shift = places.begin[a] - list.begin[first];
+    for (Index k = list.begin[p]; k < list.begin[p + 1]; ++k) {
+      places.lower[k + shift] = a;
+      places.other[k + shift] = list.other[k];
+    }
   }
 };
 

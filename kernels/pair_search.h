@@ -50,10 +50,11 @@ SCREE_HD inline float wrapped_difference(float d, float wrap, float inv_wrap) {
   return d - wrap * std::rint(d * inv_wrap);
 }
 
-/// Finds the pairs of binned bodies whose inflated radii overlap, or nearly so; at least one of the
-/// two is free.
+/// Finds the pairs of binned bodies whose balls overlap, or nearly so; at least one of the two is
+/// free.
+template <class Real>
 struct PairSearch {
-  Span<const Vec3<double>> position;  ///< of all bodies [m]
+  BodyBalls<Real> balls;
   Index fixed_begin = 0;
   BinView bins;
 
@@ -73,7 +74,7 @@ struct PairSearch {
     search_level(grid.level[own_level], own.position, own.radius, own_cell, p + 1, i, emit);
     for (Index k = own_level + 1; k < grid.level_count; ++k) {
       const BinLevel& l = grid.level[k];
-      search_level(l, Vec3<float>(wrapped(grid, l, position[i])), inflated + l.slack, 0, 0, i,
+      search_level(l, Vec3<float>(wrapped(grid, l, balls.center(i))), inflated + l.slack, 0, 0, i,
                    emit);
     }
   }

@@ -34,11 +34,10 @@ class Apgd final : public Solver<B, Real> {
   void restore_memory(const std::vector<double>& m) override { lipschitz_ = m.empty() ? 0 : m[0]; }
 
  private:
-  /// Bytes: 72 a body and 40 a contact (radial layout of alike bodies in float).
+  /// Bytes: 72 a body and 28 a contact (radial layout of alike bodies in float).
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
-        : impulses{Buffer<B, Vec3<Real>>(b, vectors), Buffer<B, Vec3<Real>>(b, vectors),
-                   Buffer<B, Vec3<Real>>(b, vectors)},
+        : impulses{Buffer<B, Vec3<Real>>(b, vectors), Buffer<B, Vec3<Real>>(b, vectors)},
           iterate(b, bodies),
           extrapolated{Buffer<B, Twist<Real>>(b, bodies), Buffer<B, Twist<Real>>(b, bodies)},
           metric(b),
@@ -46,7 +45,7 @@ class Apgd final : public Solver<B, Real> {
           check(b, 1),
           residual(b),
           iteration(b) {}
-    Buffer<B, Vec3<Real>> impulses[3];
+    Buffer<B, Vec3<Real>> impulses[2];
     Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
     Buffer<B, Twist<Real>> extrapolated[2];
     Buffer<B, Real> metric;
@@ -63,8 +62,7 @@ class Apgd final : public Solver<B, Real> {
 
     const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
     Workspace w(b, vectors, p.body_count);
-    const ApgdImpulses<Real> impulses{
-        {w.impulses[0].view(), w.impulses[1].view(), w.impulses[2].view()}};
+    const ApgdImpulses<Real> impulses{{w.impulses[0].view(), w.impulses[1].view()}};
     const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()},
                                           {w.extrapolated[0].view(), w.extrapolated[1].view()}};
     // Bodies that do not move keep this velocity through the whole solve.
@@ -77,8 +75,9 @@ class Apgd final : public Solver<B, Real> {
 
     ApgdState* state = w.state.data();
     const auto start_from_guess = [&] {
-      copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[0]);
-      copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[2]);
+      for (const Span<Vec3<Real>>& buffer : impulses.buffer) {
+        copy(b, Span<const Vec3<Real>>(gamma), buffer);
+      }
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
     };
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
@@ -122,15 +121,18 @@ class Apgd final : public Solver<B, Real> {
       stats.iterations = check.state.accepted;
       lipschitz_ = check.state.lipschitz;
       this->add_to_curve(stats.iterations, stats.applications, residual.rms);
+      stats.converged = residual.rms <= tolerance;
+      const bool finite = residual.bad_contact < 0;
+      const bool is_last =
+          stats.converged || !finite || stats.applications >= params_.max_iterations;
+      // Until the end is near, better iterates are still to come: none is put aside.
       is_best = best < 0 || residual.rms < best;
-      if (is_best) {
+      if (is_best && (is_last || 2 * stats.applications >= params_.max_iterations)) {
         best = residual.rms;
         stats.residual = residual;
         copy(b, Span<const Vec3<Real>>(impulses.current(check.state.accepted)), gamma);
       }
-      stats.converged = residual.rms <= tolerance;
-      const bool finite = residual.bad_contact < 0;
-      if (stats.converged || !finite || stats.applications >= params_.max_iterations) break;
+      if (is_last) break;
 
       const int block = std::min(schedule.next(stats.applications, residual.rms),
                                  params_.max_iterations - stats.applications);

@@ -113,11 +113,13 @@ constexpr double sort_bytes(int bits, bool is_device) {
   return 24.0 * passes + 8.0 * (is_device ? 1 : passes);
 }
 
-/// BodyContacts::build. Contact: id of B 4 read, key and value 12 written, the sort, id of A 4 and
-/// key 8 read to find where runs start. Body: two starts 8 written.
-constexpr Traffic body_contacts_traffic(int bits, bool is_device) {
-  const double contact = 28 + sort_bytes(bits, is_device);
-  return {contact, 8, contact, 8};
+/// BodyContacts::build. Contact: id of A 4; id of B 4 to count, 4 to put, with 4 written; to order
+/// 4 and id of B 4 read, the run of its body 4, 4 written. Body: count 4 cleared and 4 read, scan 8
+/// written and 8 read, two starts 8 written.
+constexpr Traffic body_contacts_traffic() {
+  constexpr double contact = 32;
+  constexpr double body = 32;
+  return {contact, body, contact, body};
 }
 
 // The figures in the kernels' docstrings.

@@ -22,7 +22,8 @@ constexpr int kMostOuterIterations = 100;
 
 /// The next limit of a curve: about 1.4 times as many, and at least one more.
 int next_limit(int limit, int most) {
-  return static_cast<int>(std::min<long long>(most, std::max(limit + 1, (limit * 7LL + 4) / 5)));
+  const long long longer = (7LL * limit + 4) / 5;
+  return static_cast<int>(std::clamp<long long>(longer, limit + 1, most));
 }
 
 /// Impulses as `ready` has them: rows of every contact, the apex of its cone at zero.

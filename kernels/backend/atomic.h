@@ -58,6 +58,15 @@ SCREE_HD inline Index atomic_add(Index* address, Index value) {
 #endif
 }
 
+/// A number that other threads add to, maybe not the latest.
+SCREE_HD inline Index atomic_read(Index* address) {
+#ifdef __CUDA_ARCH__
+  return *reinterpret_cast<volatile Index*>(address);
+#else
+  return std::atomic_ref<Index>(*address).load(std::memory_order_relaxed);
+#endif
+}
+
 /// *mark = 1, safely against other threads that do the same.
 SCREE_HD inline void atomic_mark(std::uint8_t* mark) {
 #ifdef __CUDA_ARCH__

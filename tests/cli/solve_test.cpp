@@ -127,6 +127,24 @@ TEST(CliSolve, SolvesAProblemOfARun) {
     EXPECT_TRUE(out->at("problems").at(0).at("runs").at(0).at("converged")) << out->dump(1);
 }
 
+TEST(CliSolve, RunsTheSolversOfStepsOnBodies) {
+  const Scratch scratch;
+  const fs::path scene = put_scene(scratch, small_scene());
+  ASSERT_EQ(
+      scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "12", "--dump-problem", "12"}))
+          .code,
+      0);
+  const json out =
+      solve_json(scratch, {(scratch / "a/problem_12.hdf5").string(), "--matrix-free", "--solver",
+                           "all", "--model", "convex", "--backend", "cpu", "--tolerance", "1e-6"});
+  const json& runs = out.at("problems").at(0).at("runs");
+  EXPECT_EQ(runs.size(), 4u);
+  for (const json& run : runs) {
+    EXPECT_TRUE(run.at("converged")) << run.dump(1);
+    EXPECT_EQ(run.at("note"), "cpu, double");
+  }
+}
+
 TEST(CliSolve, NotReachingTheToleranceIsAStatus) {
   const Scratch scratch;
   const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
@@ -184,6 +202,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadUse{"Solver", {"good.hdf5", "--solver", "magic"}, {"\"magic\"", "nlgs", "all"}},
         BadUse{
             "Model", {"good.hdf5", "--model", "soft"}, {"--model", "\"soft\"", "convex or exact"}},
+        BadUse{"NoBodies", {"good.hdf5", "--matrix-free"}, {"good.hdf5", "needs bodies"}},
+        BadUse{"MatrixFreeSolver",
+               {"good.hdf5", "--matrix-free", "--solver", "nlgs"},
+               {"\"nlgs\"", "apgd", "jacobi"}},
         BadUse{"Tolerance", {"good.hdf5", "--tolerance", "-1"}, {"--tolerance", "-1"}},
         BadUse{"ToleranceNan", {"good.hdf5", "--tolerance", "nan"}, {"--tolerance", "nan"}},
         BadUse{"Iterations", {"good.hdf5", "--max-iterations", "-3"}, {"--max-iterations", "-3"}},

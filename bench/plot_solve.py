@@ -52,6 +52,7 @@ def draw_curves(folder, problem):
     by_time.set_yscale("log")
     by_work.set_ylabel("residual |r - P(r - v)| / |q|")
     states.set_yscale("symlog")
+    states.set_ylim(bottom=0)
     states.set_ylabel("contacts that changed state since the last look")
     by_work.legend(fontsize=8)
     figure.suptitle(f"{problem['problem']}: {problem['contacts']} contacts")

@@ -38,6 +38,7 @@ std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
     if (o.model == AssembledModel::exact) o.reference_velocity = problem.reference_velocity;
     SolverRun run;
     run.solver = name;
+    run.friction = solver->traits().friction;
     run.result = solver->solve(problem.problem, o, &run.curve);
     runs.push_back(std::move(run));
   }

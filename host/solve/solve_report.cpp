@@ -18,13 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Whether the residual is that of the law which the solver solves.
+bool has_cone(const SolverRun& run) { return run.friction == "cone"; }
+
 bool solved(const SolverRun& run) { return run.result.status == AssembledStatus::converged; }
 
 /// The least objective that a run ended with. Only of the convex model is it a minimum.
 double least_objective(const ProblemReport& report) {
   double least = std::numeric_limits<double>::infinity();
   for (const SolverRun& run : report.runs)
-    if (solved(run)) least = std::min(least, run.result.residual.objective);
+    if (solved(run) && has_cone(run)) least = std::min(least, run.result.residual.objective);
   return least;
 }
 
@@ -64,9 +67,10 @@ std::string to_table(const ProblemReport& report) {
                   "applications", "seconds", "residual", "unit-free", "objective", "status");
   for (const SolverRun& run : report.runs) {
     const AssembledResult& r = run.result;
-    text += fmt::format("{:<14} {:>10} {:>12} {:>10.4f} {:>9.2e} {:>9.2e} {:>16.9e}  {}{}\n",
+    text += fmt::format("{:<14} {:>10} {:>12} {:>10.4f} {:>9.2e} {:>9.2e} {:>16.9e}  {}{}{}\n",
                         run.solver, r.iterations, r.applications, r.seconds, r.residual.relative,
-                        r.residual.unit_free, r.residual.objective, to_string(r.status),
+                        r.residual.unit_free, r.residual.objective,
+                        has_cone(run) ? "" : run.friction + " friction, ", to_string(r.status),
                         r.note.empty() ? "" : ": " + r.note);
   }
   return text;
@@ -95,6 +99,7 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
     for (const SolverRun& run : report.runs) {
       const AssembledResult& r = run.result;
       runs.push_back({{"solver", run.solver},
+                      {"friction", run.friction},
                       {"status", to_string(r.status)},
                       {"converged", solved(run)},
                       {"iterations", r.iterations},
@@ -127,16 +132,16 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
 std::string results_csv(const std::vector<ProblemReport>& reports) {
   std::string text =
       "problem,contacts,dimension,solver,status,iterations,applications,factorizations,seconds,"
-      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,note\n";
+      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,friction,note\n";
   for (const ProblemReport& report : reports) {
     for (const SolverRun& run : report.runs) {
       const AssembledResult& r = run.result;
       text +=
-          fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{}\n",
+          fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{},{}\n",
                       cell(report.name), report.contact_count, report.dimension, run.solver,
                       to_string(r.status), r.iterations, r.applications, r.factorizations,
                       r.seconds, r.residual.relative, r.residual.absolute, r.residual.to_largest,
-                      r.residual.unit_free, r.residual.objective, cell(r.note));
+                      r.residual.unit_free, r.residual.objective, cell(run.friction), cell(r.note));
     }
   }
   return text;

@@ -79,7 +79,7 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
   for (std::size_t c = 0; c < last_state_.size(); ++c)
     state_changes_ += state_[c] != last_state_[c];
   last_state_ = state_;
-  if (!looked_ || last_.relative < result_.residual.relative) {
+  if (!looked_ || keep_last_ || last_.relative < result_.residual.relative) {
     result_.r = r;
     result_.residual = last_;
   }

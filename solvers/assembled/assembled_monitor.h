@@ -82,6 +82,10 @@ class AssembledMonitor {
   void count_applications(long count = 1) { result_.applications += count; }
   void count_factorizations(long count = 1) { result_.factorizations += count; }
 
+  /// The result shall be the last impulses that were looked at, not those of the least residual:
+  /// for methods that solve another law than the one of the residual.
+  void keep_last() { keep_last_ = true; }
+
   /// Ends the solve for a reason other than the monitor's own.
   void fail(AssembledStatus status, std::string note = {});
   /// Appends to the note of the result.
@@ -132,6 +136,7 @@ class AssembledMonitor {
   int check_every_ = 1;
   int state_changes_ = 0;
   bool looked_ = false;
+  bool keep_last_ = false;
   bool stopped_ = false;
 };
 

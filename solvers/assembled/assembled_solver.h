@@ -26,6 +26,9 @@ struct AssembledTraits {
   bool convex = true;
   int default_iterations = 10000;  ///< when AssembledOptions::max_iterations is 0
   int default_check_every = 10;    ///< when AssembledOptions::check_every is 0
+  /// Set of tangential impulses that a contact may have. Where it is not the disk of the cone, the
+  /// method solves another law: its residual, which is that of the cone, does not go to zero.
+  std::string friction = "cone";
 };
 
 class AssembledSolver {

@@ -1,0 +1,32 @@
+// Projected Gauss-Seidel on 8-sided friction pyramids inside the cones: another law than the cone,
+// friction being less between the edges, by up to 8 %, and turned towards them.
+//
+// Unknowns are the 8 multipliers of a contact's edges, pgs_pyramid_method.h. One iteration is a
+// sweep: one product with W and 8 scalar updates a contact. For the convex model it converges to
+// the minimum over the pyramids; W need not be regular.
+
+#include "solvers/assembled/pgs_pyramid_method.h"
+
+namespace scree {
+namespace {
+
+class PgsPyramid8 final : public AssembledSolver {
+ public:
+  AssembledTraits traits() const override {
+    return {"pgs_pyramid8",   "projected Gauss-Seidel on 8-sided pyramids", true, true, 20000, 10,
+            "8-sided pyramid"};
+  }
+
+  void run(const AssembledProblem& p, const AssembledOptions& o,
+           AssembledMonitor& monitor) const override {
+    run_pgs_pyramid(p, o, 8, monitor);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<AssembledSolver> make_assembled_pgs_pyramid8() {
+  return std::make_unique<PgsPyramid8>();
+}
+
+}  // namespace scree

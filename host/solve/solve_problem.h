@@ -24,7 +24,7 @@ ReadyProblem ready(const std::string& name, const StoredProblem& stored);
 /// What one solver did.
 struct SolverRun {
   std::string solver;
-  std::string friction;  ///< AssembledTraits::friction
+  std::string friction = "cone";  ///< AssembledTraits::friction
   AssembledResult result;
   std::vector<AssembledCurvePoint> curve;
 };

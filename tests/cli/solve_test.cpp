@@ -143,6 +143,7 @@ TEST(CliSolve, RunsTheSolversOfStepsOnBodies) {
   for (const json& run : runs) {
     EXPECT_TRUE(run.at("converged")) << run.dump(1);
     EXPECT_EQ(run.at("note"), "cpu, double");
+    EXPECT_EQ(run.at("friction"), "cone");
   }
 }
 

@@ -5,25 +5,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/problems/body_problem.h"
 #include "host/scene_reader.h"
 #include "host/scene_summary.h"
 
 namespace scree {
-namespace {
-
-const char* layout_name(ContactLayout layout) {
-  switch (layout) {
-    case ContactLayout::radial:
-      return "radial";
-    case ContactLayout::general:
-      return "general";
-    case ContactLayout::rolling:
-      break;
-  }
-  return "rolling";
-}
-
-}  // namespace
 
 CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
   CLI::App* command =
@@ -49,7 +35,7 @@ int check_scene(const CheckOptions& options) {
                                 {"fixed_bodies", s.fixed_count},
                                 {"median_diameter_m", s.median_diameter},
                                 {"envelope_m", s.envelope},
-                                {"contact_layout", layout_name(s.layout)},
+                                {"contact_layout", to_string(s.layout)},
                                 {"time_step_s", scene.stepping.time_step},
                                 {"steps", steps},
                                 {"solver", scene.solver.name},
@@ -64,7 +50,7 @@ int check_scene(const CheckOptions& options) {
   fmt::print("scene       {}: valid\n", scene.name);
   fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
              s.fixed_count, s.median_diameter);
-  fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", layout_name(s.layout),
+  fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", to_string(s.layout),
              s.envelope);
   fmt::print("time step   {:g} s, {} steps for {:g} s\n", scene.stepping.time_step, steps,
              scene.stepping.duration);

@@ -139,6 +139,11 @@ void set_bodies(const BodyProblem& p, const std::vector<std::array<int, 6>>& dof
   parts.inverse.setFromTriplets(inverse.begin(), inverse.end());
 }
 
+/// c h along the normal as it is stored, which is a unit vector to rounding.
+double apex_impulse(const BodyProblem& p, std::size_t contact) {
+  return p.adhesion[contact] * norm(p.normal[contact]);
+}
+
 void set_contacts(const BodyProblem& p, const std::vector<std::array<int, 6>>& dof, int dof_count,
                   Parts& parts) {
   const int rows = 3 * p.contact_count();
@@ -147,9 +152,9 @@ void set_contacts(const BodyProblem& p, const std::vector<std::array<int, 6>>& d
   parts.apex = Vector::Zero(rows);
   for (int c = 0; c < p.contact_count(); ++c) {
     const auto contact = static_cast<std::size_t>(c);
-    // The bias acts along the normal as it is stored, which is a unit vector to rounding.
+    // The bias, too, acts along the normal as it is stored.
     parts.w(3 * c) = p.bias[contact] * norm(p.normal[contact]);
-    parts.apex(3 * c) = p.adhesion[contact] * norm(p.normal[contact]);
+    parts.apex(3 * c) = apex_impulse(p, contact);
     for (const bool side_b : {false, true}) {
       const int body = side_b ? p.body_b[contact] : p.body_a[contact];
       const Eigen::Matrix<double, 3, 6> j = jacobian(p, contact, side_b);
@@ -276,7 +281,7 @@ StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form) {
   const Parts parts = parts_of(problem);
   StoredProblem stored;
   stored.info = info_of(problem, parts);
-  const Vector r = vector_of(to_rows(problem, problem.impulse)) + parts.apex;
+  const Vector r = vector_of(impulse_rows(problem, problem.impulse));
   const Vector v = parts.free_velocity + parts.inverse * Vector(parts.H * Vector(r - parts.apex));
   ProblemPoint guess;
   guess.r = values_of(r);
@@ -298,6 +303,12 @@ std::vector<double> to_rows(const BodyProblem& problem, const std::vector<Vec3d>
     const Vec3d v = to_frame(contact_frame(problem.normal[c]), vectors[c]);
     rows.insert(rows.end(), {v.x, v.y, v.z});
   }
+  return rows;
+}
+
+std::vector<double> impulse_rows(const BodyProblem& problem, const std::vector<Vec3d>& impulses) {
+  std::vector<double> rows = to_rows(problem, impulses);
+  for (std::size_t c = 0; c < impulses.size(); ++c) rows[3 * c] += apex_impulse(problem, c);
   return rows;
 }
 

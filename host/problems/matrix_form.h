@@ -36,6 +36,8 @@ StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form);
 
 /// Contact rows of world vectors, one a contact.
 std::vector<double> to_rows(const BodyProblem& problem, const std::vector<Vec3d>& vectors);
+/// The same for impulses as the forms above have them: c h e_n added.
+std::vector<double> impulse_rows(const BodyProblem& problem, const std::vector<Vec3d>& impulses);
 /// World vectors of contact rows.
 std::vector<Vec3d> to_world(const BodyProblem& problem, const std::vector<double>& rows);
 

@@ -26,14 +26,6 @@ int next_limit(int limit, int most) {
   return static_cast<int>(std::clamp<long long>(longer, limit + 1, most));
 }
 
-/// Impulses as `ready` has them: rows of every contact, the apex of its cone at zero.
-std::vector<double> contact_rows(const BodyProblem& p, const std::vector<Vec3d>& impulse) {
-  std::vector<double> rows = to_rows(p, impulse);
-  for (std::size_t c = 0; c < p.adhesion.size(); ++c)
-    rows[3 * c] += p.adhesion[c] * norm(p.normal[c]);
-  return rows;
-}
-
 AssembledStatus status_of(const AssembledResidual& residual, const AssembledOptions& options,
                           bool out_of_time) {
   if (!std::isfinite(residual.relative)) return AssembledStatus::diverged;
@@ -55,7 +47,7 @@ SolverRun run(MatrixFreeProblem& uploaded, const BodyProblem& problem, const Rea
     limit = next_limit(limit, most);
     const MatrixFreeSolution s = uploaded.solve(solver, options.model, guess, limit, inner);
     spent += s.seconds;
-    std::vector<double> r = contact_rows(problem, s.impulse);
+    std::vector<double> r = impulse_rows(problem, s.impulse);
     AssembledCurvePoint point;
     point.iteration = s.iterations;
     point.applications = s.applications;

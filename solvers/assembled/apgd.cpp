@@ -11,7 +11,10 @@
 // of Chambolle and Dossal, JOTA 166, 2015; the other rules in docs/theory.md.
 
 #include <algorithm>
+#include <utility>
 
+#include "kernels/apgd_passes.h"
+#include "solvers/assembled/accelerated_points.h"
 #include "solvers/assembled/assembled_solver.h"
 #include "solvers/assembled/cone_vectors.h"
 
@@ -54,16 +57,11 @@ std::vector<Weights> bounds(const AssembledProblem& p, const std::vector<Weights
   return bound;
 }
 
-/// Projection in the metric, docs/theory.md eq. (7).
+/// Projection in the metric, in place.
 void project(double mu, const Weights& h, double* x) {
-  const double t = std::hypot(x[1], x[2]);
-  if (t <= mu * x[0]) return;
-  const double pull = h.normal * x[0] + mu * h.tangential * t;
-  const double n = pull > 0 ? pull / (h.normal + mu * mu * h.tangential) : 0;
-  const double shrink = t > 0 ? mu * n / t : 0;
-  x[0] = n;
-  x[1] *= shrink;
-  x[2] *= shrink;
+  const Vec3<double> y = project_cone(mu, Vec3<double>{1, 0, 0}, Vec3<double>{x[0], x[1], x[2]},
+                                      h.normal, h.tangential);
+  x[0] = y.x, x[1] = y.y, x[2] = y.z;
 }
 
 class Apgd final : public AssembledSolver {
@@ -86,58 +84,47 @@ class Apgd final : public AssembledSolver {
     }
     largest *= 1 + 1e-5;
 
-    const std::size_t rows = p.q.size();
-    std::vector<double> r = o.guess, next(rows), u(rows);
-    std::vector<double> moved, next_moved, y_moved;  // products with W
-    project_on_cones(p, r);
-    multiply(p, r, moved);
+    std::vector<double> start = o.guess, u;
+    project_on_cones(p, start);
+    AcceleratedPoints at(p, std::move(start));
     monitor.count_applications();
-    std::vector<double> y = r;
-    y_moved = moved;
     // Where nothing resists, steps would grow until the impulses absorb the velocities.
     const double least = 1e-6 * largest;
-    double theta = 0.25, lipschitz = largest / 4;
-    for (int k = 0;; ++k) {
-      if (monitor.due(k)) {
-        for (std::size_t i = 0; i < rows; ++i) u[i] = moved[i] + p.q[i];
-        if (monitor.look(k, r, u)) return;
+    ApgdState state;  // the rules are those of the solver of steps
+    state.lipschitz_max = largest;
+    state.set_lipschitz(largest / 4);
+    state.set_momentum(ApgdStart::kTheta, 0);
+    for (;;) {
+      if (monitor.due(state.accepted)) {
+        at.velocity(p.q, u);
+        if (monitor.look(state.accepted, at.r, u)) return;
       }
-      double ratio = 0;
-      for (;; lipschitz = std::min(1.1 * ratio, largest)) {
-        double curvature = 0, square = 0;
+      for (const Index before = state.accepted; state.accepted == before;) {
         for (int c = 0; c < p.contact_count; ++c) {
           for (int i = 0; i < 3; ++i) {
             const int row = 3 * c + i;
-            next[row] = y[row] - (y_moved[row] + p.q[row]) / (lipschitz * metric[c].of(i));
+            at.next[row] = at.y[row] - state.step / metric[c].of(i) * (at.y_moved[row] + p.q[row]);
           }
-          project(p.mu[c], metric[c], &next[3 * c]);
+          project(p.mu[c], metric[c], &at.next[3 * c]);
         }
-        multiply(p, next, next_moved);
+        multiply(p, at.next, at.next_moved);
         monitor.count_applications();
-        for (std::size_t i = 0; i < rows; ++i) {
-          const double d = next[i] - y[i];
-          curvature += d * (next_moved[i] - y_moved[i]);
-          square += metric[i / 3].of(static_cast<int>(i % 3)) * d * d;
+        double curvature = 0;
+        state.step_squares = 0;
+        for (std::size_t i = 0; i < at.r.size(); ++i) {
+          const double d = at.next[i] - at.y[i];
+          curvature += d * (at.next_moved[i] - at.y_moved[i]);
+          state.step_squares += metric[i / 3].of(static_cast<int>(i % 3)) * d * d;
         }
-        ratio = square > 0 ? curvature / square : 0;
-        if (!(ratio > 2 * lipschitz) || lipschitz >= largest) break;
+        state.descent = at.uphill(p.q);
+        ApgdBodyFinish{&state}({{curvature}});
+        if (state.accepted == before) {  // too long: again, from the iterate itself
+          at.y = at.r;
+          at.y_moved = at.moved;
+        }
       }
-      double theta_next = theta / (1 + theta / 3);
-      double momentum = (1 - theta) / (1 + theta / 3);
-      double uphill = 0;
-      for (std::size_t i = 0; i < rows; ++i) uphill += (y_moved[i] + p.q[i]) * (next[i] - r[i]);
-      if (uphill > 0) {
-        theta_next = 1;
-        momentum = 0;
-      }
-      for (std::size_t i = 0; i < rows; ++i) {
-        y[i] = next[i] + momentum * (next[i] - r[i]);
-        y_moved[i] = next_moved[i] + momentum * (next_moved[i] - moved[i]);
-      }
-      r.swap(next);
-      moved.swap(next_moved);
-      theta = theta_next;
-      lipschitz = std::clamp(ratio > lipschitz ? 1.1 * ratio : 0.95 * lipschitz, least, largest);
+      if (state.lipschitz < least) state.set_lipschitz(least);
+      at.advance(state.beta);
     }
   }
 };

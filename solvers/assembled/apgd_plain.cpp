@@ -11,7 +11,9 @@
 // Source: Mazhar, Heyn, Negrut and Tasora, ACM TOG 34(3), 2015, algorithm "APGD".
 
 #include <algorithm>
+#include <utility>
 
+#include "solvers/assembled/accelerated_points.h"
 #include "solvers/assembled/assembled_solver.h"
 #include "solvers/assembled/cone_vectors.h"
 
@@ -29,39 +31,35 @@ class ApgdPlain final : public AssembledSolver {
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
     const std::size_t rows = p.q.size();
-    std::vector<double> r = o.guess, y, next(rows), u(rows);
-    project_on_cones(p, r);
-    std::vector<double> moved, next_moved, y_moved;  // products with W
-    const auto apply = [&](const std::vector<double>& x, std::vector<double>& product) {
-      multiply(p, x, product);
-      monitor.count_applications();
-    };
-    apply(r, moved);
+    std::vector<double> start = o.guess, u;
+    project_on_cones(p, start);
+    AcceleratedPoints at(p, std::move(start));
     // |W (r - 1)| / |r - 1|.
-    std::vector<double> from_ones(r), spread;
+    std::vector<double> from_ones(at.r), spread;
     for (double& x : from_ones) x -= 1;
     if (!(norm(from_ones) > 0)) from_ones[0] = 1;
-    apply(from_ones, spread);
+    multiply(p, from_ones, spread);
+    monitor.count_applications(2);
     double lipschitz = norm(spread) / norm(from_ones);
     if (!(lipschitz > 0)) lipschitz = 1;
     // Where nothing resists, steps would grow until the impulses absorb the velocities.
     const double least = 1e-6 * lipschitz;
-    y = r;
-    y_moved = moved;
     double theta = 1;
     for (int k = 0;; ++k) {
       if (monitor.due(k)) {
-        for (std::size_t i = 0; i < rows; ++i) u[i] = moved[i] + p.q[i];
-        if (monitor.look(k, r, u)) return;
+        at.velocity(p.q, u);
+        if (monitor.look(k, at.r, u)) return;
       }
       for (;; lipschitz *= 2) {
-        for (std::size_t i = 0; i < rows; ++i) next[i] = y[i] - (y_moved[i] + p.q[i]) / lipschitz;
-        project_on_cones(p, next);
-        apply(next, next_moved);
+        for (std::size_t i = 0; i < rows; ++i)
+          at.next[i] = at.y[i] - (at.y_moved[i] + p.q[i]) / lipschitz;
+        project_on_cones(p, at.next);
+        multiply(p, at.next, at.next_moved);
+        monitor.count_applications();
         double curvature = 0, square = 0;
         for (std::size_t i = 0; i < rows; ++i) {
-          const double d = next[i] - y[i];
-          curvature += d * (next_moved[i] - y_moved[i]);
+          const double d = at.next[i] - at.y[i];
+          curvature += d * (at.next_moved[i] - at.y_moved[i]);
           square += d * d;
         }
         // "not more" as infinities end in the monitor
@@ -70,18 +68,11 @@ class ApgdPlain final : public AssembledSolver {
       const double square = theta * theta;
       double theta_next = 0.5 * (std::sqrt(square * square + 4 * square) - square);
       double momentum = theta * (1 - theta) / (square + theta_next);
-      double uphill = 0;
-      for (std::size_t i = 0; i < rows; ++i) uphill += (y_moved[i] + p.q[i]) * (next[i] - r[i]);
-      if (uphill > 0) {
+      if (at.uphill(p.q) > 0) {
         theta_next = 1;
         momentum = 0;
       }
-      for (std::size_t i = 0; i < rows; ++i) {
-        y[i] = next[i] + momentum * (next[i] - r[i]);
-        y_moved[i] = next_moved[i] + momentum * (next_moved[i] - moved[i]);
-      }
-      r.swap(next);
-      moved.swap(next_moved);
+      at.advance(momentum);
       theta = theta_next;
       lipschitz = std::max(0.9 * lipschitz, least);
     }

@@ -10,14 +10,15 @@
 #include "host/io/problem_file.h"
 #include "host/problems/matrix_form.h"
 #include "output_fixtures.h"
-#include "tests/physics/shared_data.h"
+#include "tests/host/fclib_reference.h"
 
 namespace scree {
 namespace {
 
 namespace fs = std::filesystem;
+using fclib::Figures;
+using fclib::figures;
 using physics::shared_file;
-using physics::shared_text;
 
 std::vector<fs::path> files_in(const std::string& folder) {
   std::vector<fs::path> files;
@@ -27,29 +28,6 @@ std::vector<fs::path> files_in(const std::string& folder) {
     if (entry.path().extension() == ".hdf5") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
-}
-
-/// Figures of one problem in reference.csv.
-struct Figures {
-  std::string name;
-  int dimension, contact_count;
-  double mu_min, mu_max, norm_q, asymmetry, convex_minimum;
-};
-
-std::vector<Figures> figures() {
-  std::vector<Figures> all;
-  std::istringstream lines(shared_text(shared_file("fclib/reference.csv")));
-  std::string line;
-  std::getline(lines, line);  // header
-  while (std::getline(lines, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    Figures f;
-    if (words >> f.name >> f.dimension >> f.contact_count >> f.mu_min >> f.mu_max >> f.norm_q >>
-        f.asymmetry >> f.convex_minimum)
-      all.push_back(f);
-  }
-  return all;
 }
 
 double norm_of(const std::vector<double>& v) {

@@ -8,33 +8,17 @@
 
 #include "host/io/problem_file.h"
 #include "host/solve/solve_problem.h"
-#include "tests/physics/shared_data.h"
+#include "tests/host/fclib_reference.h"
 
 namespace scree {
 namespace {
 
 using physics::shared_file;
-using physics::shared_text;
-
-/// Names and minima of reference.csv.
-std::vector<std::pair<std::string, double>> published_minima() {
-  std::vector<std::pair<std::string, double>> all;
-  std::istringstream lines(shared_text(shared_file("fclib/reference.csv")));
-  std::string line;
-  std::getline(lines, line);  // header
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    std::vector<std::string> cell;
-    for (std::string text; std::getline(cells, text, ',');) cell.push_back(text);
-    if (cell.size() > 7) all.emplace_back(cell[0], std::stod(cell[7]));
-  }
-  return all;
-}
 
 class FclibConvex : public ::testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    if (published_minima().empty())
+    if (fclib::figures().empty())
       GTEST_SKIP() << "there is no " << shared_file("fclib/reference.csv")
                    << "; SCREE_SHARED_DATA names the folder that fclib is in";
   }
@@ -59,13 +43,15 @@ bool is_rock_pile(const std::string& name) { return name.find("RockPile") == 0; 
 TEST_P(FclibConvex, ReachesTheMinimumOfTheInteriorPointAndThePublishedOne) {
   const std::string solver = GetParam();
   const bool quick = solver == "apgd" || solver == "apgd_plain" || solver == "spg";
-  for (const auto& [name, minimum] : published_minima()) {
-    if (is_rock_pile(name) && !quick) continue;
-    SCOPED_TRACE(name);
-    const ReadyProblem p = ready(name, read_problem(shared_file("fclib/local/" + name + ".hdf5")));
+  for (const fclib::Figures& f : fclib::figures()) {
+    if (is_rock_pile(f.name) && !quick) continue;
+    SCOPED_TRACE(f.name);
+    const ReadyProblem p =
+        ready(f.name, read_problem(shared_file("fclib/local/" + f.name + ".hdf5")));
     const double oracle = solve(p, "interior_point", 1e-12, 0).residual.objective;
     const AssembledResult result = solve(p, solver, 1e-10, 2000000);
-    EXPECT_NEAR(result.residual.objective, minimum, 1e-8 * std::abs(minimum)) << result.note;
+    EXPECT_NEAR(result.residual.objective, f.convex_minimum, 1e-8 * std::abs(f.convex_minimum))
+        << result.note;
     EXPECT_NEAR(result.residual.objective, oracle, 1e-8 * std::abs(oracle)) << result.note;
   }
 }
@@ -76,12 +62,13 @@ INSTANTIATE_TEST_SUITE_P(Oracle, FclibOracle, ::testing::Values("interior_point"
 
 /// Impulses of 6e5 N s leave the collection's error, whose rho is 1, no more than 1e-12.
 TEST_P(FclibOracle, ReachesAResidualOfRounding) {
-  for (const auto& [name, minimum] : published_minima()) {
-    SCOPED_TRACE(name);
-    const ReadyProblem p = ready(name, read_problem(shared_file("fclib/local/" + name + ".hdf5")));
+  for (const fclib::Figures& f : fclib::figures()) {
+    SCOPED_TRACE(f.name);
+    const ReadyProblem p =
+        ready(f.name, read_problem(shared_file("fclib/local/" + f.name + ".hdf5")));
     const AssembledResult result = solve(p, GetParam(), 1e-12, 0);
     EXPECT_LE(result.residual.relative, 1e-12) << result.note;
-    EXPECT_NEAR(result.residual.objective, minimum, 1e-11 * std::abs(minimum));
+    EXPECT_NEAR(result.residual.objective, f.convex_minimum, 1e-11 * std::abs(f.convex_minimum));
   }
 }
 

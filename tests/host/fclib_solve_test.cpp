@@ -8,42 +8,18 @@
 
 #include "host/io/problem_file.h"
 #include "host/solve/solve_problem.h"
-#include "tests/physics/shared_data.h"
+#include "tests/host/fclib_reference.h"
 
 namespace scree {
 namespace {
 
 namespace fs = std::filesystem;
 using physics::shared_file;
-using physics::shared_text;
-
-struct Published {
-  std::string name;
-  double norm_q = 0;
-  double convex_minimum = 0;
-};
-
-std::vector<Published> published() {
-  std::vector<Published> all;
-  std::istringstream lines(shared_text(shared_file("fclib/reference.csv")));
-  std::string line;
-  std::getline(lines, line);  // header
-  while (std::getline(lines, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    Published p;
-    double skipped = 0;
-    if (words >> p.name >> skipped >> skipped >> skipped >> skipped >> p.norm_q >> skipped >>
-        p.convex_minimum)
-      all.push_back(p);
-  }
-  return all;
-}
 
 class FclibSolve : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (published().empty())
+    if (fclib::figures().empty())
       GTEST_SKIP() << "there is no " << shared_file("fclib/reference.csv")
                    << "; SCREE_SHARED_DATA names the folder that fclib is in";
   }
@@ -65,7 +41,7 @@ class FclibSolve : public ::testing::Test {
 bool is_rock_pile(const std::string& name) { return name.find("RockPile") == 0; }
 
 TEST_F(FclibSolve, AutoAndProximalReachTheTargetErrorWithExactFriction) {
-  for (const Published& f : published()) {
+  for (const fclib::Figures& f : fclib::figures()) {
     SCOPED_TRACE(f.name);
     const ReadyProblem p = load(f.name);
     const double tolerance = is_rock_pile(f.name) ? 1e-6 : 1e-8;
@@ -78,7 +54,7 @@ TEST_F(FclibSolve, AutoAndProximalReachTheTargetErrorWithExactFriction) {
 }
 
 TEST_F(FclibSolve, TheConvexMinimumIsThePublishedOne) {
-  for (const Published& f : published()) {
+  for (const fclib::Figures& f : fclib::figures()) {
     SCOPED_TRACE(f.name);
     const ReadyProblem p = load(f.name);
     const AssembledResult result = solve(p, "auto", AssembledModel::convex, 1e-10);
@@ -88,7 +64,7 @@ TEST_F(FclibSolve, TheConvexMinimumIsThePublishedOne) {
 }
 
 TEST_F(FclibSolve, GaussSeidelReachesTheConvexMinimum) {
-  for (const Published& f : published()) {
+  for (const fclib::Figures& f : fclib::figures()) {
     if (is_rock_pile(f.name)) continue;  // takes it longer than a minute
     SCOPED_TRACE(f.name);
     const AssembledResult result =

@@ -19,10 +19,11 @@ class ApgdArrays {
   ApgdArrays(B& b, const BedProblem<B, Real>& bed, ApgdMetricKind kind)
       : problem_(bed.problem()), metric_(b), state_(b, 1), iteration_(b) {
     const ContactProblem<Real>& p = problem_;
-    for (int k = 0; k < 2; ++k) {
+    for (Span<Vec3<Real>>* view : {&gamma.buffer[0], &gamma.buffer[1], &gamma.momentum}) {
       impulses_.emplace_back(b, p.contact_count);
-      gamma.buffer[k] = impulses_.back().view(p.contact_count);
+      *view = impulses_.back().view(p.contact_count);
     }
+    fill(b, gamma.momentum, Vec3<Real>{});
     for (int k = 0; k < 2; ++k) {
       for (Span<Twist<Real>>* view : {&velocity.of_iterate[k], &velocity.of_extrapolated[k]}) {
         twists_.emplace_back(b, p.body_count);
@@ -32,7 +33,6 @@ class ApgdArrays {
     }
     bed.random_impulses(b, 51, gamma.buffer[0]);
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.buffer[0]});
-    copy(b, Span<const Vec3<Real>>(gamma.buffer[0]), gamma.buffer[1]);
     for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma.buffer[0], velocity.of_iterate[0]});
     if (kind == ApgdMetricKind::diagonal) {
       const Offset values =
@@ -48,10 +48,9 @@ class ApgdArrays {
   /// Unrelated random numbers in all arrays a pass reads, and a momentum as in the middle of a
   /// solve.
   void scramble(B& b, const BedProblem<B, Real>& bed) {
-    for (unsigned k = 0; k < 2; ++k) {
-      bed.random_impulses(b, 20 + k, gamma.buffer[k]);
-      for_each(b, problem_.contact_count, ProjectImpulses<R, Real>{problem_, gamma.buffer[k]});
-    }
+    bed.random_impulses(b, 20, gamma.buffer[0]);
+    for_each(b, problem_.contact_count, ProjectImpulses<R, Real>{problem_, gamma.buffer[0]});
+    bed.random_impulses(b, 21, gamma.momentum);
     for (unsigned k = 0; k < 2; ++k) {
       bed.random_velocities(b, 30 + k, velocity.of_iterate[k]);
       bed.random_velocities(b, 40 + k, velocity.of_extrapolated[k]);
@@ -59,6 +58,7 @@ class ApgdArrays {
     ApgdState middle = fetch(b, state_.data());
     middle.theta = 0.2;
     middle.beta = middle.next_beta = 0.6;
+    middle.next_delta = 0.5;
     upload(b, &middle, state_.view());
   }
 

@@ -23,7 +23,7 @@ void run_contact_pass(Suite<B>& suite, benchmark::State& state, Index spheres,
   const auto& bed = suite.template bed_problem<Real>(spheres);
   ApgdArrays<B, Real> arrays(b, bed, kind);
   arrays.scramble(b, bed);
-  const Span<Vec3<Real>> next = arrays.gamma.next(0);  // also read, as the previous iterate
+  const Span<Vec3<Real>> next = arrays.gamma.next(0);
   // The count of accepted iterations stays zero, so every run reads and writes the same arrays.
   suite.measure(state, Suite<B>::contact_work(bed, apgd_contact_pass_traffic<Real>(kind)),
                 [&] { arrays.contact_pass(b); });

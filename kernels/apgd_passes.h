@@ -3,6 +3,10 @@
 // in backend memory; impulses and velocities rotate through buffers by the count of accepted
 // iterations, so nothing is copied and a rejected trial costs nothing but its pass. Source: Mazhar,
 // Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section "APGD".
+//
+// The extrapolated point has the two terms of the optimized gradient method (Kim & Fessler, Math.
+// Program. 159, 2016): y+ = gamma+ + beta (gamma+ - gamma) + delta (gamma+ - y). What it adds to
+// gamma+ is stored in place of the iterate before, so the second term costs 12 bytes a contact.
 
 #include "kernels/contact_operator.h"
 
@@ -15,13 +19,17 @@ struct ApgdState {
   double lipschitz_max = 1;  ///< upper bound of the largest eigenvalue of H^-1 N
   double step = 1;           ///< 1 / L
   double theta = 1;          ///< momentum parameter of the extrapolated point in use
-  double beta = 0;           ///< its extrapolation factor
+  double beta = 0;           ///< its extrapolation factor; 0: the point is the iterate itself
   double next_theta = 1;     ///< those of the next point, unless the step ends in a restart
   double next_beta = 0;
+  double next_delta = 0;    ///< factor of its second term
   double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
   Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
+
+  /// Of the second term, which is 1 where nothing is projected. More than 0.8 takes more passes.
+  static constexpr double kDelta = 0.7;
 
   /// Takes the momentum of the point in use, and works out that of the next one: 1 / theta grows by
   /// a third each time. Nesterov's rule, about a half, overshoots where contacts open and close.
@@ -30,6 +38,7 @@ struct ApgdState {
     beta = new_beta;
     next_theta = theta / (1 + theta / 3);
     next_beta = (1 - theta) / (1 + theta / 3);
+    next_delta = kDelta / (1 + theta / 3);
   }
   SCREE_HD void set_lipschitz(double value) {
     lipschitz = value < lipschitz_max ? value : lipschitz_max;
@@ -37,14 +46,14 @@ struct ApgdState {
   }
 };
 
-/// Two impulse buffers, by turns of the current iterate and of its neighbors: a contact's next
-/// impulse takes the place of its previous one, which no one else needs. Comparisons pick the
-/// buffer: an array that a device program indexes would move from registers to memory.
+/// Two impulse buffers, by turns of the current iterate and of the next one, and what the
+/// extrapolated point adds to the current one. Comparisons pick the buffer: an array that a device
+/// program indexes would move from registers to memory.
 template <class Real>
 struct ApgdImpulses {
   Span<Vec3<Real>> buffer[2];
+  Span<Vec3<Real>> momentum;  ///< y - gamma of the trial to come, unless beta is 0
   SCREE_HD Span<Vec3<Real>> current(Index k) const { return k % 2 == 0 ? buffer[0] : buffer[1]; }
-  SCREE_HD Span<Vec3<Real>> previous(Index k) const { return current(k + 1); }
   SCREE_HD Span<Vec3<Real>> next(Index k) const { return current(k + 1); }
 };
 
@@ -103,29 +112,32 @@ struct StoredMetric {
   }
 };
 
-/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), on
-/// given buffers; gamma+ may take the place of gamma_prev. Bytes per contact (radial, float): read
-/// normal and bias 16, ids 8, two impulses 24, metric 4 for alike bodies and 8 else, two twists 48
-/// gathered (from cache when bodies are in Morton order); written 12.
+/// y = gamma + momentum, g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), and the momentum of the
+/// next point, on given buffers. Bytes per contact (radial, float): read normal and bias 16, ids 8,
+/// impulse and momentum 24, metric 4 for alike bodies and 8 else, two twists 48 gathered (from
+/// cache when bodies are in Morton order); written 24.
 template <class R, class Real>
 struct ApgdContactStep {
   Span<const Vec3<Real>> current;
-  Span<const Vec3<Real>> previous;
   Span<Vec3<Real>> next;
+  Span<Vec3<Real>> momentum;
   Span<const Twist<Real>> extrapolated;  ///< V_y
-  Real beta;
+  Real follows;                          ///< 1, or 0 when y is the iterate itself
+  Real next_beta;
+  Real next_delta;
   Real step;  ///< 1 / L
 
   /// @param v_a, v_b  V_y of the bodies of contact c
   SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
                               Index c, const Twist<Real>& v_a, const Twist<Real>& v_b) const {
     const auto gamma = R::load(current, c);
-    const auto y = gamma + beta * (gamma - R::load(previous, c));
+    const auto y = gamma + follows * R::load(momentum, c);
     const auto g = R::velocity(p, c, v_a, v_b);
     const ContactMetric<Real> h = metric.load(c);
     const Vec3<Real> n = p.normal[c];
     const auto moved = R::project(p, c, y - step * solve_metric(h, n, g), h);
     R::store(next, c, moved);
+    R::store(momentum, c, next_beta * (moved - gamma) + next_delta * (moved - y));
     return {{static_cast<double>(dot(g, moved - gamma)),
              static_cast<double>(metric_norm2(h, n, moved - y))}};
   }
@@ -148,10 +160,12 @@ struct ApgdContactPass {
   SCREE_HD ApgdContactStep<R, Real> step() const {
     const Index k = state->accepted;
     return {gamma.current(k),
-            gamma.previous(k),
             gamma.next(k),
+            gamma.momentum,
             velocity.extrapolated(*state),
-            static_cast<Real>(state->beta),
+            static_cast<Real>(state->beta == 0 ? 0 : 1),
+            static_cast<Real>(state->next_beta),
+            static_cast<Real>(state->next_delta),
             static_cast<Real>(state->step)};
   }
   SCREE_HD Sums<2> operator()(Index c) const { return step()(p, metric, c); }
@@ -165,10 +179,10 @@ struct ApgdContactFinish {
   }
 };
 
-/// V+ = v* + M^-1 J^T gamma+, V_y+ = V+ + beta+ (V+ - V), and |V+ - V_y|_M^2 = (gamma+ - y)^T N
-/// (gamma+ - y). The momentum is linear, so N y+ needs no application of its own. Bytes per body
-/// (radial, float): read v*, V, V_y 72, inertia 8, starts 8; written 48; per contact gathered twice
-/// impulse and normal 24, list 4.
+/// V+ = v* + M^-1 J^T gamma+, V_y+ = V+ + beta+ (V+ - V) + delta+ (V+ - V_y), and |V+ - V_y|_M^2 =
+/// (gamma+ - y)^T N (gamma+ - y). The momentum is linear, so N y+ needs no application of its own.
+/// Bytes per body (radial, float): read v*, V, V_y 72, inertia 8, starts 8; written 48; per contact
+/// gathered twice impulse and normal 24, list 4.
 template <class R, class Real>
 struct ApgdBodyPass {
   static constexpr const char* name = "apgd_body_pass";
@@ -184,7 +198,8 @@ struct ApgdBodyPass {
         R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
     const Twist<Real> extrapolated = velocity.extrapolated(*state)[i];
     const Twist<Real> momentum =
-        static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]);
+        static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]) +
+        static_cast<Real>(state->next_delta) * (next - extrapolated);
     velocity.iterate(k + 1)[i] = next;
     velocity.extrapolated(k + 1)[i] = next + momentum;
     return {{R::mass_norm2(p, i, next - extrapolated)}};
@@ -193,8 +208,8 @@ struct ApgdBodyPass {
 
 /// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that the trial
 /// met. Up to 2 L the trial lowers the objective and is accepted; a shorter step follows when rho
-/// passed L. Above, it is rejected, and one from the iterate itself follows: the previous iterate,
-/// on which y rests, is gone. That is seldom, as L follows rho closely. At the upper bound of the
+/// passed L. Above, it is rejected, and one from the iterate itself follows: the momentum that led
+/// to y is gone. That is seldom, as L follows rho closely. At the upper bound of the
 /// spectrum rho <= L in exact arithmetic, so the trial is accepted whatever rounding says. An
 /// accepted step against the gradient restarts the momentum.
 struct ApgdBodyFinish {

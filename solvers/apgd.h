@@ -3,9 +3,10 @@
 // solver.
 //
 // Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD", with other
-// rules for step and momentum; docs/theory.md.
+// rules for step and momentum, among them the second term of the optimized gradient method (Kim &
+// Fessler, Math. Program. 159, 2016); docs/theory.md.
 // Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
-// is the other choice. Memory passes per iteration: one over contacts (112 B in float, 48 of them
+// is the other choice. Memory passes per iteration: one over contacts (124 B in float, 48 of them
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
 // every residual check, at least each `check_every` iterations. A rejected trial, which is rare,
 // costs one more of both passes; `applications` counts all of them. Spheres take the tuned twins of
@@ -34,10 +35,13 @@ class Apgd final : public Solver<B, Real> {
   void restore_memory(const std::vector<double>& m) override { lipschitz_ = m.empty() ? 0 : m[0]; }
 
  private:
-  /// Bytes: 72 a body and 28 a contact (radial layout of alike bodies in float).
+  /// Bytes: 72 a body and 28 a contact (radial layout of alike bodies in float); 12 more a contact
+  /// in the second half of the iterations allowed.
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
-        : impulses{Buffer<B, Vec3<Real>>(b, vectors), Buffer<B, Vec3<Real>>(b, vectors)},
+        : impulses(b, vectors),
+          momentum(b, vectors),
+          best(b),
           iterate(b, bodies),
           extrapolated{Buffer<B, Twist<Real>>(b, bodies), Buffer<B, Twist<Real>>(b, bodies)},
           metric(b),
@@ -45,7 +49,9 @@ class Apgd final : public Solver<B, Real> {
           check(b, 1),
           residual(b),
           iteration(b) {}
-    Buffer<B, Vec3<Real>> impulses[2];
+    Buffer<B, Vec3<Real>> impulses;  ///< the other is the caller's
+    Buffer<B, Vec3<Real>> momentum;
+    Buffer<B, Vec3<Real>> best;
     Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
     Buffer<B, Twist<Real>> extrapolated[2];
     Buffer<B, Real> metric;
@@ -62,7 +68,7 @@ class Apgd final : public Solver<B, Real> {
 
     const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
     Workspace w(b, vectors, p.body_count);
-    const ApgdImpulses<Real> impulses{{w.impulses[0].view(), w.impulses[1].view()}};
+    const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}, w.momentum.view()};
     const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()},
                                           {w.extrapolated[0].view(), w.extrapolated[1].view()}};
     // Bodies that do not move keep this velocity through the whole solve.
@@ -75,12 +81,10 @@ class Apgd final : public Solver<B, Real> {
 
     ApgdState* state = w.state.data();
     const auto start_from_guess = [&] {
-      for (const Span<Vec3<Real>>& buffer : impulses.buffer) {
-        copy(b, Span<const Vec3<Real>>(gamma), buffer);
-      }
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
     };
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
+    fill(b, impulses.momentum, Vec3<Real>{});  // that of the first trial, which is not followed
     start_from_guess();
     StoredMetric<R, Real> metric;
     if (params_.metric == ApgdMetricKind::diagonal) {
@@ -130,7 +134,13 @@ class Apgd final : public Solver<B, Real> {
       if (is_best && (is_last || 2 * stats.applications >= params_.max_iterations)) {
         best = residual.rms;
         stats.residual = residual;
-        copy(b, Span<const Vec3<Real>>(impulses.current(check.state.accepted)), gamma);
+        const Span<const Vec3<Real>> found = impulses.current(check.state.accepted);
+        if (!is_last) {
+          w.best.reserve_discard(vectors);
+          copy(b, found, w.best.view());
+        } else if (found.data != gamma.data) {
+          copy(b, found, gamma);
+        }
       }
       if (is_last) break;
 
@@ -144,6 +154,7 @@ class Apgd final : public Solver<B, Real> {
       if (last.data != velocity.data) copy(b, last, velocity);
       stats.residual.objective -= w.residual.template impulse_energy<R>(b, p, velocity);
     } else {
+      copy(b, Span<const Vec3<Real>>(w.best.view()), gamma);
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
       stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     }

@@ -37,7 +37,7 @@ struct ApgdContactBlock {
     for (int j = 0; j < present; ++j) {
       const Index c = first + j;
       in.put(j, kGamma, step.current[c]);
-      in.put(j, kBefore, step.previous[c]);
+      in.put(j, kMomentum, step.momentum[c]);
       in.put(j, kNormal, a.p.normal[c]);
       in.put(j, kTwistA, step.extrapolated[a.p.body_a[c]]);
       in.put(j, kTwistB, step.extrapolated[a.p.body_b[c]]);
@@ -51,7 +51,8 @@ struct ApgdContactBlock {
     for (int j = present; j < kContacts; ++j) in.lane[kMetric][j] = in.lane[kMetric + 1][j] = 1;
 
     // A problem of one contact whose numbers are lanes.
-    const Vec3<L> gamma = in.vector(kGamma), before = in.vector(kBefore);
+    const Vec3<L> gamma = in.vector(kGamma);
+    Vec3<L> momentum = in.vector(kMomentum);
     const Vec3<L> normal = in.vector(kNormal);
     const L bias = L::load(in.lane[kBias]), friction = L::load(in.lane[kFriction]),
             adhesion = L::load(in.lane[kAdhesion]);
@@ -63,14 +64,17 @@ struct ApgdContactBlock {
     p.friction.values = {&friction, 1};
     p.adhesion.values = {&adhesion, 1};
     const StoredMetric<RadialRows<L>, L> metric{{weights, 2}};
-    const ApgdContactStep<RadialRows<L>, L> in_lanes{{&gamma, 1}, {&before, 1}, {&next, 1},
-                                                     {},          L(step.beta), L(step.step)};
+    const ApgdContactStep<RadialRows<L>, L> in_lanes{
+        {&gamma, 1},     {&next, 1},        {&momentum, 1},     {},
+        L(step.follows), L(step.next_beta), L(step.next_delta), L(step.step)};
     const Sums<2> sums = in_lanes(p, metric, 0, in.twist(kTwistA), in.twist(kTwistB));
 
     Records out;
-    next.x.store(out.lane[0]), next.y.store(out.lane[1]), next.z.store(out.lane[2]);
+    out.keep(kGamma, next);
+    out.keep(kMomentum, momentum);
     for (int j = 0; j < present; ++j) {
-      step.next[first + j] = {out.lane[0][j], out.lane[1][j], out.lane[2][j]};
+      step.next[first + j] = out.get(j, kGamma);
+      step.momentum[first + j] = out.get(j, kMomentum);
     }
     return sums;
   }
@@ -78,7 +82,7 @@ struct ApgdContactBlock {
  private:
   enum Row {
     kGamma = 0,
-    kBefore = 3,
+    kMomentum = 3,
     kNormal = 6,
     kTwistA = 9,
     kTwistB = 15,
@@ -98,6 +102,12 @@ struct ApgdContactBlock {
     void put(int j, int row, const Twist<Real>& t) {
       put(j, row, t.linear);
       put(j, row + 3, t.angular);
+    }
+    Vec3<Real> get(int j, int row) const {
+      return {lane[row][j], lane[row + 1][j], lane[row + 2][j]};
+    }
+    void keep(int row, const Vec3<Lanes<Real>>& v) {
+      v.x.store(lane[row]), v.y.store(lane[row + 1]), v.z.store(lane[row + 2]);
     }
     Vec3<Lanes<Real>> vector(int row) const {
       using L = Lanes<Real>;

@@ -9,11 +9,11 @@
 // everywhere, and seldom waits. At the end of a trial the blocks meet, one adds up the sums in
 // block order and decides, and the next trial begins without a launch.
 //
-// Bytes from memory per contact (float, alike bodies): normal and bias 16, ids 8, two impulses 24,
-// metric 4, list 4 read, impulse 12 written. Per body: V_y, v*, V 72, inertia 8, starts 8 read, V
-// and V_y 48 written: 340 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427.
-// Sums are those of the plain passes in another order: the same bits on every run of one device.
-// Doubles take the plain passes, which are faster for them.
+// Bytes from memory per contact (float, alike bodies): normal and bias 16, ids 8, impulse and
+// momentum 24, metric 4, list 4 read, impulse and momentum 24 written. Per body: V_y, v*, V 72,
+// inertia 8, starts 8 read, V and V_y 48 written: 376 MB for 1e6 bodies with 3e6 contacts, where
+// the plain passes take 463. Sums are those of the plain passes in another order: the same bits on
+// every run of one device. Doubles take the plain passes, which are faster for them.
 
 #include <cuda/atomic>
 
@@ -23,10 +23,13 @@
 namespace scree {
 namespace sweep {
 
-inline constexpr int kThreads = Cuda::kBlock;  ///< of a block; bodies of a tile
+inline constexpr int kThreads = Cuda::kBlock;  ///< of a block
+inline constexpr int kBodies = 240;            ///< of a tile
 inline constexpr int kBlocks = 4;              ///< wanted on a multiprocessor
 inline constexpr int kStaged =
     640;  ///< contacts of a tile kept in shared memory, two tiles a block
+
+inline constexpr int kAtOnce = 4;  ///< contacts of a body as B that are fetched together
 
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
@@ -51,7 +54,7 @@ struct Tile {
     Vec3<Real> impulse;
     Vec3<Real> normal;
   };
-  Twist<Real> extrapolated[kThreads];
+  Twist<Real> extrapolated[kBodies];
   Pull pull[kStaged];
 };
 
@@ -102,20 +105,32 @@ __device__ void step_bodies(const RadialPasses<Real>& a, TileRange range, const 
     force -= g;
     torque += cross(g, n);
   }
-  for (Index at = a.p.b_start[i], end = a.p.b_start[i + 1]; at < end; ++at) {
-    const Index c = a.p.b_contact[at];
-    const unsigned slot = static_cast<unsigned>(c - range.first);
-    const Vec3<Real> g = slot < kStaged ? tile.pull[slot].impulse : gamma[c];
-    const Vec3<Real> n = slot < kStaged ? tile.pull[slot].normal : a.p.normal[c];
-    force += g;
-    torque += cross(g, n);
+  // Several at a time: a list of three or four would wait for memory twice at each.
+  for (Index at = a.p.b_start[i], end = a.p.b_start[i + 1]; at < end; at += kAtOnce) {
+    Index c[kAtOnce];
+#pragma unroll
+    for (int j = 0; j < kAtOnce; ++j) c[j] = at + j < end ? a.p.b_contact[at + j] : -1;
+    Vec3<Real> g[kAtOnce], n[kAtOnce];
+#pragma unroll
+    for (int j = 0; j < kAtOnce; ++j) {
+      if (c[j] < 0) continue;
+      const unsigned slot = static_cast<unsigned>(c[j] - range.first);
+      g[j] = *(slot < kStaged ? &tile.pull[slot].impulse : gamma + c[j]);
+      n[j] = *(slot < kStaged ? &tile.pull[slot].normal : a.p.normal.data + c[j]);
+    }
+#pragma unroll
+    for (int j = 0; j < kAtOnce; ++j) {
+      force += g[j];
+      torque += cross(g[j], n[j]);
+    }
   }
   const Twist<Real> next =
       a.p.free_velocity[i] + R::apply_inverse_mass(a.p, i, Twist<Real>{force, torque});
-  const Twist<Real> momentum = static_cast<Real>(s.next_beta) * (next - a.velocity.current(s)[i]);
+  const Twist<Real> change = next - tile.extrapolated[threadIdx.x];
+  const Twist<Real> momentum = static_cast<Real>(s.next_beta) * (next - a.velocity.current(s)[i]) +
+                               static_cast<Real>(s.next_delta) * change;
   a.velocity.iterate(k + 1)[i] = next;
   a.velocity.extrapolated(k + 1)[i] = next + momentum;
-  const Twist<Real> change = next - tile.extrapolated[threadIdx.x];
   const RadialInertia<Real> inertia = a.p.radial_inertia[i];
   Real energy = 0;
   if (inertia.inv_mass > Real(0)) energy += norm2(change.linear) * inverse(inertia.inv_mass);
@@ -180,8 +195,8 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   const Index blocks = static_cast<Index>(gridDim.x);
   const auto range_of = [&](Index t) {
     TileRange range;
-    range.begin = t * kThreads;
-    range.end = min(range.begin + kThreads, a.p.free_count);
+    range.begin = t * kBodies;
+    range.end = min(range.begin + kBodies, a.p.free_count);
     range.first = a.p.a_start[range.begin];
     range.last = a.p.a_start[range.end];
     return range;
@@ -219,7 +234,7 @@ class ApgdIteration<Cuda> {
   void start(Cuda&, const ApgdPasses<R, Real>&) {}
 
   void start(Cuda& cuda, const sweep::RadialPasses<float>& a) {
-    tiles_ = (a.p.free_count + sweep::kThreads - 1) / sweep::kThreads;
+    tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
     blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
     const Offset counters = Offset{tiles_} / blocks_ + 3;
     counters_.reserve_discard(counters);

@@ -22,10 +22,11 @@ class Arrays {
   Arrays(TestBackend& b, const ContactProblem<Real>& p)
       : metric_(b, StoredMetric<R, Real>::per_contact(p) * Offset{p.contact_count}), state_(b, 1) {
     passes_.p = p;
-    for (int k = 0; k < 2; ++k) {
+    for (Span<Vec3<Real>>* view :
+         {&passes_.gamma.buffer[0], &passes_.gamma.buffer[1], &passes_.gamma.momentum}) {
       impulses_.emplace_back(b, p.contact_count);
-      passes_.gamma.buffer[k] = impulses_.back().view();
-      fill(b, impulses_.back().view(), Vec3<Real>{});
+      *view = impulses_.back().view();
+      fill(b, *view, Vec3<Real>{});
     }
     for (int k = 0; k < 2; ++k) {
       for (Span<Twist<Real>>* view :
@@ -142,7 +143,7 @@ TEST(ApgdStepRule, FollowsTheCurvature) {
   EXPECT_EQ(after(1.5, 10).accepted, 1);  // too long, but it descends
   EXPECT_DOUBLE_EQ(after(1.5, 10).lipschitz, 1.65);
   EXPECT_EQ(after(3, 10).accepted, 0);
-  EXPECT_EQ(after(3, 10).beta, 0);  // from the iterate itself: the one before is overwritten
+  EXPECT_EQ(after(3, 10).beta, 0);  // from the iterate itself: the momentum is overwritten
   EXPECT_DOUBLE_EQ(after(3, 10).theta, 0.25);
   EXPECT_DOUBLE_EQ(after(3, 10).lipschitz, 3.3);
   EXPECT_EQ(after(3, 1).accepted, 1);  // rounding: no curvature is above the bound

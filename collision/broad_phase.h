@@ -14,21 +14,21 @@ struct Bins {
         cell(b, bodies),
         body(b, bodies),
         record(b, bodies),
-        cells(b),
+        begin(b),
         grid(b, 1) {}
   Buffer<B, float> inflated;
-  Buffer<B, std::uint64_t> cell;
+  Buffer<B, Index> cell;
   Buffer<B, Index> body;
   Buffer<B, BinRecord> record;
-  Buffer<B, CellRange> cells;
+  Buffer<B, Index> begin;
   Buffer<B, BinGrid> grid;
   BinView view;
 };
 
-/// Bins all free bodies and all fixed or kinematic spheres; one host read (the grid).
-/// Bytes per body: 48 + 4 extent and levels, 56 keys, 24 per sorting pass of 8 bits (CUDA) or 11
-/// (CPU) out of log2(cells), 72 records; 8 to clear and about 8 to fill per cell, at most 4 cells
-/// a body. Memory: 32 a body and 8 a cell, and 12 a body more while it sorts.
+/// Bins all free bodies and all fixed or kinematic spheres; one host read (the grid). Within a cell
+/// bodies are in any order, not the same on every run.
+/// Bytes per body: 48 + 4 extent and levels, 56 cells, 84 records; 16 per cell, at most 4 cells a
+/// body. Memory: 28 a body and 4 a cell, and 8 a body and 4 a cell more while it bins.
 template <class B, class Real>
 Bins<B> sort_into_bins(B& b, const BodyBalls<Real>& balls) {
   const BodyView<Real>& bodies = balls.bodies;
@@ -38,8 +38,6 @@ Bins<B> sort_into_bins(B& b, const BodyBalls<Real>& balls) {
   Buffer<B, BodyExtent> extent(b, 1);
   Buffer<B, double> edge(b, 1);
   const Span<float> inflated = bins.inflated.view();
-  const Span<std::uint64_t> cell = bins.cell.view();
-  const Span<Index> body = bins.body.view();
   BinGrid* const on_backend = bins.grid.data();
 
   reduce<BodyExtent>(b, n, MeasureBodies<Real>{balls, binned, inflated},
@@ -47,17 +45,19 @@ Bins<B> sort_into_bins(B& b, const BodyBalls<Real>& balls) {
   reduce<LevelCounts>(b, n, CountLevels{inflated, edge.data()},
                       PlanBins{extent.data(), edge.data(), balls.range.period, on_backend});
   const BinGrid grid = fetch(b, on_backend);
-  for_each(b, n, BinBodies<Real>{balls, binned, inflated, on_backend, cell, body});
-  {
-    SortSpace<B> sort(b);
-    sort_pairs(b, sort, cell, body, bits_for(static_cast<std::uint64_t>(grid.cell_count) + 1));
-  }
-  const Span<CellRange> cells = bins.cells.resize_discard(grid.cell_count);
-  fill(b, cells, CellRange{});
+  const Offset cells = static_cast<Offset>(grid.cell_count) + 1;  // the last: bodies not binned
+  Buffer<B, Index> cell(b, n), rank(b, n), count(b, cells);
+  fill(b, count.view(), Index(0));
   for_each(
       b, n,
-      GatherBins<Real>{balls, binned, inflated, on_backend, cell, body, bins.record.view(), cells});
-  bins.view = {on_backend, grid.lower, inflated, bins.record.view(), cell, body, cells};
+      BinBodies<Real>{balls, binned, inflated, on_backend, cell.view(), rank.view(), count.view()});
+  const Span<Index> begin = bins.begin.resize_discard(cells + 1);
+  exclusive_scan(b, Span<const Index>(count.view()), begin);
+  for_each(b, n,
+           PlaceBodies<Real>{balls, binned, inflated, on_backend, cell.view(), rank.view(), begin,
+                             bins.cell.view(), bins.body.view(), bins.record.view()});
+  bins.view = {on_backend,       grid.lower,       inflated, bins.record.view(),
+               bins.cell.view(), bins.body.view(), begin};
   return bins;
 }
 

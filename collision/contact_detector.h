@@ -57,8 +57,8 @@ class ContactDetector {
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every
   /// array counted once: check 60, candidates 56 + 4 m, scan 12, keys 24 + 12 k, geometry (8 + 24 +
-  /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 300 for the
-  /// bins (extent and levels 52, cell keys 56, their sort 3 * 24, records and cells 96), and 152 +
+  /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 230 for the
+  /// bins (extent and levels 52, cells 60, records 84, and 16 a cell), and 152 +
   /// 40 m = 350 for itself. Its search also reads about 12 cells and 23 records of 16 bytes in a
   /// bed of equal spheres, 44 and 40 in one of diameters 1 : 10, from the caches, because positions
   /// follow the Morton order.

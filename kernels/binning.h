@@ -1,6 +1,7 @@
 #pragma once
 // Element programs that sort bodies into bins.
 
+#include "kernels/backend/atomic.h"
 #include "kernels/bin_plan.h"
 #include "kernels/body_view.h"
 
@@ -27,8 +28,6 @@ struct BinnedRange {
 
   SCREE_HD Index size() const { return free_count + count - fixed_begin; }
   SCREE_HD Index body(Index m) const { return m < free_count ? m : m - free_count + fixed_begin; }
-  /// Inverse of body().
-  SCREE_HD Index slot(Index i) const { return i < free_count ? i : i - fixed_begin + free_count; }
   bool operator==(const BinnedRange&) const = default;
 };
 
@@ -168,7 +167,8 @@ struct CountLevels {
   }
 };
 
-/// Cell of each body, the sort key. Bytes per body: 44 read, 12 written.
+/// Cell of each body, and its number among those of the cell, in any order.
+/// Bytes per body: 44 read, 8 written, 4 of its cell added to.
 template <class Real>
 struct BinBodies {
   static constexpr const char* name = "bin_bodies";
@@ -176,20 +176,19 @@ struct BinBodies {
   BinnedRange binned;
   Span<const float> inflated;
   const BinGrid* grid;
-  Span<std::uint64_t>
-      cell;          ///< [binned.size()] out; the number of cells for bodies that are not binned
-  Span<Index> body;  ///< [binned.size()] out: storage index
+  Span<Index> cell;   ///< [binned.size()] out; the number of cells for bodies that are not binned
+  Span<Index> rank;   ///< [binned.size()] out
+  Span<Index> count;  ///< [grid->cell_count + 1] in: zero; out: bodies of each cell
 
   SCREE_HD void operator()(Index m) const {
-    const Index i = binned.body(m);
-    body[m] = i;
     const float r = inflated[m];
     Index c = grid->cell_count;
     if (r > 0) {
       const BinLevel& l = grid->level[find_level(*grid, 2.0 * r)];
-      c = cell_of(l, wrapped(*grid, l, balls.center(i)));
+      c = cell_of(l, wrapped(*grid, l, balls.center(binned.body(m))));
     }
-    cell[m] = static_cast<std::uint64_t>(c);
+    cell[m] = c;
+    rank[m] = atomic_add(&count[c], 1);
   }
 };
 
@@ -199,37 +198,32 @@ struct alignas(16) BinRecord {
   float radius = 0;  ///< inflated, with room for the rounding of the position [m]; 0: not binned
 };
 
-/// Bodies of one cell: positions [begin, end) in cell order.
-struct CellRange {
-  Index begin = 0;
-  Index end = 0;
-};
-
-/// Records in cell order, and the range of each cell. Bytes per body: 56 read, 16 written, and 8
-/// per cell.
+/// Puts bodies into cell order; within a cell in any order.
+/// Bytes per body: 60 read, 24 written.
 template <class Real>
-struct GatherBins {
-  static constexpr const char* name = "gather_bins";
+struct PlaceBodies {
+  static constexpr const char* name = "place_bodies";
   BodyBalls<Real> balls;
   BinnedRange binned;
   Span<const float> inflated;
   const BinGrid* grid;
-  Span<const std::uint64_t> cell;  ///< [n] sorted
-  Span<const Index> body;          ///< [n]
-  Span<BinRecord> record;          ///< [n] out
-  Span<CellRange> cells;           ///< [grid->cell_count] out, zero before
+  Span<const Index> cell;   ///< [binned.size()] by BinBodies
+  Span<const Index> rank;   ///< [binned.size()] by BinBodies
+  Span<const Index> begin;  ///< [grid->cell_count + 2] scan of the counts
+  Span<Index> cell_at;      ///< [binned.size()] out: cell of each position
+  Span<Index> body;         ///< [binned.size()] out: storage index
+  Span<BinRecord> record;   ///< [binned.size()] out
 
-  SCREE_HD void operator()(Index p) const {
-    const auto c = static_cast<Index>(cell[p]);
+  SCREE_HD void operator()(Index m) const {
+    const Index c = cell[m], i = binned.body(m), p = begin[c] + rank[m];
     BinRecord r;
     if (c < grid->cell_count) {
-      const Index i = body[p];
       const BinLevel& l = grid->level[level_of_cell(*grid, c)];
       r.position = Vec3<float>(wrapped(*grid, l, balls.center(i)));
-      r.radius = inflated[binned.slot(i)] + l.slack;
-      if (p == 0 || cell[p - 1] != cell[p]) cells[c].begin = p;
-      if (p == cell.size - 1 || cell[p + 1] != cell[p]) cells[c].end = p + 1;
+      r.radius = inflated[m] + l.slack;
     }
+    cell_at[p] = c;
+    body[p] = i;
     record[p] = r;
   }
 };

@@ -11,9 +11,9 @@ struct BinView {
   Vec3<double> lower;          ///< origin of the grid [m]
   Span<const float> inflated;  ///< [binned.size()] by BinnedRange [m]
   Span<const BinRecord> record;
-  Span<const std::uint64_t> cell;
-  Span<const Index> body;
-  Span<const CellRange> cells;
+  Span<const Index> cell;   ///< [binned.size()] of each position; the number of cells: not binned
+  Span<const Index> body;   ///< [binned.size()] at each position
+  Span<const Index> begin;  ///< [number of cells + 2] first position of each cell
 };
 
 /// Coordinates of the cells that overlap [x - reach, x + reach] along an axis, each once.
@@ -63,7 +63,7 @@ struct PairSearch {
   /// positions every pair is found once, by its smaller body if their levels differ.
   template <class Emit>
   SCREE_HD void operator()(Index p, Emit&& emit) const {
-    const auto own_cell = static_cast<Index>(bins.cell[p]);
+    const Index own_cell = bins.cell[p];
     const BinGrid& grid = *bins.grid;
     if (own_cell >= grid.cell_count) return;
     const BinRecord own = bins.record[p];
@@ -103,9 +103,9 @@ struct PairSearch {
           const WrappedCell cx = wrapped_cell(sx.first + kx, l.cells[0], l.wrap_f.x);
           const Index cell = row + cell_part(l, 0, cx.cell);
           if (cell < first_cell) continue;
-          const CellRange inside = bins.cells[cell];
+          const Index begin = bins.begin[cell], end = bins.begin[cell + 1];
           const Vec3<float> near{x.x - cx.shift, x.y - cy.shift, x.z - cz.shift};
-          for (Index q = inside.begin > first ? inside.begin : first; q < inside.end; ++q) {
+          for (Index q = begin > first ? begin : first; q < end; ++q) {
             const BinRecord other = bins.record[q];
             Vec3<float> d = other.position - near;
             if (is_small) {

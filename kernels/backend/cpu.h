@@ -107,8 +107,10 @@ void reduce(Cpu& cpu, Index n, F f, G finish = {}) {
 }
 
 /// Adds up in 64 bits; a list may pass 2^31 entries.
-inline void exclusive_scan(Cpu&, Span<const Index> in, Span<Offset> out) {
-  Offset sum = 0;
+/// @tparam Sum  Offset, or Index for sums below 2^31
+template <class Sum>
+void exclusive_scan(Cpu&, Span<const Index> in, Span<Sum> out) {
+  Sum sum = 0;
   for (Offset i = 0; i < in.size; ++i) {
     out[i] = sum;
     sum += in[i];

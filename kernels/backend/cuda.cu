@@ -83,20 +83,28 @@ namespace {
 struct Widen {
   __host__ __device__ Offset operator()(Index i) const { return i; }
 };
+
+/// @param terms  iterator over `count` terms of the type of the sum
+template <class Terms, class Sum>
+void scan(Cuda& cuda, Terms terms, Offset count, Sum* out) {
+  // The total lands in out[n]: an inclusive scan shifted by one, behind a leading zero.
+  check_cuda(cudaMemsetAsync(out, 0, sizeof(Sum), cuda.stream()), "exclusive_scan");
+  if (count == 0) return;
+  std::size_t bytes = 0;
+  check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, terms, out + 1, count, cuda.stream()),
+             "exclusive_scan");
+  check_cuda(cub::DeviceScan::InclusiveSum(cuda.scan_space(bytes), bytes, terms, out + 1, count,
+                                           cuda.stream()),
+             "exclusive_scan");
+}
 }  // namespace
 
 void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Offset> out) {
-  // The total lands in out[n]: an inclusive scan shifted by one, behind a leading zero.
-  check_cuda(cudaMemsetAsync(out.data, 0, sizeof(Offset), cuda.stream()), "exclusive_scan");
-  if (in.size == 0) return;
-  const auto wide = thrust::make_transform_iterator(in.data, Widen{});
-  std::size_t bytes = 0;
-  check_cuda(
-      cub::DeviceScan::InclusiveSum(nullptr, bytes, wide, out.data + 1, in.size, cuda.stream()),
-      "exclusive_scan");
-  check_cuda(cub::DeviceScan::InclusiveSum(cuda.scan_space(bytes), bytes, wide, out.data + 1,
-                                           in.size, cuda.stream()),
-             "exclusive_scan");
+  scan(cuda, thrust::make_transform_iterator(in.data, Widen{}), in.size, out.data);
+}
+
+void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Index> out) {
+  scan(cuda, in.data, in.size, out.data);
 }
 
 void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values,

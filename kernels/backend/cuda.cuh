@@ -167,8 +167,9 @@ void reduce(Cuda& cuda, Index n, F f, G finish = {}) {
   cuda.check_launch(F::name);
 }
 
-/// Adds up in 64 bits (CUB). @param out one element more than in
+/// Adds up in 64 bits (CUB), the second one in 32. @param out one element more than in
 void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Offset> out);
+void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Index> out);
 
 template <>
 struct SortSpace<Cuda> {

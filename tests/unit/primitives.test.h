@@ -108,12 +108,17 @@ TEST_F(PrimitivesTest, ExclusiveScanMatchesTheSerialSum) {
     upload(backend(), in, in_buffer);
     exclusive_scan(backend(), std::as_const(in_buffer).view(n), out.view(n + 1));
     const std::vector<Offset> host = download(backend(), out.view(n + 1));
+    Buffer<TestBackend, Index> narrow(backend(), n + 1);
+    exclusive_scan(backend(), std::as_const(in_buffer).view(n), narrow.view(n + 1));
+    const std::vector<Index> narrow_host = download(backend(), narrow.view(n + 1));
     Offset sum = 0;
     for (Index i = 0; i < n; ++i) {
       ASSERT_EQ(host[i], sum);
+      ASSERT_EQ(narrow_host[i], sum);
       sum += in[i];
     }
     EXPECT_EQ(host[n], sum);
+    EXPECT_EQ(narrow_host[n], sum);
   }
 }
 

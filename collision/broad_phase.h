@@ -27,7 +27,7 @@ struct Bins {
 
 /// Bins all free bodies and all fixed or kinematic spheres; one host read (the grid). Within a cell
 /// bodies are in any order, not the same on every run.
-/// Bytes per body: 48 + 4 extent and levels, 56 cells, 84 records; 16 per cell, at most 4 cells a
+/// Bytes per body: 48 + 4 extent and levels, 56 cells, 84 records; 16 per cell, at most 6.5 cells a
 /// body. Memory: 28 a body and 4 a cell, and 8 a body and 4 a cell more while it bins.
 template <class B, class Real>
 Bins<B> sort_into_bins(B& b, const BodyBalls<Real>& balls) {

@@ -59,9 +59,9 @@ class ContactDetector {
   /// array counted once: check 60, candidates 56 + 4 m, scan 12, keys 24 + 12 k, geometry (8 + 24 +
   /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 230 for the
   /// bins (extent and levels 52, cells 60, records 84, and 16 a cell), and 152 +
-  /// 40 m = 350 for itself. Its search also reads about 12 cells and 23 records of 16 bytes in a
-  /// bed of equal spheres, 44 and 40 in one of diameters 1 : 10, from the caches, because positions
-  /// follow the Morton order.
+  /// 40 m = 350 for itself. Its search also reads about 4 ranges of records and 14 records of 16
+  /// bytes in a bed of equal spheres, 20 and 28 in one of diameters 1 : 10, from the caches,
+  /// because rows of cells follow the Morton order.
   ///
   /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
   /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:

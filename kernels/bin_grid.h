@@ -1,11 +1,15 @@
 #pragma once
 // The hierarchy of bins of the broad phase: how many levels, how many cells, where a body belongs.
 //
-// A body of inflated radius r sits in the finest level whose cell edge is at least 2 r. Every axis
-// of a level wraps: along a periodic axis after its whole number of cells, else after a number of
-// cells chosen so that a table over all cells stays in proportion to the bodies of the level.
-// Bodies that are a multiple of the wrap length apart share a cell, which costs candidates but
-// loses none: distances are first compared modulo the wrap length, which never makes them larger.
+// A body of inflated radius r sits in the finest level whose cell edge is at least 2 r. The cells
+// of a row along x follow each other, so that what is near a body in one row is one range of
+// bodies. Cells are shorter along x, which costs memory, but does not make more ranges.
+//
+// Every axis of a level wraps: along a periodic axis after its whole number of cells, else after a
+// number of cells chosen so that a table over all cells stays in proportion to the bodies of the
+// level. Bodies that are a multiple of the wrap length apart share a cell, which costs candidates
+// but loses none: distances are first compared modulo the wrap length, which never makes them
+// larger.
 
 #include "kernels/math/vec3.h"
 #include "kernels/morton.h"
@@ -14,6 +18,8 @@ namespace scree {
 
 inline constexpr int kMaxLevels =
     16;  ///< sizes up to 2^15 to 1; smaller bodies share the finest level
+/// Cells along x in the length of an edge along y and z.
+inline constexpr int kCellsPerEdge = 2;
 /// Phases of the edge of the finest level within a factor of two.
 inline constexpr int kEdgePhases = 16;
 
@@ -95,15 +101,16 @@ SCREE_HD inline int level_of(double diameter, double edge) {
 /// One level that holds bodies.
 struct BinLevel {
   double max_diameter = 0;  ///< largest inflated diameter of its bodies [m]
-  Vec3<double> edge;        ///< cell edges [m], at least max_diameter
+  Vec3<double> edge;        ///< cell edges [m], at least max_diameter; see kCellsPerEdge
   Vec3<double> wrap;        ///< cells * edge [m]
+  Vec3<float> edge_f;
   Vec3<float> wrap_f;
   Vec3<float> inv_wrap;
   Vec3<float> inv_edge;
   float slack = 0;  ///< bound on the rounding of a coordinate in float [m]
   Index cells[3] = {1, 1, 1};
-  int block_bits = 0;  ///< cells are in Morton order within blocks of 2^block_bits per axis
-  Index stride[3] = {1, 1, 1};  ///< blocks follow each other row by row, the shortest axis first
+  int block_bits = 0;  ///< rows are in Morton order within blocks of 2^block_bits along y and z
+  Index stride[3] = {0, 1, 1};  ///< of the blocks along y and z, the shorter axis first
   Index first_cell = 0;         ///< number of the level's first cell in the table of all levels
 };
 
@@ -114,11 +121,16 @@ struct BinGrid {
   BinLevel level[kMaxLevels];
 };
 
-/// Contribution of one coordinate to the number of a cell; the three add up.
-SCREE_HD inline Index cell_part(const BinLevel& l, int axis, Index c) {
+/// Contribution of one coordinate to the number of a row; those of y and z add up.
+SCREE_HD inline Index row_part(const BinLevel& l, int axis, Index c) {
   const auto low = static_cast<std::uint32_t>(c) & ((1u << l.block_bits) - 1);
-  return static_cast<Index>(spread_bits_10(low) << axis) +
-         (((c >> l.block_bits) * l.stride[axis]) << (3 * l.block_bits));
+  return static_cast<Index>(spread_bits_plane(low) << (axis - 1)) +
+         (((c >> l.block_bits) * l.stride[axis]) << (2 * l.block_bits));
+}
+
+/// Number of the first cell of a row: those of a row follow each other.
+SCREE_HD inline Index first_of_row(const BinLevel& l, Index y, Index z) {
+  return l.first_cell + (row_part(l, 1, y) + row_part(l, 2, z)) * l.cells[0];
 }
 
 /// Coordinate in [0, wrap).
@@ -136,13 +148,12 @@ SCREE_HD inline Vec3<double> wrapped(const BinGrid& grid, const BinLevel& l,
 
 /// Number of the cell that holds a wrapped position.
 SCREE_HD inline Index cell_of(const BinLevel& l, const Vec3<double>& x) {
-  Index cell = l.first_cell;
+  Index c[3];
   for (int axis = 0; axis < 3; ++axis) {
-    Index c = static_cast<Index>(x[axis] / l.edge[axis]);
-    if (c >= l.cells[axis]) c = l.cells[axis] - 1;
-    cell += cell_part(l, axis, c);
+    c[axis] = static_cast<Index>(x[axis] / l.edge[axis]);
+    if (c[axis] >= l.cells[axis]) c[axis] = l.cells[axis] - 1;
   }
-  return cell;
+  return first_of_row(l, c[1], c[2]) + c[0];
 }
 
 /// Index among the levels with bodies.

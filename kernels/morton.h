@@ -20,13 +20,12 @@ SCREE_HD inline std::uint64_t spread_bits(std::uint32_t value) {
   return x;
 }
 
-/// The same for the low 10 bits, in 32-bit arithmetic.
-SCREE_HD inline std::uint32_t spread_bits_10(std::uint32_t value) {
-  std::uint32_t x = value & 0x3ffu;
-  x = (x | x << 16) & 0x030000ffu;
-  x = (x | x << 8) & 0x0300f00fu;
-  x = (x | x << 4) & 0x030c30c3u;
-  x = (x | x << 2) & 0x09249249u;
+/// Moves bit k of the low 8 bits to bit 2 k: codes in a plane.
+SCREE_HD inline std::uint32_t spread_bits_plane(std::uint32_t value) {
+  std::uint32_t x = value & 0xffu;
+  x = (x | x << 4) & 0x0f0fu;
+  x = (x | x << 2) & 0x3333u;
+  x = (x | x << 1) & 0x5555u;
   return x;
 }
 

@@ -33,6 +33,16 @@ SCREE_HD inline CellSpan cells_around(const BinLevel& l, int axis, float x, floa
   return {low, high - low + 1, false};
 }
 
+/// Square of how far a coordinate is at least from those in the cell c of a span around it [m^2].
+SCREE_HD inline float squared_distance(const BinLevel& l, int axis, const CellSpan& span, Index c,
+                                       float x) {
+  if (span.is_whole) return 0;  // it may be another image that is near
+  const float low = static_cast<float>(c) * l.edge_f[axis];
+  const float before = low - x, behind = x - (low + l.edge_f[axis]);
+  const float d = (before > behind ? before : behind) - 2 * l.slack;
+  return d > 0 ? d * d : 0;
+}
+
 /// A coordinate that wraps, and what to add to positions in its cell to bring them near.
 struct WrappedCell {
   Index cell;
@@ -80,30 +90,35 @@ struct PairSearch {
   }
 
  private:
-  /// @param x           position of the body, wrapped in this level
-  /// @param radius      inflated, with slack
-  /// @param first_cell  cells before this one are left out
-  /// @param first       positions before this one are left out
+  /// @param x         position of the body, wrapped in this level
+  /// @param radius    inflated, with slack
+  /// @param first     positions before this one are left out
+  /// @param own_cell  rows before that of this cell are left out: their bodies come before `first`
   template <class Emit>
-  SCREE_HD void search_level(const BinLevel& l, const Vec3<float>& x, float radius,
-                             Index first_cell, Index first, Index i, Emit& emit) const {
+  SCREE_HD void search_level(const BinLevel& l, const Vec3<float>& x, float radius, Index own_cell,
+                             Index first, Index i, Emit& emit) const {
     const float reach =
         radius + (0.5f * static_cast<float>(l.max_diameter) * (1 + 2e-7f) + 2 * l.slack);
-    const CellSpan sx = cells_around(l, 0, x.x, reach);
+    const float reach2 = reach * reach * 1.00001f;
     const CellSpan sy = cells_around(l, 1, x.y, reach);
     const CellSpan sz = cells_around(l, 2, x.z, reach);
-    const bool is_small = sx.is_whole || sy.is_whole || sz.is_whole;
+    const bool is_small = cells_around(l, 0, x.x, reach).is_whole || sy.is_whole || sz.is_whole;
     for (Index kz = 0; kz < sz.count; ++kz) {
+      const float left_z = reach2 - squared_distance(l, 2, sz, sz.first + kz, x.z);
       const WrappedCell cz = wrapped_cell(sz.first + kz, l.cells[2], l.wrap_f.z);
-      const Index plane = l.first_cell + cell_part(l, 2, cz.cell);
       for (Index ky = 0; ky < sy.count; ++ky) {
+        const float left = left_z - squared_distance(l, 1, sy, sy.first + ky, x.y);
+        if (!(left > 0)) continue;
         const WrappedCell cy = wrapped_cell(sy.first + ky, l.cells[1], l.wrap_f.y);
-        const Index row = plane + cell_part(l, 1, cy.cell);
-        for (Index kx = 0; kx < sx.count; ++kx) {
+        const Index row = first_of_row(l, cy.cell, cz.cell);
+        if (row + l.cells[0] <= own_cell) continue;  // searched from there
+        const CellSpan sx = cells_around(l, 0, x.x, std::sqrt(left));
+        for (Index kx = 0; kx < sx.count;) {
           const WrappedCell cx = wrapped_cell(sx.first + kx, l.cells[0], l.wrap_f.x);
-          const Index cell = row + cell_part(l, 0, cx.cell);
-          if (cell < first_cell) continue;
-          const Index begin = bins.begin[cell], end = bins.begin[cell + 1];
+          const Index length =
+              sx.count - kx < l.cells[0] - cx.cell ? sx.count - kx : l.cells[0] - cx.cell;
+          kx += length;
+          const Index begin = bins.begin[row + cx.cell], end = bins.begin[row + cx.cell + length];
           const Vec3<float> near{x.x - cx.shift, x.y - cy.shift, x.z - cz.shift};
           for (Index q = begin > first ? begin : first; q < end; ++q) {
             const BinRecord other = bins.record[q];

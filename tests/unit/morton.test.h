@@ -24,7 +24,15 @@ TEST(MortonTest, GatherInvertsSpread) {
   for (int k = 0; k < 1000; ++k) {
     const auto x = static_cast<std::uint32_t>(random()) & kMortonMask;
     EXPECT_EQ(gather_bits(spread_bits(x)), x);
-    EXPECT_EQ(spread_bits_10(x), spread_bits(x & 0x3ffu));
+  }
+}
+
+TEST(MortonTest, SpreadsBitsInAPlane) {
+  for (std::uint32_t x = 0; x < 256; ++x) {
+    std::uint32_t expected = 0;
+    for (unsigned k = 0; k < 8; ++k) expected |= (x >> k & 1) << 2 * k;
+    EXPECT_EQ(spread_bits_plane(x), expected);
+    EXPECT_EQ(spread_bits_plane(x | 0x500), expected) << "higher bits are left out";
   }
 }
 
@@ -44,29 +52,40 @@ TEST(BinPlanTest, CellNumbersAreUnique) {
       extent.upper[k] = -1 + std::pow(10.0, log_extent(random));
       if (trial & (1 << k)) period[k] = extent.upper[k] + 1.5;
     }
-    const Index bodies = 1 + static_cast<Index>(random() % 5000);
+    const double limit = cell_limit(1 + static_cast<Index>(random() % 5000), 6000);
     BinLevel l;
-    plan_level(extent, period, bodies, 0.7, l);
+    l.first_cell = 17;
+    plan_level(extent, period, limit, 0.7, l);
     std::set<Index> numbers;
     for (Index z = 0; z < l.cells[2]; ++z) {
       for (Index y = 0; y < l.cells[1]; ++y) {
         for (Index x = 0; x < l.cells[0]; ++x) {
-          numbers.insert(cell_part(l, 0, x) + cell_part(l, 1, y) + cell_part(l, 2, z));
+          numbers.insert(first_of_row(l, y, z) + x - l.first_cell);
         }
       }
     }
     EXPECT_EQ(numbers.size(), static_cast<std::size_t>(l.cells[0]) * l.cells[1] * l.cells[2]);
     EXPECT_GE(*numbers.begin(), 0);
     EXPECT_LT(*numbers.rbegin(), level_cells(l));
-    EXPECT_LE(level_cells(l), 4 * std::max(bodies, 32))
-        << "the table stays in proportion to the bodies";
+    EXPECT_LE(level_cells(l), 1.5625 * limit) << "the table stays in proportion to the bodies";
     for (int k = 0; k < 3; ++k) {
-      EXPECT_TRUE(l.edge[k] >= 0.7 || l.cells[k] == 1) << "only a period shorter than a cell";
+      const double least = k == 0 ? 0.7 / kCellsPerEdge : 0.7;
+      EXPECT_TRUE(l.edge[k] >= least || l.cells[k] == 1) << "only a period shorter than a cell";
       if (period[k] > 0) {
         const double wraps = period[k] / l.wrap[k];
         EXPECT_NEAR(wraps, std::round(wraps), 1e-9) << "a period is a whole number of wraps";
       }
     }
+  }
+}
+
+TEST(BinPlanTest, CellsOfAllLevelsFitAnIndex) {
+  for (const double total : {1e3, 1e6, 1e9, 2e9}) {
+    double cells = 0;
+    for (int level = 0; level < kMaxLevels; ++level)
+      cells += cell_limit(static_cast<Index>(total / kMaxLevels), total);
+    EXPECT_LE(cells, std::max(5 * total, 64.0 * kMaxLevels));
+    EXPECT_LT(1.5625 * cells, 2147483648.0);
   }
 }
 

@@ -56,8 +56,8 @@ Bins<B> sort_into_bins(B& b, const BodyBalls<Real>& balls) {
   for_each(b, n,
            PlaceBodies<Real>{balls, binned, inflated, on_backend, cell.view(), rank.view(), begin,
                              bins.cell.view(), bins.body.view(), bins.record.view()});
-  bins.view = {on_backend,       grid.lower,       inflated, bins.record.view(),
-               bins.cell.view(), bins.body.view(), begin};
+  bins.view = {on_backend,         grid.lower,       grid.slice_count, inflated,
+               bins.record.view(), bins.cell.view(), bins.body.view(), begin};
   return bins;
 }
 

@@ -60,12 +60,13 @@ class ContactDetector {
   /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 230 for the
   /// bins (extent and levels 52, cells 60, records 84, and 16 a cell), and 152 +
   /// 40 m = 350 for itself. Its search also reads about 4 ranges of records and 14 records of 16
-  /// bytes in a bed of equal spheres, 20 and 28 in one of diameters 1 : 10, from the caches,
+  /// bytes in a bed of equal spheres, 7 and 17 in one of diameters 1 : 10, from the caches,
   /// because rows of cells follow the Morton order.
   ///
   /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
   /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:
-  /// up to 170 + 12 m a body for a new list, 28 a body and 8 a contact to pick contacts.
+  /// up to 170 + 12 m a body for a new list, and 96 a slice (see PairSearch: about one a body for
+  /// diameters 1 : 10, none for equal spheres); 28 a body and 8 a contact to pick contacts.
   ///
   /// @param h  time step [s]
   /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than an

@@ -82,12 +82,12 @@ class PairCandidates {
                                record_.resize_discard(binned_.size())});
 
     const PairSearch<Real> search{balls, bodies.fixed_begin, bins.view};
-    const Index positions = binned_.size();
-    Buffer<B, Index> found(b, static_cast<Offset>(positions) * kPairSlots);
+    const Index elements = search.size();
+    Buffer<B, Index> found(b, static_cast<Offset>(elements) * kPairSlots);
     Buffer<B, Index> count(b, n);
     Buffer<B, Offset> first(b, static_cast<Offset>(n) + 1);
     fill(b, count.view(), Index(0));
-    for_each(b, positions, CountCandidates<Real>{search, positions, count.view(), found.view()});
+    for_each(b, elements, CountCandidates<Real>{search, elements, count.view(), found.view()});
     exclusive_scan(b, Span<const Index>(count.view()), first.view());
     const Offset total = fetch(b, first.data() + n);
     if (!can_number(n, total)) {
@@ -96,7 +96,7 @@ class PairCandidates {
     }
     Buffer<B, Index> lower(b, total), other(b, total);
     const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
-    for_each(b, positions, WriteCandidates<Real>{search, positions, found.view(), places});
+    for_each(b, elements, WriteCandidates<Real>{search, elements, found.view(), places});
     found.release();
     put_into_order(b, n, places);
     is_kept_ = spare.skin > 0;

@@ -112,12 +112,16 @@ struct BinLevel {
   int block_bits = 0;  ///< rows are in Morton order within blocks of 2^block_bits along y and z
   Index stride[3] = {0, 1, 1};  ///< of the blocks along y and z, the shorter axis first
   Index first_cell = 0;         ///< number of the level's first cell in the table of all levels
+  Index body_count = 0;
+  std::uint32_t searched = 0;  ///< bit k: pairs with level k, a finer one, are found from this one
+  Index first_slice = 0;       ///< number of the level's first slice, see PairSearch
 };
 
 struct BinGrid {
   Vec3<double> lower;     ///< origin of all coordinates [m]
   Index level_count = 0;  ///< levels with bodies, finest first
   Index cell_count = 0;   ///< over all levels
+  Index slice_count = 0;  ///< over all levels
   BinLevel level[kMaxLevels];
 };
 
@@ -131,6 +135,20 @@ SCREE_HD inline Index row_part(const BinLevel& l, int axis, Index c) {
 /// Number of the first cell of a row: those of a row follow each other.
 SCREE_HD inline Index first_of_row(const BinLevel& l, Index y, Index z) {
   return l.first_cell + (row_part(l, 1, y) + row_part(l, 2, z)) * l.cells[0];
+}
+
+/// How far from a body of radius r, slack included, the centers of bodies may be that it touches in
+/// a level [m].
+SCREE_HD inline float reach_in(const BinLevel& l, float radius) {
+  return radius + (0.5f * static_cast<float>(l.max_diameter) * (1 + 2e-7f) + 2 * l.slack);
+}
+
+/// Most cells along z that a body of one level can reach in a finer one.
+SCREE_HD inline Index slices_of_body(const BinLevel& coarse, const BinLevel& fine) {
+  const float radius = 0.5f * static_cast<float>(coarse.max_diameter) * (1 + 2e-7f) + fine.slack;
+  const auto most = static_cast<Index>(2 * reach_in(fine, radius) * fine.inv_edge.z +
+                                       2.05f);  // as cells_around rounds
+  return most < fine.cells[2] ? most : fine.cells[2];
 }
 
 /// Coordinate in [0, wrap).

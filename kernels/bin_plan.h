@@ -88,6 +88,30 @@ SCREE_HD inline Index level_cells(const BinLevel& l) {
   return ((axis_blocks(l, 1) * axis_blocks(l, 2)) << (2 * l.block_bits)) * l.cells[0];
 }
 
+/// Whether pairs of two levels are found from the bodies of the coarser one, each of which looks at
+/// many rows, and not from those of the finer one, which look at few.
+SCREE_HD inline bool searches_finer(const BinLevel& coarse, const BinLevel& fine) {
+  constexpr double kRowsInCoarser = 5;
+  constexpr double kMostRows = 12;  // along an axis: the work for one body stays small
+  const double rows = coarse.max_diameter / fine.edge.z + 2;
+  return rows <= kMostRows && rows * rows * coarse.body_count <= kRowsInCoarser * fine.body_count;
+}
+
+/// Cuts the search of coarser levels in finer ones into slices.
+SCREE_HD inline void plan_slices(BinGrid& g) {
+  g.slice_count = 0;
+  for (Index c = 0; c < g.level_count; ++c) {
+    BinLevel& coarse = g.level[c];
+    coarse.searched = 0;
+    coarse.first_slice = g.slice_count;
+    for (Index f = 0; f < c; ++f) {
+      if (!searches_finer(coarse, g.level[f])) continue;
+      coarse.searched |= 1u << f;
+      g.slice_count += coarse.body_count * slices_of_body(coarse, g.level[f]);
+    }
+  }
+}
+
 /// Picks the edge of the finest level when the extent is known.
 struct StoreExtent {
   BodyExtent* extent;
@@ -119,8 +143,10 @@ struct PlanBins {
       l.max_diameter = level_edge < extent->max_diameter ? level_edge : extent->max_diameter;
       plan_level(*extent, period, cell_limit(counts.count[k], total), l.max_diameter, l);
       l.first_cell = g.cell_count;
+      l.body_count = counts.count[k];
       g.cell_count += level_cells(l);
     }
+    plan_slices(g);
   }
 };
 

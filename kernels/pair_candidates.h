@@ -135,33 +135,34 @@ struct StoreLeft {
   }
 };
 
-/// What a position found is noted in this many slots; one that finds more is searched again.
+/// What an element of the search found is noted in this many slots; one that finds more is searched
+/// again.
 inline constexpr Index kPairSlots = 24;
 inline constexpr Index kNoMore = -1;       ///< stands behind the last one found
 inline constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
 
-/// Counts the pairs of each lower body, and notes what each position finds.
-/// Bytes per body, besides neighbors from the caches: 28 read, 4 per pair and 4 written; 4 per pair
-/// added to.
+/// Counts the pairs of each lower body, and notes what each element of the search finds.
+/// Bytes per element, besides neighbors from the caches: 28 read, 8 per pair and 4 written; 4 per
+/// pair added to.
 template <class Real>
 struct CountCandidates {
   static constexpr const char* name = "count_candidates";
   static constexpr int kLeastBlocks = 4;
   PairSearch<Real> search;
-  Index stride = 0;   ///< number of positions
+  Index stride = 0;   ///< number of elements
   Span<Index> count;  ///< [free_count] in: zero; out: pairs whose lower body it is
   Span<Index> found;  ///< [kPairSlots * stride] out, slot by slot
 
-  SCREE_HD void operator()(Index p) const {
-    const Index i = search.bins.body[p];
+  SCREE_HD void operator()(Index e) const {
+    const Index i = search.body(e);
     Index n = 0;
-    search(p, [&](Index j) {
-      if (n < kPairSlots) found[static_cast<Offset>(n) * stride + p] = j;
+    search(e, [&](Index j) {
+      if (n < kPairSlots) found[static_cast<Offset>(n) * stride + e] = j;
       ++n;
       atomic_add(&count[i < j ? i : j], 1);
     });
-    if (n < kPairSlots) found[static_cast<Offset>(n) * stride + p] = kNoMore;
-    if (n > kPairSlots) found[p] = kSearchAgain;
+    if (n < kPairSlots) found[static_cast<Offset>(n) * stride + e] = kNoMore;
+    if (n > kPairSlots) found[e] = kSearchAgain;
   }
 };
 
@@ -190,14 +191,15 @@ struct WriteCandidates {
   Span<const Index> found;
   PairPlaces places;
 
-  SCREE_HD void operator()(Index p) const {
-    const Index i = search.bins.body[p];
-    if (found[p] == kSearchAgain) {
-      search(p, [&](Index j) { places.put(i, j); });
+  SCREE_HD void operator()(Index e) const {
+    if (found[e] == kNoMore) return;
+    const Index i = search.body(e);
+    if (found[e] == kSearchAgain) {
+      search(e, [&](Index j) { places.put(i, j); });
       return;
     }
     for (Index n = 0; n < kPairSlots; ++n) {
-      const Index j = found[static_cast<Offset>(n) * stride + p];
+      const Index j = found[static_cast<Offset>(n) * stride + e];
       if (j == kNoMore) return;
       places.put(i, j);
     }

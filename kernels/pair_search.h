@@ -9,6 +9,7 @@ namespace scree {
 struct BinView {
   const BinGrid* grid = nullptr;
   Vec3<double> lower;          ///< origin of the grid [m]
+  Index slice_count = 0;       ///< as the grid has it
   Span<const float> inflated;  ///< [binned.size()] by BinnedRange [m]
   Span<const BinRecord> record;
   Span<const Index> cell;   ///< [binned.size()] of each position; the number of cells: not binned
@@ -61,18 +62,64 @@ SCREE_HD inline float wrapped_difference(float d, float wrap, float inv_wrap) {
 }
 
 /// Finds the pairs of binned bodies whose balls overlap, or nearly so; at least one of the two is
-/// free.
+/// free. Its elements are all positions in cell order, and then the slices of those of coarser
+/// levels: a body looks at one layer of cells of one finer level in each. So large bodies, which
+/// have many neighbors, do not hold up small ones.
 template <class Real>
 struct PairSearch {
   BodyBalls<Real> balls;
   Index fixed_begin = 0;
   BinView bins;
 
-  /// Calls emit(body) for each partner that position p in cell order finds: later bodies in the
-  /// cells around it in its own level, and all bodies around it in coarser levels. Over all
-  /// positions every pair is found once, by its smaller body if their levels differ.
+  SCREE_HD Index size() const { return static_cast<Index>(bins.cell.size) + bins.slice_count; }
+
+  /// Calls emit(other body) for each pair that an element finds. A position finds later bodies in
+  /// the cells around it in its own level, and all bodies around it in coarser levels that do not
+  /// find it themselves. Over all elements every pair is found once.
   template <class Emit>
-  SCREE_HD void operator()(Index p, Emit&& emit) const {
+  SCREE_HD void operator()(Index element, Emit&& emit) const {
+    if (element < bins.cell.size) {
+      search_from(element, emit);
+    } else {
+      search_slice(slice(element), emit);
+    }
+  }
+
+  /// The body of an element.
+  SCREE_HD Index body(Index element) const {
+    return bins.body[element < bins.cell.size ? element : slice(element).position];
+  }
+
+ private:
+  /// One layer of cells around a body in a finer level.
+  struct Slice {
+    Index position = 0;
+    Index level = 0;  ///< of the body
+    Index finer = 0;
+    Index layer = 0;
+  };
+
+  SCREE_HD Slice slice(Index element) const {
+    const BinGrid& grid = *bins.grid;
+    Index left = element - static_cast<Index>(bins.cell.size);
+    Slice s;
+    for (s.level = grid.level_count - 1; grid.level[s.level].first_slice > left;) --s.level;
+    const BinLevel& own = grid.level[s.level];
+    left -= own.first_slice;
+    // Bodies run faster than layers, and layers faster than levels: threads of a warp do alike.
+    for (;; ++s.finer) {
+      if ((own.searched >> s.finer & 1) == 0) continue;
+      const Index count = own.body_count * slices_of_body(own, grid.level[s.finer]);
+      if (left < count) break;
+      left -= count;
+    }
+    s.layer = left / own.body_count;
+    s.position = bins.begin[own.first_cell] + left % own.body_count;
+    return s;
+  }
+
+  template <class Emit>
+  SCREE_HD void search_from(Index p, Emit& emit) const {
     const Index own_cell = bins.cell[p];
     const BinGrid& grid = *bins.grid;
     if (own_cell >= grid.cell_count) return;
@@ -81,29 +128,48 @@ struct PairSearch {
     const Index own_level = level_of_cell(grid, own_cell);
     const float inflated = own.radius - grid.level[own_level].slack;
 
-    search_level(grid.level[own_level], own.position, own.radius, own_cell, p + 1, i, emit);
+    search_level(grid.level[own_level], own.position, own.radius, {own_cell, p + 1}, i, emit);
     for (Index k = own_level + 1; k < grid.level_count; ++k) {
       const BinLevel& l = grid.level[k];
-      search_level(l, Vec3<float>(wrapped(grid, l, balls.center(i))), inflated + l.slack, 0, 0, i,
+      if ((l.searched >> own_level & 1) != 0) continue;
+      search_level(l, Vec3<float>(wrapped(grid, l, balls.center(i))), inflated + l.slack, {}, i,
                    emit);
     }
   }
 
- private:
-  /// @param x         position of the body, wrapped in this level
-  /// @param radius    inflated, with slack
-  /// @param first     positions before this one are left out
-  /// @param own_cell  rows before that of this cell are left out: their bodies come before `first`
   template <class Emit>
-  SCREE_HD void search_level(const BinLevel& l, const Vec3<float>& x, float radius, Index own_cell,
-                             Index first, Index i, Emit& emit) const {
-    const float reach =
-        radius + (0.5f * static_cast<float>(l.max_diameter) * (1 + 2e-7f) + 2 * l.slack);
+  SCREE_HD void search_slice(const Slice& s, Emit& emit) const {
+    const BinGrid& grid = *bins.grid;
+    const BinLevel& l = grid.level[s.finer];
+    const Index i = bins.body[s.position];
+    const float inflated = bins.record[s.position].radius - grid.level[s.level].slack;
+    search_level(l, Vec3<float>(wrapped(grid, l, balls.center(i))), inflated + l.slack,
+                 {0, 0, s.layer, 1}, i, emit);
+  }
+
+  /// What of a level is looked at.
+  struct Part {
+    Index cell = 0;      ///< rows before that of this cell are left out
+    Index position = 0;  ///< bodies at positions before this one are left out
+    Index layer = 0;     ///< of the cells around the body along z, those from here
+    Index layers = 0;    ///< so many of them; 0: all
+  };
+
+  /// @param x       position of the body, wrapped in this level
+  /// @param radius  inflated, with slack
+  /// @param i       the body
+  template <class Emit>
+  SCREE_HD void search_level(const BinLevel& l, const Vec3<float>& x, float radius,
+                             const Part& part, Index i, Emit& emit) const {
+    const float reach = reach_in(l, radius);
     const float reach2 = reach * reach * 1.00001f;
     const CellSpan sy = cells_around(l, 1, x.y, reach);
     const CellSpan sz = cells_around(l, 2, x.z, reach);
     const bool is_small = cells_around(l, 0, x.x, reach).is_whole || sy.is_whole || sz.is_whole;
-    for (Index kz = 0; kz < sz.count; ++kz) {
+    const Index end_z = part.layers > 0 && part.layer + part.layers < sz.count
+                            ? part.layer + part.layers
+                            : sz.count;
+    for (Index kz = part.layer; kz < end_z; ++kz) {
       const float left_z = reach2 - squared_distance(l, 2, sz, sz.first + kz, x.z);
       const WrappedCell cz = wrapped_cell(sz.first + kz, l.cells[2], l.wrap_f.z);
       for (Index ky = 0; ky < sy.count; ++ky) {
@@ -111,7 +177,7 @@ struct PairSearch {
         if (!(left > 0)) continue;
         const WrappedCell cy = wrapped_cell(sy.first + ky, l.cells[1], l.wrap_f.y);
         const Index row = first_of_row(l, cy.cell, cz.cell);
-        if (row + l.cells[0] <= own_cell) continue;  // searched from there
+        if (row + l.cells[0] <= part.cell) continue;
         const CellSpan sx = cells_around(l, 0, x.x, std::sqrt(left));
         for (Index kx = 0; kx < sx.count;) {
           const WrappedCell cx = wrapped_cell(sx.first + kx, l.cells[0], l.wrap_f.x);
@@ -120,7 +186,7 @@ struct PairSearch {
           kx += length;
           const Index begin = bins.begin[row + cx.cell], end = bins.begin[row + cx.cell + length];
           const Vec3<float> near{x.x - cx.shift, x.y - cy.shift, x.z - cz.shift};
-          for (Index q = begin > first ? begin : first; q < end; ++q) {
+          for (Index q = begin > part.position ? begin : part.position; q < end; ++q) {
             const BinRecord other = bins.record[q];
             Vec3<float> d = other.position - near;
             if (is_small) {

@@ -93,6 +93,32 @@ TYPED_TEST(BroadPhaseTest, SizesUpToOneHundredToOne) {
   }
 }
 
+TYPED_TEST(BroadPhaseTest, EitherOfTwoSizesSearches) {
+  for (const bool is_periodic : {false, true}) {
+    for (const double large_share : {0.01, 0.2, 0.8}) {
+      for (const double ratio : {1.7, 3.0, 7.9, 20.0}) {
+        const auto large = static_cast<Index>(900 * large_share);
+        auto scene = this->random_scene(900 - large, 1.0, 0.01, 0.01, 21);
+        const auto more = this->random_scene(large, 1.0, 0.01 * ratio, 0.01 * ratio, 22);
+        for (std::size_t i = 0; i < more.position.size(); ++i)
+          scene.add_free(more.position[i], more.radius[i], {0, 0, -0.5});
+        if (is_periodic) scene.settings.period = {1.01, 1, 1};
+        this->expect_brute_force(scene);
+      }
+    }
+  }
+}
+
+TYPED_TEST(BroadPhaseTest, LargeBodyWithMoreNeighborsThanSlots) {
+  auto scene = this->random_scene(1000, 2.0, 0.01, 0.01, 23);
+  for (auto& x : scene.position) {
+    x = x - Vec3<double>{1, 1, 1};
+    x = (0.09 / norm(x)) * x;
+  }
+  scene.add_free({0, 0, 0}, 0.08);
+  this->expect_brute_force(scene);
+}
+
 TYPED_TEST(BroadPhaseTest, MoreLevelsThanTheHierarchyHas) {
   auto scene = this->random_scene(500, 1.0, 0.01, 0.02, 3);
   for (int k = 0; k < 24; ++k) scene.add_free({0.3, 0.4, 0.5 + 0.01 * k}, std::ldexp(0.01, -k));

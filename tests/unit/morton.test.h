@@ -89,6 +89,39 @@ TEST(BinPlanTest, CellsOfAllLevelsFitAnIndex) {
   }
 }
 
+/// Levels of one, two, four... times the diameter 1 in a cube of edge 50.
+BinGrid grid_of(const std::vector<Index>& bodies) {
+  BodyExtent extent;
+  LevelCounts counts;
+  for (int k = 0; k < 3; ++k) {
+    extent.lower[k] = 0;
+    extent.upper[k] = 50;
+  }
+  extent.max_diameter = std::ldexp(1.0, static_cast<int>(bodies.size()) - 1);
+  for (std::size_t k = 0; k < bodies.size(); ++k) counts.count[k] = bodies[k];
+  const double edge = 1;
+  BinGrid grid;
+  PlanBins{&extent, &edge, {}, &grid}(counts);
+  return grid;
+}
+
+TEST(BinPlanTest, FewLargeBodiesLookForSmallOnes) {
+  const BinGrid grid = grid_of({100000, 10000, 1000, 0, 10});
+  ASSERT_EQ(grid.level_count, 4);
+  EXPECT_EQ(grid.level[0].searched, 0u);
+  EXPECT_EQ(grid.level[1].searched, 0b1u);
+  EXPECT_EQ(grid.level[2].searched, 0b11u);
+  EXPECT_EQ(grid.level[3].searched, 0b110u) << "too much work for one body in the finest level";
+  EXPECT_EQ(grid.level[1].first_slice, 0);
+  EXPECT_EQ(grid.level[2].first_slice, 10000 * slices_of_body(grid.level[1], grid.level[0]));
+  EXPECT_GE(slices_of_body(grid.level[1], grid.level[0]), 4);
+  EXPECT_LE(slices_of_body(grid.level[1], grid.level[0]), 5);
+}
+
+TEST(BinPlanTest, ManyLargeBodiesAreLookedFor) {
+  EXPECT_EQ(grid_of({10000, 10000, 10000}).slice_count, 0);
+}
+
 TEST(BinPlanTest, FinestEdgeHoldsTheSmallestBodies) {
   for (const double diameter : {1e-6, 0.01, 0.7, 1.0, 3.1}) {
     BodyExtent e;

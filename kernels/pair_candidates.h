@@ -137,7 +137,7 @@ struct StoreLeft {
 
 /// What an element of the search found is noted in this many slots; one that finds more is searched
 /// again.
-inline constexpr Index kPairSlots = 24;
+inline constexpr Index kPairSlots = 16;
 inline constexpr Index kNoMore = -1;       ///< stands behind the last one found
 inline constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
 

@@ -9,6 +9,7 @@ option(SCREE_NATIVE "Build for the processor of this machine" ON)
 option(SCREE_WERROR "Treat warnings as errors" OFF)
 option(SCREE_CHECK_SYNC "Synchronize after each kernel launch, so that a fault names its kernel" OFF)
 option(SCREE_REQUIRE_GPU "A skipped CUDA test fails" OFF)
+option(SCREE_CHARTS "Draw charts, where Cairo is found" ON)
 option(SCREE_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(SCREE_BUILD_BENCH "Build the benchmarks" ${PROJECT_IS_TOP_LEVEL})
 

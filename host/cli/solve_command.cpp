@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -14,6 +15,7 @@
 #include "host/error.h"
 #include "host/io/problem_file.h"
 #include "host/solve/matrix_free.h"
+#include "host/solve/solve_charts.h"
 #include "host/solve/solve_report.h"
 #include "solvers/solver.h"
 
@@ -129,7 +131,9 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
                     "solvers of simulation steps, for problems with bodies");
   add_device_options(*command, options.target, "auto, with --matrix-free", "double");
   command->add_flag("--warm-start", options.warm_start, "start from the guess in the file, if any");
-  command->add_option("--out", options.out, "folder for CSV and JSON files (default: none written)")
+  command
+      ->add_option("--out", options.out,
+                   "folder for CSV, JSON and PNG files (default: none written)")
       ->take_last();
   command->add_flag("--force", options.force, "write into a folder that is not empty");
   command->add_flag("--json", options.json, "print JSON");
@@ -175,7 +179,11 @@ int solve_problems(const SolveOptions& options) {
   }
   if (!options.json && reports.size() > 1) fmt::print("\n{}", to_summary(reports));
   if (options.json) fmt::print("{}\n", to_json(reports, common).dump(2));
-  if (!options.out.empty()) write_reports(options.out, reports, common);
+  if (!options.out.empty()) {
+    write_reports(options.out, reports, common);
+    const std::string note = write_charts(options.out, reports);
+    if (!note.empty()) fmt::print(stderr, "scree: {}\n", note);
+  }
   return 0;
 }
 

@@ -10,7 +10,6 @@
 
 #include "host/error.h"
 #include "host/io/atomic_file.h"
-#include "host/solve/performance_profile.h"
 #include "host/version.h"
 
 namespace scree {
@@ -40,7 +39,7 @@ std::string cell(const std::string& text) {
 }
 
 template <class Cost>
-std::string profile_csv(const std::vector<ProblemReport>& reports, Cost cost) {
+PerformanceProfile profile_of(const std::vector<ProblemReport>& reports, Cost cost) {
   ProfileCosts costs;
   for (const SolverRun& run : reports.front().runs) costs.solvers.push_back(run.solver);
   for (const ProblemReport& report : reports) {
@@ -49,7 +48,7 @@ std::string profile_csv(const std::vector<ProblemReport>& reports, Cost cost) {
       costs.cost.back().push_back(solved(run) ? cost(run.result)
                                               : std::numeric_limits<double>::infinity());
   }
-  return to_csv(performance_profile(costs));
+  return performance_profile(costs);
 }
 
 const char* name_of(AssembledModel model) {
@@ -57,6 +56,15 @@ const char* name_of(AssembledModel model) {
 }
 
 }  // namespace
+
+PerformanceProfile seconds_profile(const std::vector<ProblemReport>& reports) {
+  return profile_of(reports, [](const AssembledResult& r) { return r.seconds; });
+}
+
+PerformanceProfile applications_profile(const std::vector<ProblemReport>& reports) {
+  return profile_of(reports,
+                    [](const AssembledResult& r) { return static_cast<double>(r.applications); });
+}
 
 std::string to_table(const ProblemReport& report) {
   std::string text =
@@ -179,11 +187,8 @@ void write_reports(const fs::path& folder, const std::vector<ProblemReport>& rep
   write_file_atomically(folder / "results.csv", results_csv(reports));
   write_file_atomically(folder / "results.json", to_json(reports, options).dump(2) + "\n");
   if (reports.size() < 2) return;
-  write_file_atomically(folder / "profile_seconds.csv",
-                        profile_csv(reports, [](const auto& r) { return r.seconds; }));
-  write_file_atomically(
-      folder / "profile_applications.csv",
-      profile_csv(reports, [](const auto& r) { return static_cast<double>(r.applications); }));
+  write_file_atomically(folder / "profile_seconds.csv", to_csv(seconds_profile(reports)));
+  write_file_atomically(folder / "profile_applications.csv", to_csv(applications_profile(reports)));
 }
 
 }  // namespace scree

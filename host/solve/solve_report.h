@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/solve/performance_profile.h"
 #include "host/solve/solve_problem.h"
 
 namespace scree {
@@ -34,6 +35,11 @@ std::string results_csv(const std::vector<ProblemReport>& reports);
 
 /// One line a look. The objective gap is that to the least objective of all runs on the problem.
 std::string curve_csv(const SolverRun& run, double least_objective);
+
+/// Profiles of the solvers of the first report over all reports, at least one. Cost is time by the
+/// clock, or products with W.
+PerformanceProfile seconds_profile(const std::vector<ProblemReport>& reports);
+PerformanceProfile applications_profile(const std::vector<ProblemReport>& reports);
 
 /// Writes results.csv, results.json, curves/<problem>_<solver>.csv and, for several problems,
 /// profile_seconds.csv and profile_applications.csv below a folder.

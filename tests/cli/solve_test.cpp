@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "host/io/problem_file.h"
+#include "host/plot/draw.h"
 #include "tests/cli/program.h"
 
 namespace scree::test {
@@ -77,7 +78,8 @@ TEST(CliSolve, WritesResultsAndCurves) {
   const fs::path out = scratch / "out";
   const Arguments arguments{"solve",         file.string(), "--solver", "nlgs,jacobi",
                             "--check-every", "1",           "--out",    out.string()};
-  ASSERT_EQ(scree(scratch, arguments).code, 0);
+  const Result result = scree(scratch, arguments);
+  ASSERT_EQ(result.code, 0) << result.err;
   const std::string results = contents(out / "results.csv");
   EXPECT_TRUE(results.starts_with("problem,contacts,dimension,solver,status,iterations,"));
   EXPECT_EQ(line_count(results), 3u);
@@ -87,6 +89,13 @@ TEST(CliSolve, WritesResultsAndCurves) {
   EXPECT_TRUE(curve.starts_with("iteration,applications,seconds,residual,"));
   EXPECT_GT(line_count(curve), 3u);
   EXPECT_FALSE(fs::exists(out / "profile_seconds.csv"));
+  if (can_draw()) {
+    EXPECT_TRUE(contents(out / "curves_a.png").starts_with("\x89PNG"));
+  } else {
+    EXPECT_NE(result.err.find("built without Cairo"), std::string::npos) << result.err;
+    EXPECT_EQ(line_count(result.err), 1u);
+  }
+  EXPECT_FALSE(fs::exists(out / "profile_seconds.png"));
   // Not over results that are there, unless told.
   const Result again = scree(scratch, arguments);
   EXPECT_EQ(again.code, 2);
@@ -109,6 +118,8 @@ TEST(CliSolve, RunsAFolderAndWritesProfiles) {
   for (const char* name : {"profile_seconds.csv", "profile_applications.csv"}) {
     const std::string profile = contents(scratch / "out" / name);
     EXPECT_TRUE(profile.starts_with("ratio,nlgs,extragradient\n1,")) << profile;
+    const fs::path picture = (scratch / "out" / name).replace_extension("png");
+    EXPECT_EQ(fs::exists(picture), can_draw()) << picture;
   }
   for (const char* name : {"two_nlgs", "three_nlgs", "two_extragradient"})
     EXPECT_TRUE(fs::exists(scratch / "out/curves" / (std::string(name) + ".csv"))) << name;

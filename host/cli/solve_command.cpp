@@ -130,6 +130,10 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
   command->add_flag("--matrix-free", options.matrix_free,
                     "solvers of simulation steps, for problems with bodies");
   add_device_options(*command, options.target, "auto, with --matrix-free", "double");
+  command
+      ->add_option("--reference", options.reference,
+                   "solver whose answer velocity errors are measured against (default: none)")
+      ->take_last();
   command->add_flag("--warm-start", options.warm_start, "start from the guess in the file, if any");
   command
       ->add_option("--out", options.out,
@@ -147,6 +151,11 @@ int solve_problems(const SolveOptions& options) {
   const std::vector<std::string> solvers =
       parse_solver_list(matrix_free && options.solver == "auto" ? "apgd" : options.solver,
                         matrix_free ? solver_names() : assembled_solver_names());
+  if (!options.reference.empty()) {
+    if (matrix_free) throw InputError("--reference: not together with --matrix-free");
+    if (parse_solver_list(options.reference).size() != 1)
+      throw InputError("--reference: expected one solver");
+  }
   require_free(options.out, options.force);
   // All files are read before any is solved: bad input starts nothing.
   std::vector<ProblemReport> reports;
@@ -168,11 +177,13 @@ int solve_problems(const SolveOptions& options) {
     }
     const ReadyProblem& p = problems.back();
     reports.push_back(
-        {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}});
+        {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}, {}});
   }
   for (std::size_t k = 0; k < problems.size(); ++k) {
     AssembledOptions o = common;
     if (options.warm_start) o.guess = problems[k].guess;
+    if (!options.reference.empty())
+      reports[k].reference = find_reference(problems[k], options.reference, o);
     reports[k].runs = matrix_free ? run_matrix_free(bodies[k], problems[k], solvers, o, world)
                                   : run_solvers(problems[k], solvers, o);
     if (!options.json) fmt::print("{}{}", k > 0 ? "\n" : "", to_table(reports[k]));

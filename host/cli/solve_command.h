@@ -19,6 +19,7 @@ struct SolveOptions {
   int check_every = 0;            ///< 0: each solver's own
   double relaxation = 0;          ///< 0: each solver's own
   bool warm_start = false;        ///< start from the guess in the file
+  std::string reference;          ///< solver that velocity errors are against; empty: none
   bool matrix_free = false;       ///< the solvers of simulation steps, on the bodies
   RunTarget target;               ///< backend, precision and threads of these
   std::filesystem::path out;      ///< empty: nothing is written

@@ -28,6 +28,21 @@ ReadyProblem ready(const std::string& name, const StoredProblem& stored) {
   return p;
 }
 
+SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
+                         const AssembledOptions& options) {
+  AssembledOptions o = options;
+  o.tolerance = 1e-13;
+  o.max_iterations = 0;
+  o.check_every = 0;
+  problem.reference_velocity.clear();
+  problem.reference_impulse.clear();
+  SolverRun run = run_solvers(problem, {solver}, o).front();
+  problem.reference_impulse = run.result.r;
+  problem.reference_velocity = contact_velocity(problem.problem, run.result.r);
+  problem.reference_model = o.model;
+  return run;
+}
+
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
                                    const std::vector<std::string>& solvers,
                                    const AssembledOptions& options) try {
@@ -35,7 +50,10 @@ std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
   for (const std::string& name : solvers) {
     const auto solver = make_assembled_solver(name);
     AssembledOptions o = options;
-    if (o.model == AssembledModel::exact) o.reference_velocity = problem.reference_velocity;
+    if (o.model == problem.reference_model) {
+      o.reference_velocity = problem.reference_velocity;
+      o.reference_impulse = problem.reference_impulse;
+    }
     SolverRun run;
     run.solver = name;
     run.friction = solver->traits().friction;

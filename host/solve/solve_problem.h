@@ -13,9 +13,14 @@ namespace scree {
 struct ReadyProblem {
   std::string name;
   AssembledProblem problem;
-  double asymmetry = 0;                    ///< largest |W - W^T| over largest |W|
-  std::vector<double> guess;               ///< stored one, three rows a contact; empty: none
-  std::vector<double> reference_velocity;  ///< u of a stored solution of the exact model; or empty
+  double asymmetry = 0;       ///< largest |W - W^T| over largest |W|
+  std::vector<double> guess;  ///< stored one, three rows a contact; empty: none
+  /// What velocity errors are measured against: u of a stored solution of the exact model, or what
+  /// find_reference found; empty: nothing.
+  std::vector<double> reference_velocity;
+  std::vector<double>
+      reference_impulse;  ///< of find_reference; r of stored solutions is unreliable
+  AssembledModel reference_model = AssembledModel::exact;
 };
 
 /// @throws InputError as assembled_form
@@ -28,6 +33,13 @@ struct SolverRun {
   AssembledResult result;
   std::vector<AssembledCurvePoint> curve;
 };
+
+/// Takes what a solver reaches as the reference of a problem: to a residual of 1e-13, or in its own
+/// number of iterations and the seconds of the options.
+/// @return what it reached
+/// @throws InputError as run_solvers
+SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
+                         const AssembledOptions& options);
 
 /// Runs solvers by name one after another, each from the guess of the options.
 /// @throws InputError naming an unknown solver and the known ones, or an option out of range

@@ -51,6 +51,24 @@ PerformanceProfile profile_of(const std::vector<ProblemReport>& reports, Cost co
   return performance_profile(costs);
 }
 
+nlohmann::json json_of(const SolverRun& run) {
+  const AssembledResult& r = run.result;
+  return {{"solver", run.solver},
+          {"friction", run.friction},
+          {"status", to_string(r.status)},
+          {"converged", solved(run)},
+          {"iterations", r.iterations},
+          {"applications", r.applications},
+          {"factorizations", r.factorizations},
+          {"seconds", r.seconds},
+          {"residual", r.residual.relative},
+          {"residual_absolute", r.residual.absolute},
+          {"residual_to_largest", r.residual.to_largest},
+          {"residual_unit_free", r.residual.unit_free},
+          {"objective", r.residual.objective},
+          {"note", r.note}};
+}
+
 const char* name_of(AssembledModel model) {
   return model == AssembledModel::exact ? "exact" : "convex";
 }
@@ -70,6 +88,10 @@ std::string to_table(const ProblemReport& report) {
   std::string text =
       fmt::format("{}: {} contacts in {}-D", report.name, report.contact_count, report.dimension);
   if (report.asymmetry > 1e-12) text += fmt::format(", W unsymmetric by {:.1e}", report.asymmetry);
+  if (report.reference.has_value())
+    text += fmt::format(", velocities against {} (residual {:.1e}, {})", report.reference->solver,
+                        report.reference->result.residual.relative,
+                        to_string(report.reference->result.status));
   text +=
       fmt::format("\n{:<14} {:>10} {:>12} {:>10} {:>9} {:>9} {:>16}  {}\n", "solver", "iterations",
                   "applications", "seconds", "residual", "unit-free", "objective", "status");
@@ -104,29 +126,14 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
   nlohmann::json problems = nlohmann::json::array();
   for (const ProblemReport& report : reports) {
     nlohmann::json runs = nlohmann::json::array();
-    for (const SolverRun& run : report.runs) {
-      const AssembledResult& r = run.result;
-      runs.push_back({{"solver", run.solver},
-                      {"friction", run.friction},
-                      {"status", to_string(r.status)},
-                      {"converged", solved(run)},
-                      {"iterations", r.iterations},
-                      {"applications", r.applications},
-                      {"factorizations", r.factorizations},
-                      {"seconds", r.seconds},
-                      {"residual", r.residual.relative},
-                      {"residual_absolute", r.residual.absolute},
-                      {"residual_to_largest", r.residual.to_largest},
-                      {"residual_unit_free", r.residual.unit_free},
-                      {"objective", r.residual.objective},
-                      {"note", r.note}});
-    }
+    for (const SolverRun& run : report.runs) runs.push_back(json_of(run));
     problems.push_back({{"problem", report.name},
                         {"file", report.file.string()},
                         {"contacts", report.contact_count},
                         {"dimension", report.dimension},
                         {"asymmetry", report.asymmetry},
                         {"runs", runs}});
+    if (report.reference.has_value()) problems.back()["reference"] = json_of(*report.reference);
   }
   return {{"version", version()},
           {"commit", commit()},
@@ -158,15 +165,16 @@ std::string results_csv(const std::vector<ProblemReport>& reports) {
 std::string curve_csv(const SolverRun& run, double least_objective) {
   std::string text =
       "iteration,applications,seconds,residual,residual_unit_free,objective,objective_gap,"
-      "velocity_error,state_changes\n";
+      "velocity_error,kinetic_error_J,state_changes\n";
   for (const AssembledCurvePoint& p : run.curve) {
     const std::string gap = std::isfinite(least_objective)
                                 ? fmt::format("{:.9g}", p.residual.objective - least_objective)
                                 : "";
-    const std::string error = p.velocity_error < 0 ? "" : fmt::format("{:.6g}", p.velocity_error);
-    text += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.15g},{},{},{}\n", p.iteration,
-                        p.applications, p.seconds, p.residual.relative, p.residual.unit_free,
-                        p.residual.objective, gap, error, p.state_changes);
+    const auto error = [](double e) { return e < 0 ? "" : fmt::format("{:.6g}", e); };
+    text +=
+        fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.15g},{},{},{},{}\n", p.iteration, p.applications,
+                    p.seconds, p.residual.relative, p.residual.unit_free, p.residual.objective, gap,
+                    error(p.velocity_error), error(p.kinetic_error), p.state_changes);
   }
   return text;
 }

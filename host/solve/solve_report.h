@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct ProblemReport {
   int contact_count = 0;
   int dimension = 3;
   double asymmetry = 0;
+  std::optional<SolverRun>
+      reference;  ///< whose answer velocity errors are against, see find_reference
   std::vector<SolverRun> runs;
 };
 

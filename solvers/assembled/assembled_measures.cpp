@@ -81,10 +81,7 @@ AssembledResidual measure(const AssembledProblem& p, AssembledModel model,
 
 AssembledResidual measure(const AssembledProblem& p, AssembledModel model,
                           const std::vector<double>& r) {
-  std::vector<double> u;
-  multiply(p, r, u);
-  for (std::size_t k = 0; k < u.size(); ++k) u[k] += p.q[k];
-  return measure(p, model, contact_scales(p), r, u);
+  return measure(p, model, contact_scales(p), r, contact_velocity(p, r));
 }
 
 }  // namespace scree

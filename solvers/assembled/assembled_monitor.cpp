@@ -56,11 +56,8 @@ bool AssembledMonitor::due(int iteration) const {
 }
 
 bool AssembledMonitor::look(int iteration, const std::vector<double>& r) {
-  std::vector<double> u;
-  multiply(problem_, r, u);
-  for (std::size_t k = 0; k < u.size(); ++k) u[k] += problem_.q[k];
   count_applications();
-  return look(iteration, r, u);
+  return look(iteration, r, contact_velocity(problem_, r));
 }
 
 bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
@@ -91,14 +88,7 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
     point.seconds = seconds();
     point.residual = last_;
     point.state_changes = state_changes_;
-    if (!options_.reference_velocity.empty()) {
-      double square = 0;
-      for (std::size_t k = 0; k < u.size(); ++k) {
-        const double d = u[k] - options_.reference_velocity[k];
-        square += d * d;
-      }
-      point.velocity_error = reference_norm_ > 0 ? std::sqrt(square) / reference_norm_ : square;
-    }
+    compare(r, u, point);
     curve_->push_back(point);
   }
   if (options_.tolerance > 0 && last_.relative <= options_.tolerance) {
@@ -109,6 +99,20 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
     fail(AssembledStatus::time_limit);
   }
   return stopped_;
+}
+
+void AssembledMonitor::compare(const std::vector<double>& r, const std::vector<double>& u,
+                               AssembledCurvePoint& point) const {
+  if (options_.reference_velocity.empty()) return;
+  const bool has_impulse = !options_.reference_impulse.empty();
+  double square = 0, power = 0;
+  for (std::size_t k = 0; k < u.size(); ++k) {
+    const double d = u[k] - options_.reference_velocity[k];
+    square += d * d;
+    if (has_impulse) power += d * (r[k] - options_.reference_impulse[k]);
+  }
+  point.velocity_error = reference_norm_ > 0 ? std::sqrt(square) / reference_norm_ : square;
+  if (has_impulse) point.kinetic_error = std::max(0.0, 0.5 * power);
 }
 
 void AssembledMonitor::fail(AssembledStatus status, std::string text) {

@@ -64,6 +64,13 @@ void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vect
   }
 }
 
+std::vector<double> contact_velocity(const AssembledProblem& p, const std::vector<double>& r) {
+  std::vector<double> u;
+  multiply(p, r, u);
+  for (std::size_t k = 0; k < u.size(); ++k) u[k] += p.q[k];
+  return u;
+}
+
 double asymmetry(const AssembledProblem& p) {
   double largest = 0, difference = 0;
   for (int row = 0; row < p.contact_count; ++row) {

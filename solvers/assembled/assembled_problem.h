@@ -45,6 +45,9 @@ AssembledProblem assemble(int contact_count, std::vector<PlacedBlock> blocks, st
 /// y = W x. @param x, y  [3 contact_count], different arrays; y is resized
 void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vector<double>& y);
 
+/// u = W r + q [m/s].
+std::vector<double> contact_velocity(const AssembledProblem& p, const std::vector<double>& r);
+
 /// (W x)_c, three numbers.
 inline std::array<double, 3> row_product(const AssembledProblem& p, int c, const double* x) {
   double y0 = 0, y1 = 0, y2 = 0;

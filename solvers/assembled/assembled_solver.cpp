@@ -36,6 +36,7 @@ void check(const AssembledProblem& p, const AssembledOptions& o) {
   require_rows(p.q, "q");
   if (!o.guess.empty()) require_rows(o.guess, "guess");
   if (!o.reference_velocity.empty()) require_rows(o.reference_velocity, "reference_velocity");
+  if (!o.reference_impulse.empty()) require_rows(o.reference_impulse, "reference_impulse");
   require(o.tolerance >= 0, "tolerance must not be negative, got " + std::to_string(o.tolerance));
   require(o.max_iterations >= 0,
           "max_iterations must not be negative, got " + std::to_string(o.max_iterations));

@@ -1,5 +1,7 @@
 // scree solve: tables, files and refusals.
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "host/io/problem_file.h"
 #include "host/plot/draw.h"
@@ -16,6 +18,7 @@ StoredProblem simple_problem(int dimension, int contact_count) {
   p.dimension = dimension;
   const int rows = dimension * contact_count;
   std::vector<MatrixEntry> entries;
+  entries.reserve(static_cast<std::size_t>(rows));
   for (int k = 0; k < rows; ++k) entries.push_back({k, k, 2});
   p.W = compress(rows, rows, entries);
   for (int c = 0; c < contact_count; ++c) {
@@ -125,6 +128,48 @@ TEST(CliSolve, RunsAFolderAndWritesProfiles) {
     EXPECT_TRUE(fs::exists(scratch / "out/curves" / (std::string(name) + ".csv"))) << name;
 }
 
+/// Values of a column of a CSV text without quotes.
+std::vector<std::string> column(const std::string& text, const std::string& name) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    rows.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  const auto found = std::find(rows.at(0).begin(), rows.at(0).end(), name);
+  EXPECT_NE(found, rows.at(0).end()) << name;
+  std::vector<std::string> values;
+  for (std::size_t k = 1; k < rows.size(); ++k)
+    values.push_back(rows[k].at(found - rows[0].begin()));
+  return values;
+}
+
+TEST(CliSolve, MeasuresVelocitiesAgainstAReference) {
+  const Scratch scratch;
+  const std::string file = put_problem(scratch / "a.hdf5", simple_problem(3, 4)).string();
+  for (const char* model : {"convex", "exact"}) {
+    const fs::path out = scratch / model;
+    const json document =
+        solve_json(scratch, {file, "--model", model, "--solver", "jacobi", "--reference",
+                             "interior_point", "--out", out.string()});
+    const json& reference = document.at("problems").at(0).at("reference");
+    EXPECT_EQ(reference.at("solver"), "interior_point");
+    EXPECT_LE(reference.at("residual"), 1e-12);
+    const std::string curve = contents(out / "curves/a_jacobi.csv");
+    const auto velocity = column(curve, "velocity_error"),
+               energy = column(curve, "kinetic_error_J");
+    EXPECT_GT(std::stod(velocity.front()), 0.01);
+    EXPECT_LE(std::stod(velocity.back()), 1e-7);
+    EXPECT_GT(std::stod(energy.front()), 0.01);
+    EXPECT_LE(std::stod(energy.back()), 1e-14);
+  }
+  ASSERT_EQ(scree(scratch, {"solve", file, "--out", (scratch / "none").string()}).code, 0);
+  const std::string curve = contents(scratch / "none/curves/a_auto.csv");
+  EXPECT_EQ(column(curve, "velocity_error").front(), "");
+  EXPECT_EQ(column(curve, "kinetic_error_J").front(), "");
+}
+
 TEST(CliSolve, SolvesAProblemOfARun) {
   const Scratch scratch;
   const fs::path scene = put_scene(scratch, small_scene());
@@ -228,6 +273,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadUse{"Seconds", {"good.hdf5", "--max-seconds", "-2"}, {"--max-seconds", "-2"}},
         BadUse{"Checks", {"good.hdf5", "--check-every", "-2"}, {"--check-every", "-2"}},
         BadUse{"Relaxation", {"good.hdf5", "--relaxation", "2"}, {"--relaxation", "2"}},
+        BadUse{"Reference", {"good.hdf5", "--reference", "magic"}, {"\"magic\"", "nlgs"}},
+        BadUse{"References", {"good.hdf5", "--reference", "nlgs,sor"}, {"--reference", "one"}},
+        BadUse{"ReferenceOfBodies",
+               {"good.hdf5", "--reference", "nlgs", "--matrix-free"},
+               {"--reference", "--matrix-free"}},
         BadUse{"NoProblem", {}, {"problem"}}),
     [](const auto& info) { return info.param.name; });
 

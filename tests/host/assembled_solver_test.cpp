@@ -288,6 +288,27 @@ TEST(AssembledSolver, CurvesHoldTheErrorAgainstAReference) {
   EXPECT_EQ(curve.back().state_changes, 0);
 }
 
+TEST(AssembledSolver, KineticErrorIsTheEnergyOfTheDifference) {
+  // Two masses of 2 kg against the ground: W = 1/2, no friction. Contact 0 has to stop at 3 m/s.
+  const AssembledProblem p = assemble(
+      2, {{0, 0, {0.5, 0, 0, 0, 0.5, 0, 0, 0, 0.5}}, {1, 1, {0.5, 0, 0, 0, 0.5, 0, 0, 0, 0.5}}},
+      {-3, 0, 0, 1, 0, 0}, {0, 0});
+  AssembledOptions o = to(1e-12, AssembledModel::convex);
+  o.reference_impulse = {6, 0, 0, 0, 0, 0};
+  o.reference_velocity = contact_velocity(p, o.reference_impulse);
+  o.check_every = 1;
+  std::vector<AssembledCurvePoint> curve;
+  make_assembled_solver("gauss_seidel")->solve(p, o, &curve);
+  ASSERT_EQ(curve.size(), 2u);
+  EXPECT_DOUBLE_EQ(curve.front().kinetic_error, 0.5 * 2 * 3 * 3);
+  EXPECT_EQ(curve.back().kinetic_error, 0);
+  o.reference_impulse.clear();
+  curve.clear();
+  make_assembled_solver("gauss_seidel")->solve(p, o, &curve);
+  EXPECT_EQ(curve.front().kinetic_error, -1);
+  EXPECT_NEAR(curve.front().velocity_error, 3, 1e-12);
+}
+
 TEST(AssembledSolver, MistakesOfTheCallerAreNamed) {
   const AssembledProblem p = one_contact({1, 0, 0, 0, 1, 0, 0, 0, 1}, {-1, 2, 0}, 0.3);
   const auto fault = [&](const AssembledProblem& problem, const AssembledOptions& o) {

@@ -131,7 +131,9 @@ void solve_convex(const Block3& W, const double* b, double mu, double* r) {
   };
   const double other = sign > 0 ? floor : last_t;
   const double at_pole = miss(pole), at_other = miss(other);
-  if (at_pole < 0 && at_other > 0) {
+  if (!(at_other > 0)) {  // the end itself, up to rounding: a contact that just begins to slip
+    set_slip(other);
+  } else if (at_pole < 0) {
     set_slip(bracketed_root(miss, other, at_other, pole, at_pole));
   } else {
     set_slip(pole);

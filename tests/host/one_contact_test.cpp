@@ -108,6 +108,27 @@ TEST(OneContact, RandomBlocksAreSolvedToRounding) {
   }
 }
 
+/// Impulses that stop a sphere and lie on the cone up to rounding, on either side of it. Where the
+/// sign of the miss is rounding alone, the root must not be looked for elsewhere.
+TEST(OneContact, ContactsThatJustBeginToSlipAreSolved) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int k = 0; k < 20000; ++k) {
+    const double mu = 0.1 + 0.4 * std::abs(uniform(random)), angle = 4 * uniform(random);
+    const double stiffness = 100 + 50 * uniform(random);
+    Block3 W{stiffness, 0, 0, 0, stiffness, 0, 0, 0, stiffness};
+    for (double& w : W) w += 1e-16 * stiffness * std::round(uniform(random));
+    const double size = mu * (1 + 2e-16 * std::round(4 * uniform(random)));
+    const std::array<double, 3> stop{1e-4, 1e-4 * size * std::cos(angle),
+                                     1e-4 * size * std::sin(angle)};
+    const std::array<double, 3> q{-stiffness * stop[0], -stiffness * stop[1], -stiffness * stop[2]};
+    for (const AssembledModel model : models) {
+      const auto r = solved(model, W, q, mu);
+      for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(r[i], stop[i], 1e-17) << k;
+    }
+  }
+}
+
 TEST(OneContact, UnsymmetricBlocksAndFrictionlessContactsAreSolved) {
   const Block3 W{2, 0.3, -0.1, 0.31, 3, 0.2, -0.11, 0.19, 1.5};
   const auto r = solved(AssembledModel::exact, W, {-1, 4, -2}, 0.6);

@@ -60,7 +60,7 @@ Figure curves_figure(const ProblemReport& report) {
   row({"residual |r - P(r - v)| / |q|", true, diverged},
       [](const Point& p) { return p.residual.relative; });
   if (has_reference(report))
-    row({"velocity error |u - u*| / |u*|", true, diverged},
+    row({"velocity error |u - u*| / max(|u*|, |q| / 1000)", true, diverged},
         [](const Point& p) { return p.velocity_error; });
   row({"contacts that changed state since the last look"},
       [](const Point& p) { return static_cast<double>(p.state_changes); });

@@ -8,6 +8,7 @@
 layers) and BACKEND_depths.json (bodies of the middle size). `show` turns such files of any number of machines into tables on the
 page, and into a CSV file and pictures of the curves beside it. `show` needs matplotlib for the pictures.
 """
+
 import argparse
 import csv
 import json
@@ -20,7 +21,10 @@ from markdown import number, put_tables, table
 
 LEVELS = [3e-1, 1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4]  # of v*
 SHOWN = [1e-1, 1e-2, 1e-3, 1e-4]
-BODIES = {"cpu": [370, 3300, 32000], "cuda": [370, 3300, 32000, 320000]}  # about 1e3, 1e4, 1e5, 1e6 contacts in 20 layers
+BODIES = {
+    "cpu": [370, 3300, 32000],
+    "cuda": [370, 3300, 32000, 320000],
+}  # about 1e3, 1e4, 1e5, 1e6 contacts in 20 layers
 DEPTHS = [5, 80]
 COLORS = {"apgd": "C0", "gauss_seidel": "C1", "gauss_seidel_colored": "C3", "jacobi": "C2"}
 
@@ -79,7 +83,11 @@ def size_tables(rows):
                     cells = []
                     for level in SHOWN:
                         applications = reach(of_solver, level, "applications")
-                        cells.append("-" if applications is None else f"{applications} / {number(reach(of_solver, level, 'solve_ms'))}")
+                        cells.append(
+                            "-"
+                            if applications is None
+                            else f"{applications} / {number(reach(of_solver, level, 'solve_ms'))}"
+                        )
                     lines.append([f"{bed[0]['contacts']:,}", layers, f"`{solver}`", *cells])
             text += f"### {start} start\n\n"
             text += table(["contacts", "layers", "solver"] + [f"{number(level)} v*" for level in SHOWN], lines) + "\n"
@@ -95,7 +103,10 @@ def growth(rows):
         for fixed, key, by in (("layers", "contacts", "contacts"), ("bodies", "layers", "layers")):
             best = None
             for group in groups_of(of_solver, fixed).values():
-                points = [(bed[0][by], reach(bed, 1e-2, "applications")) for bed in groups_of(group, "bodies", "layers").values()]
+                points = [
+                    (bed[0][by], reach(bed, 1e-2, "applications"))
+                    for bed in groups_of(group, "bodies", "layers").values()
+                ]
                 points = sorted(p for p in points if p[1])
                 if len(points) > 1 and (best is None or len(points) > len(best)):
                     best = points
@@ -127,6 +138,7 @@ def ratios(rows):
 def draw(rows, path):
     try:
         import matplotlib
+
         matplotlib.use("Agg")
         from matplotlib import pyplot
     except ImportError:
@@ -136,11 +148,17 @@ def draw(rows, path):
     columns = 4
     lines = -(-len(beds) // columns)
     figure, axes = pyplot.subplots(lines, columns, figsize=(4.4 * columns, 3.6 * lines), squeeze=False)
-    for axis in axes.flat[len(beds):]:
+    for axis in axes.flat[len(beds) :]:
         axis.set_visible(False)
     for axis, bed in zip(axes.flat, beds.values()):
         for (solver,), points in groups_of(bed, "solver").items():
-            axis.loglog([p["solve_ms"] for p in points], [p["residual_relative"] for p in points], ".-", label=solver, color=COLORS[solver])
+            axis.loglog(
+                [p["solve_ms"] for p in points],
+                [p["residual_relative"] for p in points],
+                ".-",
+                label=solver,
+                color=COLORS[solver],
+            )
         axis.set_title(f"{bed[0]['device']}, {bed[0]['precision']}\n{bed_name(bed[0])}", fontsize=9)
         axis.set_xlabel("milliseconds")
         axis.set_ylabel("residual / v*")

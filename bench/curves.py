@@ -3,6 +3,7 @@
 Errors are e = |v - v*|_M / |v_free|_M over all bodies, from the kinetic energies of the difference (curves) and of the free
 velocities (problem file). Needs h5py and numpy.
 """
+
 import csv
 import json
 import math
@@ -28,7 +29,17 @@ def free_energy(problem):
 
 def solve(program, problem, solvers, out, *more):
     """Runs the solvers and returns their records, each with its curve and the reference's record."""
-    command = [str(program), "solve", str(problem), "--solver", ",".join(solvers), "--out", str(out), "--force", *map(str, more)]
+    command = [
+        str(program),
+        "solve",
+        str(problem),
+        "--solver",
+        ",".join(solvers),
+        "--out",
+        str(out),
+        "--force",
+        *map(str, more),
+    ]
     subprocess.run(command, check=True)
     document = json.loads((out / "results.json").read_text())["problems"][0]
     energy = free_energy(problem)
@@ -63,4 +74,3 @@ def at(curve, iteration, key):
     if curve[-1]["iteration"] < iteration:
         return None
     return [point for point in curve if point["iteration"] <= iteration][-1][key]
-

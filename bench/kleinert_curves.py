@@ -7,6 +7,7 @@ Makes the problems with bench/kleinert.py, with and without rotations, runs the 
 reference, and puts tables into the page: error after k iterations, iterations to an error, objective. The reference is the
 interior point method up to 5000 contacts; beyond, where its factors fill the memory, a run of `apgd` to 1e-13. Needs h5py and numpy.
 """
+
 import argparse
 import pathlib
 import subprocess
@@ -44,7 +45,11 @@ def section(title, runs):
         last = run["curve"][-1]
         gap = (run["objective"] - reference["objective"]) / abs(reference["objective"])
         rows.append([f"`{run['solver']}`", *cells, f"{last['iteration']:.0f}", number(last["e"]), number(gap)])
-    header = ["iterations / products with W to e ="] + [number(x) for x in LEVELS] + ["iterations done", "e then", "(f - f*) / \\|f*\\|"]
+    header = (
+        ["iterations / products with W to e ="]
+        + [number(x) for x in LEVELS]
+        + ["iterations done", "e then", "(f - f*) / \\|f*\\|"]
+    )
     return text + "\n" + table(header, rows)
 
 

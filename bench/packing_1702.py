@@ -7,13 +7,28 @@ Runs the solvers on bench/problems/packing_1702.hdf5 (bench/packing_problem.py m
 interior point method, exact Coulomb friction against long runs of `nlgs`, and each solver of another law against a run of itself that went
 on for twice as long. Tables go to the page, pictures and curves to DIR. Needs h5py and numpy.
 """
+
 import argparse
 import pathlib
 
 from curves import reached, solve
 from markdown import number, put_tables, table
 
-CONE = ["jacobi", "gauss_seidel", "nlgs", "sor", "extragradient", "newton", "hybrid", "proximal", "apgd", "apgd_plain", "spg", "cpg", "admm"]
+CONE = [
+    "jacobi",
+    "gauss_seidel",
+    "nlgs",
+    "sor",
+    "extragradient",
+    "newton",
+    "hybrid",
+    "proximal",
+    "apgd",
+    "apgd_plain",
+    "spg",
+    "cpg",
+    "admm",
+]
 MODELS = {
     "convex": ("Convex cone", "interior_point", CONE + ["interior_point"]),
     "exact": ("Exact Coulomb friction", "nlgs", CONE + ["de_saxce", "auto"]),
@@ -31,7 +46,9 @@ LEVELS = [1e-2, 1e-3, 1e-6]
 
 def arrival(curve, level):
     point = reached(curve, "e", level)
-    return "-" if point is None else f"{point['iteration']:.0f} / {point['applications']:.0f} / {number(point['seconds'])}"
+    return (
+        "-" if point is None else f"{point['iteration']:.0f} / {point['applications']:.0f} / {number(point['seconds'])}"
+    )
 
 
 def quiet_since(curve):
@@ -47,7 +64,13 @@ def law_table(runs):
         rows.append(
             [f"`{run['solver']}`" + (f", {run['law']}" if "law" in run else "")]
             + [arrival(run["curve"], level) for level in LEVELS]
-            + [number(last["e"]), number(run["residual"]), f"{run['iterations']}", quiet_since(run["curve"]), run["status"]]
+            + [
+                number(last["e"]),
+                number(run["residual"]),
+                f"{run['iterations']}",
+                quiet_since(run["curve"]),
+                run["status"],
+            ]
         )
     header = ["iterations / products / seconds to e ="] + [number(level) for level in LEVELS]
     return table(header + ["e at the end", "best residual", "iterations", "last change of a state at", "status"], rows)
@@ -56,10 +79,22 @@ def law_table(runs):
 def gates(results):
     runs = {(model, run["solver"]): run for model in results for run in results[model]}
     rows = []
-    for solver, level, limit in [("apgd", 1e-3, 500), ("apgd", 1e-6, 5000), ("apgd_plain", 1e-3, 500), ("apgd_plain", 1e-6, 5000)]:
+    for solver, level, limit in [
+        ("apgd", 1e-3, 500),
+        ("apgd", 1e-6, 5000),
+        ("apgd_plain", 1e-3, 500),
+        ("apgd_plain", 1e-6, 5000),
+    ]:
         point = reached(runs["convex", solver]["curve"], "e", level)
         verdict = "reached" if point is not None and point["iteration"] <= limit else "missed"
-        rows.append([f"`{solver}`, convex", f"e = {number(level)} within {limit} iterations", "never" if point is None else f"{point['iteration']:.0f}", verdict])
+        rows.append(
+            [
+                f"`{solver}`, convex",
+                f"e = {number(level)} within {limit} iterations",
+                "never" if point is None else f"{point['iteration']:.0f}",
+                verdict,
+            ]
+        )
     for model in results:
         for solver in ("hybrid", "proximal"):
             run = runs[model, solver]
@@ -74,8 +109,20 @@ def supported():
     loops = ("gauss_seidel", "apgd", "apgd_plain", "spg", "cpg", "admm", "interior_point", "de_saxce")
     rows = []
     for solver in CONE + ["interior_point", "de_saxce", "auto"]:
-        rows.append([f"`{solver}`", "-" if solver == "de_saxce" else "yes", "De Saxce loop" if solver in loops else "yes", "-", "-", "-"])
-    rows += [["`pgs_box`, `pgs_box_lagged`", "-", "-", "yes", "-", "-"], ["`pgs_pyramid4`, `pgs_pyramid8`", "-", "-", "-", "yes", "yes"]]
+        rows.append(
+            [
+                f"`{solver}`",
+                "-" if solver == "de_saxce" else "yes",
+                "De Saxce loop" if solver in loops else "yes",
+                "-",
+                "-",
+                "-",
+            ]
+        )
+    rows += [
+        ["`pgs_box`, `pgs_box_lagged`", "-", "-", "yes", "-", "-"],
+        ["`pgs_pyramid4`, `pgs_pyramid8`", "-", "-", "-", "yes", "yes"],
+    ]
     return table(["solver"] + laws, rows)
 
 
@@ -91,13 +138,35 @@ def main():
     limits = ["--tolerance", "1e-12", "--max-seconds", options.seconds]
     results, text = {}, ""
     for model, (title, reference, solvers) in MODELS.items():
-        results[model] = solve(options.scree, options.problem, solvers, options.out / model, "--model", model, "--reference", reference, *limits)
+        results[model] = solve(
+            options.scree,
+            options.problem,
+            solvers,
+            options.out / model,
+            "--model",
+            model,
+            "--reference",
+            reference,
+            *limits,
+        )
         found = results[model][0]["reference"]
         text += f"## {title}\n\nv* by `{reference}`, residual {found['residual']:.1e}, {found['status']}.\n\n{law_table(results[model])}\n"
     other = []
     for solver, model, law in OTHER_LAWS:
         out = options.out / f"{solver}_{model}"
-        run = solve(options.scree, options.problem, [solver], out, "--model", model, "--reference", solver, "--max-iterations", 10000, *limits)[0]
+        run = solve(
+            options.scree,
+            options.problem,
+            [solver],
+            out,
+            "--model",
+            model,
+            "--reference",
+            solver,
+            "--max-iterations",
+            10000,
+            *limits,
+        )[0]
         other.append({**run, "law": law})
     text += f"## Other laws\n\nEach against a run of itself of 20,000 iterations; the residual is that of the cone, another law.\n\n{law_table(other)}\n"
     text = f"## Gates\n\n{gates(results)}\n## Supported pairs\n\n{supported()}\n" + text

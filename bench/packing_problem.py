@@ -9,6 +9,7 @@ The problem is one more step of 1 ms, with all contacts up to the gap that gives
 themselves. It goes to DIR/problem.hdf5. Needs h5py and numpy. bench/problems/packing_1702.hdf5 was made so; another compiler
 or processor gives another packing, which is why it is kept.
 """
+
 import argparse
 import json
 import pathlib
@@ -32,7 +33,14 @@ def scene(particles, duration, envelope=None):
         "time_step": 1e-3,
         "duration": duration,
         "materials": {"default": {"friction": 0.8}},
-        "bodies": [{"shape": "container", "min": [-HALF_WIDTH, -HALF_WIDTH, 0], "max": [HALF_WIDTH, HALF_WIDTH, 0.8], "open": ["+z"]}],
+        "bodies": [
+            {
+                "shape": "container",
+                "min": [-HALF_WIDTH, -HALF_WIDTH, 0],
+                "max": [HALF_WIDTH, HALF_WIDTH, 0.8],
+                "open": ["+z"],
+            }
+        ],
         "particles": [particles],
         "solver": {"model": "exact"},
         "output": {"picture": False},
@@ -44,8 +52,15 @@ def scene(particles, duration, envelope=None):
 
 def rain():
     return {
-        "layout": "rain", "count": SPHERES, "radius": {"min": 0.008, "max": 0.012}, "density": 2600, "velocity": [0, 0, -1],
-        "region": {"min": [-0.09, -0.09, 0.4], "max": [0.09, 0.09, 0.43]}, "spacing": 0.0251, "jitter": 1, "layers": 16,
+        "layout": "rain",
+        "count": SPHERES,
+        "radius": {"min": 0.008, "max": 0.012},
+        "density": 2600,
+        "velocity": [0, 0, -1],
+        "region": {"min": [-0.09, -0.09, 0.4], "max": [0.09, 0.09, 0.43]},
+        "spacing": 0.0251,
+        "jitter": 1,
+        "layers": 16,
         "interval": 0.05,
     }
 
@@ -58,7 +73,21 @@ def simulate(options, name, document, more=()):
     folder = options.out / name
     path = options.out / f"{name}.json"
     path.write_text(json.dumps(document, indent=1))
-    command = [options.scree, "run", str(path), "--backend", "cpu", "--precision", "double", "--threads", "1", "--out", str(folder), "--force", "--quiet"]
+    command = [
+        options.scree,
+        "run",
+        str(path),
+        "--backend",
+        "cpu",
+        "--precision",
+        "double",
+        "--threads",
+        "1",
+        "--out",
+        str(folder),
+        "--force",
+        "--quiet",
+    ]
     subprocess.run(command + list(more), check=True)
     return folder
 

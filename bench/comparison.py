@@ -144,28 +144,22 @@ def draw(rows, path):
     except ImportError:
         sys.exit("bench/comparison.py show needs matplotlib for pictures (pip install matplotlib)")
     cold = [row for row in rows if row["start"] == "cold" and row["reached"]]
-    beds = groups_of(cold, "device", "backend", "bodies", "layers")
-    columns = 4
-    lines = -(-len(beds) // columns)
-    figure, axes = pyplot.subplots(lines, columns, figsize=(4.4 * columns, 3.6 * lines), squeeze=False)
-    for axis in axes.flat[len(beds) :]:
-        axis.set_visible(False)
-    for axis, bed in zip(axes.flat, beds.values()):
+    beds = list(groups_of(cold, "device", "backend", "bodies", "layers").values())
+    figure, axes = pyplot.subplots(len(beds), 2, figsize=(11, 3.3 * len(beds)), squeeze=False, sharey="row")
+    for (by_work, by_time), bed in zip(axes, beds):
         for (solver,), points in groups_of(bed, "solver").items():
-            axis.loglog(
-                [p["solve_ms"] for p in points],
-                [p["residual_relative"] for p in points],
-                ".-",
-                label=solver,
-                color=COLORS[solver],
-            )
-        axis.set_title(f"{bed[0]['device']}, {bed[0]['precision']}\n{bed_name(bed[0])}", fontsize=9)
-        axis.set_xlabel("milliseconds")
-        axis.set_ylabel("residual / v*")
-        axis.grid(alpha=0.3)
+            residual = [p["residual_relative"] for p in points]
+            for axis, key in ((by_work, "applications"), (by_time, "solve_ms")):
+                axis.loglog([p[key] for p in points], residual, ".-", label=solver, color=COLORS[solver])
+        by_work.set_title(f"{bed[0]['device']}, {bed[0]['precision']}: {bed_name(bed[0])}", fontsize=9, loc="left")
+        by_work.set_xlabel("applications")
+        by_time.set_xlabel("milliseconds")
+        by_work.set_ylabel("residual / v*")
+        for axis in (by_work, by_time):
+            axis.grid(alpha=0.3)
     axes.flat[0].legend(fontsize=8)
     figure.suptitle("One step of a settled bed, cold start")
-    figure.tight_layout()
+    figure.tight_layout(rect=(0, 0, 1, 0.99))
     figure.savefig(path, dpi=100)
 
 

@@ -38,7 +38,9 @@ SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
   problem.reference_impulse.clear();
   SolverRun run = run_solvers(problem, {solver}, o).front();
   problem.reference_impulse = run.result.r;
-  problem.reference_velocity = contact_velocity(problem.problem, run.result.r);
+  const bool convex = o.model == AssembledModel::convex;  // which has the symmetric part of W
+  problem.reference_velocity =
+      contact_velocity(convex ? symmetrized(problem.problem) : problem.problem, run.result.r);
   problem.reference_model = o.model;
   return run;
 }

@@ -1,12 +1,12 @@
 #pragma once
 // The two fused passes of one APGD iteration and the scalar updates that end them. All scalars live
-// in backend memory; impulses and velocities rotate through buffers by the count of accepted
-// iterations, so nothing is copied and a rejected trial costs nothing but its pass. Source: Mazhar,
-// Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section "APGD".
+// in backend memory. Impulses change in place, velocities rotate through buffers by the count of
+// iterations. Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section
+// "APGD".
 //
 // The extrapolated point has the two terms of the optimized gradient method (Kim & Fessler, Math.
 // Program. 159, 2016): y+ = gamma+ + beta (gamma+ - gamma) + delta (gamma+ - y). What it adds to
-// gamma+ is stored in place of the iterate before, so the second term costs 12 bytes a contact.
+// gamma+, the momentum, is stored in place of the iterate before.
 
 #include "kernels/contact_operator.h"
 
@@ -19,23 +19,24 @@ struct ApgdState {
   double lipschitz_max = 1;  ///< upper bound of the largest eigenvalue of H^-1 N
   double step = 1;           ///< 1 / L
   double theta = 1;          ///< momentum parameter of the extrapolated point in use
-  double beta = 0;           ///< its extrapolation factor; 0: the point is the iterate itself
-  double next_theta = 1;     ///< those of the next point, unless the step ends in a restart
-  double next_beta = 0;
-  double next_delta = 0;    ///< factor of its second term
-  double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
-  double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
-  Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
+  double follow = 0;         ///< y = gamma + follow momentum: 1, or 0 after a restart; a negative
+                             ///< one takes back a step that was too long
+  double next_theta = 1;     ///< of the next point, unless the step ends in a restart
+  double next_beta = 0;      ///< factors of its momentum
+  double next_delta = 0;
+  double descent = 0;       ///< g.(gamma+ - gamma) of the iteration; positive: against the gradient
+  double step_squares = 0;  ///< |gamma+ - y|_H^2 of the iteration
+  Index iterations = 0;     ///< selects the roles of the velocity buffers
   Index restarts = 0;
 
   /// Of the second term, which is 1 where nothing is projected. More than 0.8 takes more passes.
   static constexpr double kDelta = 0.7;
 
-  /// Takes the momentum of the point in use, and works out that of the next one: 1 / theta grows by
-  /// a third each time. Nesterov's rule, about a half, overshoots where contacts open and close.
-  SCREE_HD void set_momentum(double new_theta, double new_beta) {
+  /// Sets the point in use, and works out the momentum of the next one: 1 / theta grows by a third
+  /// each time. Nesterov's rule, about a half, overshoots where contacts open and close.
+  SCREE_HD void set_point(double new_theta, double new_follow) {
     theta = new_theta;
-    beta = new_beta;
+    follow = new_follow;
     next_theta = theta / (1 + theta / 3);
     next_beta = (1 - theta) / (1 + theta / 3);
     next_delta = kDelta / (1 + theta / 3);
@@ -46,18 +47,29 @@ struct ApgdState {
   }
 };
 
-/// Two impulse buffers, by turns of the current iterate and of the next one, and what the
-/// extrapolated point adds to the current one. Comparisons pick the buffer: an array that a device
-/// program indexes would move from registers to memory.
+/// Impulses of a running solve.
 template <class Real>
 struct ApgdImpulses {
-  Span<Vec3<Real>> buffer[2];
-  Span<Vec3<Real>> momentum;  ///< y - gamma of the trial to come, unless beta is 0
-  SCREE_HD Span<Vec3<Real>> current(Index k) const { return k % 2 == 0 ? buffer[0] : buffer[1]; }
-  SCREE_HD Span<Vec3<Real>> next(Index k) const { return current(k + 1); }
+  Span<Vec3<Real>> iterate;
+  Span<Vec3<Real>> momentum;  ///< the extrapolated point lies ApgdState::follow of it ahead
 };
 
-/// V of the current iterate and V_y of the extrapolated point, each with room for the trial's.
+/// V_y of the point in use. Without momentum it is V: so a restart, known only after the body pass
+/// has extrapolated, needs no second pass.
+template <class Real>
+struct ApgdPointVelocity {
+  Span<const Twist<Real>> iterate;
+  Span<const Twist<Real>> point;  ///< V or V + momentum
+  Real follow = 0;
+  bool mixes = false;  ///< neither of the two, but so much of the way between
+
+  SCREE_HD Twist<Real> operator[](Index i) const {
+    if (!mixes) return point[i];
+    return iterate[i] + follow * (point[i] - iterate[i]);
+  }
+};
+
+/// V of the current iterate and V plus momentum, each with room for the next.
 template <class Real>
 struct ApgdVelocities {
   Span<Twist<Real>> of_iterate[2];
@@ -69,12 +81,14 @@ struct ApgdVelocities {
   SCREE_HD Span<Twist<Real>> extrapolated(Index k) const {
     return k % 2 == 0 ? of_extrapolated[0] : of_extrapolated[1];
   }
-  /// V of the accepted iterate.
-  SCREE_HD Span<const Twist<Real>> current(const ApgdState& s) const { return iterate(s.accepted); }
-  /// V_y of the point in use. Without momentum it is the iterate itself: so a restart, known only
-  /// after the body pass has extrapolated, needs no second pass.
-  SCREE_HD Span<const Twist<Real>> extrapolated(const ApgdState& s) const {
-    return s.beta == 0 ? iterate(s.accepted) : extrapolated(s.accepted);
+  /// V of the iterate.
+  SCREE_HD Span<const Twist<Real>> current(const ApgdState& s) const {
+    return iterate(s.iterations);
+  }
+  SCREE_HD ApgdPointVelocity<Real> point(const ApgdState& s) const {
+    const Span<const Twist<Real>> v = current(s);
+    if (s.follow == 0) return {v, v};
+    return {v, extrapolated(s.iterations), static_cast<Real>(s.follow), s.follow != 1};
   }
 };
 
@@ -112,17 +126,15 @@ struct StoredMetric {
   }
 };
 
-/// y = gamma + momentum, g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), and the momentum of the
-/// next point, on given buffers. Bytes per contact (radial, float): read normal and bias 16, ids 8,
+/// y = gamma + follow momentum, g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), and the momentum
+/// of the next point, in place. Bytes per contact (radial, float): read normal and bias 16, ids 8,
 /// impulse and momentum 24, metric 4 for alike bodies and 8 else, two twists 48 gathered (from
 /// cache when bodies are in Morton order); written 24.
 template <class R, class Real>
 struct ApgdContactStep {
-  Span<const Vec3<Real>> current;
-  Span<Vec3<Real>> next;
-  Span<Vec3<Real>> momentum;
-  Span<const Twist<Real>> extrapolated;  ///< V_y
-  Real follows;                          ///< 1, or 0 when y is the iterate itself
+  ApgdImpulses<Real> gamma;
+  ApgdPointVelocity<Real> velocity;  ///< V_y
+  Real follow;
   Real next_beta;
   Real next_delta;
   Real step;  ///< 1 / L
@@ -130,20 +142,20 @@ struct ApgdContactStep {
   /// @param v_a, v_b  V_y of the bodies of contact c
   SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
                               Index c, const Twist<Real>& v_a, const Twist<Real>& v_b) const {
-    const auto gamma = R::load(current, c);
-    const auto y = gamma + follows * R::load(momentum, c);
+    const auto old = R::load(gamma.iterate, c);
+    const auto y = old + follow * R::load(gamma.momentum, c);
     const auto g = R::velocity(p, c, v_a, v_b);
     const ContactMetric<Real> h = metric.load(c);
     const Vec3<Real> n = p.normal[c];
     const auto moved = R::project(p, c, y - step * solve_metric(h, n, g), h);
-    R::store(next, c, moved);
-    R::store(momentum, c, next_beta * (moved - gamma) + next_delta * (moved - y));
-    return {{static_cast<double>(dot(g, moved - gamma)),
+    R::store(gamma.iterate, c, moved);
+    R::store(gamma.momentum, c, next_beta * (moved - old) + next_delta * (moved - y));
+    return {{static_cast<double>(dot(g, moved - old)),
              static_cast<double>(metric_norm2(h, n, moved - y))}};
   }
   SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
                               Index c) const {
-    return (*this)(p, metric, c, extrapolated[p.body_a[c]], extrapolated[p.body_b[c]]);
+    return (*this)(p, metric, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);
   }
 };
 
@@ -158,12 +170,9 @@ struct ApgdContactPass {
   const ApgdState* state;
 
   SCREE_HD ApgdContactStep<R, Real> step() const {
-    const Index k = state->accepted;
-    return {gamma.current(k),
-            gamma.next(k),
-            gamma.momentum,
-            velocity.extrapolated(*state),
-            static_cast<Real>(state->beta == 0 ? 0 : 1),
+    return {gamma,
+            velocity.point(*state),
+            static_cast<Real>(state->follow),
             static_cast<Real>(state->next_beta),
             static_cast<Real>(state->next_delta),
             static_cast<Real>(state->step)};
@@ -192,11 +201,11 @@ struct ApgdBodyPass {
   const ApgdState* state;
 
   SCREE_HD Sums<1> operator()(Index i) const {
-    const Index k = state->accepted;
+    const Index k = state->iterations;
     const Twist<Real> next =
         p.free_velocity[i] +
-        R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
-    const Twist<Real> extrapolated = velocity.extrapolated(*state)[i];
+        R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.iterate), i));
+    const Twist<Real> extrapolated = velocity.point(*state)[i];
     const Twist<Real> momentum =
         static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]) +
         static_cast<Real>(state->next_delta) * (next - extrapolated);
@@ -206,12 +215,12 @@ struct ApgdBodyPass {
   }
 };
 
-/// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that the trial
-/// met. Up to 2 L the trial lowers the objective and is accepted; a shorter step follows when rho
-/// passed L. Above, it is rejected, and one from the iterate itself follows: the momentum that led
-/// to y is gone. That is seldom, as L follows rho closely. At the upper bound of the
-/// spectrum rho <= L in exact arithmetic, so the trial is accepted whatever rounding says. An
-/// accepted step against the gradient restarts the momentum.
+/// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that the step
+/// met. Up to 2 L it lowered the objective; a shorter step follows when rho passed L. Above, most
+/// of it is taken back: the next point lies where a step of 1 / rho would have ended, exactly so
+/// when this one began at the iterate, and what led to here is forgotten. That is seldom, as L
+/// follows rho closely. At the upper bound of the spectrum rho <= L in exact arithmetic, so the
+/// step stands whatever rounding says. A step against the gradient restarts the momentum.
 struct ApgdBodyFinish {
   static constexpr double kAbove = 1.1;   ///< L over rho after a step that was too long
   static constexpr double kDecay = 0.95;  ///< of L after any other: finds the local curvature
@@ -219,20 +228,22 @@ struct ApgdBodyFinish {
   ApgdState* state;
   SCREE_HD void operator()(const Sums<1>& energy) const {
     ApgdState& s = *state;
+    ++s.iterations;
     const double allowed = s.lipschitz * s.step_squares;
     const double enough = kAbove * energy.value[0] / s.step_squares;
     const bool at_bound = s.lipschitz >= s.lipschitz_max;
     if (!(energy.value[0] <= 2 * allowed || at_bound)) {
+      const double back = 1 - allowed / energy.value[0];
+      s.set_point(s.theta, -back / (s.next_beta + s.next_delta));
+      s.next_beta = 0;  // the iterate is no place to gather speed from
       s.set_lipschitz(enough);
-      s.set_momentum(s.theta, 0);
       return;
     }
-    ++s.accepted;
     if (s.descent > 0) {
       ++s.restarts;
-      s.set_momentum(1, 0);
+      s.set_point(1, 0);
     } else {
-      s.set_momentum(s.next_theta, s.next_beta);
+      s.set_point(s.next_theta, 1);
     }
     s.set_lipschitz(energy.value[0] > allowed ? enough : kDecay * s.lipschitz);
   }
@@ -253,7 +264,7 @@ struct ApgdPasses {
   SCREE_HD ApgdBodyPass<R, Real> body_pass() const { return {p, gamma, velocity, state}; }
 };
 
-/// Residual of the current iterate, wherever the rotation left it.
+/// Residual of the iterate.
 template <class R, class Real>
 struct ApgdResidual {
   static constexpr const char* name = "apgd_residual";
@@ -262,8 +273,7 @@ struct ApgdResidual {
   ApgdVelocities<Real> velocity;
   const ApgdState* state;
   SCREE_HD ResidualSums operator()(Index c) const {
-    const Index k = state->accepted;
-    return ContactResidual<R, Real>{p, gamma.current(k), velocity.current(*state)}(c);
+    return ContactResidual<R, Real>{p, gamma.iterate, velocity.current(*state)}(c);
   }
 };
 
@@ -342,9 +352,10 @@ struct ApgdStart {
   SCREE_HD void operator()(const LargestWeight& bound) const {
     ApgdState s;
     s.lipschitz_max = bound.value > 0 ? bound.value * (1 + 1e-5) : 1;
-    // A quarter of the bound: the rule of the steps finds the local curvature within a few trials.
+    // A quarter of the bound: the rule of the steps finds the local curvature within a few
+    // iterations.
     s.set_lipschitz(carried_lipschitz > 0 ? carried_lipschitz : s.lipschitz_max / 4);
-    s.set_momentum(kTheta, 0);
+    s.set_point(kTheta, 0);
     *state = s;
   }
 };

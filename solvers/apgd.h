@@ -8,8 +8,7 @@
 // Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
 // is the other choice. Memory passes per iteration: one over contacts (124 B in float, 48 of them
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
-// every residual check, at least each `check_every` iterations. A rejected trial, which is rare,
-// costs one more of both passes; `applications` counts all of them. Spheres take the tuned twins of
+// every residual check, at least each `check_every` iterations. Spheres take the tuned twins of
 // kernels/tuned.
 
 #include <algorithm>
@@ -35,12 +34,11 @@ class Apgd final : public Solver<B, Real> {
   void restore_memory(const std::vector<double>& m) override { lipschitz_ = m.empty() ? 0 : m[0]; }
 
  private:
-  /// Bytes: 72 a body and 28 a contact (radial layout of alike bodies in float); 12 more a contact
+  /// Bytes: 72 a body and 16 a contact (radial layout of alike bodies in float); 12 more a contact
   /// in the second half of the iterations allowed.
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
-        : impulses(b, vectors),
-          momentum(b, vectors),
+        : momentum(b, vectors),
           best(b),
           iterate(b, bodies),
           extrapolated{Buffer<B, Twist<Real>>(b, bodies), Buffer<B, Twist<Real>>(b, bodies)},
@@ -49,7 +47,6 @@ class Apgd final : public Solver<B, Real> {
           check(b, 1),
           residual(b),
           iteration(b) {}
-    Buffer<B, Vec3<Real>> impulses;  ///< the other is the caller's
     Buffer<B, Vec3<Real>> momentum;
     Buffer<B, Vec3<Real>> best;
     Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
@@ -68,7 +65,7 @@ class Apgd final : public Solver<B, Real> {
 
     const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
     Workspace w(b, vectors, p.body_count);
-    const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}, w.momentum.view()};
+    const ApgdImpulses<Real> impulses{gamma, w.momentum.view()};
     const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()},
                                           {w.extrapolated[0].view(), w.extrapolated[1].view()}};
     // Bodies that do not move keep this velocity through the whole solve.
@@ -84,7 +81,7 @@ class Apgd final : public Solver<B, Real> {
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
     };
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
-    fill(b, impulses.momentum, Vec3<Real>{});  // that of the first trial, which is not followed
+    fill(b, impulses.momentum, Vec3<Real>{});  // the first point does not follow it, but reads it
     start_from_guess();
     StoredMetric<R, Real> metric;
     if (params_.metric == ApgdMetricKind::diagonal) {
@@ -122,7 +119,7 @@ class Apgd final : public Solver<B, Real> {
           continue;
         }
       }
-      stats.iterations = check.state.accepted;
+      stats.iterations = check.state.iterations;
       lipschitz_ = check.state.lipschitz;
       this->add_to_curve(stats.iterations, stats.applications, residual.rms);
       stats.converged = residual.rms <= tolerance;
@@ -134,12 +131,9 @@ class Apgd final : public Solver<B, Real> {
       if (is_best && (is_last || 2 * stats.applications >= params_.max_iterations)) {
         best = residual.rms;
         stats.residual = residual;
-        const Span<const Vec3<Real>> found = impulses.current(check.state.accepted);
         if (!is_last) {
           w.best.reserve_discard(vectors);
-          copy(b, found, w.best.view());
-        } else if (found.data != gamma.data) {
-          copy(b, found, gamma);
+          copy(b, Span<const Vec3<Real>>(gamma), w.best.view());
         }
       }
       if (is_last) break;

@@ -57,7 +57,7 @@ constexpr Traffic apgd_body_pass_traffic() {
   return {6 * r + 4, body, 12 * r + 4, body};
 }
 
-/// One APGD iteration (one trial of the line search).
+/// One APGD iteration.
 template <class Real>
 constexpr Traffic apgd_iteration_traffic(ApgdMetricKind kind) {
   return apgd_contact_pass_traffic<Real>(kind) + apgd_body_pass_traffic<Real>();

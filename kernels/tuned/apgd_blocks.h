@@ -36,11 +36,11 @@ struct ApgdContactBlock {
     Records in{};
     for (int j = 0; j < present; ++j) {
       const Index c = first + j;
-      in.put(j, kGamma, step.current[c]);
-      in.put(j, kMomentum, step.momentum[c]);
+      in.put(j, kGamma, step.gamma.iterate[c]);
+      in.put(j, kMomentum, step.gamma.momentum[c]);
       in.put(j, kNormal, a.p.normal[c]);
-      in.put(j, kTwistA, step.extrapolated[a.p.body_a[c]]);
-      in.put(j, kTwistB, step.extrapolated[a.p.body_b[c]]);
+      in.put(j, kTwistA, step.velocity[a.p.body_a[c]]);
+      in.put(j, kTwistB, step.velocity[a.p.body_b[c]]);
       in.lane[kBias][j] = a.p.bias[c];
       in.lane[kFriction][j] = a.p.friction[c];
       in.lane[kAdhesion][j] = a.p.adhesion[c];
@@ -51,30 +51,31 @@ struct ApgdContactBlock {
     for (int j = present; j < kContacts; ++j) in.lane[kMetric][j] = in.lane[kMetric + 1][j] = 1;
 
     // A problem of one contact whose numbers are lanes.
-    const Vec3<L> gamma = in.vector(kGamma);
-    Vec3<L> momentum = in.vector(kMomentum);
+    Vec3<L> gamma = in.vector(kGamma), momentum = in.vector(kMomentum);
     const Vec3<L> normal = in.vector(kNormal);
     const L bias = L::load(in.lane[kBias]), friction = L::load(in.lane[kFriction]),
             adhesion = L::load(in.lane[kAdhesion]);
     L weights[2] = {L::load(in.lane[kMetric]), L::load(in.lane[kMetric + 1])};
-    Vec3<L> next;
     ContactProblem<L> p;
     p.normal = {&normal, 1};
     p.bias.values = {&bias, 1};
     p.friction.values = {&friction, 1};
     p.adhesion.values = {&adhesion, 1};
     const StoredMetric<RadialRows<L>, L> metric{{weights, 2}};
-    const ApgdContactStep<RadialRows<L>, L> in_lanes{
-        {&gamma, 1},     {&next, 1},        {&momentum, 1},     {},
-        L(step.follows), L(step.next_beta), L(step.next_delta), L(step.step)};
+    const ApgdContactStep<RadialRows<L>, L> in_lanes{{{&gamma, 1}, {&momentum, 1}},
+                                                     {},
+                                                     L(step.follow),
+                                                     L(step.next_beta),
+                                                     L(step.next_delta),
+                                                     L(step.step)};
     const Sums<2> sums = in_lanes(p, metric, 0, in.twist(kTwistA), in.twist(kTwistB));
 
     Records out;
-    out.keep(kGamma, next);
+    out.keep(kGamma, gamma);
     out.keep(kMomentum, momentum);
     for (int j = 0; j < present; ++j) {
-      step.next[first + j] = out.get(j, kGamma);
-      step.momentum[first + j] = out.get(j, kMomentum);
+      step.gamma.iterate[first + j] = out.get(j, kGamma);
+      step.gamma.momentum[first + j] = out.get(j, kMomentum);
     }
     return sums;
   }
@@ -126,7 +127,7 @@ class ApgdIteration<Cpu> {
 
   template <class R, class Real>
   void run(Cpu& cpu, const ApgdPasses<R, Real>& a, int count) {
-    for (int k = 0; k < count; ++k) apgd_trial(cpu, a);
+    for (int k = 0; k < count; ++k) apgd_iterate(cpu, a);
   }
   template <class Real>
   void run(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a, int count) {

@@ -25,12 +25,13 @@ struct AcceleratedPoints {
     for (std::size_t i = 0; i < q.size(); ++i) sum += (y_moved[i] + q[i]) * (next[i] - r[i]);
     return sum;
   }
-  /// Takes the trial as iterate, and y = r + momentum (r - the iterate before): its product follows
-  /// from those of both.
-  void advance(double momentum) {
+  /// Takes the trial as iterate, and y = r + momentum (r - the iterate before) + second (r - y): its
+  /// product follows from those of the three.
+  void advance(double momentum, double second = 0) {
     for (std::size_t i = 0; i < r.size(); ++i) {
-      y[i] = next[i] + momentum * (next[i] - r[i]);
-      y_moved[i] = next_moved[i] + momentum * (next_moved[i] - moved[i]);
+      y[i] = next[i] + momentum * (next[i] - r[i]) + second * (next[i] - y[i]);
+      y_moved[i] = next_moved[i] + momentum * (next_moved[i] - moved[i]) +
+                   second * (next_moved[i] - y_moved[i]);
     }
     r.swap(next);
     moved.swap(next_moved);

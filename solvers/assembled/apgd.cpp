@@ -93,38 +93,33 @@ class Apgd final : public AssembledSolver {
     ApgdState state;  // the rules are those of the solver of steps
     state.lipschitz_max = largest;
     state.set_lipschitz(largest / 4);
-    state.set_momentum(ApgdStart::kTheta, 0);
+    state.set_point(ApgdStart::kTheta, 0);
     for (;;) {
-      if (monitor.due(state.accepted)) {
+      if (monitor.due(state.iterations)) {
         at.velocity(p.q, u);
-        if (monitor.look(state.accepted, at.r, u)) return;
+        if (monitor.look(state.iterations, at.r, u)) return;
       }
-      for (const Index before = state.accepted; state.accepted == before;) {
-        for (int c = 0; c < p.contact_count; ++c) {
-          for (int i = 0; i < 3; ++i) {
-            const int row = 3 * c + i;
-            at.next[row] = at.y[row] - state.step / metric[c].of(i) * (at.y_moved[row] + p.q[row]);
-          }
-          project(p.mu[c], metric[c], &at.next[3 * c]);
+      for (int c = 0; c < p.contact_count; ++c) {
+        for (int i = 0; i < 3; ++i) {
+          const int row = 3 * c + i;
+          at.next[row] = at.y[row] - state.step / metric[c].of(i) * (at.y_moved[row] + p.q[row]);
         }
-        multiply(p, at.next, at.next_moved);
-        monitor.count_applications();
-        double curvature = 0;
-        state.step_squares = 0;
-        for (std::size_t i = 0; i < at.r.size(); ++i) {
-          const double d = at.next[i] - at.y[i];
-          curvature += d * (at.next_moved[i] - at.y_moved[i]);
-          state.step_squares += metric[i / 3].of(static_cast<int>(i % 3)) * d * d;
-        }
-        state.descent = at.uphill(p.q);
-        ApgdBodyFinish{&state}({{curvature}});
-        if (state.accepted == before) {  // too long: again, from the iterate itself
-          at.y = at.r;
-          at.y_moved = at.moved;
-        }
+        project(p.mu[c], metric[c], &at.next[3 * c]);
       }
+      multiply(p, at.next, at.next_moved);
+      monitor.count_applications();
+      double curvature = 0;
+      state.step_squares = 0;
+      for (std::size_t i = 0; i < at.r.size(); ++i) {
+        const double d = at.next[i] - at.y[i];
+        curvature += d * (at.next_moved[i] - at.y_moved[i]);
+        state.step_squares += metric[i / 3].of(static_cast<int>(i % 3)) * d * d;
+      }
+      state.descent = at.uphill(p.q);
+      const double beta = state.next_beta, delta = state.next_delta;
+      ApgdBodyFinish{&state}({{curvature}});
       if (state.lipschitz < least) state.set_lipschitz(least);
-      at.advance(state.beta);
+      at.advance(state.follow * beta, state.follow * delta);
     }
   }
 };

@@ -72,7 +72,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       AssembledMonitor inner_monitor(inner, inner_options, nullptr);
       std::vector<double> x = r;
       for (int i = 0; !inner_monitor.look_if_due(i, x); ++i) {
-        sweep(inner, o.model, 1, false, x);
+        sweep(inner, o.model, x);
         inner_monitor.count_applications();
       }
       const AssembledResult swept = inner_monitor.finish();

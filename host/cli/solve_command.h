@@ -20,7 +20,7 @@ struct SolveOptions {
   double relaxation = 0;          ///< 0: each solver's own
   bool warm_start = false;        ///< start from the guess in the file
   bool matrix_free = false;       ///< the solvers of simulation steps, on the bodies
-  RunTarget target;               ///< backend, precision and threads of these
+  RunTarget target;               ///< backend, precision and threads
   std::filesystem::path out;      ///< empty: nothing is written
   bool force = false;
   bool json = false;

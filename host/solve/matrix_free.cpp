@@ -68,8 +68,8 @@ SolverRun run(MatrixFreeProblem& uploaded, const BodyProblem& problem, const Rea
     out.result.status = status;
     if (status != AssembledStatus::iteration_limit) break;
   }
-  out.result.note = fmt::format("{}, {}", world.backend == BackendKind::cuda ? "cuda" : "cpu",
-                                to_string(world.precision));
+  out.backend = world.backend == BackendKind::cuda ? "cuda" : "cpu";
+  out.result.note = fmt::format("{}, {}", out.backend, to_string(world.precision));
   return out;
 }
 

@@ -62,6 +62,7 @@ std::string to_table(const ProblemReport& report) {
   std::string text =
       fmt::format("{}: {} contacts in {}-D", report.name, report.contact_count, report.dimension);
   if (report.asymmetry > 1e-12) text += fmt::format(", W unsymmetric by {:.1e}", report.asymmetry);
+  if (!report.runs.empty()) text += ", on " + report.runs.front().backend;
   text +=
       fmt::format("\n{:<14} {:>10} {:>12} {:>10} {:>9} {:>9} {:>16}  {}\n", "solver", "iterations",
                   "applications", "seconds", "residual", "unit-free", "objective", "status");
@@ -100,6 +101,7 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
       const AssembledResult& r = run.result;
       runs.push_back({{"solver", run.solver},
                       {"friction", run.friction},
+                      {"backend", run.backend},
                       {"status", to_string(r.status)},
                       {"converged", solved(run)},
                       {"iterations", r.iterations},
@@ -132,16 +134,17 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
 std::string results_csv(const std::vector<ProblemReport>& reports) {
   std::string text =
       "problem,contacts,dimension,solver,status,iterations,applications,factorizations,seconds,"
-      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,friction,note\n";
+      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,friction,note,"
+      "backend\n";
   for (const ProblemReport& report : reports) {
     for (const SolverRun& run : report.runs) {
       const AssembledResult& r = run.result;
-      text +=
-          fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{},{}\n",
-                      cell(report.name), report.contact_count, report.dimension, run.solver,
-                      to_string(r.status), r.iterations, r.applications, r.factorizations,
-                      r.seconds, r.residual.relative, r.residual.absolute, r.residual.to_largest,
-                      r.residual.unit_free, r.residual.objective, cell(run.friction), cell(r.note));
+      text += fmt::format(
+          "{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{},{},{}\n",
+          cell(report.name), report.contact_count, report.dimension, run.solver,
+          to_string(r.status), r.iterations, r.applications, r.factorizations, r.seconds,
+          r.residual.relative, r.residual.absolute, r.residual.to_largest, r.residual.unit_free,
+          r.residual.objective, cell(run.friction), cell(r.note), run.backend);
     }
   }
   return text;

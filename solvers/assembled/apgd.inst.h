@@ -96,7 +96,7 @@ class Apgd final : public BackendSolver<BuildBackend> {
     first.lipschitz_max = largest;
     first.set_lipschitz(largest / 4);
     first.set_momentum(ApgdStart::kTheta, 0);
-    const BackendProblem<BuildBackend> p(backend(), problem);
+    const auto p = upload_problem(problem);
     Buffer<BuildBackend, ApgdState> state(backend(), 1);
     upload(backend(), &first, state.view());
     AcceleratedPoints<BuildBackend> points(p, o.guess, metric, monitor);

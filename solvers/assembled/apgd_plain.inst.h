@@ -80,7 +80,7 @@ class ApgdPlain final : public BackendSolver<BuildBackend> {
     if (!(first.lipschitz > 0)) first.lipschitz = 1;
     first.least = 1e-6 * first.lipschitz;
 
-    const BackendProblem<BuildBackend> p(backend(), problem);
+    const auto p = upload_problem(problem);
     Buffer<BuildBackend, PlainState> state(backend(), 1);
     upload(backend(), &first, state.view());
     AcceleratedPoints<BuildBackend> points(p, o.guess, {}, monitor);

@@ -12,11 +12,11 @@ namespace scree {
 template <class B>
 class BackendProblem {
  public:
-  /// Copies the problem: 76 bytes a block and 48 a contact. @param p  outlives this
-  BackendProblem(B& b, const AssembledProblem& p)
+  /// Copies the problem: 76 bytes a block and 40 a contact. All arguments outlive this.
+  BackendProblem(B& b, const BlockProduct<B>& product, const AssembledProblem& p)
       : backend_(&b),
         host_(&p),
-        product_(b),
+        product_(&product),
         row_start_(b),
         column_(b),
         diagonal_at_(b),
@@ -53,7 +53,7 @@ class BackendProblem {
 
   /// y = W x. @param x, y  of this backend, different ones
   void multiply(const Buffer<B, double>& x, Buffer<B, double>& y) const {
-    product_(*backend_, rows(), x.view(row_count()), y.view(row_count()));
+    (*product_)(*backend_, rows(), x.view(row_count()), y.view(row_count()));
   }
 
   /// Lets the monitor look at impulses: brings them and W r to the host, 48 bytes a contact.
@@ -69,7 +69,7 @@ class BackendProblem {
  private:
   B* backend_;
   const AssembledProblem* host_;
-  BlockProduct<B> product_;
+  const BlockProduct<B>* product_;
   Buffer<B, Index> row_start_, column_, diagonal_at_;
   Buffer<B, Block3> block_;
   Buffer<B, double> q_, mu_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "solvers/assembled/assembled_solver.h"
+#include "solvers/assembled/backend_problem.h"
 
 namespace scree {
 
@@ -31,17 +32,24 @@ std::unique_ptr<AssembledSolver> make_assembled_solver_on(const std::string& nam
 #undef SCREE_ASSEMBLED_BACKEND_SOLVER
 #undef SCREE_ASSEMBLED_SOLVER
 
-/// Holds the backend of a solver.
+/// Holds the backend of a solver, and the library for its products: setting that up takes longer
+/// than many a solve, and is none of its time.
 template <class B>
 class BackendSolver : public AssembledSolver {
  public:
-  explicit BackendSolver(std::shared_ptr<B> backend) : backend_(std::move(backend)) {}
+  explicit BackendSolver(std::shared_ptr<B> backend)
+      : backend_(std::move(backend)), product_(*backend_) {}
 
  protected:
   B& backend() const { return *backend_; }
+  /// @param p  outlives the result
+  BackendProblem<B> upload_problem(const AssembledProblem& p) const {
+    return BackendProblem<B>(*backend_, product_, p);
+  }
 
  private:
   std::shared_ptr<B> backend_;
+  BlockProduct<B> product_;
 };
 
 }  // namespace scree

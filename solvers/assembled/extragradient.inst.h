@@ -116,7 +116,7 @@ class Extragradient final : public BackendSolver<BuildBackend> {
   void run(const AssembledProblem& problem, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
     BuildBackend& b = backend();
-    const BackendProblem<BuildBackend> p(b, problem);
+    const auto p = upload_problem(problem);
     const Offset n = p.row_count();
     Buffer<BuildBackend, double> scale(b), r = p.vector(o.guess), trial = p.vector(),
                                            moved = p.vector(), trial_moved = p.vector();

@@ -23,7 +23,7 @@ class GaussSeidel final : public BackendSolver<BuildBackend> {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_sweeps(backend(), p, AssembledModel::convex, 1, o.guess, monitor);
+    run_sweeps(upload_problem(p), AssembledModel::convex, 1, o.guess, monitor);
   }
 };
 

@@ -62,7 +62,7 @@ class Jacobi final : public BackendSolver<BuildBackend> {
 
   void run(const AssembledProblem& problem, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    const BackendProblem<BuildBackend> p(backend(), problem);
+    const auto p = upload_problem(problem);
     const Offset n = p.row_count();
     Buffer<BuildBackend, double> bound(backend()), r = p.vector(o.guess), moved = p.vector();
     upload(backend(), row_bounds(problem), bound);

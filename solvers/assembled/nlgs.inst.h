@@ -22,7 +22,7 @@ class Nlgs final : public BackendSolver<BuildBackend> {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_sweeps(backend(), p, o.model, 1, o.guess, monitor);
+    run_sweeps(upload_problem(p), o.model, 1, o.guess, monitor);
   }
 };
 

@@ -25,7 +25,7 @@ class PgsBox final : public BackendSolver<BuildBackend> {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_pgs_box(backend(), p, o, BoxBounds::coupled, monitor);
+    run_pgs_box(upload_problem(p), o, BoxBounds::coupled, monitor);
   }
 };
 

@@ -24,7 +24,7 @@ class PgsBoxLagged final : public BackendSolver<BuildBackend> {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_pgs_box(backend(), p, o, BoxBounds::lagged, monitor);
+    run_pgs_box(upload_problem(p), o, BoxBounds::lagged, monitor);
   }
 };
 

@@ -49,11 +49,10 @@ struct PgsBoxContact {
 /// Runs from the guess until sweeps move nothing any more, in units of the tolerance, and says so
 /// as a stall with a note: the residual is that of another law.
 template <class B>
-void run_pgs_box(B& b, const AssembledProblem& problem, const AssembledOptions& o, BoxBounds bounds,
+void run_pgs_box(const BackendProblem<B>& p, const AssembledOptions& o, BoxBounds bounds,
                  AssembledMonitor& monitor) {
-  const BackendProblem<B> p(b, problem);
   const SweepOrder<B> order(p);
-  Buffer<B, double> r = p.vector(o.guess), change(b, p.contact_count());
+  Buffer<B, double> r = p.vector(o.guess), change(p.backend(), p.contact_count());
   const PgsBoxContact visit{bounds,       o.relaxation > 0 ? o.relaxation : 1,
                             p.rows(),     p.q(),
                             p.mu(),       r.view(p.row_count()),

@@ -22,7 +22,7 @@ class PgsPyramid8 final : public BackendSolver<BuildBackend> {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_pgs_pyramid(backend(), p, o, 8, monitor);
+    run_pgs_pyramid(upload_problem(p), o, 8, monitor);
   }
 };
 

@@ -133,14 +133,14 @@ struct PgsPyramidContact {
 /// @param sides  even, 4 or more
 /// Source: Stewart and Trinkle, IJNME 39, 1996; Anitescu, Math. Program. 105, 2006 (convex).
 template <class B>
-void run_pgs_pyramid(B& b, const AssembledProblem& problem, const AssembledOptions& o, int sides,
+void run_pgs_pyramid(const BackendProblem<B>& p, const AssembledOptions& o, int sides,
                      AssembledMonitor& monitor) {
   const Pyramid pyramid(sides);
-  const BackendProblem<B> p(b, problem);
   const SweepOrder<B> order(p);
-  Buffer<B, double> r = p.vector(o.guess), change(b, p.contact_count()),
-                    l(b, sides * static_cast<Offset>(p.contact_count()));
-  for_each(b, p.contact_count(), SplitImpulses{pyramid, p.mu(), r.view(p.row_count()), l.view()});
+  Buffer<B, double> r = p.vector(o.guess), change(p.backend(), p.contact_count()),
+                    l(p.backend(), sides * static_cast<Offset>(p.contact_count()));
+  for_each(p.backend(), p.contact_count(),
+           SplitImpulses{pyramid, p.mu(), r.view(p.row_count()), l.view()});
   const PgsPyramidContact visit{pyramid,
                                 o.model,
                                 o.relaxation > 0 ? o.relaxation : 1,

@@ -22,7 +22,7 @@ class Sor final : public BackendSolver<BuildBackend> {
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
     const double relaxation = o.relaxation > 0 ? o.relaxation : 1.2;
-    run_sweeps(backend(), p, o.model, relaxation, o.guess, monitor);
+    run_sweeps(upload_problem(p), o.model, relaxation, o.guess, monitor);
   }
 };
 

@@ -185,7 +185,7 @@ class Spg final : public BackendSolver<BuildBackend> {
   void run(const AssembledProblem& problem, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
     BuildBackend& b = backend();
-    const BackendProblem<BuildBackend> p(b, problem);
+    const auto p = upload_problem(problem);
     const Offset n = p.row_count();
     Buffer<BuildBackend, double> scale(b), r = p.vector(o.guess), g = p.vector(), d = p.vector(),
                                            moved = p.vector();

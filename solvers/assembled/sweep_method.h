@@ -8,9 +8,8 @@ namespace scree {
 
 /// Sweeps from the guess until the monitor stops. A look costs one product with W.
 template <class B>
-void run_sweeps(B& b, const AssembledProblem& problem, AssembledModel model, double relaxation,
+void run_sweeps(const BackendProblem<B>& p, AssembledModel model, double relaxation,
                 const std::vector<double>& guess, AssembledMonitor& monitor) {
-  const BackendProblem<B> p(b, problem);
   const SweepOrder<B> order(p);
   Buffer<B, double> r = p.vector(guess), moved = p.vector();
   const SweepContact visit{model, relaxation, p.rows(), p.q(), p.mu(), r.view(p.row_count())};

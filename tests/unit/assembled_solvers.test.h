@@ -148,7 +148,8 @@ class BackendSweeps : public BackendTest<double> {};
 TEST_F(BackendSweeps, ByColorsAreSweepsInTheirOrder) {
   TestBackend& b = backend();
   const AssembledProblem p = chains(300, 5);
-  const BackendProblem<TestBackend> on_backend(b, p);
+  const BlockProduct<TestBackend> product(b);
+  const BackendProblem<TestBackend> on_backend(b, product, p);
   const SweepOrder<TestBackend> order(on_backend, SweepKind::by_colors);
   Buffer<TestBackend, double> r = on_backend.vector(std::vector<double>(p.q.size(), 0.0));
   const SweepContact visit{AssembledModel::exact, 1.2,

@@ -17,14 +17,16 @@ class BlockProductTest : public BackendTest<double> {
  protected:
   /// W x by BlockProduct and by BlockRowProduct.
   std::vector<double> by_product(const AssembledProblem& p, const std::vector<double>& x) {
-    const BackendProblem<TestBackend> on_backend(backend(), p);
+    const BlockProduct<TestBackend> product(backend());
+    const BackendProblem<TestBackend> on_backend(backend(), product, p);
     Buffer<TestBackend, double> in = on_backend.vector(x), out = on_backend.vector();
     on_backend.multiply(in, out);
     return download(backend(), out.view(on_backend.row_count()));
   }
   std::vector<double> by_program(const AssembledProblem& p, const std::vector<double>& x) {
     TestBackend& b = backend();
-    const BackendProblem<TestBackend> on_backend(b, p);
+    const BlockProduct<TestBackend> product(b);
+    const BackendProblem<TestBackend> on_backend(b, product, p);
     Buffer<TestBackend, double> in = on_backend.vector(x), out = on_backend.vector();
     for_each(b, p.contact_count, BlockRowProduct{on_backend.rows(), in.view(), out.view()});
     return download(b, out.view(on_backend.row_count()));

@@ -10,6 +10,7 @@ namespace {
 
 AssembledProblem with_blocks(int contact_count, const std::vector<std::pair<int, int>>& places) {
   std::vector<PlacedBlock> blocks;
+  blocks.reserve(places.size());
   for (const auto& [row, column] : places) blocks.push_back({row, column, {1}});
   return assemble(contact_count, blocks, std::vector<double>(3 * contact_count, 0.0),
                   std::vector<double>(contact_count, 0.5));
@@ -26,6 +27,7 @@ TEST(BlockColoring, ContactsThatTouchDiffer) {
   std::mt19937 generator(3);
   std::uniform_int_distribution<int> any(0, 199);
   std::vector<std::pair<int, int>> places;
+  places.reserve(800);
   for (int k = 0; k < 800; ++k) places.emplace_back(any(generator), any(generator));
   const AssembledProblem p = with_blocks(200, places);  // its pattern is not symmetric
   const BlockColoring coloring = color_blocks(p);

@@ -95,7 +95,7 @@ std::vector<std::string> solvers_of(const SolveOptions& options, bool cuda) {
   if (options.matrix_free)
     return parse_solver_list(options.solver == "auto" ? "apgd" : options.solver, solver_names());
   if (!cuda) return parse_solver_list(options.solver);
-  if (options.solver == "auto") return {"apgd"};
+  if (options.solver == "auto") return {"proximal_krylov"};
   if (options.solver == "all") return assembled_solver_names(true);
   const std::vector<std::string> names = parse_solver_list(options.solver);
   const std::vector<std::string> missing = without_cuda_form(names);

@@ -97,7 +97,7 @@ std::vector<std::string> solvers_of(const SolveOptions& options, bool cuda) {
   if (!cuda) return parse_solver_list(options.solver);
   if (options.solver == "auto") return {"proximal_krylov"};
   if (options.solver == "all") return assembled_solver_names(true);
-  const std::vector<std::string> names = parse_solver_list(options.solver);
+  std::vector<std::string> names = parse_solver_list(options.solver);
   const std::vector<std::string> missing = without_cuda_form(names);
   if (!missing.empty())
     throw InputError(fmt::format("--solver: {} cannot run on cuda; those that can: {}",

@@ -90,6 +90,7 @@ std::vector<SolverRun> run_matrix_free(const BodyProblem& problem, const ReadyPr
                                        const AssembledOptions& options, const WorldOptions& world) {
   const auto uploaded = upload_matrix_free(problem, world);
   std::vector<SolverRun> runs;
+  runs.reserve(solvers.size());
   for (const std::string& solver : solvers)
     runs.push_back(run(*uploaded, problem, ready, solver, options, world));
   return runs;

@@ -15,6 +15,7 @@ StoredProblem simple_problem(int dimension, int contact_count) {
   p.dimension = dimension;
   const int rows = dimension * contact_count;
   std::vector<MatrixEntry> entries;
+  entries.reserve(rows);
   for (int k = 0; k < rows; ++k) entries.push_back({k, k, 2});
   p.W = compress(rows, rows, entries);
   for (int c = 0; c < contact_count; ++c) {

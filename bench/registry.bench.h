@@ -15,6 +15,7 @@ std::shared_ptr<void> register_benchmarks(BackendTag<BenchBackend>, const Option
     add_primitives(*suite, spheres);
     add_contact_passes(*suite, spheres);
     add_apgd(*suite, spheres);
+    add_operators(*suite, spheres);
   }
   return suite;
 }

@@ -200,5 +200,6 @@ class Suite {
 void add_primitives(Suite<BenchBackend>& suite, Index spheres);
 void add_contact_passes(Suite<BenchBackend>& suite, Index spheres);
 void add_apgd(Suite<BenchBackend>& suite, Index spheres);
+void add_operators(Suite<BenchBackend>& suite, Index spheres);
 
 }  // namespace scree::bench

@@ -10,7 +10,7 @@ if(TARGET scree)
   install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
 install(DIRECTORY kernels collision solvers host scenes DESTINATION include/scree
-  FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh"
+  FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh" PATTERN "*.inc"
   PATTERN "*.inst.h" EXCLUDE PATTERN "host/cli" EXCLUDE PATTERN "host/python" EXCLUDE)
 install(FILES "${SCREE_GENERATED_DIR}/solver_registry.inc" DESTINATION include/scree)
 install(DIRECTORY scenes DESTINATION "${CMAKE_INSTALL_DATADIR}/scree" FILES_MATCHING PATTERN "*.json")

@@ -78,12 +78,34 @@ std::vector<fs::path> problem_files(const fs::path& path) {
   return files;
 }
 
-/// Backend and precision of matrix-free solvers; double, and CUDA when it is there.
-WorldOptions matrix_free_options(const SolveOptions& options) {
+/// Backend and precision: of matrix-free solvers double, and CUDA when it is there; of those of the
+/// assembled operator, which are double, the CPU with one thread.
+WorldOptions target_options(const SolveOptions& options) {
   Scene defaults;
-  defaults.backend = "auto";
+  defaults.backend = options.matrix_free ? "auto" : "cpu";
   defaults.precision = "double";
-  return resolve_options(options.target, defaults);
+  WorldOptions target = resolve_options(options.target, defaults);
+  if (options.matrix_free) return target;
+  if (target.precision != Precision::double_precision)
+    throw InputError("--precision float: is for --matrix-free; assembled operators are double");
+  if (target.threads == 0) target.threads = 1;
+  return target;
+}
+
+/// Names of the solvers to run.
+std::vector<std::string> solvers_of(const SolveOptions& options, bool cuda) {
+  if (options.matrix_free)
+    return parse_solver_list(options.solver == "auto" ? "apgd" : options.solver, solver_names());
+  if (!cuda) return parse_solver_list(options.solver);
+  if (options.solver == "auto") return {"proximal_krylov"};
+  if (options.solver == "all") return assembled_solver_names(true);
+  std::vector<std::string> names = parse_solver_list(options.solver);
+  const std::vector<std::string> missing = without_cuda_form(names);
+  if (!missing.empty())
+    throw InputError(fmt::format("--solver: {} cannot run on cuda; those that can: {}",
+                                 fmt::join(missing, ", "),
+                                 fmt::join(assembled_solver_names(true), ", ")));
+  return names;
 }
 
 /// Results are not mixed with those of before, nor with anything else.
@@ -129,7 +151,7 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
       ->take_last();
   command->add_flag("--matrix-free", options.matrix_free,
                     "solvers of simulation steps, for problems with bodies");
-  add_device_options(*command, options.target, "auto, with --matrix-free", "double");
+  add_device_options(*command, options.target, "cpu; auto with --matrix-free", "double");
   command
       ->add_option("--reference", options.reference,
                    "solver whose answer velocity errors are measured against (default: none)")
@@ -147,10 +169,9 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
 int solve_problems(const SolveOptions& options) {
   const AssembledOptions common = solver_options(options);
   const bool matrix_free = options.matrix_free;
-  const WorldOptions world = matrix_free ? matrix_free_options(options) : WorldOptions{};
-  const std::vector<std::string> solvers =
-      parse_solver_list(matrix_free && options.solver == "auto" ? "apgd" : options.solver,
-                        matrix_free ? solver_names() : assembled_solver_names());
+  const WorldOptions world = target_options(options);
+  const bool cuda = world.backend == BackendKind::cuda;
+  const std::vector<std::string> solvers = solvers_of(options, cuda);
   if (!options.reference.empty()) {
     if (matrix_free) throw InputError("--reference: not together with --matrix-free");
     if (parse_solver_list(options.reference).size() != 1)
@@ -179,13 +200,15 @@ int solve_problems(const SolveOptions& options) {
     reports.push_back(
         {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}, {}});
   }
+  if (!options.json && cuda && !matrix_free && options.solver == "all")
+    fmt::print("not on cuda: {}\n\n", fmt::join(without_cuda_form(assembled_solver_names()), ", "));
   for (std::size_t k = 0; k < problems.size(); ++k) {
     AssembledOptions o = common;
     if (options.warm_start) o.guess = problems[k].guess;
     if (!options.reference.empty())
       reports[k].reference = find_reference(problems[k], options.reference, o);
     reports[k].runs = matrix_free ? run_matrix_free(bodies[k], problems[k], solvers, o, world)
-                                  : run_solvers(problems[k], solvers, o);
+                                  : run_solvers(problems[k], solvers, o, {cuda, world.threads});
     if (!options.json) fmt::print("{}{}", k > 0 ? "\n" : "", to_table(reports[k]));
   }
   if (!options.json && reports.size() > 1) fmt::print("\n{}", to_summary(reports));

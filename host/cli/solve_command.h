@@ -21,7 +21,7 @@ struct SolveOptions {
   bool warm_start = false;        ///< start from the guess in the file
   std::string reference;          ///< solver that velocity errors are against; empty: none
   bool matrix_free = false;       ///< the solvers of simulation steps, on the bodies
-  RunTarget target;               ///< backend, precision and threads of these
+  RunTarget target;               ///< backend, precision and threads
   std::filesystem::path out;      ///< empty: nothing is written
   bool force = false;
   bool json = false;

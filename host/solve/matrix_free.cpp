@@ -68,8 +68,8 @@ SolverRun run(MatrixFreeProblem& uploaded, const BodyProblem& problem, const Rea
     out.result.status = status;
     if (status != AssembledStatus::iteration_limit) break;
   }
-  out.result.note = fmt::format("{}, {}", world.backend == BackendKind::cuda ? "cuda" : "cpu",
-                                to_string(world.precision));
+  out.backend = world.backend == BackendKind::cuda ? "cuda" : "cpu";
+  out.result.note = fmt::format("{}, {}", out.backend, to_string(world.precision));
   return out;
 }
 
@@ -90,6 +90,7 @@ std::vector<SolverRun> run_matrix_free(const BodyProblem& problem, const ReadyPr
                                        const AssembledOptions& options, const WorldOptions& world) {
   const auto uploaded = upload_matrix_free(problem, world);
   std::vector<SolverRun> runs;
+  runs.reserve(solvers.size());
   for (const std::string& solver : solvers)
     runs.push_back(run(*uploaded, problem, ready, solver, options, world));
   return runs;

@@ -47,10 +47,11 @@ SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
 
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
                                    const std::vector<std::string>& solvers,
-                                   const AssembledOptions& options) try {
+                                   const AssembledOptions& options,
+                                   const AssembledTarget& target) try {
   std::vector<SolverRun> runs;
   for (const std::string& name : solvers) {
-    const auto solver = make_assembled_solver(name);
+    const auto solver = make_assembled_solver(name, target);
     AssembledOptions o = options;
     if (o.model == problem.reference_model) {
       o.reference_velocity = problem.reference_velocity;
@@ -59,12 +60,22 @@ std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
     SolverRun run;
     run.solver = name;
     run.friction = solver->traits().friction;
+    run.backend = target.cuda ? "cuda" : "cpu";
     run.result = solver->solve(problem.problem, o, &run.curve);
     runs.push_back(std::move(run));
   }
   return runs;
 } catch (const AssembledError& error) {
   throw InputError(fmt::format("{}: {}", problem.name, error.what()));
+}
+
+std::vector<std::string> without_cuda_form(const std::vector<std::string>& names) {
+  const std::vector<std::string> on_cuda = assembled_solver_names(true);
+  std::vector<std::string> rest = names;
+  std::erase_if(rest, [&](const std::string& name) {
+    return std::find(on_cuda.begin(), on_cuda.end(), name) != on_cuda.end();
+  });
+  return rest;
 }
 
 std::vector<std::string> parse_solver_list(const std::string& list,

@@ -30,6 +30,7 @@ ReadyProblem ready(const std::string& name, const StoredProblem& stored);
 struct SolverRun {
   std::string solver;
   std::string friction = "cone";  ///< AssembledTraits::friction
+  std::string backend = "cpu";    ///< where it ran: cpu or cuda
   AssembledResult result;
   std::vector<AssembledCurvePoint> curve;
 };
@@ -42,10 +43,15 @@ SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
                          const AssembledOptions& options);
 
 /// Runs solvers by name one after another, each from the guess of the options.
-/// @throws InputError naming an unknown solver and the known ones, or an option out of range
+/// @throws InputError naming an unknown solver and the known ones, one that has no form for the
+///         target, or an option out of range
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
                                    const std::vector<std::string>& solvers,
-                                   const AssembledOptions& options);
+                                   const AssembledOptions& options,
+                                   const AssembledTarget& target = {});
+
+/// Those of the names that make_assembled_solver does not know for CUDA.
+std::vector<std::string> without_cuda_form(const std::vector<std::string>& names);
 
 /// Names of a comma-separated list; "all" stands for every known solver.
 /// @throws InputError naming a name that is unknown or empty, and the known ones

@@ -55,6 +55,7 @@ nlohmann::json json_of(const SolverRun& run) {
   const AssembledResult& r = run.result;
   return {{"solver", run.solver},
           {"friction", run.friction},
+          {"backend", run.backend},
           {"status", to_string(r.status)},
           {"converged", solved(run)},
           {"iterations", r.iterations},
@@ -88,6 +89,7 @@ std::string to_table(const ProblemReport& report) {
   std::string text =
       fmt::format("{}: {} contacts in {}-D", report.name, report.contact_count, report.dimension);
   if (report.asymmetry > 1e-12) text += fmt::format(", W unsymmetric by {:.1e}", report.asymmetry);
+  if (!report.runs.empty()) text += ", on " + report.runs.front().backend;
   if (report.reference.has_value())
     text += fmt::format(", velocities against {} (residual {:.1e}, {})", report.reference->solver,
                         report.reference->result.residual.relative,
@@ -147,16 +149,17 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
 std::string results_csv(const std::vector<ProblemReport>& reports) {
   std::string text =
       "problem,contacts,dimension,solver,status,iterations,applications,factorizations,seconds,"
-      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,friction,note\n";
+      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,friction,note,"
+      "backend\n";
   for (const ProblemReport& report : reports) {
     for (const SolverRun& run : report.runs) {
       const AssembledResult& r = run.result;
-      text +=
-          fmt::format("{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{},{}\n",
-                      cell(report.name), report.contact_count, report.dimension, run.solver,
-                      to_string(r.status), r.iterations, r.applications, r.factorizations,
-                      r.seconds, r.residual.relative, r.residual.absolute, r.residual.to_largest,
-                      r.residual.unit_free, r.residual.objective, cell(run.friction), cell(r.note));
+      text += fmt::format(
+          "{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{},{},{}\n",
+          cell(report.name), report.contact_count, report.dimension, run.solver,
+          to_string(r.status), r.iterations, r.applications, r.factorizations, r.seconds,
+          r.residual.relative, r.residual.absolute, r.residual.to_largest, r.residual.unit_free,
+          r.residual.objective, cell(run.friction), cell(r.note), run.backend);
     }
   }
   return text;

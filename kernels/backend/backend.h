@@ -134,6 +134,7 @@ void upload(B& b, const T* source, Span<T> destination) {
 template <class B, class T>
 void upload(B& b, const std::vector<T>& source, Buffer<B, T>& destination) {
   const auto count = static_cast<Offset>(source.size());
+  if (count <= 0) return;  // compilers that see an empty buffer fear negative sizes
   destination.reserve_discard(count);
   upload(b, source.data(), destination.view(count));
 }

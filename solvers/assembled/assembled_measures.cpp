@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "kernels/cone.h"
-
 namespace scree {
 namespace {
 
@@ -41,13 +39,6 @@ double natural_square(double mu, const std::array<double, 3>& x, const std::arra
 }
 
 }  // namespace
-
-void project_on_cone(double mu, double* x) {
-  const ContactVec<double> y = project_cone(mu, ContactVec<double>{x[0], x[1], x[2]});
-  x[0] = y.n;
-  x[1] = y.t1;
-  x[2] = y.t2;
-}
 
 AssembledResidual measure(const AssembledProblem& p, AssembledModel model,
                           const std::vector<double>& scale, const std::vector<double>& r,

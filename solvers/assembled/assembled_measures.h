@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "kernels/cone.h"
 #include "solvers/assembled/assembled_problem.h"
 
 namespace scree {
@@ -34,10 +35,16 @@ struct AssembledResidual {
 };
 
 /// Euclidean projection of three numbers on the cone, in place.
-void project_on_cone(double mu, double* x);
+SCREE_HD inline void project_on_cone(double mu, double* x) {
+  const ContactVec<double> y = project_cone(mu, ContactVec<double>{x[0], x[1], x[2]});
+  x[0] = y.n;
+  x[1] = y.t1;
+  x[2] = y.t2;
+}
 
 /// v of three numbers: adds mu |u_t| to the normal one for the exact model.
-inline std::array<double, 3> law_velocity(AssembledModel model, double mu, const double* u) {
+SCREE_HD inline std::array<double, 3> law_velocity(AssembledModel model, double mu,
+                                                   const double* u) {
   const double lift =
       model == AssembledModel::exact ? mu * std::sqrt(u[1] * u[1] + u[2] * u[2]) : 0;
   return {u[0] + lift, u[1], u[2]};

@@ -55,6 +55,11 @@ bool AssembledMonitor::due(int iteration) const {
   return iteration % check_every_ == 0 || iteration >= phase_limit_ || out_of_time();
 }
 
+int AssembledMonitor::until_due(int iteration) const {
+  const int to_check = check_every_ - iteration % check_every_;
+  return std::max(1, std::min(to_check, phase_limit_ - iteration));
+}
+
 bool AssembledMonitor::look(int iteration, const std::vector<double>& r) {
   count_applications();
   return look(iteration, r, contact_velocity(problem_, r));

@@ -74,6 +74,9 @@ class AssembledMonitor {
   /// Whether an iteration (from 0, the guess) is one to look at: every check_every-th, and the
   /// last.
   bool due(int iteration) const;
+  /// Iterations from this one to the next that is due by its number, at least 1: what a method may
+  /// run without asking.
+  int until_due(int iteration) const;
 
   /// Looks at the impulses after `iteration` iterations of the current phase: one product with W.
   /// @return whether to stop

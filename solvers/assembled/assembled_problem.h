@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-namespace scree {
+#include "kernels/block_rows.h"
 
-/// A 3x3 block, row by row.
-using Block3 = std::array<double, 9>;
+namespace scree {
 
 /// W in compressed block rows. Columns ascend within a row, and the diagonal block is always there.
 struct AssembledProblem {
@@ -28,6 +27,11 @@ struct AssembledProblem {
   int block_count() const { return static_cast<int>(block.size()); }
   const Block3& diagonal(int c) const { return block[diagonal_at[c]]; }
   Block3& diagonal(int c) { return block[diagonal_at[c]]; }
+  /// View of W, valid while nothing is added or removed.
+  BlockRows rows() const {
+    const auto span = [](const auto& v) { return Span(v.data(), static_cast<Offset>(v.size())); };
+    return {contact_count, span(row_start), span(column), span(block), span(diagonal_at)};
+  }
 };
 
 /// One 3x3 block at a place; blocks of one place add up.
@@ -50,15 +54,7 @@ std::vector<double> contact_velocity(const AssembledProblem& p, const std::vecto
 
 /// (W x)_c, three numbers.
 inline std::array<double, 3> row_product(const AssembledProblem& p, int c, const double* x) {
-  double y0 = 0, y1 = 0, y2 = 0;
-  for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k) {
-    const double* w = p.block[k].data();
-    const double* v = x + 3 * p.column[k];
-    y0 += w[0] * v[0] + w[1] * v[1] + w[2] * v[2];
-    y1 += w[3] * v[0] + w[4] * v[1] + w[5] * v[2];
-    y2 += w[6] * v[0] + w[7] * v[1] + w[8] * v[2];
-  }
-  return {y0, y1, y2};
+  return row_product(p.rows(), c, x);
 }
 
 /// Largest |W - W^T| over largest |W|.

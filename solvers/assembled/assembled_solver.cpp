@@ -5,13 +5,16 @@
 #include <cstdio>
 #include <utility>
 
+#include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/de_saxce_loop.h"
 #include "solvers/assembled/infeasibility.h"
 
 namespace scree {
 
 #define SCREE_ASSEMBLED_SOLVER(name) std::unique_ptr<AssembledSolver> make_assembled_##name();
+#define SCREE_ASSEMBLED_BACKEND_SOLVER(name)
 #include "solvers/assembled/solver_list.inc"
+#undef SCREE_ASSEMBLED_BACKEND_SOLVER
 #undef SCREE_ASSEMBLED_SOLVER
 
 namespace {
@@ -91,22 +94,60 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
   return monitor.finish();
 }
 
-std::unique_ptr<AssembledSolver> make_assembled_solver(const std::string& name) {
-#define SCREE_ASSEMBLED_SOLVER(known) \
-  if (name == #known) return make_assembled_##known();
-#include "solvers/assembled/solver_list.inc"
-#undef SCREE_ASSEMBLED_SOLVER
-  std::string known;
-  for (const std::string& n : assembled_solver_names()) known += (known.empty() ? "" : ", ") + n;
-  throw AssembledError("solver \"" + name + "\" is not known; expected one of " + known);
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& n : names) text += (text.empty() ? "" : ", ") + n;
+  return text;
 }
 
-std::vector<std::string> assembled_solver_names() {
-  return {
-#define SCREE_ASSEMBLED_SOLVER(name) #name,
+std::unique_ptr<AssembledSolver> make_host_solver(const std::string& name) {
+#define SCREE_ASSEMBLED_SOLVER(known) \
+  if (name == #known) return make_assembled_##known();
+#define SCREE_ASSEMBLED_BACKEND_SOLVER(known)
 #include "solvers/assembled/solver_list.inc"
+#undef SCREE_ASSEMBLED_BACKEND_SOLVER
 #undef SCREE_ASSEMBLED_SOLVER
-  };
+  return nullptr;
+}
+
+std::unique_ptr<AssembledSolver> make_cuda_solver([[maybe_unused]] const std::string& name) {
+#ifdef SCREE_HAS_CUDA
+  return make_assembled_solver_on<Cuda>(name, make_assembled_backend<Cuda>(0));
+#else
+  throw AssembledError("this build has no CUDA");
+#endif
+}
+
+}  // namespace
+
+std::unique_ptr<AssembledSolver> make_assembled_solver(const std::string& name,
+                                                       const AssembledTarget& target) {
+  const std::vector<std::string> known = assembled_solver_names();
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw AssembledError("solver \"" + name + "\" is not known; expected one of " + joined(known));
+  if (target.cuda) {
+    const std::vector<std::string> on_cuda = assembled_solver_names(true);
+    if (std::find(on_cuda.begin(), on_cuda.end(), name) == on_cuda.end())
+      throw AssembledError("solver \"" + name +
+                           "\" has no CUDA form; those that have one: " + joined(on_cuda));
+    return make_cuda_solver(name);
+  }
+  auto solver = make_host_solver(name);
+  if (solver != nullptr) return solver;
+  return make_assembled_solver_on<Cpu>(name, make_assembled_backend<Cpu>(target.threads));
+}
+
+std::vector<std::string> assembled_solver_names(bool cuda) {
+  std::vector<std::string> names;
+#define SCREE_ASSEMBLED_SOLVER(name) \
+  if (!cuda) names.emplace_back(#name);
+#define SCREE_ASSEMBLED_BACKEND_SOLVER(name) names.emplace_back(#name);
+#include "solvers/assembled/solver_list.inc"
+#undef SCREE_ASSEMBLED_BACKEND_SOLVER
+#undef SCREE_ASSEMBLED_SOLVER
+  return names;
 }
 
 }  // namespace scree

@@ -2,8 +2,9 @@
 // What every solver of assembled problems is: something that takes W, q and mu and a guess, and
 // returns impulses with an account of how good they are.
 //
-// To add one: a file <name>.cpp here that defines make_assembled_<name>(), and its line in
-// solver_list.inc. It derives from AssembledSolver and hands its iterates to the monitor.
+// To add one: a file <name>.cpp here that defines make_assembled_<name>(), or <name>.inst.h when it
+// runs on every backend (backend_solver.h), and its line in solver_list.inc. It derives from
+// AssembledSolver and hands its iterates to the monitor.
 
 #include <memory>
 #include <optional>
@@ -57,11 +58,22 @@ class AssembledError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Makes a solver by its registered name.
-/// @throws AssembledError naming the known solvers when the name is none of them
-std::unique_ptr<AssembledSolver> make_assembled_solver(const std::string& name);
+/// Where a solver computes. On a device W, q, mu and all vectors of a method are in its memory; a
+/// look brings impulses and velocities to the host, which measures them.
+struct AssembledTarget {
+  bool cuda = false;
+  /// Of the CPU, for solvers that run on backends; 0: all. With one, times of all solvers are of
+  /// the same means.
+  int threads = 1;
+};
 
-/// Names that make_assembled_solver knows.
-std::vector<std::string> assembled_solver_names();
+/// Makes a solver by its registered name.
+/// @throws AssembledError naming the known solvers when the name is none of them, or has no form
+///         for CUDA; or when this build has no CUDA. DeviceError when there is no device
+std::unique_ptr<AssembledSolver> make_assembled_solver(const std::string& name,
+                                                       const AssembledTarget& target = {});
+
+/// Names that make_assembled_solver knows: all, or those that also run on CUDA.
+std::vector<std::string> assembled_solver_names(bool cuda = false);
 
 }  // namespace scree

@@ -33,7 +33,7 @@ class Auto final : public AssembledSolver {
     settings.newton = p.contact_count < many_contacts;
     for (int sweeps = 50; monitor.next_phase(sweeps, 10); sweeps = 2000) {
       for (int k = 0; !monitor.look_if_due(k, from.guess); ++k) {
-        sweep(p, o.model, 1, false, from.guess);
+        sweep(p, o.model, from.guess);
         monitor.count_applications();
       }
       from.guess = monitor.best();

@@ -3,13 +3,15 @@
 
 #include <cmath>
 
+#include "kernels/types.h"
+
 namespace scree {
 
 /// Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection, until
 /// the bracket is as narrow as rounding allows. @param fa, fb  f(a) and f(b), of different signs
 /// Source: Chandrupatla, Advances in Engineering Software 28, 1997.
 template <class F>
-double bracketed_root(F f, double a, double fa, double b, double fb) {
+SCREE_HD double bracketed_root(F f, double a, double fa, double b, double fb) {
   constexpr double epsilon = 2.3e-16;
   double t = 0.5;
   for (int k = 0; k < 200; ++k) {

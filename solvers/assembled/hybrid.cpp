@@ -31,7 +31,7 @@ class Hybrid final : public AssembledSolver {
     for (int sweeps = 30; monitor.next_phase(sweeps, 10);
          sweeps = std::min(2 * sweeps, most_sweeps)) {
       for (int k = 0; !monitor.look_if_due(k, r); ++k) {
-        sweep(p, o.model, 1, false, r);
+        sweep(p, o.model, r);
         monitor.count_applications();
       }
       if (!monitor.next_phase(newton_iterations, 1)) return;

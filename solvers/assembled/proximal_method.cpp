@@ -37,8 +37,24 @@ void take_account(AssembledMonitor& outer, const AssembledResult& inner) {
 
 }  // namespace
 
+ProximalMethods host_proximal_methods() {
+  ProximalMethods methods;
+  methods.newton = [](const AssembledProblem& p, const AssembledOptions& o,
+                      AssembledMonitor& monitor) { run_newton(p, o, {}, monitor); };
+  methods.sweeps = [](const AssembledProblem& p, const AssembledOptions& o,
+                      AssembledMonitor& monitor) {
+    std::vector<double> x = o.guess;
+    for (int i = 0; !monitor.look_if_due(i, x); ++i) {
+      sweep(p, o.model, x);
+      monitor.count_applications();
+    }
+  };
+  return methods;
+}
+
 void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
-                  const ProximalSettings& settings, AssembledMonitor& monitor) {
+                  const ProximalSettings& settings, AssembledMonitor& monitor,
+                  const ProximalMethods& methods) {
   const std::vector<double> scale = contact_scales(p);
   AssembledProblem inner = p;
   std::vector<double> r = o.guess;
@@ -60,7 +76,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       inner_options.max_iterations = settings.newton_iterations;
       inner_options.check_every = 1;
       AssembledMonitor inner_monitor(inner, inner_options, nullptr);
-      run_newton(inner, inner_options, {}, inner_monitor);
+      methods.newton(inner, inner_options, inner_monitor);
       best = inner_monitor.finish();
       take_account(monitor, best);
       solved = best.status == AssembledStatus::converged;
@@ -70,11 +86,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       inner_options.max_iterations = settings.sweeps;
       inner_options.check_every = 10;
       AssembledMonitor inner_monitor(inner, inner_options, nullptr);
-      std::vector<double> x = r;
-      for (int i = 0; !inner_monitor.look_if_due(i, x); ++i) {
-        sweep(inner, o.model, 1, false, x);
-        inner_monitor.count_applications();
-      }
+      methods.sweeps(inner, inner_options, inner_monitor);
       const AssembledResult swept = inner_monitor.finish();
       take_account(monitor, swept);
       if (!settings.newton || swept.residual.relative < best.residual.relative) best = swept;

@@ -1,6 +1,8 @@
 #pragma once
 // The proximal point loop, for proximal and for the solvers that build on it.
 
+#include <functional>
+
 #include "solvers/assembled/assembled_solver.h"
 
 namespace scree {
@@ -14,8 +16,20 @@ struct ProximalSettings {
   int sweeps = 100;  ///< of Gauss-Seidel where Newton fails
 };
 
+/// What solves inner problems: each runs from the guess of the options until its monitor stops it.
+struct ProximalMethods {
+  using Run =
+      std::function<void(const AssembledProblem&, const AssembledOptions&, AssembledMonitor&)>;
+  Run newton;
+  Run sweeps;  ///< of nonlinear Gauss-Seidel
+};
+
+/// Those of the host, with factorizations.
+ProximalMethods host_proximal_methods();
+
 /// Runs from the guess until the monitor stops it. See proximal.cpp for the method.
 void run_proximal(const AssembledProblem& problem, const AssembledOptions& options,
-                  const ProximalSettings& settings, AssembledMonitor& monitor);
+                  const ProximalSettings& settings, AssembledMonitor& monitor,
+                  const ProximalMethods& methods = host_proximal_methods());
 
 }  // namespace scree

@@ -49,8 +49,8 @@ TEST(CliSolve, PrintsOneLineASolver) {
   const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
   const Result result = scree(scratch, {"solve", file.string(), "--solver", "all"});
   EXPECT_EQ(result.code, 0) << result.err;
-  for (const char* word : {"a: 4 contacts in 3-D", "residual", "objective", "status", "auto",
-                           "nlgs", "newton", "proximal", "extragradient", "converged"})
+  for (const char* word : {"a: 4 contacts in 3-D, on cpu", "residual", "objective", "status",
+                           "auto", "nlgs", "newton", "proximal", "extragradient", "converged"})
     EXPECT_NE(result.out.find(word), std::string::npos) << word << " in " << result.out;
 }
 
@@ -203,6 +203,35 @@ TEST(CliSolve, RunsTheSolversOfStepsOnBodies) {
   }
 }
 
+/// Where there is a GPU the solvers that run on it reach what those of the CPU do, and others are
+/// named; where there is none, that is an error.
+TEST(CliSolve, RunsOnAGpuWhatCanRunThere) {
+  const Scratch scratch;
+  const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
+  const Result all =
+      scree(scratch, {"solve", file.string(), "--solver", "all", "--backend", "cuda"});
+  if (all.code != 0) {
+    EXPECT_EQ(all.code, 2);
+    EXPECT_NE(all.err.find("--backend cuda"), std::string::npos) << all.err;
+    return;
+  }
+  for (const char* word : {"not on cuda: ", "interior_point", "on cuda", "apgd", "nlgs"})
+    EXPECT_NE(all.out.find(word), std::string::npos) << word << " in " << all.out;
+  const json out =
+      solve_json(scratch, {file.string(), "--solver", "apgd,nlgs", "--backend", "cuda"});
+  const json reference = solve_json(scratch, {file.string(), "--solver", "nlgs"});
+  const double objective = reference.at("problems").at(0).at("runs").at(0).at("objective");
+  for (const json& run : out.at("problems").at(0).at("runs")) {
+    EXPECT_EQ(run.at("backend"), "cuda");
+    EXPECT_TRUE(run.at("converged")) << run.dump(1);
+    EXPECT_NEAR(run.at("objective"), objective, 1e-6 * std::abs(objective));
+  }
+  const Result newton =
+      scree(scratch, {"solve", file.string(), "--solver", "nlgs,newton", "--backend", "cuda"});
+  EXPECT_EQ(newton.code, 2);
+  EXPECT_NE(newton.err.find("newton cannot run on cuda"), std::string::npos) << newton.err;
+}
+
 TEST(CliSolve, NotReachingTheToleranceIsAStatus) {
   const Scratch scratch;
   const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
@@ -264,6 +293,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadUse{"MatrixFreeSolver",
                {"good.hdf5", "--matrix-free", "--solver", "nlgs"},
                {"\"nlgs\"", "apgd", "jacobi"}},
+        BadUse{"AssembledPrecision",
+               {"good.hdf5", "--precision", "float"},
+               {"--precision float", "--matrix-free"}},
+        BadUse{"Backend", {"good.hdf5", "--backend", "tpu"}, {"--backend", "\"tpu\""}},
         BadUse{"Tolerance", {"good.hdf5", "--tolerance", "-1"}, {"--tolerance", "-1"}},
         BadUse{"ToleranceNan", {"good.hdf5", "--tolerance", "nan"}, {"--tolerance", "nan"}},
         BadUse{"Iterations", {"good.hdf5", "--max-iterations", "-3"}, {"--max-iterations", "-3"}},

@@ -5,14 +5,16 @@
 // are redundant. Solves the convex model too, then as gauss_seidel. Source: Jean, CMAME 177, 1999;
 // the one-contact solve of one_contact.h.
 
-#include "solvers/assembled/assembled_solver.h"
-#include "solvers/assembled/sweep.h"
+#include "solvers/assembled/backend_solver.h"
+#include "solvers/assembled/sweep_method.h"
 
 namespace scree {
 namespace {
 
-class Nlgs final : public AssembledSolver {
+class Nlgs final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {"nlgs", "nonlinear Gauss-Seidel, exact one-contact Coulomb solves", true, true, 20000,
             10};
@@ -20,16 +22,16 @@ class Nlgs final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    std::vector<double> r = o.guess;
-    for (int k = 0; !monitor.look_if_due(k, r); ++k) {
-      sweep(p, o.model, 1, false, r);
-      monitor.count_applications();
-    }
+    run_sweeps(upload_problem(p), o.model, 1, o.guess, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_nlgs() { return std::make_unique<Nlgs>(); }
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_nlgs<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<Nlgs>(std::move(backend));
+}
 
 }  // namespace scree

@@ -5,13 +5,16 @@
 // sweep: one product with W and 4 scalar updates a contact. For the convex model it converges to
 // the minimum over the pyramids; W need not be regular.
 
+#include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/pgs_pyramid_method.h"
 
 namespace scree {
 namespace {
 
-class PgsPyramid4 final : public AssembledSolver {
+class PgsPyramid4 final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {"pgs_pyramid4",   "projected Gauss-Seidel on 4-sided pyramids", true, true, 20000, 10,
             "4-sided pyramid"};
@@ -19,14 +22,16 @@ class PgsPyramid4 final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_pgs_pyramid(p, o, 4, monitor);
+    run_pgs_pyramid(upload_problem(p), o, 4, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_pgs_pyramid4() {
-  return std::make_unique<PgsPyramid4>();
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_pgs_pyramid4<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<PgsPyramid4>(std::move(backend));
 }
 
 }  // namespace scree

@@ -5,14 +5,16 @@
 // and breaks others; less than 1 helps some elastic ones.
 // Source: Mangasarian, JOTA 22, 1977; for friction Acary, Bremond and Huber, INRIA RR-9118, 2018.
 
-#include "solvers/assembled/assembled_solver.h"
-#include "solvers/assembled/sweep.h"
+#include "solvers/assembled/backend_solver.h"
+#include "solvers/assembled/sweep_method.h"
 
 namespace scree {
 namespace {
 
-class Sor final : public AssembledSolver {
+class Sor final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {"sor", "over-relaxed nonlinear Gauss-Seidel", true, true, 20000, 10};
   }
@@ -20,16 +22,16 @@ class Sor final : public AssembledSolver {
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
     const double relaxation = o.relaxation > 0 ? o.relaxation : 1.2;
-    std::vector<double> r = o.guess;
-    for (int k = 0; !monitor.look_if_due(k, r); ++k) {
-      sweep(p, o.model, relaxation, false, r);
-      monitor.count_applications();
-    }
+    run_sweeps(upload_problem(p), o.model, relaxation, o.guess, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_sor() { return std::make_unique<Sor>(); }
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_sor<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<Sor>(std::move(backend));
+}
 
 }  // namespace scree

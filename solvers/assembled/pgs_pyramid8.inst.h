@@ -5,13 +5,16 @@
 // sweep: one product with W and 8 scalar updates a contact. For the convex model it converges to
 // the minimum over the pyramids; W need not be regular.
 
+#include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/pgs_pyramid_method.h"
 
 namespace scree {
 namespace {
 
-class PgsPyramid8 final : public AssembledSolver {
+class PgsPyramid8 final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {"pgs_pyramid8",   "projected Gauss-Seidel on 8-sided pyramids", true, true, 20000, 10,
             "8-sided pyramid"};
@@ -19,14 +22,16 @@ class PgsPyramid8 final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_pgs_pyramid(p, o, 8, monitor);
+    run_pgs_pyramid(upload_problem(p), o, 8, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_pgs_pyramid8() {
-  return std::make_unique<PgsPyramid8>();
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_pgs_pyramid8<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<PgsPyramid8>(std::move(backend));
 }
 
 }  // namespace scree

@@ -2,13 +2,16 @@
 // sweep before. Fixed points, and all else, as for pgs_box; within a sweep the bounds stand still,
 // so that a sweep is one of a quadratic program with boxes.
 
+#include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/pgs_box_method.h"
 
 namespace scree {
 namespace {
 
-class PgsBoxLagged final : public AssembledSolver {
+class PgsBoxLagged final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {"pgs_box_lagged",
             "projected Gauss-Seidel on box friction, lagged bounds",
@@ -21,14 +24,16 @@ class PgsBoxLagged final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_pgs_box(p, o, BoxBounds::lagged, monitor);
+    run_pgs_box(upload_problem(p), o, BoxBounds::lagged, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_pgs_box_lagged() {
-  return std::make_unique<PgsBoxLagged>();
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_pgs_box_lagged<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<PgsBoxLagged>(std::move(backend));
 }
 
 }  // namespace scree

@@ -7,13 +7,16 @@
 // Source: Jourdan, Alart and Jean, CMAME 155, 1998 (Gauss-Seidel); Catto, Iterative dynamics with
 // temporal coherence, GDC 2005 (box bounds).
 
+#include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/pgs_box_method.h"
 
 namespace scree {
 namespace {
 
-class PgsBox final : public AssembledSolver {
+class PgsBox final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {
         "pgs_box", "projected Gauss-Seidel on box friction, coupled bounds", true, false, 20000, 10,
@@ -22,12 +25,16 @@ class PgsBox final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_pgs_box(p, o, BoxBounds::coupled, monitor);
+    run_pgs_box(upload_problem(p), o, BoxBounds::coupled, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_pgs_box() { return std::make_unique<PgsBox>(); }
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_pgs_box<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<PgsBox>(std::move(backend));
+}
 
 }  // namespace scree

@@ -5,14 +5,16 @@
 // The exact model is reached by the De Saxce fixed point; nlgs solves it in the sweep.
 // Source: Tseng, JOTA 109, 2001 (convergence); one_contact.h.
 
-#include "solvers/assembled/assembled_solver.h"
-#include "solvers/assembled/sweep.h"
+#include "solvers/assembled/backend_solver.h"
+#include "solvers/assembled/sweep_method.h"
 
 namespace scree {
 namespace {
 
-class GaussSeidel final : public AssembledSolver {
+class GaussSeidel final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {"gauss_seidel", "block Gauss-Seidel, exact 3x3 solves of the convex model",
             false,          true,
@@ -21,18 +23,16 @@ class GaussSeidel final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    std::vector<double> r = o.guess;
-    for (int k = 0; !monitor.look_if_due(k, r); ++k) {
-      sweep(p, AssembledModel::convex, 1, false, r);
-      monitor.count_applications();
-    }
+    run_sweeps(upload_problem(p), AssembledModel::convex, 1, o.guess, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_gauss_seidel() {
-  return std::make_unique<GaussSeidel>();
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_gauss_seidel<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<GaussSeidel>(std::move(backend));
 }
 
 }  // namespace scree

@@ -1,0 +1,27 @@
+#pragma once
+// Block Gauss-Seidel with exact one-contact solves on a backend, for gauss_seidel, nlgs and sor.
+
+#include "solvers/assembled/sweep.h"
+#include "solvers/assembled/sweep_order.h"
+
+namespace scree {
+
+/// Sweeps from the guess until the monitor stops. A look costs one product with W.
+template <class B>
+void run_sweeps(const BackendProblem<B>& p, AssembledModel model, double relaxation,
+                const std::vector<double>& guess, AssembledMonitor& monitor) {
+  const SweepOrder<B> order(p);
+  Buffer<B, double> r = p.vector(guess), moved = p.vector();
+  const SweepContact visit{model, relaxation, p.rows(), p.q(), p.mu(), r.view(p.row_count())};
+  for (int k = 0;; ++k) {
+    if (monitor.due(k)) {
+      p.multiply(r, moved);
+      monitor.count_applications();
+      if (p.look(monitor, k, r, moved)) return;
+    }
+    order.run(visit);
+    monitor.count_applications();
+  }
+}
+
+}  // namespace scree

@@ -1,28 +1,15 @@
 #include "solvers/assembled/pgs_pyramid_method.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include "solvers/assembled/cone_vectors.h"
+#include "solvers/assembled/friction_pyramid.h"
 
 namespace scree {
 namespace {
 
-struct Direction {
-  double t1, t2;
-};
-
-std::vector<Direction> directions(int sides) {
-  std::vector<Direction> e;
-  for (int j = 0; j < sides; ++j) {
-    const double angle = 2 * std::numbers::pi * j / sides;
-    e.push_back({std::cos(angle), std::sin(angle)});
-  }
-  return e;
-}
-
 /// Multipliers of an impulse, of the nearest part of the pyramid in the same direction.
-void split(const std::vector<Direction>& e, double mu, const double* r, double* l) {
+void split(const std::vector<PyramidEdge>& e, double mu, const double* r, double* l) {
   const int sides = static_cast<int>(e.size());
   std::fill(l, l + sides, 0.0);
   if (!(r[0] > 0)) return;
@@ -30,7 +17,7 @@ void split(const std::vector<Direction>& e, double mu, const double* r, double* 
   if (mu > 0) {
     const double t1 = r[1] / mu, t2 = r[2] / mu;
     for (int j = 0; j < sides; ++j) {
-      const Direction &a = e[j], &b = e[(j + 1) % sides];
+      const PyramidEdge &a = e[j], &b = e[(j + 1) % sides];
       const double det = a.t1 * b.t2 - a.t2 * b.t1;
       const double la = (t1 * b.t2 - t2 * b.t1) / det, lb = (a.t1 * t2 - a.t2 * t1) / det;
       if (la < 0 || lb < 0) continue;
@@ -48,7 +35,7 @@ void split(const std::vector<Direction>& e, double mu, const double* r, double* 
 
 void run_pgs_pyramid(const AssembledProblem& p, const AssembledOptions& o, int sides,
                      AssembledMonitor& monitor) {
-  const std::vector<Direction> e = directions(sides);
+  const std::vector<PyramidEdge> e = pyramid_edges(sides);
   const double omega = o.relaxation > 0 ? o.relaxation : 1;
   monitor.keep_last();
   const double settled = o.tolerance * norm(p.q);
@@ -75,9 +62,7 @@ void run_pgs_pyramid(const AssembledProblem& p, const AssembledOptions& o, int s
       const double before[3] = {r[3 * c], r[3 * c + 1], r[3 * c + 2]};
       std::array<double, 3> u = row_product(p, c, r.data());
       for (int i = 0; i < 3; ++i) u[i] += p.q[3 * c + i];
-      double lift = 0;
-      if (o.model == AssembledModel::exact)
-        for (const Direction& j : e) lift = std::max(lift, -mu * (j.t1 * u[1] + j.t2 * u[2]));
+      const double lift = o.model == AssembledModel::exact ? pyramid_lift(e, mu, u.data()) : 0;
       for (int j = 0; j < sides; ++j) {
         const double v[3] = {1, mu * e[j].t1, mu * e[j].t2};
         double wv[3], stiffness = 0, slope = lift;

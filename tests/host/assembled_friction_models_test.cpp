@@ -59,13 +59,14 @@ std::vector<double> velocity(const AssembledProblem& p, const std::vector<double
 
 TEST(FrictionModels, AreNamedWhereTheyAreNotTheCone) {
   for (const std::string& name : assembled_solver_names()) {
-    const bool other = name.starts_with("pgs_") || name.starts_with("cpg_");
+    const bool other =
+        name.starts_with("pgs_") || name.starts_with("cpg_") || name == "newton_minmax";
     EXPECT_EQ(make_assembled_solver(name)->traits().friction != "cone", other) << name;
   }
 }
 
 TEST(FrictionModels, BoxHasSqrtTwoTimesTheFrictionAlongTheDiagonal) {
-  for (const char* solver : {"pgs_box", "pgs_box_lagged", "cpg_box"}) {
+  for (const char* solver : {"pgs_box", "pgs_box_lagged", "cpg_box", "newton_minmax"}) {
     SCOPED_TRACE(solver);
     const AssembledProblem p = sliding(std::numbers::pi / 4);
     const AssembledResult result = solve(solver, AssembledModel::exact, p);
@@ -96,7 +97,7 @@ TEST(FrictionModels, BoxOfBothBoundsIsSolvedRowByRow) {
 }
 
 TEST(FrictionModels, BoxesHaveNoConvexModel) {
-  for (const char* solver : {"pgs_box", "cpg_box"})
+  for (const char* solver : {"pgs_box", "cpg_box", "newton_minmax"})
     EXPECT_EQ(solve(solver, AssembledModel::convex, sliding(0)).status,
               AssembledStatus::unsupported);
 }
@@ -167,6 +168,57 @@ TEST(FrictionModels, ConjugateGradientsSolveTheLawsOfGaussSeidel) {
   compare("pgs_pyramid8", "cpg_pyramid8", AssembledModel::convex);
   compare("pgs_pyramid4", "cpg_pyramid4", AssembledModel::exact);
   compare("pgs_pyramid8", "cpg_pyramid8", AssembledModel::exact);
+}
+
+TEST(FrictionModels, MinMaxNewtonSolvesBoxFrictionInAFewSteps) {
+  int solved = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    const AssembledProblem p = random_assembled(seed);
+    const AssembledResult newton = solve("newton_minmax", AssembledModel::exact, p);
+    if (newton.note.find("solved with box") == std::string::npos) continue;  // the ways to fail
+    ++solved;
+    EXPECT_LE(newton.iterations, 30);
+    const std::vector<double> u = velocity(p, newton.r);
+    for (int c = 0; c < p.contact_count; ++c) {
+      const double* r = &newton.r[3 * c];
+      EXPECT_NEAR(r[0] - std::max(0.0, r[0] - u[3 * c]), 0, 1e-8);
+      for (int k = 1; k < 3; ++k) {
+        const double bound = p.mu[c] * r[0];
+        EXPECT_NEAR(r[k] - std::clamp(r[k] - u[3 * c + k], -bound, bound), 0, 1e-8);
+      }
+    }
+  }
+  EXPECT_GE(solved, 35);
+}
+
+/// What the seed of this comparison reports of the method: it is easily trapped.
+TEST(FrictionModels, MinMaxNewtonSaysHowItFailed) {
+  const auto one_contact = [](unsigned seed) {
+    return assembled_form(
+        local_form(fixtures::random_body_problem({.layout = ContactLayout::general,
+                                                  .free_count = 1,
+                                                  .fixed_count = 2,
+                                                  .contact_count = 1,
+                                                  .seed = seed,
+                                                  .mu_max = 3.0})));
+  };
+  // Seeds found by a search over random contacts with much friction.
+  const AssembledResult trapped = solve("newton_minmax", AssembledModel::exact, one_contact(428));
+  EXPECT_EQ(trapped.status, AssembledStatus::stalled);
+  EXPECT_EQ(trapped.note, "trapped at a kink or local minimum of the merit function");
+  EXPECT_GT(trapped.residual.relative, 1e-3);
+
+  const AssembledResult misled = solve("newton_minmax", AssembledModel::exact, one_contact(111));
+  EXPECT_EQ(misled.status, AssembledStatus::stalled);
+  EXPECT_EQ(misled.note, "no descent of the merit function along the Newton step");
+
+  const Block3 unit{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const AssembledResult redundant =
+      solve("newton_minmax", AssembledModel::exact,
+            assemble(2, {{0, 0, unit}, {0, 1, unit}, {1, 0, unit}, {1, 1, unit}},
+                     {-1, 0, 0, -1, 0, 0}, {0.5, 0.5}));
+  EXPECT_EQ(redundant.status, AssembledStatus::singular);
 }
 
 /// A tower of boxes: what the ground carries passes through all of them, which takes sweeps one

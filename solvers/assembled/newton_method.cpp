@@ -1,18 +1,14 @@
 #include "solvers/assembled/newton_method.h"
 
-// Matrices of contacts are small: Eigen's threads would cost more than they save.
-#define EIGEN_DONT_PARALLELIZE
-#include <Eigen/SparseLU>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "solvers/assembled/contact_function.h"
+#include "solvers/assembled/cone_vectors.h"
+#include "solvers/assembled/newton_system.h"
 
 namespace scree {
 namespace {
-
-using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-using Vector = Eigen::VectorXd;
 
 /// Step over value of the function, both impulses, from which a step that leads nowhere down is
 /// rounding of a singular Jacobian.
@@ -45,17 +41,12 @@ class Equations {
 
   const std::vector<double>& velocity() const { return u_; }
 
-  Vector value() const {
-    Vector f(3 * p_.contact_count);
-    for (int c = 0; c < p_.contact_count; ++c)
-      for (int k = 0; k < 3; ++k) f(3 * c + k) = at_[c].value[k];
-    return f;
-  }
+  const std::vector<double>& scale() const { return scale_; }
+  const std::vector<ContactFunction>& functions() const { return at_; }
 
-  /// D F, by which the transposed Jacobian makes the gradient of the merit.
-  Vector weighted_value() const {
-    Vector f = value();
-    for (int c = 0; c < p_.contact_count; ++c) f.segment<3>(3 * c) *= scale_[c];
+  std::vector<double> value() const {
+    std::vector<double> f;
+    for (const ContactFunction& c : at_) f.insert(f.end(), c.value, c.value + 3);
     return f;
   }
 
@@ -64,33 +55,6 @@ class Equations {
     double sum = 0;
     for (std::size_t k = 0; k < p_.q.size(); ++k) sum += p_.q[k] * p_.q[k] / scale_[k / 3];
     return std::sqrt(sum);
-  }
-
-  /// dF/dr + dF/du (W + shift D), rows of contacts that touch nothing being those of the identity.
-  Matrix jacobian(double shift) const {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int c = 0; c < p_.contact_count; ++c) {
-      const ContactFunction& f = at_[c];
-      for (int i = 0; i < 3; ++i) {
-        const double* by_u = &f.by_u[3 * i];
-        const bool touches = by_u[0] != 0 || by_u[1] != 0 || by_u[2] != 0;
-        for (int j = 0; j < 3; ++j) {
-          const double own = f.by_r[3 * i + j] + shift * scale_[c] * by_u[j];
-          if (own != 0) entries.emplace_back(3 * c + i, 3 * c + j, own);
-        }
-        if (!touches) continue;
-        for (int k = p_.row_start[c]; k < p_.row_start[c + 1]; ++k) {
-          const Block3& w = p_.block[k];
-          for (int j = 0; j < 3; ++j) {
-            const double value = by_u[0] * w[j] + by_u[1] * w[3 + j] + by_u[2] * w[6 + j];
-            if (value != 0) entries.emplace_back(3 * c + i, 3 * p_.column[k] + j, value);
-          }
-        }
-      }
-    }
-    Matrix J(3 * p_.contact_count, 3 * p_.contact_count);
-    J.setFromTriplets(entries.begin(), entries.end());
-    return J;
   }
 
  private:
@@ -113,7 +77,8 @@ class Newton {
         equations_(p, o.model, settings_.law),
         r_(o.guess),
         merit_(equations_.evaluate(r_, monitor)),
-        settled_(o.tolerance * equations_.load()) {}
+        settled_(o.tolerance * equations_.load()),
+        system_(p, equations_.scale(), settings.shift) {}
 
   void run() {
     for (int k = 0;; ++k) {
@@ -124,24 +89,26 @@ class Newton {
                         "solved with " + settings_.law.name + ", not the cone");
         return;
       }
-      const Matrix jacobian = equations_.jacobian(settings_.shift);
-      factors_.compute(jacobian);
       monitor_.count_factorizations();
-      if (factors_.info() != Eigen::Success)
+      if (!system_.factorize(equations_.functions()))
         return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular");
-      const Vector value = equations_.value();
-      const Vector step = factors_.solve(value);
-      if (!step.allFinite())
+      std::vector<double> value = equations_.value();
+      long products = 0;
+      const std::vector<double> step = system_.solve(value, products);
+      monitor_.count_applications(products);
+      if (!std::all_of(step.begin(), step.end(), [](double x) { return std::isfinite(x); }))
         return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");
-      const Vector slope = jacobian.transpose() * equations_.weighted_value();
       // Along a Newton step the merit falls by twice itself at first.
       if (descend(step, 2 * merit_)) continue;
       monitor_.look(k, r_);
       if (monitor_.stopped()) return;
-      if (step.norm() > singular_from * value.norm())
+      if (norm(step) > singular_from * norm(value))
         return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");
-      const double steepest = slope.squaredNorm();
-      const bool is_trapped = !descend(merit_ / steepest * slope, merit_);
+      for (std::size_t i = 0; i < value.size(); ++i) value[i] *= equations_.scale()[i / 3];
+      std::vector<double> slope = system_.transposed_product(value);  // of the merit
+      const double steepest = dot(slope, slope);
+      for (double& x : slope) x *= merit_ / steepest;
+      const bool is_trapped = !descend(slope, merit_);
       return monitor_.fail(AssembledStatus::stalled,
                            is_trapped ? "trapped at a kink or local minimum of the merit function"
                                       : "no descent of the merit function along the Newton step");
@@ -151,12 +118,11 @@ class Newton {
  private:
   /// Backtracks from r - step until the merit is less by Armijo's share of its slope.
   /// @return whether it found such a point; r is then that one, and as it was otherwise
-  bool descend(const Vector& step, double slope) {
+  bool descend(const std::vector<double>& step, double slope) {
     std::vector<double> trial(r_.size());
     double length = 1;
     for (int t = 0; t <= settings_.trials; ++t, length *= 0.5) {
-      for (std::size_t i = 0; i < r_.size(); ++i)
-        trial[i] = r_[i] - length * step(static_cast<int>(i));
+      for (std::size_t i = 0; i < r_.size(); ++i) trial[i] = r_[i] - length * step[i];
       const double next = equations_.evaluate(trial, monitor_);
       if (!(next <= merit_ - settings_.least_descent * length * slope)) continue;
       merit_ = next;
@@ -172,7 +138,7 @@ class Newton {
   std::vector<double> r_;
   double merit_;
   double settled_;
-  Eigen::SparseLU<Matrix> factors_;
+  NewtonSystem system_;
 };
 
 }  // namespace

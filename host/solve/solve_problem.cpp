@@ -8,6 +8,7 @@
 
 #include "host/error.h"
 #include "host/problems/assembled_form.h"
+#include "host/problems/body_measures.h"
 #include "host/problems/matrix_form.h"
 
 namespace scree {
@@ -25,6 +26,16 @@ ReadyProblem ready(const std::string& name, const StoredProblem& stored) {
     p.guess = to_three_rows(dimension, stored.guesses.front().r);
   if (stored.solution.has_value() && !stored.solution->u.empty())
     p.reference_velocity = to_three_rows(dimension, stored.solution->u);
+  return p;
+}
+
+ReadyProblem ready_matrix_free(const std::string& name, const StoredProblem& stored) {
+  const auto* bodies = std::get_if<BodyProblem>(&stored.form);
+  if (bodies == nullptr || bodies->layout != ContactLayout::rolling) return ready(name, stored);
+  ReadyProblem p;
+  p.name = name;
+  p.problem.contact_count = bodies->contact_count();
+  p.guess = world_numbers(bodies->impulse);
   return p;
 }
 

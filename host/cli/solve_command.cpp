@@ -185,7 +185,7 @@ int solve_problems(const SolveOptions& options) {
   for (const fs::path& file : problem_files(options.problem)) {
     const StoredProblem stored = read_problem(file);
     try {
-      problems.push_back(ready(file.stem().string(), stored));
+      problems.push_back((matrix_free ? ready_matrix_free : ready)(file.stem().string(), stored));
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", file.string(), error.what()));
     }

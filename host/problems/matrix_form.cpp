@@ -180,7 +180,7 @@ Parts parts_of(const BodyProblem& p) {
   if (p.layout == ContactLayout::rolling)
     throw InputError(
         "the problem has rolling friction, which matrices of three rows a contact do not hold; "
-        "expected layout radial or general");
+        "expected layout radial or general (scree solve --matrix-free takes all)");
   if (18.0 * 2 * p.contact_count() > max_entries)
     throw InputError(
         fmt::format("H of {} contacts would hold more than 2^31 entries", p.contact_count()));

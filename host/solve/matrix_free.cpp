@@ -8,6 +8,7 @@
 
 #include "host/error.h"
 #include "host/io/checkpoint.h"
+#include "host/problems/body_measures.h"
 #include "host/problems/matrix_form.h"
 
 namespace scree {
@@ -47,12 +48,15 @@ SolverRun run(MatrixFreeProblem& uploaded, const BodyProblem& problem, const Rea
     limit = next_limit(limit, most);
     const MatrixFreeSolution s = uploaded.solve(solver, options.model, guess, limit, inner);
     spent += s.seconds;
-    std::vector<double> r = impulse_rows(problem, s.impulse);
+    // Moments have no rows in W.
+    const bool rolling = problem.layout == ContactLayout::rolling;
+    std::vector<double> r = rolling ? world_numbers(s.impulse) : impulse_rows(problem, s.impulse);
     AssembledCurvePoint point;
     point.iteration = s.iterations;
     point.applications = s.applications;
     point.seconds = s.seconds;
-    point.residual = measure(ready.problem, options.model, r);
+    point.residual = rolling ? measure(problem, options.model, s.impulse)
+                             : measure(ready.problem, options.model, r);
     out.curve.push_back(point);
     const bool out_of_time = options.max_seconds > 0 && spent > options.max_seconds;
     const AssembledStatus status = status_of(point.residual, options, out_of_time);

@@ -8,6 +8,7 @@
 
 #include "host/error.h"
 #include "host/problems/assembled_form.h"
+#include "host/problems/body_measures.h"
 #include "host/problems/matrix_form.h"
 
 namespace scree {
@@ -43,6 +44,16 @@ SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
       contact_velocity(convex ? symmetrized(problem.problem) : problem.problem, run.result.r);
   problem.reference_model = o.model;
   return run;
+}
+
+ReadyProblem ready_matrix_free(const std::string& name, const StoredProblem& stored) {
+  const auto* bodies = std::get_if<BodyProblem>(&stored.form);
+  if (bodies == nullptr || bodies->layout != ContactLayout::rolling) return ready(name, stored);
+  ReadyProblem p;
+  p.name = name;
+  p.problem.contact_count = bodies->contact_count();
+  p.guess = world_numbers(bodies->impulse);
+  return p;
 }
 
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,

@@ -26,6 +26,10 @@ struct ReadyProblem {
 /// @throws InputError as assembled_form
 ReadyProblem ready(const std::string& name, const StoredProblem& stored);
 
+/// A problem with bodies for matrix-free solvers alone where it has rolling friction, which W does
+/// not hold: all but the matrices. As ready() otherwise.
+ReadyProblem ready_matrix_free(const std::string& name, const StoredProblem& stored);
+
 /// What one solver did.
 struct SolverRun {
   std::string solver;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "solvers/assembled/infeasibility.h"
+
 namespace scree {
 namespace {
 
@@ -98,6 +100,9 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
   }
   if (options_.tolerance > 0 && last_.relative <= options_.tolerance) {
     fail(AssembledStatus::converged);
+  } else if (is_unsolvable(r, u)) {
+    fail(AssembledStatus::no_solution,
+         "impulses grow without bound in a direction that W does not resist");
   } else if (iteration >= phase_limit_) {
     fail(AssembledStatus::iteration_limit);
   } else if (out_of_time()) {
@@ -120,6 +125,16 @@ void AssembledMonitor::compare(const std::vector<double>& r, const std::vector<d
   if (has_impulse) point.kinetic_error = std::max(0.0, 0.5 * power);
 }
 
+bool AssembledMonitor::is_unsolvable(const std::vector<double>& r, const std::vector<double>& u) {
+  if (asked_ || !options_.tell_unsolvable || options_.model != AssembledModel::convex) return false;
+  std::vector<double> moved = u;
+  for (std::size_t k = 0; k < moved.size(); ++k) moved[k] -= problem_.q[k];
+  if (!grows_without_bound(problem_, r, moved)) return false;
+  asked_ = true;
+  const double left = options_.max_seconds - seconds();
+  return has_no_solution(problem_, options_.max_seconds > 0 ? std::max(1e-3, left) : 0);
+}
+
 void AssembledMonitor::fail(AssembledStatus status, std::string text) {
   result_.status = status;
   stopped_ = true;
@@ -135,6 +150,7 @@ void AssembledMonitor::note(const std::string& text) {
 bool AssembledMonitor::next_phase(int most, int check_every) {
   const int left = options_.max_iterations - result_.iterations;
   if (converged() || out_of_time() || left <= 0) return false;
+  if (result_.status == AssembledStatus::no_solution) return false;
   phase_start_ = result_.iterations;
   phase_limit_ = most > 0 ? std::min(most, left) : left;
   check_every_ = std::max(1, check_every > 0 ? check_every : options_.check_every);

@@ -12,11 +12,13 @@ namespace scree {
 
 struct AssembledOptions {
   AssembledModel model = AssembledModel::exact;
-  double tolerance = 1e-8;    ///< on AssembledResidual::relative, >= 0; 0 runs all iterations
-  int max_iterations = 0;     ///< of the method, outer ones where there are two kinds; 0: its own
-  int check_every = 0;        ///< iterations between looks; 0: the method's own
-  double max_seconds = 0;     ///< by the clock; 0: no limit
-  double relaxation = 0;      ///< of methods that have one, in (0, 2); 0: the method's own
+  double tolerance = 1e-8;  ///< on AssembledResidual::relative, >= 0; 0 runs all iterations
+  int max_iterations = 0;   ///< of the method, outer ones where there are two kinds; 0: its own
+  int check_every = 0;      ///< iterations between looks; 0: the method's own
+  double max_seconds = 0;   ///< by the clock; 0: no limit
+  double relaxation = 0;    ///< of methods that have one, in (0, 2); 0: the method's own
+  /// Whether looks of the convex model tell problems without solution, see infeasibility.h.
+  bool tell_unsolvable = true;
   std::vector<double> guess;  ///< [3 contact_count], any values; empty: zero
   /// u that curves are compared with [3 contact_count]; empty: none
   std::vector<double> reference_velocity;
@@ -105,7 +107,7 @@ class AssembledMonitor {
   /// @param most         iterations of the phase, at whose end it stops; 0: what is left
   /// @param check_every  iterations between looks in it; 0: that of the options
   /// @return whether there is one: false, and nothing changes, when the solve has converged or is
-  ///         out of iterations or time
+  ///         out of iterations or time, or has shown that there is no solution
   bool next_phase(int most = 0, int check_every = 0);
 
   bool stopped() const { return stopped_; }
@@ -132,6 +134,8 @@ class AssembledMonitor {
   /// Fills in the errors against the reference, if there is one.
   void compare(const std::vector<double>& r, const std::vector<double>& u,
                AssembledCurvePoint& point) const;
+  /// Whether impulses that grow are those of a problem without solution.
+  bool is_unsolvable(const std::vector<double>& r, const std::vector<double>& u);
 
   const AssembledProblem& problem_;
   const AssembledOptions& options_;
@@ -151,6 +155,7 @@ class AssembledMonitor {
   bool looked_ = false;
   bool keep_last_ = false;
   bool stopped_ = false;
+  bool asked_ = false;  ///< whether there is a solution, which is expensive
 };
 
 }  // namespace scree

@@ -53,7 +53,13 @@ AssembledProblem assemble(int contact_count, std::vector<PlacedBlock> blocks, st
     for (int k = 0; k < 9; ++k) p.block.back()[k] += b.value[k];
   }
   for (int c = 0; c < contact_count; ++c) p.row_start[c + 1] += p.row_start[c];
-  return p;
+  const std::size_t count = blocks.size();
+  for (int row = 0; row < contact_count; ++row)
+    for (int k = p.row_start[row]; k < p.row_start[row + 1]; ++k)
+      if (find_block(p, p.column[k], row) < 0) blocks.push_back({p.column[k], row, Block3{}});
+  return blocks.size() == count
+             ? p
+             : assemble(contact_count, std::move(blocks), std::move(p.q), std::move(p.mu));
 }
 
 void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vector<double>& y) {

@@ -13,7 +13,8 @@
 
 namespace scree {
 
-/// W in compressed block rows. Columns ascend within a row, and the diagonal block is always there.
+/// W in compressed block rows. Columns ascend within a row, the diagonal block is always there, and
+/// so is W_cr where W_rc is.
 struct AssembledProblem {
   int contact_count = 0;
   int dimension = 3;             ///< rows a contact has in the file it came from: 2 or 3
@@ -41,7 +42,8 @@ struct PlacedBlock {
   Block3 value{};
 };
 
-/// The problem with these blocks, zero diagonal blocks added where there are none.
+/// The problem with these blocks, zero blocks added on the diagonal and across it where there are
+/// none.
 /// @param q, mu  [3 n], [n]
 AssembledProblem assemble(int contact_count, std::vector<PlacedBlock> blocks, std::vector<double> q,
                           std::vector<double> mu);

@@ -87,8 +87,9 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
   } else {
     monitor.fail(AssembledStatus::unsupported, "the method solves the exact model only");
   }
-  if (!monitor.converged() && grows_without_bound(p, monitor.last_impulses())) {
-    monitor.fail(convex ? AssembledStatus::no_solution : AssembledStatus::diverged,
+  // The monitor tells it for the convex model.
+  if (!convex && !monitor.converged() && grows_without_bound(p, monitor.last_impulses())) {
+    monitor.fail(AssembledStatus::diverged,
                  "impulses grow without bound in a direction that W does not resist");
   }
   return monitor.finish();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/assembled/assembled_solver.h"
+
 namespace scree {
 
 int untouchable_contact(const AssembledProblem& p) {
@@ -18,18 +20,38 @@ int untouchable_contact(const AssembledProblem& p) {
 }
 
 bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r) {
+  std::vector<double> moved;
   if (r.size() != p.q.size()) return false;
+  multiply(p, r, moved);
+  return grows_without_bound(p, r, moved);
+}
+
+bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r,
+                         const std::vector<double>& moved) {
   const std::vector<double> scale = contact_scales(p);
-  std::vector<double> resisted;
-  multiply(p, r, resisted);
   double along = 0, resistance = 0, loads = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     along += p.q[i] * r[i];
-    resistance += resisted[i] * resisted[i] / scale[i / 3];
+    resistance += moved[i] * moved[i] / scale[i / 3];
     loads += p.q[i] * p.q[i] / scale[i / 3];
   }
   // |q.d| / |W d| in the metric of the scales, against |q| / D.
   return along < 0 && -along > 1e3 * std::sqrt(resistance * loads);
+}
+
+bool has_no_solution(const AssembledProblem& p, double max_seconds) {
+  AssembledOptions o;
+  o.model = AssembledModel::convex;
+  o.tolerance = 1e-6;
+  o.max_seconds = max_seconds;
+  o.tell_unsolvable = false;
+  const auto solver = make_assembled_solver("interior_point");
+  o.max_iterations = solver->traits().default_iterations;
+  o.check_every = 1;
+  o.guess.assign(p.q.size(), 0.0);
+  AssembledMonitor monitor(p, o, nullptr);
+  solver->run(p, o, monitor);
+  return monitor.finish().status == AssembledStatus::no_solution;
 }
 
 }  // namespace scree

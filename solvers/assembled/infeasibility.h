@@ -14,6 +14,16 @@ int untouchable_contact(const AssembledProblem& p);
 /// for all of them: the convex problem has no solution. With W d small instead of zero there is
 /// none below |q.d| / |W d|, and "small" means: a thousand times what the loads ask of single
 /// contacts.
+/// @param moved  W r, where it is known
+bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r,
+                         const std::vector<double>& moved);
 bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r);
+
+/// Whether the convex problem has no solution, by the interior point method: its impulses grow by
+/// factors along such a direction where those of others grow by sums, and those of a high tower,
+/// which are large, end somewhere.
+/// @param p            with a symmetric W
+/// @param max_seconds  0: no limit; false when they do not suffice
+bool has_no_solution(const AssembledProblem& p, double max_seconds);
 
 }  // namespace scree

@@ -1,11 +1,11 @@
 // Semi-smooth Newton on the Alart-Curnier function (exact model) or the natural map (convex one),
 // with backtracking on the merit function 1/2 |D^1/2 F|^2 and a sparse LU decomposition.
 //
-// One iteration takes one factorization of a 3n x 3n matrix that holds rows of W at contacts that
-// touch, and a product with W per trial step. Quadratic once states no longer change. Ends as
-// "singular" where redundant contacts stick, as W then has no inverse on them, and as "stalled"
-// in a local minimum of the merit function: hybrid and proximal get past both.
-// Source: Alart and Curnier, CMAME 92, 1991; Acary, Bremond and Huber, INRIA RR-9118, 2018.
+// One iteration takes one factorization of a matrix of three rows a contact that touches, from rows
+// of W (newton_system.h), and a product with W per trial step. Quadratic once states no longer
+// change. Ends as "singular" where redundant contacts stick, as W then has no inverse on them, and
+// as "stalled" in a local minimum of the merit function: hybrid and proximal get past both. Source:
+// Alart and Curnier, CMAME 92, 1991; Acary, Bremond and Huber, INRIA RR-9118, 2018.
 
 #include "solvers/assembled/newton_method.h"
 

@@ -1,24 +1,25 @@
 #include "solvers/assembled/newton_method.h"
 
-// Matrices of contacts are small: Eigen's threads would cost more than they save.
-#define EIGEN_DONT_PARALLELIZE
-#include <Eigen/SparseLU>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "solvers/assembled/contact_function.h"
+#include "solvers/assembled/cone_vectors.h"
+#include "solvers/assembled/newton_system.h"
 
 namespace scree {
 namespace {
 
-using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-using Vector = Eigen::VectorXd;
+/// Step over value of the function, both impulses, from which a step that leads nowhere down is
+/// rounding of a singular Jacobian.
+constexpr double singular_from = 1e5;
 
 /// The function of all contacts at one point.
 class Equations {
  public:
-  Equations(const AssembledProblem& p, AssembledModel model)
-      : p_(p), model_(model), scale_(contact_scales(p)), at_(p.contact_count) {
+  /// All must outlive this.
+  Equations(const AssembledProblem& p, AssembledModel model, const NewtonLaw& law)
+      : p_(p), model_(model), law_(law), scale_(contact_scales(p)), at_(p.contact_count) {
     for (int c = 0; c < p.contact_count; ++c)
       weights_.push_back(contact_weights(p.diagonal(c), scale_[c]));
   }
@@ -30,7 +31,9 @@ class Equations {
     double sum = 0;
     for (int c = 0; c < p_.contact_count; ++c) {
       for (int k = 0; k < 3; ++k) u_[3 * c + k] += p_.q[3 * c + k];
-      at_[c] = contact_function(model_, p_.mu[c], weights_[c], scale_[c], &r[3 * c], &u_[3 * c]);
+      at_[c] = law_.name.empty() ? contact_function(model_, p_.mu[c], weights_[c], scale_[c],
+                                                    &r[3 * c], &u_[3 * c])
+                                 : law_.function(c, &r[3 * c], &u_[3 * c]);
       for (const double f : at_[c].value) sum += scale_[c] * f * f;
     }
     return 0.5 * sum;
@@ -38,83 +41,111 @@ class Equations {
 
   const std::vector<double>& velocity() const { return u_; }
 
-  Vector value() const {
-    Vector f(3 * p_.contact_count);
-    for (int c = 0; c < p_.contact_count; ++c)
-      for (int k = 0; k < 3; ++k) f(3 * c + k) = at_[c].value[k];
+  const std::vector<double>& scale() const { return scale_; }
+  const std::vector<ContactFunction>& functions() const { return at_; }
+
+  std::vector<double> value() const {
+    std::vector<double> f;
+    for (const ContactFunction& c : at_) f.insert(f.end(), c.value, c.value + 3);
     return f;
   }
 
-  /// dF/dr + dF/du (W + shift D), rows of contacts that touch nothing being those of the identity.
-  Matrix jacobian(double shift) const {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (int c = 0; c < p_.contact_count; ++c) {
-      const ContactFunction& f = at_[c];
-      for (int i = 0; i < 3; ++i) {
-        const double* by_u = &f.by_u[3 * i];
-        const bool touches = by_u[0] != 0 || by_u[1] != 0 || by_u[2] != 0;
-        for (int j = 0; j < 3; ++j) {
-          const double own = f.by_r[3 * i + j] + shift * scale_[c] * by_u[j];
-          if (own != 0) entries.emplace_back(3 * c + i, 3 * c + j, own);
-        }
-        if (!touches) continue;
-        for (int k = p_.row_start[c]; k < p_.row_start[c + 1]; ++k) {
-          const Block3& w = p_.block[k];
-          for (int j = 0; j < 3; ++j) {
-            const double value = by_u[0] * w[j] + by_u[1] * w[3 + j] + by_u[2] * w[6 + j];
-            if (value != 0) entries.emplace_back(3 * c + i, 3 * p_.column[k] + j, value);
-          }
-        }
-      }
-    }
-    Matrix J(3 * p_.contact_count, 3 * p_.contact_count);
-    J.setFromTriplets(entries.begin(), entries.end());
-    return J;
+  /// |D^-1/2 q|, which |D^1/2 F| is measured by.
+  double load() const {
+    double sum = 0;
+    for (std::size_t k = 0; k < p_.q.size(); ++k) sum += p_.q[k] * p_.q[k] / scale_[k / 3];
+    return std::sqrt(sum);
   }
 
  private:
   const AssembledProblem& p_;
   AssembledModel model_;
+  const NewtonLaw& law_;
   std::vector<double> scale_;
   std::vector<ContactWeights> weights_;
   std::vector<ContactFunction> at_;
   std::vector<double> u_;
 };
 
+/// One solve.
+class Newton {
+ public:
+  Newton(const AssembledProblem& p, const AssembledOptions& o, const NewtonSettings& settings,
+         AssembledMonitor& monitor)
+      : settings_(settings),
+        monitor_(monitor),
+        equations_(p, o.model, settings_.law),
+        r_(o.guess),
+        merit_(equations_.evaluate(r_, monitor)),
+        settled_(o.tolerance * equations_.load()),
+        system_(p, equations_.scale(), settings.shift) {}
+
+  void run() {
+    for (int k = 0;; ++k) {
+      if (monitor_.due(k) && monitor_.look(k, r_, equations_.velocity())) return;
+      if (!settings_.law.name.empty() && std::sqrt(2 * merit_) <= settled_) {
+        if (!monitor_.look(k, r_, equations_.velocity()))
+          monitor_.fail(AssembledStatus::stalled,
+                        "solved with " + settings_.law.name + ", not the cone");
+        return;
+      }
+      monitor_.count_factorizations();
+      if (!system_.factorize(equations_.functions()))
+        return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular");
+      std::vector<double> value = equations_.value();
+      long products = 0;
+      const std::vector<double> step = system_.solve(value, products);
+      monitor_.count_applications(products);
+      if (!std::all_of(step.begin(), step.end(), [](double x) { return std::isfinite(x); }))
+        return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");
+      // Along a Newton step the merit falls by twice itself at first.
+      if (descend(step, 2 * merit_)) continue;
+      monitor_.look(k, r_);
+      if (monitor_.stopped()) return;
+      if (norm(step) > singular_from * norm(value))
+        return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");
+      for (std::size_t i = 0; i < value.size(); ++i) value[i] *= equations_.scale()[i / 3];
+      std::vector<double> slope = system_.transposed_product(value);  // of the merit
+      const double steepest = dot(slope, slope);
+      for (double& x : slope) x *= merit_ / steepest;
+      const bool is_trapped = !descend(slope, merit_);
+      return monitor_.fail(AssembledStatus::stalled,
+                           is_trapped ? "trapped at a kink or local minimum of the merit function"
+                                      : "no descent of the merit function along the Newton step");
+    }
+  }
+
+ private:
+  /// Backtracks from r - step until the merit is less by Armijo's share of its slope.
+  /// @return whether it found such a point; r is then that one, and as it was otherwise
+  bool descend(const std::vector<double>& step, double slope) {
+    std::vector<double> trial(r_.size());
+    double length = 1;
+    for (int t = 0; t <= settings_.trials; ++t, length *= 0.5) {
+      for (std::size_t i = 0; i < r_.size(); ++i) trial[i] = r_[i] - length * step[i];
+      const double next = equations_.evaluate(trial, monitor_);
+      if (!(next <= merit_ - settings_.least_descent * length * slope)) continue;
+      merit_ = next;
+      r_.swap(trial);
+      return true;
+    }
+    return false;
+  }
+
+  const NewtonSettings& settings_;
+  AssembledMonitor& monitor_;
+  Equations equations_;
+  std::vector<double> r_;
+  double merit_;
+  double settled_;
+  NewtonSystem system_;
+};
+
 }  // namespace
 
 void run_newton(const AssembledProblem& p, const AssembledOptions& o,
                 const NewtonSettings& settings, AssembledMonitor& monitor) {
-  Equations equations(p, o.model);
-  std::vector<double> r = o.guess, trial(r.size());
-  double merit = equations.evaluate(r, monitor);
-  Eigen::SparseLU<Matrix> factors;
-  for (int k = 0;; ++k) {
-    if (monitor.due(k) && monitor.look(k, r, equations.velocity())) return;
-    factors.compute(equations.jacobian(settings.shift));
-    monitor.count_factorizations();
-    if (factors.info() != Eigen::Success)
-      return monitor.fail(AssembledStatus::singular, "the Jacobian is singular");
-    const Vector step = factors.solve(equations.value());
-    if (!step.allFinite())
-      return monitor.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");
-    double length = 1;
-    for (int t = 0;; ++t, length *= 0.5) {
-      for (std::size_t i = 0; i < r.size(); ++i)
-        trial[i] = r[i] - length * step(static_cast<int>(i));
-      const double next = equations.evaluate(trial, monitor);
-      if (next <= (1 - 2 * settings.least_descent * length) * merit) {
-        merit = next;
-        break;
-      }
-      if (t == settings.trials) {
-        monitor.look(k, r);
-        if (monitor.stopped()) return;
-        return monitor.fail(AssembledStatus::stalled, "no descent of the merit function");
-      }
-    }
-    r.swap(trial);
-  }
+  Newton(p, o, settings, monitor).run();
 }
 
 }  // namespace scree

@@ -1,64 +1,12 @@
 #pragma once
 // Projected Gauss-Seidel over the edges of friction pyramids.
 
-#include <numbers>
 #include <string>
 
+#include "solvers/assembled/friction_pyramid.h"
 #include "solvers/assembled/settling_sweeps.h"
 
 namespace scree {
-
-/// Unit tangent that an edge of a pyramid leans to.
-struct PyramidEdge {
-  double t1 = 0, t2 = 0;
-};
-
-/// Edges at equal angles, the first along the first tangent.
-struct Pyramid {
-  static constexpr int most_sides = 8;
-  int sides;
-  PyramidEdge edge[most_sides];
-
-  /// @param count  even, 4 to most_sides
-  explicit Pyramid(int count) : sides(count) {
-    for (int j = 0; j < sides; ++j) {
-      const double angle = 2 * std::numbers::pi * j / sides;
-      edge[j] = {std::cos(angle), std::sin(angle)};
-    }
-  }
-
-  /// Multipliers of an impulse, of the nearest part of the pyramid in the same direction.
-  SCREE_HD void split(double mu, const double* r, double* l) const {
-    for (int j = 0; j < sides; ++j) l[j] = 0;
-    if (!(r[0] > 0)) return;
-    double used = 0;
-    if (mu > 0) {
-      const double t1 = r[1] / mu, t2 = r[2] / mu;
-      for (int j = 0; j < sides; ++j) {
-        const PyramidEdge a = edge[j], b = edge[(j + 1) % sides];
-        const double det = a.t1 * b.t2 - a.t2 * b.t1;
-        const double la = (t1 * b.t2 - t2 * b.t1) / det, lb = (a.t1 * t2 - a.t2 * t1) / det;
-        if (la < 0 || lb < 0) continue;
-        const double shrink = la + lb > r[0] ? r[0] / (la + lb) : 1;
-        l[j] += shrink * la;
-        l[(j + 1) % sides] += shrink * lb;
-        used = shrink * (la + lb);
-        break;
-      }
-    }
-    for (int j = 0; j < sides; ++j) l[j] += (r[0] - used) / sides;  // opposite ones cancel
-  }
-
-  /// The impulse sum_j l_j (1, mu e_j).
-  SCREE_HD void sum_up(double mu, const double* l, double* r) const {
-    r[0] = r[1] = r[2] = 0;
-    for (int j = 0; j < sides; ++j) {
-      r[0] += l[j];
-      r[1] += mu * edge[j].t1 * l[j];
-      r[2] += mu * edge[j].t2 * l[j];
-    }
-  }
-};
 
 /// Element program: multipliers of the impulses r, and the impulses that they have.
 struct SplitImpulses {
@@ -93,11 +41,7 @@ struct PgsPyramidContact {
     const double before[3] = {rc[0], rc[1], rc[2]};
     std::array<double, 3> u = row_product(w, c, r.data);
     for (int i = 0; i < 3; ++i) u[i] += q[3 * static_cast<Offset>(c) + i];
-    double lift = 0;
-    for (int j = 0; model == AssembledModel::exact && j < pyramid.sides; ++j) {
-      const double against = -mu[c] * (e[j].t1 * u[1] + e[j].t2 * u[2]);
-      if (against > lift) lift = against;
-    }
+    const double lift = model == AssembledModel::exact ? pyramid.lift(mu[c], u.data()) : 0;
     for (int j = 0; j < pyramid.sides; ++j) {
       const double v[3] = {1, mu[c] * e[j].t1, mu[c] * e[j].t2};
       double wv[3], stiffness = 0, slope = lift;

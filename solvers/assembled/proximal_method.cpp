@@ -70,6 +70,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
     if (o.max_seconds > 0)
       inner_options.max_seconds = std::max(1e-3, o.max_seconds - monitor.seconds());
     inner_options.guess = r;
+    inner_options.tell_unsolvable = false;  // regular problems are solvable
     AssembledResult best;
     bool solved = false;
     if (settings.newton) {

@@ -1,22 +1,17 @@
 #pragma once
 // Cholesky factors of W plus a block diagonal matrix, for a symmetric positive semidefinite W.
 
-#include <memory>
 #include <vector>
 
-#include "solvers/assembled/assembled_problem.h"
+#include "solvers/assembled/block_factors.h"
 
 namespace scree {
 
-/// Sparse with an approximate minimum degree ordering where W is sparse, dense where it is not. The
-/// ordering is made once.
+/// Ordered once, for many shifts.
 class ShiftedFactors {
  public:
-  /// @param p  must outlive this; its upper blocks are not read
+  /// @param p  must outlive this; its pattern must be symmetric, its lower blocks are not read
   explicit ShiftedFactors(const AssembledProblem& p);
-  ~ShiftedFactors();
-  ShiftedFactors(const ShiftedFactors&) = delete;
-  ShiftedFactors& operator=(const ShiftedFactors&) = delete;
 
   /// @param shift  symmetric blocks added to the diagonal ones [contact_count]
   /// @return       whether the sum is positive definite to rounding
@@ -26,8 +21,9 @@ class ShiftedFactors {
   void solve(const std::vector<double>& b, std::vector<double>& x) const;
 
  private:
-  struct Factors;
-  std::unique_ptr<Factors> factors_;
+  const AssembledProblem& p_;
+  BlockMatrix sum_;
+  BlockFactors factors_;
 };
 
 }  // namespace scree

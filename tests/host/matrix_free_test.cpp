@@ -62,6 +62,38 @@ INSTANTIATE_TEST_SUITE_P(Layouts, MatrixFree,
                          ::testing::Values(ContactLayout::radial, ContactLayout::general),
                          [](const auto& p) { return std::string(to_string(p.param)); });
 
+/// Rolling friction: six rows a contact, which no W of the assembled solvers has.
+TEST(MatrixFreeRuns, RollingFrictionReachesTheOraclesMinimum) {
+  const BodyProblem problem = fixtures::random_body_problem(
+      {.layout = ContactLayout::rolling, .free_count = 12, .contact_count = 20, .seed = 3});
+  const ReadyProblem ready_problem = ready_matrix_free("rolling", stored(problem));
+  EXPECT_THROW(ready("rolling", stored(problem)), InputError);
+  AssembledOptions options;
+  options.model = AssembledModel::convex;
+  options.tolerance = 1e-8;
+  const oracle::Problem dense = fixtures::oracle_of(problem);
+  const oracle::Solution expected = oracle::solve_convex(dense);
+  for (const SolverRun& run :
+       run_matrix_free(problem, ready_problem, {"apgd", "gauss_seidel"}, options, kCpu)) {
+    EXPECT_EQ(run.result.status, AssembledStatus::converged) << run.solver;
+    EXPECT_NEAR(run.result.residual.objective, expected.objective,
+                1e-6 * std::abs(expected.objective))
+        << run.solver;
+    EXPECT_EQ(run.result.r.size(), 6u * 20);
+    EXPECT_LT(run.curve.back().residual.relative, 1e-3 * run.curve.front().residual.relative);
+  }
+  options.model = AssembledModel::exact;
+  options.tolerance = 1e-6;
+  const SolverRun exact = run_matrix_free(problem, ready_problem, {"apgd"}, options, kCpu).front();
+  ASSERT_EQ(exact.result.status, AssembledStatus::converged);
+  // The best impulses, world vectors, as the oracle judges them.
+  std::vector<Eigen::Vector3d> world;
+  for (std::size_t k = 0; k < exact.result.r.size(); k += 3)
+    world.emplace_back(exact.result.r[k], exact.result.r[k + 1], exact.result.r[k + 2]);
+  const double free = oracle::right_side(dense).norm() / std::sqrt(20);
+  EXPECT_LE(oracle::residual(dense, oracle::rows_from_world(dense, world)).exact_rms, 2e-6 * free);
+}
+
 TEST(MatrixFreeRuns, AGoodGuessIsTaken) {
   BodyProblem problem = fixtures::random_body_problem({.free_count = 20, .contact_count = 30});
   AssembledOptions options;

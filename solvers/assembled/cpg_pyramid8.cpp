@@ -1,0 +1,33 @@
+// Conjugate projected gradient on 8-sided friction pyramids inside the cones, the law of
+// pgs_pyramid8; cpg_pyramid.h.
+//
+// Costs as in cpg.cpp: one product with W an iteration, three where constraints change. For the
+// convex model it converges to the minimum over the pyramids; W need not be regular.
+// Source: Renouf and Alart, Comput. Methods Appl. Mech. Engrg. 194, 2005.
+
+#include "solvers/assembled/cpg_pyramid.h"
+
+namespace scree {
+namespace {
+
+class CpgPyramid8 final : public AssembledSolver {
+ public:
+  AssembledTraits traits() const override {
+    return {
+        "cpg_pyramid8",   "conjugate projected gradient on 8-sided pyramids", true, true, 50000, 10,
+        "8-sided pyramid"};
+  }
+
+  void run(const AssembledProblem& p, const AssembledOptions& o,
+           AssembledMonitor& monitor) const override {
+    run_cpg_pyramid(p, o, 8, monitor);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<AssembledSolver> make_assembled_cpg_pyramid8() {
+  return std::make_unique<CpgPyramid8>();
+}
+
+}  // namespace scree

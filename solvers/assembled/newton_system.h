@@ -1,0 +1,41 @@
+#pragma once
+// The linear systems of Newton's method on contact functions.
+
+#include <memory>
+#include <vector>
+
+#include "solvers/assembled/contact_function.h"
+
+namespace scree {
+
+/// J = dF/dr + dF/du (W + shift D) at one point, D the scales of contacts.
+///
+/// A contact whose function does not depend on u (an open one) is no unknown: its step follows from
+/// its own block. The others are solved by sparse LU with pivots sought in whole columns where they
+/// are few, and by block factors where they are many, whose fronts are dense: there refinement
+/// makes up for pivots that are sought in fronts only.
+class NewtonSystem {
+ public:
+  /// All must outlive this.
+  NewtonSystem(const AssembledProblem& p, const std::vector<double>& scale, double shift);
+  ~NewtonSystem();
+  NewtonSystem(const NewtonSystem&) = delete;
+  NewtonSystem& operator=(const NewtonSystem&) = delete;
+
+  /// @param at  functions of all contacts [contact_count]
+  /// @return    whether J is regular to rounding
+  bool factorize(const std::vector<ContactFunction>& at);
+
+  /// J^-1 b, of the last J that was factorized. @param b  [3 contact_count]
+  /// @param products  counts products with W
+  std::vector<double> solve(const std::vector<double>& b, long& products) const;
+
+  /// J^T y
+  std::vector<double> transposed_product(const std::vector<double>& y) const;
+
+ private:
+  struct Factors;
+  std::unique_ptr<Factors> factors_;
+};
+
+}  // namespace scree

@@ -19,11 +19,10 @@ class ApgdArrays {
   ApgdArrays(B& b, const BedProblem<B, Real>& bed, ApgdMetricKind kind)
       : problem_(bed.problem()), metric_(b), state_(b, 1), iteration_(b) {
     const ContactProblem<Real>& p = problem_;
-    for (Span<Vec3<Real>>* view : {&gamma.iterate, &gamma.momentum}) {
+    for (int k = 0; k < 2; ++k) {
       impulses_.emplace_back(b, p.contact_count);
-      *view = impulses_.back().view(p.contact_count);
+      gamma.buffer[k] = impulses_.back().view(p.contact_count);
     }
-    fill(b, gamma.momentum, Vec3<Real>{});
     for (int k = 0; k < 2; ++k) {
       for (Span<Twist<Real>>* view : {&velocity.of_iterate[k], &velocity.of_extrapolated[k]}) {
         twists_.emplace_back(b, p.body_count);
@@ -31,9 +30,10 @@ class ApgdArrays {
         for_each(b, p.body_count, StartVelocity<Real>{p, *view});
       }
     }
-    bed.random_impulses(b, 51, gamma.iterate);
-    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.iterate});
-    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma.iterate, velocity.of_iterate[0]});
+    bed.random_impulses(b, 51, gamma.buffer[0]);
+    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.buffer[0]});
+    copy(b, Span<const Vec3<Real>>(gamma.buffer[0]), gamma.buffer[1]);
+    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma.buffer[0], velocity.of_iterate[0]});
     if (kind == ApgdMetricKind::diagonal) {
       const Offset values =
           static_cast<Offset>(p.contact_count) * StoredMetric<R, Real>::per_contact(p);
@@ -48,18 +48,17 @@ class ApgdArrays {
   /// Unrelated random numbers in all arrays a pass reads, and a momentum as in the middle of a
   /// solve.
   void scramble(B& b, const BedProblem<B, Real>& bed) {
-    bed.random_impulses(b, 20, gamma.iterate);
-    for_each(b, problem_.contact_count, ProjectImpulses<R, Real>{problem_, gamma.iterate});
-    bed.random_impulses(b, 21, gamma.momentum);
+    for (unsigned k = 0; k < 2; ++k) {
+      bed.random_impulses(b, 20 + k, gamma.buffer[k]);
+      for_each(b, problem_.contact_count, ProjectImpulses<R, Real>{problem_, gamma.buffer[k]});
+    }
     for (unsigned k = 0; k < 2; ++k) {
       bed.random_velocities(b, 30 + k, velocity.of_iterate[k]);
       bed.random_velocities(b, 40 + k, velocity.of_extrapolated[k]);
     }
     ApgdState middle = fetch(b, state_.data());
     middle.theta = 0.2;
-    middle.follow = 1;
-    middle.next_beta = 0.6;
-    middle.next_delta = 0.5;
+    middle.beta = middle.next_beta = 0.6;
     upload(b, &middle, state_.view());
   }
 
@@ -74,11 +73,11 @@ class ApgdArrays {
     reduce<Sums<1>>(b, problem_.free_count, passes().body_pass(),
                     StoreResult<Sums<1>>{energy.data});
   }
-  /// Iterations as a solve runs them.
+  /// Trials of the line search, accepted or not, as a solve runs them.
   void iterate(B& b, int count) { iteration_.run(b, passes(), count); }
   /// The same as two passes each.
   void iterate_plainly(B& b, int count) {
-    for (int k = 0; k < count; ++k) apgd_iterate(b, passes());
+    for (int k = 0; k < count; ++k) apgd_trial(b, passes());
   }
   void residual_pass(B& b, ApgdCheck* check) {
     reduce<ResidualSums>(b, problem_.contact_count,

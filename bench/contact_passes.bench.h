@@ -23,8 +23,8 @@ void run_contact_pass(Suite<B>& suite, benchmark::State& state, Index spheres,
   const auto& bed = suite.template bed_problem<Real>(spheres);
   ApgdArrays<B, Real> arrays(b, bed, kind);
   arrays.scramble(b, bed);
-  const Span<Vec3<Real>> next = arrays.gamma.iterate;
-  // The count of iterations stays zero, so every run reads and writes the same arrays.
+  const Span<Vec3<Real>> next = arrays.gamma.next(0);  // also read, as the previous iterate
+  // The count of accepted iterations stays zero, so every run reads and writes the same arrays.
   suite.measure(state, Suite<B>::contact_work(bed, apgd_contact_pass_traffic<Real>(kind)),
                 [&] { arrays.contact_pass(b); });
   Suite<B>::report_size(state, bed);
@@ -74,7 +74,7 @@ void run_body_velocity(Suite<B>& suite, benchmark::State& state, Index spheres) 
   suite.measure(state, Suite<B>::contact_work(bed, body_velocity_traffic<Real>()), [&] {
     for_each(
         b, bed.free_count(),
-        BodyVelocity<RadialRows<Real>, Real>{bed.problem(), arrays.gamma.iterate, velocity});
+        BodyVelocity<RadialRows<Real>, Real>{bed.problem(), arrays.gamma.current(0), velocity});
   });
   Suite<B>::report_size(state, bed);
   suite.require_finite(state, Span<const Vec3<Real>>(vectors_of(velocity)));

@@ -85,7 +85,7 @@ Bytes solver(const Sizes& s) {
   Bytes bytes{s.twist, weights};  // Jacobi, Gauss-Seidel
   if (s.scene.solver.name == "apgd") {
     const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
-    bytes = {4 * s.twist, 2 * s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
+    bytes = {4 * s.twist, s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
   } else if (s.scene.solver.name == "gauss_seidel_colored") {
     // Contacts in the order of colors, their marks, and the memory of a coloring from scratch.
     const double ordered = 8 + s.vec + 3 * s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;

@@ -6,17 +6,17 @@
 
 namespace scree {
 
-/// One iteration: contact pass, body pass, choice of the next step.
+/// One trial of the line search: contact pass, body pass, acceptance.
 template <class B, class R, class Real>
-void apgd_iterate(B& b, const ApgdPasses<R, Real>& a) {
+void apgd_trial(B& b, const ApgdPasses<R, Real>& a) {
   reduce<Sums<2>>(b, a.p.contact_count, a.contact_pass(), ApgdContactFinish{a.state});
   reduce<Sums<1>>(b, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state});
 }
 
-/// Iterations of one solve after the other; each backend has its own class, with
+/// Trials of one solve after the other; each backend has its own class, with
 ///   ApgdIteration(B&)
-///   start(B&, const ApgdPasses<R, Real>&)             before the first iteration of a solve
-///   run(B&, const ApgdPasses<R, Real>&, int count)    queues iterations on the passes of start()
+///   start(B&, const ApgdPasses<R, Real>&)             before the first trial of a solve
+///   run(B&, const ApgdPasses<R, Real>&, int count)    queues trials on the passes of start()
 template <class B>
 class ApgdIteration;
 

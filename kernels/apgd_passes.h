@@ -1,12 +1,8 @@
 #pragma once
 // The two fused passes of one APGD iteration and the scalar updates that end them. All scalars live
-// in backend memory. Impulses change in place, velocities rotate through buffers by the count of
-// iterations. Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section
-// "APGD".
-//
-// The extrapolated point has the two terms of the optimized gradient method (Kim & Fessler, Math.
-// Program. 159, 2016): y+ = gamma+ + beta (gamma+ - gamma) + delta (gamma+ - y). What it adds to
-// gamma+, the momentum, is stored in place of the iterate before.
+// in backend memory; impulses and velocities rotate through buffers by the count of accepted
+// iterations, so nothing is copied and a rejected trial costs nothing but its pass. Source: Mazhar,
+// Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section "APGD".
 
 #include "kernels/contact_operator.h"
 
@@ -19,27 +15,21 @@ struct ApgdState {
   double lipschitz_max = 1;  ///< upper bound of the largest eigenvalue of H^-1 N
   double step = 1;           ///< 1 / L
   double theta = 1;          ///< momentum parameter of the extrapolated point in use
-  double follow = 0;         ///< y = gamma + follow momentum: 1, or 0 after a restart; a negative
-                             ///< one takes back a step that was too long
-  double next_theta = 1;     ///< of the next point, unless the step ends in a restart
-  double next_beta = 0;      ///< factors of its momentum
-  double next_delta = 0;
-  double descent = 0;       ///< g.(gamma+ - gamma) of the iteration; positive: against the gradient
-  double step_squares = 0;  ///< |gamma+ - y|_H^2 of the iteration
-  Index iterations = 0;     ///< selects the roles of the velocity buffers
+  double beta = 0;           ///< its extrapolation factor
+  double next_theta = 1;     ///< those of the next point, unless the step ends in a restart
+  double next_beta = 0;
+  double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
+  double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
+  Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
 
-  /// Of the second term, which is 1 where nothing is projected. More than 0.8 takes more passes.
-  static constexpr double kDelta = 0.7;
-
-  /// Sets the point in use, and works out the momentum of the next one: 1 / theta grows by a third
-  /// each time. Nesterov's rule, about a half, overshoots where contacts open and close.
-  SCREE_HD void set_point(double new_theta, double new_follow) {
+  /// Takes the momentum of the point in use, and works out that of the next one: 1 / theta grows by
+  /// a third each time. Nesterov's rule, about a half, overshoots where contacts open and close.
+  SCREE_HD void set_momentum(double new_theta, double new_beta) {
     theta = new_theta;
-    follow = new_follow;
+    beta = new_beta;
     next_theta = theta / (1 + theta / 3);
     next_beta = (1 - theta) / (1 + theta / 3);
-    next_delta = kDelta / (1 + theta / 3);
   }
   SCREE_HD void set_lipschitz(double value) {
     lipschitz = value < lipschitz_max ? value : lipschitz_max;
@@ -47,29 +37,18 @@ struct ApgdState {
   }
 };
 
-/// Impulses of a running solve.
+/// Two impulse buffers, by turns of the current iterate and of its neighbors: a contact's next
+/// impulse takes the place of its previous one, which no one else needs. Comparisons pick the
+/// buffer: an array that a device program indexes would move from registers to memory.
 template <class Real>
 struct ApgdImpulses {
-  Span<Vec3<Real>> iterate;
-  Span<Vec3<Real>> momentum;  ///< the extrapolated point lies ApgdState::follow of it ahead
+  Span<Vec3<Real>> buffer[2];
+  SCREE_HD Span<Vec3<Real>> current(Index k) const { return k % 2 == 0 ? buffer[0] : buffer[1]; }
+  SCREE_HD Span<Vec3<Real>> previous(Index k) const { return current(k + 1); }
+  SCREE_HD Span<Vec3<Real>> next(Index k) const { return current(k + 1); }
 };
 
-/// V_y of the point in use. Without momentum it is V: so a restart, known only after the body pass
-/// has extrapolated, needs no second pass.
-template <class Real>
-struct ApgdPointVelocity {
-  Span<const Twist<Real>> iterate;
-  Span<const Twist<Real>> point;  ///< V or V + momentum
-  Real follow = 0;
-  bool mixes = false;  ///< neither of the two, but so much of the way between
-
-  SCREE_HD Twist<Real> operator[](Index i) const {
-    if (!mixes) return point[i];
-    return iterate[i] + follow * (point[i] - iterate[i]);
-  }
-};
-
-/// V of the current iterate and V plus momentum, each with room for the next.
+/// V of the current iterate and V_y of the extrapolated point, each with room for the trial's.
 template <class Real>
 struct ApgdVelocities {
   Span<Twist<Real>> of_iterate[2];
@@ -81,14 +60,12 @@ struct ApgdVelocities {
   SCREE_HD Span<Twist<Real>> extrapolated(Index k) const {
     return k % 2 == 0 ? of_extrapolated[0] : of_extrapolated[1];
   }
-  /// V of the iterate.
-  SCREE_HD Span<const Twist<Real>> current(const ApgdState& s) const {
-    return iterate(s.iterations);
-  }
-  SCREE_HD ApgdPointVelocity<Real> point(const ApgdState& s) const {
-    const Span<const Twist<Real>> v = current(s);
-    if (s.follow == 0) return {v, v};
-    return {v, extrapolated(s.iterations), static_cast<Real>(s.follow), s.follow != 1};
+  /// V of the accepted iterate.
+  SCREE_HD Span<const Twist<Real>> current(const ApgdState& s) const { return iterate(s.accepted); }
+  /// V_y of the point in use. Without momentum it is the iterate itself: so a restart, known only
+  /// after the body pass has extrapolated, needs no second pass.
+  SCREE_HD Span<const Twist<Real>> extrapolated(const ApgdState& s) const {
+    return s.beta == 0 ? iterate(s.accepted) : extrapolated(s.accepted);
   }
 };
 
@@ -126,36 +103,35 @@ struct StoredMetric {
   }
 };
 
-/// y = gamma + follow momentum, g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), and the momentum
-/// of the next point, in place. Bytes per contact (radial, float): read normal and bias 16, ids 8,
-/// impulse and momentum 24, metric 4 for alike bodies and 8 else, two twists 48 gathered (from
-/// cache when bodies are in Morton order); written 24.
+/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), on
+/// given buffers; gamma+ may take the place of gamma_prev. Bytes per contact (radial, float): read
+/// normal and bias 16, ids 8, two impulses 24, metric 4 for alike bodies and 8 else, two twists 48
+/// gathered (from cache when bodies are in Morton order); written 12.
 template <class R, class Real>
 struct ApgdContactStep {
-  ApgdImpulses<Real> gamma;
-  ApgdPointVelocity<Real> velocity;  ///< V_y
-  Real follow;
-  Real next_beta;
-  Real next_delta;
+  Span<const Vec3<Real>> current;
+  Span<const Vec3<Real>> previous;
+  Span<Vec3<Real>> next;
+  Span<const Twist<Real>> extrapolated;  ///< V_y
+  Real beta;
   Real step;  ///< 1 / L
 
   /// @param v_a, v_b  V_y of the bodies of contact c
   SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
                               Index c, const Twist<Real>& v_a, const Twist<Real>& v_b) const {
-    const auto old = R::load(gamma.iterate, c);
-    const auto y = old + follow * R::load(gamma.momentum, c);
+    const auto gamma = R::load(current, c);
+    const auto y = gamma + beta * (gamma - R::load(previous, c));
     const auto g = R::velocity(p, c, v_a, v_b);
     const ContactMetric<Real> h = metric.load(c);
     const Vec3<Real> n = p.normal[c];
     const auto moved = R::project(p, c, y - step * solve_metric(h, n, g), h);
-    R::store(gamma.iterate, c, moved);
-    R::store(gamma.momentum, c, next_beta * (moved - old) + next_delta * (moved - y));
-    return {{static_cast<double>(dot(g, moved - old)),
+    R::store(next, c, moved);
+    return {{static_cast<double>(dot(g, moved - gamma)),
              static_cast<double>(metric_norm2(h, n, moved - y))}};
   }
   SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
                               Index c) const {
-    return (*this)(p, metric, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);
+    return (*this)(p, metric, c, extrapolated[p.body_a[c]], extrapolated[p.body_b[c]]);
   }
 };
 
@@ -170,11 +146,12 @@ struct ApgdContactPass {
   const ApgdState* state;
 
   SCREE_HD ApgdContactStep<R, Real> step() const {
-    return {gamma,
-            velocity.point(*state),
-            static_cast<Real>(state->follow),
-            static_cast<Real>(state->next_beta),
-            static_cast<Real>(state->next_delta),
+    const Index k = state->accepted;
+    return {gamma.current(k),
+            gamma.previous(k),
+            gamma.next(k),
+            velocity.extrapolated(*state),
+            static_cast<Real>(state->beta),
             static_cast<Real>(state->step)};
   }
   SCREE_HD Sums<2> operator()(Index c) const { return step()(p, metric, c); }
@@ -188,10 +165,10 @@ struct ApgdContactFinish {
   }
 };
 
-/// V+ = v* + M^-1 J^T gamma+, V_y+ = V+ + beta+ (V+ - V) + delta+ (V+ - V_y), and |V+ - V_y|_M^2 =
-/// (gamma+ - y)^T N (gamma+ - y). The momentum is linear, so N y+ needs no application of its own.
-/// Bytes per body (radial, float): read v*, V, V_y 72, inertia 8, starts 8; written 48; per contact
-/// gathered twice impulse and normal 24, list 4.
+/// V+ = v* + M^-1 J^T gamma+, V_y+ = V+ + beta+ (V+ - V), and |V+ - V_y|_M^2 = (gamma+ - y)^T N
+/// (gamma+ - y). The momentum is linear, so N y+ needs no application of its own. Bytes per body
+/// (radial, float): read v*, V, V_y 72, inertia 8, starts 8; written 48; per contact gathered twice
+/// impulse and normal 24, list 4.
 template <class R, class Real>
 struct ApgdBodyPass {
   static constexpr const char* name = "apgd_body_pass";
@@ -201,26 +178,25 @@ struct ApgdBodyPass {
   const ApgdState* state;
 
   SCREE_HD Sums<1> operator()(Index i) const {
-    const Index k = state->iterations;
+    const Index k = state->accepted;
     const Twist<Real> next =
         p.free_velocity[i] +
-        R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.iterate), i));
-    const Twist<Real> extrapolated = velocity.point(*state)[i];
+        R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
+    const Twist<Real> extrapolated = velocity.extrapolated(*state)[i];
     const Twist<Real> momentum =
-        static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]) +
-        static_cast<Real>(state->next_delta) * (next - extrapolated);
+        static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]);
     velocity.iterate(k + 1)[i] = next;
     velocity.extrapolated(k + 1)[i] = next + momentum;
     return {{R::mass_norm2(p, i, next - extrapolated)}};
   }
 };
 
-/// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that the step
-/// met. Up to 2 L it lowered the objective; a shorter step follows when rho passed L. Above, most
-/// of it is taken back: the next point lies where a step of 1 / rho would have ended, exactly so
-/// when this one began at the iterate, and what led to here is forgotten. That is seldom, as L
-/// follows rho closely. At the upper bound of the spectrum rho <= L in exact arithmetic, so the
-/// step stands whatever rounding says. A step against the gradient restarts the momentum.
+/// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that the trial
+/// met. Up to 2 L the trial lowers the objective and is accepted; a shorter step follows when rho
+/// passed L. Above, it is rejected, and one from the iterate itself follows: the previous iterate,
+/// on which y rests, is gone. That is seldom, as L follows rho closely. At the upper bound of the
+/// spectrum rho <= L in exact arithmetic, so the trial is accepted whatever rounding says. An
+/// accepted step against the gradient restarts the momentum.
 struct ApgdBodyFinish {
   static constexpr double kAbove = 1.1;   ///< L over rho after a step that was too long
   static constexpr double kDecay = 0.95;  ///< of L after any other: finds the local curvature
@@ -228,22 +204,20 @@ struct ApgdBodyFinish {
   ApgdState* state;
   SCREE_HD void operator()(const Sums<1>& energy) const {
     ApgdState& s = *state;
-    ++s.iterations;
     const double allowed = s.lipschitz * s.step_squares;
     const double enough = kAbove * energy.value[0] / s.step_squares;
     const bool at_bound = s.lipschitz >= s.lipschitz_max;
     if (!(energy.value[0] <= 2 * allowed || at_bound)) {
-      const double back = 1 - allowed / energy.value[0];
-      s.set_point(s.theta, -back / (s.next_beta + s.next_delta));
-      s.next_beta = 0;  // the iterate is no place to gather speed from
       s.set_lipschitz(enough);
+      s.set_momentum(s.theta, 0);
       return;
     }
+    ++s.accepted;
     if (s.descent > 0) {
       ++s.restarts;
-      s.set_point(1, 0);
+      s.set_momentum(1, 0);
     } else {
-      s.set_point(s.next_theta, 1);
+      s.set_momentum(s.next_theta, s.next_beta);
     }
     s.set_lipschitz(energy.value[0] > allowed ? enough : kDecay * s.lipschitz);
   }
@@ -264,7 +238,7 @@ struct ApgdPasses {
   SCREE_HD ApgdBodyPass<R, Real> body_pass() const { return {p, gamma, velocity, state}; }
 };
 
-/// Residual of the iterate.
+/// Residual of the current iterate, wherever the rotation left it.
 template <class R, class Real>
 struct ApgdResidual {
   static constexpr const char* name = "apgd_residual";
@@ -273,7 +247,8 @@ struct ApgdResidual {
   ApgdVelocities<Real> velocity;
   const ApgdState* state;
   SCREE_HD ResidualSums operator()(Index c) const {
-    return ContactResidual<R, Real>{p, gamma.iterate, velocity.current(*state)}(c);
+    const Index k = state->accepted;
+    return ContactResidual<R, Real>{p, gamma.current(k), velocity.current(*state)}(c);
   }
 };
 
@@ -352,10 +327,9 @@ struct ApgdStart {
   SCREE_HD void operator()(const LargestWeight& bound) const {
     ApgdState s;
     s.lipschitz_max = bound.value > 0 ? bound.value * (1 + 1e-5) : 1;
-    // A quarter of the bound: the rule of the steps finds the local curvature within a few
-    // iterations.
+    // A quarter of the bound: the rule of the steps finds the local curvature within a few trials.
     s.set_lipschitz(carried_lipschitz > 0 ? carried_lipschitz : s.lipschitz_max / 4);
-    s.set_point(kTheta, 0);
+    s.set_momentum(kTheta, 0);
     *state = s;
   }
 };

@@ -3,12 +3,12 @@
 // solver.
 //
 // Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD", with other
-// rules for step and momentum, among them the second term of the optimized gradient method (Kim &
-// Fessler, Math. Program. 159, 2016); docs/theory.md.
+// rules for step and momentum; docs/theory.md.
 // Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
-// is the other choice. Memory passes per iteration: one over contacts (124 B in float, 48 of them
+// is the other choice. Memory passes per iteration: one over contacts (112 B in float, 48 of them
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
-// every residual check, at least each `check_every` iterations. Spheres take the tuned twins of
+// every residual check, at least each `check_every` iterations. A rejected trial, which is rare,
+// costs one more of both passes; `applications` counts all of them. Spheres take the tuned twins of
 // kernels/tuned.
 
 #include <algorithm>
@@ -38,7 +38,7 @@ class Apgd final : public Solver<B, Real> {
   /// in the second half of the iterations allowed.
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
-        : momentum(b, vectors),
+        : impulses(b, vectors),
           best(b),
           iterate(b, bodies),
           extrapolated{Buffer<B, Twist<Real>>(b, bodies), Buffer<B, Twist<Real>>(b, bodies)},
@@ -47,7 +47,7 @@ class Apgd final : public Solver<B, Real> {
           check(b, 1),
           residual(b),
           iteration(b) {}
-    Buffer<B, Vec3<Real>> momentum;
+    Buffer<B, Vec3<Real>> impulses;  ///< the other ones are the caller's
     Buffer<B, Vec3<Real>> best;
     Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
     Buffer<B, Twist<Real>> extrapolated[2];
@@ -65,7 +65,7 @@ class Apgd final : public Solver<B, Real> {
 
     const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
     Workspace w(b, vectors, p.body_count);
-    const ApgdImpulses<Real> impulses{gamma, w.momentum.view()};
+    const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}};
     const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()},
                                           {w.extrapolated[0].view(), w.extrapolated[1].view()}};
     // Bodies that do not move keep this velocity through the whole solve.
@@ -78,10 +78,10 @@ class Apgd final : public Solver<B, Real> {
 
     ApgdState* state = w.state.data();
     const auto start_from_guess = [&] {
+      copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[1]);
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocities.of_iterate[0]});
     };
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
-    fill(b, impulses.momentum, Vec3<Real>{});  // the first point does not follow it, but reads it
     start_from_guess();
     StoredMetric<R, Real> metric;
     if (params_.metric == ApgdMetricKind::diagonal) {
@@ -119,7 +119,7 @@ class Apgd final : public Solver<B, Real> {
           continue;
         }
       }
-      stats.iterations = check.state.iterations;
+      stats.iterations = check.state.accepted;
       lipschitz_ = check.state.lipschitz;
       this->add_to_curve(stats.iterations, stats.applications, residual.rms);
       stats.converged = residual.rms <= tolerance;
@@ -131,9 +131,12 @@ class Apgd final : public Solver<B, Real> {
       if (is_best && (is_last || 2 * stats.applications >= params_.max_iterations)) {
         best = residual.rms;
         stats.residual = residual;
+        const Span<const Vec3<Real>> found = impulses.current(check.state.accepted);
         if (!is_last) {
           w.best.reserve_discard(vectors);
-          copy(b, Span<const Vec3<Real>>(gamma), w.best.view());
+          copy(b, found, w.best.view());
+        } else if (found.data != gamma.data) {
+          copy(b, found, gamma);
         }
       }
       if (is_last) break;

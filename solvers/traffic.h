@@ -36,13 +36,13 @@ struct Traffic {
   }
 };
 
-/// ApgdContactPass. Contact: normal 3R, bias R, ids 8, impulse and momentum 6R, diagonal metric 2R
-/// (none when Euclidean) read, impulse and momentum 6R written. Twists of the extrapolated point,
-/// 6R a body: once each, or two per contact.
+/// ApgdContactPass. Contact: normal 3R, bias R, ids 8, two impulses 6R, diagonal metric 2R (none
+/// when Euclidean) read, one impulse 3R written. Twists of the extrapolated point, 6R a body: once
+/// each, or two per contact.
 template <class Real>
 constexpr Traffic apgd_contact_pass_traffic(ApgdMetricKind kind) {
   constexpr double r = sizeof(Real);
-  const double streamed = (kind == ApgdMetricKind::diagonal ? 17 : 16) * r + 8;
+  const double streamed = (kind == ApgdMetricKind::diagonal ? 14 : 13) * r + 8;
   return {streamed, 6 * r, streamed + 12 * r, 0};
 }
 
@@ -57,20 +57,20 @@ constexpr Traffic apgd_body_pass_traffic() {
   return {6 * r + 4, body, 12 * r + 4, body};
 }
 
-/// One APGD iteration.
+/// One APGD iteration (one trial of the line search).
 template <class Real>
 constexpr Traffic apgd_iteration_traffic(ApgdMetricKind kind) {
   return apgd_contact_pass_traffic<Real>(kind) + apgd_body_pass_traffic<Real>();
 }
 
 /// One APGD iteration whose two passes are one, so that impulses and twists are read once: the
-/// least of any program. Bodies and materials alike. Contact: normal 3R, bias R, ids 8, impulse and
-/// momentum 6R, metric R (none when Euclidean), list entry 4 read, impulse and momentum 6R written.
-/// Body: as in the body pass.
+/// least of any program. Bodies and materials alike. Contact: normal 3R, bias R, ids 8, two
+/// impulses 6R, metric R (none when Euclidean), list entry 4 read, one impulse 3R written. Body: as
+/// in the body pass.
 template <class Real>
 constexpr Traffic apgd_fused_iteration_traffic(ApgdMetricKind kind) {
   constexpr double r = sizeof(Real);
-  const double contact = (kind == ApgdMetricKind::diagonal ? 17 : 16) * r + 12;
+  const double contact = (kind == ApgdMetricKind::diagonal ? 14 : 13) * r + 12;
   const double body = apgd_body_pass_traffic<Real>().body_least;
   return {contact, body, contact, body};
 }
@@ -123,10 +123,10 @@ constexpr Traffic body_contacts_traffic() {
 }
 
 // The figures in the kernels' docstrings.
-static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_least == 76);
-static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_requested == 124);
+static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_least == 64);
+static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_requested == 112);
 static_assert(apgd_body_pass_traffic<float>().contact_requested == 52);
 static_assert(apgd_body_pass_traffic<float>().body_least == 136);
-static_assert(apgd_fused_iteration_traffic<float>(ApgdMetricKind::diagonal).contact_least == 80);
+static_assert(apgd_fused_iteration_traffic<float>(ApgdMetricKind::diagonal).contact_least == 68);
 
 }  // namespace scree

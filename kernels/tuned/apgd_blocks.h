@@ -36,11 +36,11 @@ struct ApgdContactBlock {
     Records in{};
     for (int j = 0; j < present; ++j) {
       const Index c = first + j;
-      in.put(j, kGamma, step.gamma.iterate[c]);
-      in.put(j, kMomentum, step.gamma.momentum[c]);
+      in.put(j, kGamma, step.current[c]);
+      in.put(j, kBefore, step.previous[c]);
       in.put(j, kNormal, a.p.normal[c]);
-      in.put(j, kTwistA, step.velocity[a.p.body_a[c]]);
-      in.put(j, kTwistB, step.velocity[a.p.body_b[c]]);
+      in.put(j, kTwistA, step.extrapolated[a.p.body_a[c]]);
+      in.put(j, kTwistB, step.extrapolated[a.p.body_b[c]]);
       in.lane[kBias][j] = a.p.bias[c];
       in.lane[kFriction][j] = a.p.friction[c];
       in.lane[kAdhesion][j] = a.p.adhesion[c];
@@ -51,31 +51,26 @@ struct ApgdContactBlock {
     for (int j = present; j < kContacts; ++j) in.lane[kMetric][j] = in.lane[kMetric + 1][j] = 1;
 
     // A problem of one contact whose numbers are lanes.
-    Vec3<L> gamma = in.vector(kGamma), momentum = in.vector(kMomentum);
+    const Vec3<L> gamma = in.vector(kGamma), before = in.vector(kBefore);
     const Vec3<L> normal = in.vector(kNormal);
     const L bias = L::load(in.lane[kBias]), friction = L::load(in.lane[kFriction]),
             adhesion = L::load(in.lane[kAdhesion]);
     L weights[2] = {L::load(in.lane[kMetric]), L::load(in.lane[kMetric + 1])};
+    Vec3<L> next;
     ContactProblem<L> p;
     p.normal = {&normal, 1};
     p.bias.values = {&bias, 1};
     p.friction.values = {&friction, 1};
     p.adhesion.values = {&adhesion, 1};
     const StoredMetric<RadialRows<L>, L> metric{{weights, 2}};
-    const ApgdContactStep<RadialRows<L>, L> in_lanes{{{&gamma, 1}, {&momentum, 1}},
-                                                     {},
-                                                     L(step.follow),
-                                                     L(step.next_beta),
-                                                     L(step.next_delta),
-                                                     L(step.step)};
+    const ApgdContactStep<RadialRows<L>, L> in_lanes{{&gamma, 1}, {&before, 1}, {&next, 1},
+                                                     {},          L(step.beta), L(step.step)};
     const Sums<2> sums = in_lanes(p, metric, 0, in.twist(kTwistA), in.twist(kTwistB));
 
     Records out;
-    out.keep(kGamma, gamma);
-    out.keep(kMomentum, momentum);
+    next.x.store(out.lane[0]), next.y.store(out.lane[1]), next.z.store(out.lane[2]);
     for (int j = 0; j < present; ++j) {
-      step.gamma.iterate[first + j] = out.get(j, kGamma);
-      step.gamma.momentum[first + j] = out.get(j, kMomentum);
+      step.next[first + j] = {out.lane[0][j], out.lane[1][j], out.lane[2][j]};
     }
     return sums;
   }
@@ -83,7 +78,7 @@ struct ApgdContactBlock {
  private:
   enum Row {
     kGamma = 0,
-    kMomentum = 3,
+    kBefore = 3,
     kNormal = 6,
     kTwistA = 9,
     kTwistB = 15,
@@ -104,12 +99,6 @@ struct ApgdContactBlock {
       put(j, row, t.linear);
       put(j, row + 3, t.angular);
     }
-    Vec3<Real> get(int j, int row) const {
-      return {lane[row][j], lane[row + 1][j], lane[row + 2][j]};
-    }
-    void keep(int row, const Vec3<Lanes<Real>>& v) {
-      v.x.store(lane[row]), v.y.store(lane[row + 1]), v.z.store(lane[row + 2]);
-    }
     Vec3<Lanes<Real>> vector(int row) const {
       using L = Lanes<Real>;
       return {L::load(lane[row]), L::load(lane[row + 1]), L::load(lane[row + 2])};
@@ -127,7 +116,7 @@ class ApgdIteration<Cpu> {
 
   template <class R, class Real>
   void run(Cpu& cpu, const ApgdPasses<R, Real>& a, int count) {
-    for (int k = 0; k < count; ++k) apgd_iterate(cpu, a);
+    for (int k = 0; k < count; ++k) apgd_trial(cpu, a);
   }
   template <class Real>
   void run(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a, int count) {

@@ -1,20 +1,19 @@
 #pragma once
-// Tuned twin of the two APGD passes for the radial layout: one cooperative launch runs many
-// iterations.
+// Tuned twin of the two APGD passes for the radial layout: one cooperative launch runs many trials.
 //
 // A block takes tiles of bodies that are neighbors in space (Morton order), one in each round. It
 // keeps their V_y and the new impulses of their contacts in shared memory, so that both passes
 // gather from there. Only contacts with bodies outside the tile go through global memory: as B of a
 // lower body, whose tile has its contact step in the same round or an earlier one. So the body pass
 // of a round runs after the contact step of the next one, when that of its own round is done
-// everywhere, and seldom waits. At the end of a iteration the blocks meet, one adds up the sums in
-// block order and decides, and the next iteration begins without a launch.
+// everywhere, and seldom waits. At the end of a trial the blocks meet, one adds up the sums in
+// block order and decides, and the next trial begins without a launch.
 //
-// Bytes from memory per contact (float, alike bodies): normal and bias 16, ids 8, impulse and
-// momentum 24, metric 4, list 4 read, impulse and momentum 24 written. Per body: V_y, v*, V 72,
-// inertia 8, starts 8 read, V and V_y 48 written: 376 MB for 1e6 bodies with 3e6 contacts, where
-// the plain passes take 463. Sums are those of the plain passes in another order: the same bits on
-// every run of one device. Doubles take the plain passes, which are faster for them.
+// Bytes from memory per contact (float, alike bodies): normal and bias 16, ids 8, two impulses 24,
+// metric 4, list 4 read, impulse 12 written. Per body: V_y, v*, V 72, inertia 8, starts 8 read, V
+// and V_y 48 written: 340 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427.
+// Sums are those of the plain passes in another order: the same bits on every run of one device.
+// Doubles take the plain passes, which are faster for them.
 
 #include <cuda/atomic>
 
@@ -28,15 +27,14 @@ inline constexpr int kThreads = Cuda::kBlock;  ///< of a block
 inline constexpr int kBodies = 240;            ///< of a tile
 inline constexpr int kBlocks = 4;              ///< wanted on a multiprocessor
 inline constexpr int kStaged =
-    640;  ///< contacts of a tile kept in shared memory, two tiles a block
-
+    640;                           ///< contacts of a tile kept in shared memory, two tiles a block
 inline constexpr int kAtOnce = 4;  ///< contacts of a body as B that are fetched together
 
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
-  unsigned* round_done;  ///< [rounds] contact steps done, over all iterations
-  unsigned* arrived;     ///< blocks at the end of a iteration, over all iterations
-  unsigned* iterations;  ///< iterations decided
+  unsigned* round_done;  ///< [rounds] contact steps done, over all trials
+  unsigned* arrived;     ///< blocks at the end of a trial, over all trials
+  unsigned* trials;      ///< trials decided
   Sums<3>* partial;      ///< [blocks]
 };
 
@@ -55,7 +53,7 @@ struct Tile {
     Vec3<Real> impulse;
     Vec3<Real> normal;
   };
-  Twist<Real> point[kBodies];  ///< V_y
+  Twist<Real> extrapolated[kBodies];
   Pull pull[kStaged];
 };
 
@@ -74,15 +72,15 @@ __device__ void step_contacts(const RadialPasses<Real>& a,
                               const ApgdContactStep<RadialRows<Real>, Real>& step, TileRange range,
                               Tile<Real>& tile, Sums<3>& sums) {
   const Index i = range.begin + static_cast<Index>(threadIdx.x);
-  if (i < range.end) tile.point[threadIdx.x] = step.velocity[i];
+  if (i < range.end) tile.extrapolated[threadIdx.x] = step.extrapolated[i];
   __syncthreads();
   for (Index c = range.first + static_cast<Index>(threadIdx.x); c < range.last; c += kThreads) {
     const Index body_b = a.p.body_b[c];
     const Twist<Real> v_b =
-        body_b < range.end ? tile.point[body_b - range.begin] : step.velocity[body_b];
-    const Sums<2> mine = step(a.p, a.metric, c, tile.point[a.p.body_a[c] - range.begin], v_b);
-    if (c - range.first < kStaged)
-      tile.pull[c - range.first] = {step.gamma.iterate[c], a.p.normal[c]};
+        body_b < range.end ? tile.extrapolated[body_b - range.begin] : step.extrapolated[body_b];
+    const Sums<2> mine =
+        step(a.p, a.metric, c, tile.extrapolated[a.p.body_a[c] - range.begin], v_b);
+    if (c - range.first < kStaged) tile.pull[c - range.first] = {step.next[c], a.p.normal[c]};
     sums.value[0] += mine.value[0];
     sums.value[1] += mine.value[1];
   }
@@ -96,8 +94,8 @@ __device__ void step_bodies(const RadialPasses<Real>& a, TileRange range, const 
   if (i >= range.end) return;
   using R = RadialRows<Real>;
   const ApgdState& s = *a.state;
-  const Index k = s.iterations;
-  const Vec3<Real>* const gamma = a.gamma.iterate.data;
+  const Index k = s.accepted;
+  const Vec3<Real>* const gamma = a.gamma.next(k).data;
   Vec3<Real> force, torque;
   for (Index c = a.p.a_start[i], end = a.p.a_start[i + 1]; c < end; ++c) {
     const Index slot = c - range.first;
@@ -127,11 +125,10 @@ __device__ void step_bodies(const RadialPasses<Real>& a, TileRange range, const 
   }
   const Twist<Real> next =
       a.p.free_velocity[i] + R::apply_inverse_mass(a.p, i, Twist<Real>{force, torque});
-  const Twist<Real> change = next - tile.point[threadIdx.x];
-  const Twist<Real> momentum = static_cast<Real>(s.next_beta) * (next - a.velocity.current(s)[i]) +
-                               static_cast<Real>(s.next_delta) * change;
+  const Twist<Real> momentum = static_cast<Real>(s.next_beta) * (next - a.velocity.current(s)[i]);
   a.velocity.iterate(k + 1)[i] = next;
   a.velocity.extrapolated(k + 1)[i] = next + momentum;
+  const Twist<Real> change = next - tile.extrapolated[threadIdx.x];
   const RadialInertia<Real> inertia = a.p.radial_inertia[i];
   Real energy = 0;
   if (inertia.inv_mass > Real(0)) energy += norm2(change.linear) * inverse(inertia.inv_mass);
@@ -160,17 +157,16 @@ __device__ inline Sums<3> block_sum(Sums<3> mine) {
   return mine;
 }
 
-/// Ends a iteration: adds up the sums of all blocks and decides; returns when that is visible to
-/// all.
+/// Ends a trial: adds up the sums of all blocks and decides; returns when that is visible to all.
 template <class Real>
-__device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsigned iteration,
+__device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsigned trial,
                        const Sums<3>& sums) {
   __shared__ bool is_last;
   const Sums<3> mine = block_sum(sums);
   if (threadIdx.x == 0) {
     shared.partial[blockIdx.x] = mine;
     is_last = Counter(*shared.arrived).fetch_add(1, cuda::memory_order_acq_rel) ==
-              (iteration + 1) * gridDim.x - 1;
+              (trial + 1) * gridDim.x - 1;
   }
   __syncthreads();
   if (is_last) {
@@ -180,18 +176,18 @@ __device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsign
     if (threadIdx.x == 0) {
       ApgdContactFinish{a.state}({{total.value[0], total.value[1]}});
       ApgdBodyFinish{a.state}({{total.value[2]}});
-      Counter(*shared.iterations).store(iteration + 1, cuda::memory_order_release);
+      Counter(*shared.trials).store(trial + 1, cuda::memory_order_release);
     }
   } else if (threadIdx.x == 0) {
-    wait_for(*shared.iterations, iteration + 1);
+    wait_for(*shared.trials, trial + 1);
   }
   __syncthreads();
 }
 
 template <class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
-    run_iterations(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
-                   unsigned first, int count) {
+    run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
+               unsigned first_trial, int count) {
   extern __shared__ __align__(16) unsigned char bytes[];
   Tile<Real>* const tile = reinterpret_cast<Tile<Real>*>(bytes);
   const Index blocks = static_cast<Index>(gridDim.x);
@@ -203,7 +199,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     range.last = a.p.a_start[range.end];
     return range;
   };
-  for (unsigned iteration = first; iteration < first + count; ++iteration) {
+  for (unsigned trial = first_trial; trial < first_trial + count; ++trial) {
     const ApgdContactStep<RadialRows<Real>, Real> step = a.contact_pass().step();
     Sums<3> sums;
     Index round = 0;
@@ -214,14 +210,14 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
         if (t < tiles) Counter(shared.round_done[round]).fetch_add(1, cuda::memory_order_release);
         if (round > 0) {
           const Index before = min(blocks, tiles - (round - 1) * blocks);
-          wait_for(shared.round_done[round - 1], (iteration + 1) * static_cast<unsigned>(before));
+          wait_for(shared.round_done[round - 1], (trial + 1) * static_cast<unsigned>(before));
         }
       }
       __syncthreads();
       if (round == 0) continue;
       step_bodies(a, range_of(t - blocks), tile[(round - 1) & 1], sums);
     }
-    decide(a, shared, iteration, sums);
+    decide(a, shared, trial, sums);
   }
 }
 
@@ -243,30 +239,28 @@ class ApgdIteration<Cuda> {
     partial_.reserve_discard(blocks_);
     fill(cuda, counters_.view(counters), 0u);
     shared_ = {counters_.data() + 2, counters_.data(), counters_.data() + 1, partial_.data()};
-    iterations_ = 0;
+    trials_ = 0;
   }
 
   template <class R, class Real>
   void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count) {
-    for (int k = 0; k < count; ++k) apgd_iterate(cuda, a);
+    for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
   }
 
   void run(Cuda& cuda, const sweep::RadialPasses<float>& a, int count) {
     sweep::RadialPasses<float> passes = a;
-    void* arguments[] = {&passes, &shared_, &tiles_, &iterations_, &count};
+    void* arguments[] = {&passes, &shared_, &tiles_, &trials_, &count};
     check_cuda(cudaLaunchCooperativeKernel(kernel(), blocks_, sweep::kThreads, arguments, kBytes,
                                            cuda.stream()),
                "apgd_sweep");
     cuda.check_launch("apgd_sweep");
-    iterations_ += static_cast<unsigned>(count);
+    trials_ += static_cast<unsigned>(count);
   }
 
  private:
   static constexpr int kBytes = 2 * sizeof(sweep::Tile<float>);
 
-  static const void* kernel() {
-    return reinterpret_cast<const void*>(&sweep::run_iterations<float>);
-  }
+  static const void* kernel() { return reinterpret_cast<const void*>(&sweep::run_trials<float>); }
   /// Blocks wait for each other, so all must be on the device at once.
   static unsigned resident_blocks(const Cuda& cuda) {
     check_cuda(cudaFuncSetAttribute(kernel(), cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes),
@@ -274,12 +268,12 @@ class ApgdIteration<Cuda> {
     return cuda.resident_blocks(kernel(), "occupancy of apgd_sweep", kBytes);
   }
 
-  Buffer<Cuda, unsigned> counters_;  ///< arrived, iterations, round_done
+  Buffer<Cuda, unsigned> counters_;  ///< arrived, trials, round_done
   Buffer<Cuda, Sums<3>> partial_;
   sweep::Shared shared_{};
   Index tiles_ = 0;
   unsigned blocks_ = 0;
-  unsigned iterations_ = 0;
+  unsigned trials_ = 0;
 };
 
 }  // namespace scree

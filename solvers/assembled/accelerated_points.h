@@ -26,9 +26,8 @@ enum class TrialFrom : int {
 
 /// What a rule for steps decides after each trial.
 struct AcceleratedState {
-  double step = 1;      ///< in units of the inverse metric
-  double momentum = 0;  ///< of the change from the iterate before
-  double second = 0;    ///< of the change from the point before
+  double step = 1;  ///< in units of the inverse metric
+  double momentum = 0;
   TrialFrom from = TrialFrom::iterate;
   Index accepted = 0;  ///< trials that became iterates
 };
@@ -49,10 +48,8 @@ struct AcceleratedTrial {
     for (int i = 0; i < 3; ++i) {
       const Offset at = 3 * static_cast<Offset>(c) + i;
       if (state->from == TrialFrom::extrapolated) {
-        y[at] =
-            next[at] + state->momentum * (next[at] - r[at]) + state->second * (next[at] - y[at]);
-        y_moved[at] = next_moved[at] + state->momentum * (next_moved[at] - moved[at]) +
-                      state->second * (next_moved[at] - y_moved[at]);
+        y[at] = next[at] + state->momentum * (next[at] - r[at]);
+        y_moved[at] = next_moved[at] + state->momentum * (next_moved[at] - moved[at]);
         r[at] = next[at];
         moved[at] = next_moved[at];
       } else if (state->from == TrialFrom::iterate) {

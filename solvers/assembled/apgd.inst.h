@@ -1,5 +1,5 @@
 // Accelerated projected gradient descent with the rules of docs/theory.md, section "APGD": slower
-// momentum from theta = 1/4, a step rule that keeps what still descends, restarts, and a diagonal
+// momentum from theta = 1/4, a step rule that accepts what still descends, restarts, and a diagonal
 // metric H = (P D^2)^(1/3).
 //
 // D and P have one number for the normal row of a contact and one for both tangential ones. D is
@@ -7,9 +7,9 @@
 // sum over the block row of |W_ij| (d_i / d_j)^1/2, so that P - W is semidefinite by the test of
 // Schur; with bodies at hand it is the mass-split bound. One iteration is one product with W, as
 // the product of the extrapolated point follows from those of the iterates, and 14 vectors read or
-// written beside it. Source: Mazhar, Heyn, Negrut and Tasora, ACM TOG 34(3), 2015;
-// momentum of Chambolle and Dossal, JOTA 166, 2015, and Kim and Fessler, Math. Program. 159, 2016;
-// the other rules in docs/theory.md.
+// written beside it; a rejected step, which is rare, costs as much. Source: Mazhar, Heyn, Negrut
+// and Tasora, ACM TOG 34(3), 2015; momentum of Chambolle and Dossal, JOTA 166, 2015; the other
+// rules in docs/theory.md.
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +50,8 @@ std::vector<RowWeights> bounds(const AssembledProblem& p, const std::vector<RowW
   return bound;
 }
 
-/// The rules of the solver of steps, for the assembled operator.
+/// The rules of the solver of steps, for a trial on the assembled operator. A rejected one is
+/// repeated from the iterate itself.
 struct ApgdRules {
   AcceleratedState* points;
   ApgdState* state;
@@ -58,13 +59,14 @@ struct ApgdRules {
                  ///< absorb the velocities
 
   SCREE_HD void operator()(const Sums<3>& sums) const {
-    const double beta = state->next_beta, delta = state->next_delta;
+    const Index before = state->accepted;
     state->step_squares = sums.value[1];
     state->descent = sums.value[2];
     ApgdBodyFinish{state}({{sums.value[0]}});
     if (state->lipschitz < least) state->set_lipschitz(least);
-    *points = {state->step, state->follow * beta, state->follow * delta, TrialFrom::extrapolated,
-               state->iterations};
+    *points = {state->step, state->beta,
+               state->accepted == before ? TrialFrom::iterate : TrialFrom::extrapolated,
+               state->accepted};
   }
 };
 
@@ -93,7 +95,7 @@ class Apgd final : public BackendSolver<BuildBackend> {
     ApgdState first;
     first.lipschitz_max = largest;
     first.set_lipschitz(largest / 4);
-    first.set_point(ApgdStart::kTheta, 0);
+    first.set_momentum(ApgdStart::kTheta, 0);
     const auto p = upload_problem(problem);
     Buffer<BuildBackend, ApgdState> state(backend(), 1);
     upload(backend(), &first, state.view());

@@ -2,18 +2,19 @@
 // The list of pairs of bodies that may touch, kept over several steps.
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "collision/broad_phase.h"
-#include "kernels/pair_candidates.h"
+#include "kernels/extend_candidates.h"
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 20
-/// bytes a body and 8 a pair.
+/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 8 bytes
+/// a body and 4 a pair.
 template <class B, class Real>
 class PairCandidates {
  public:
@@ -134,15 +135,15 @@ class PairCandidates {
   static constexpr double kStretchStep = 1.5, kMostStretch = 4;
 
   /// Gives the bodies that left their balls new ones, and adds what they reach to the list; one
-  /// host read. Bytes per body with m candidates: 16, and 36 +
-  /// 40 m when there is something to add.
+  /// host read. Bytes per body with m candidates: 16, and 36 + 8 m when there is something to add.
   /// @return  false when there is too much to add: the list is void then
   bool extend(B& b, const BodyView<Real>& bodies, const ContactRange& range,
               const SpareReach& spare) {
     const Span<const Index> left = std::as_const(left_).view(outside_);
     Buffer<B, ReachRecord> ball(b, outside_);
-    Buffer<B, Index> added(b, 1), added_a(b, kMostAdded), added_b(b, kMostAdded);
-    fill(b, added.view(), Index(0));
+    Buffer<B, Index> pair_count(b, 1);
+    Buffer<B, std::uint64_t> pair(b, kMostAdded);
+    fill(b, pair_count.view(), Index(0));
     for_each(b, outside_,
              RenewReach<Real>{{bodies, range, spare},
                               binned_,
@@ -150,30 +151,33 @@ class PairCandidates {
                               left,
                               record_.view(),
                               ball.view(),
-                              added.data()});
-    for_each(b, binned_.size(),
-             FindMissingPairs{binned_, view(), Vec3<float>(range.period), record_.view(), left,
-                              ball.view(), added.data(), added_a.view(), added_b.view()});
-    const Index more = fetch(b, added.data());
+                              pair_count.data()});
+    const FindMissingPairs missing{binned_, view(),      Vec3<float>(range.period), record_.view(),
+                                   left,    ball.view(), pair_count.data(),         pair.view()};
+    for_each(b, missing.group_count(), missing);
+    const Index more = fetch(b, pair_count.data());
     if (more > kMostAdded) return false;
     ++extensions_, ++extension_count_;
-    if (more == 0) return true;
+    return more == 0 || insert(b, pair.view(more));
+  }
 
+  /// Puts pairs that are not in the list into it.
+  /// @return  false when the list would get too long: it is as before
+  bool insert(B& b, Span<std::uint64_t> pair) {
+    const Index n = binned_.free_count, more = static_cast<Index>(pair.size);
     const CandidateView list = view();
-    const Index n = binned_.free_count;
-    Buffer<B, Index> count(b, n);
-    Buffer<B, Offset> first(b, static_cast<Offset>(n) + 1);
-    fill(b, count.view(), Index(0));
-    for_each(b, list.piece_count(), CountListed{list, count.view()});
-    for_each(b, more, CountPairs{added_a.view(more), count.view()});
-    exclusive_scan(b, Span<const Index>(count.view()), first.view());
-    const Offset total = static_cast<Offset>(list.other.size) + more;
-    if (!can_number(n, total)) return false;
-    Buffer<B, Index> lower(b, total), other(b, total);
-    const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
-    for_each(b, list.piece_count(), PlaceListed{list, places});
-    for_each(b, more, PlacePairs{added_a.view(more), added_b.view(more), places});
-    put_into_order(b, n, places);
+    const auto listed = static_cast<Index>(list.other.size);
+    if (!can_number(n, static_cast<Offset>(listed) + more)) return false;
+    SortSpace<B> sort(b);
+    Buffer<B, Index> place(b, more), other(b, listed + more);
+    fill(b, place.view(), Index(0));  // the sort moves it along
+    sort_pairs(b, sort, pair, place.view(), 32 + bits_for(static_cast<std::uint64_t>(n)));
+    Buffer<B, Offset> begin(b, static_cast<Offset>(n) + 1);
+    for_each(b, more, InsertAdded{list, pair, place.view(), other.view()});
+    for_each(b, listed, MoveListed{list.other, std::as_const(place).view(more), other.view()});
+    for_each(b, list.piece_count(), BeginExtended{list, pair, begin.view()});
+    cut(b, n, begin.view(), other.capacity());
+    swap(other_, other);
     return true;
   }
 
@@ -194,12 +198,17 @@ class PairCandidates {
   /// The list, from pairs that are together for each lower body.
   void put_into_order(B& b, Index free_count, const PairPlaces& pairs) {
     const Offset total = pairs.lower.size;
-    const Offset pieces = first_piece(free_count, total);
-    for_each(b, free_count + 1,
-             CutPieces{free_count, pairs.begin, body_.resize_discard(pieces),
-                       begin_.resize_discard(pieces + 1)});
+    cut(b, free_count, pairs.begin, total);
     for_each(b, static_cast<Index>(total),
              OrderCandidates{pairs.lower, pairs.other, pairs.begin, other_.resize_discard(total)});
+  }
+
+  /// Makes the pieces. @param begin  [free_count + 1] where the candidates of each body begin
+  void cut(B& b, Index free_count, Span<const Offset> begin, Offset total) {
+    const Offset pieces = first_piece(free_count, total);
+    for_each(b, free_count + 1,
+             CutPieces{free_count, begin, body_.resize_discard(pieces),
+                       begin_.resize_discard(pieces + 1)});
   }
 
   Buffer<B, ReachRecord> record_;

@@ -14,6 +14,20 @@ namespace scree {
 /// Candidates of one piece at most: as many as an Index has bits for, see CountContacts.
 inline constexpr Index kPieceLength = 32;
 
+/// First of the ascending elements [from, to) that is not below the value; `to` when all are.
+template <class T>
+SCREE_HD Index first_not_below(Span<const T> sorted, Index from, Index to, T value) {
+  while (from < to) {
+    const Index middle = from + (to - from) / 2;
+    if (sorted[middle] < value) {
+      from = middle + 1;
+    } else {
+      to = middle;
+    }
+  }
+  return from;
+}
+
 /// Pairs sorted by (body a, other body), a being the free body with the lower storage index. They
 /// are cut into pieces, so that one large body among many small ones does not hold up all others:
 /// where a body's candidates begin, and at each multiple of kPieceLength. Every free body has at
@@ -27,26 +41,20 @@ struct CandidateView {
   SCREE_HD bool is_last_of_body(Index p) const {
     return p + 1 == body.size || body[p + 1] != body[p];
   }
-  /// Whether the pair is in the list, by bisection; a < b.
+  /// Whether the pair is in the list; a < b.
   SCREE_HD bool contains(Index a, Index b) const {
-    const Index first = lower_bound(body, 0, piece_count(), a);
-    const Index end = lower_bound(body, first, piece_count(), a + 1);
-    const Index k = lower_bound(other, begin[first], begin[end], b);
-    return k < begin[end] && other[k] == b;
+    const Index k = place(a, b);
+    return k < first_of(a + 1) && other[k] == b;
+  }
+  /// Candidate before which the pair is in ascending order, or the pair itself; a < b.
+  SCREE_HD Index place(Index a, Index b) const {
+    return first_not_below(other, first_of(a), first_of(a + 1), b);
   }
 
  private:
-  /// First of the ascending elements [from, to) that is not below the value; `to` when all are.
-  SCREE_HD static Index lower_bound(Span<const Index> sorted, Index from, Index to, Index value) {
-    while (from < to) {
-      const Index middle = from + (to - from) / 2;
-      if (sorted[middle] < value) {
-        from = middle + 1;
-      } else {
-        to = middle;
-      }
-    }
-    return from;
+  /// First candidate of a body, or of those after it.
+  SCREE_HD Index first_of(Index a) const {
+    return begin[first_not_below(body, 0, piece_count(), a)];
   }
 };
 
@@ -245,133 +253,6 @@ struct OrderCandidates {
     Index before = 0;
     for (Index q = first; q < end; ++q) before += other[q] < j;
     ordered[first + before] = j;
-  }
-};
-
-/// Gives a body that left its ball a new one. A body that has none any more has to leave the list,
-/// which then counts as too much to add. Bytes per such body: 60 read, 32 written.
-template <class Real>
-struct RenewReach {
-  static constexpr const char* name = "renew_reach";
-  BodyBalls<Real> balls;
-  BinnedRange binned;
-  Vec3<double> origin;
-  Span<const Index> left;
-  Span<ReachRecord> record;     ///< [binned.size()] in, out
-  Span<ReachRecord> left_ball;  ///< [left.size] out: the same, with room for rounding
-
-  Index* pair_count;  ///< see FindMissingPairs
-
-  static constexpr Index kTooMany = 1 << 20;
-
-  SCREE_HD void operator()(Index k) const {
-    const Index i = binned.body(left[k]);
-    ReachRecord ball;
-    ball.reach = balls.radius(i);
-    if (ball.reach > 0) {
-      ball.center = Vec3<float>(balls.center(i) - origin);
-    } else {
-      atomic_add(pair_count, kTooMany);
-    }
-    record[left[k]] = ball;
-    left_ball[k] = room_for_rounding(ball);
-  }
-};
-
-/// Finds the pairs of bodies that left their balls with all others which are not in the list yet.
-/// Every binned body looks at all that left: they are few.
-/// Bytes per binned body: 16 read.
-struct FindMissingPairs {
-  static constexpr const char* name = "find_missing_pairs";
-  BinnedRange binned;
-  CandidateView list;
-  Vec3<float> period;  ///< [m]; zero: not periodic
-  Span<const ReachRecord> record;
-  Span<const Index> left;
-  Span<const ReachRecord> left_ball;
-  Index* pair_count;  ///< in: zero; out: how many there are, also when there is not room for all
-  Span<Index> pair_a, pair_b;  ///< out, in any order
-
-  SCREE_HD void operator()(Index m) const {
-    const ReachRecord own = room_for_rounding(record[m]);
-    if (!(own.reach > 0)) return;
-    for (Index k = 0; k < left.size; ++k) {
-      const ReachRecord other = left_ball[k];
-      const float sum = own.reach + other.reach;
-      const Vec3<float> d = nearest_image(other.center - own.center);
-      if (norm2(d) > sum * sum * 1.00001f || !(other.reach > 0)) continue;
-      found(m, left[k]);
-    }
-  }
-
- private:
-  SCREE_HD Vec3<float> nearest_image(Vec3<float> d) const {
-    for (int k = 0; k < 3; ++k) {
-      if (period[k] > 0) d[k] -= period[k] * std::rint(d[k] / period[k]);
-    }
-    return d;
-  }
-  SCREE_HD bool has_left(Index m) const {
-    for (Index k = 0; k < left.size; ++k) {
-      if (left[k] == m) return true;
-    }
-    return false;
-  }
-  SCREE_HD void found(Index m, Index other) const {
-    const Index i = binned.body(m), j = binned.body(other);
-    const Index a = i < j ? i : j, b = i < j ? j : i;
-    if (a == b || a >= binned.free_count) return;
-    if (list.contains(a, b)) return;
-    if (m > other && has_left(m)) return;  // two that left find each other twice
-    const Index at = atomic_add(pair_count, 1);
-    if (at >= pair_a.size) return;
-    pair_a[at] = a;
-    pair_b[at] = b;
-  }
-};
-
-/// Counts pairs by their lower body. Bytes per pair: 8.
-struct CountPairs {
-  static constexpr const char* name = "count_pairs";
-  Span<const Index> lower;
-  Span<Index> count;  ///< [free_count] added to
-  SCREE_HD void operator()(Index k) const { atomic_add(&count[lower[k]], 1); }
-};
-
-/// The same for those of one piece of a list. Bytes per piece: 12.
-struct CountListed {
-  static constexpr const char* name = "count_listed";
-  CandidateView list;
-  Span<Index> count;  ///< [free_count] added to
-  SCREE_HD void operator()(Index p) const {
-    atomic_add(&count[list.body[p]], list.begin[p + 1] - list.begin[p]);
-  }
-};
-
-/// Puts pairs into places of their lower body, from the last one down. Bytes per pair: 24.
-struct PlacePairs {
-  static constexpr const char* name = "place_pairs";
-  Span<const Index> lower;
-  Span<const Index> other;
-  PairPlaces places;
-  SCREE_HD void operator()(Index k) const { places.put(lower[k], other[k]); }
-};
-
-/// Puts those of one piece of a list into the first places of their lower body.
-/// Bytes per piece: 20, per pair 12.
-struct PlaceListed {
-  static constexpr const char* name = "place_listed";
-  CandidateView list;
-  PairPlaces places;
-  SCREE_HD void operator()(Index p) const {
-    const Index a = list.body[p];
-    Index first = p;  // piece of the body
-    while (first > 0 && list.body[first - 1] == a) --first;
-    const Offset shift = places.begin[a] - list.begin[first];
-    for (Index k = list.begin[p]; k < list.begin[p + 1]; ++k) {
-      places.lower[k + shift] = a;
-      places.other[k + shift] = list.other[k];
-    }
   }
 };
 

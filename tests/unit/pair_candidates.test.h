@@ -338,6 +338,38 @@ TYPED_TEST(PairCandidatesTest, BodiesThatLeaveMeetAllOthersAndEachOther) {
   }
 }
 
+TYPED_TEST(PairCandidatesTest, BodiesThatLeaveMeetNeighborsInStorage) {
+  for (const bool is_periodic : {false, true}) {
+    CollisionScene<TypeParam> s;  // a row in the order of storage, and fixed spheres at its end
+    s.settings.envelope = 4e-4;
+    s.settings.skin = 4e-3;
+    constexpr Index kCount = 2003;
+    for (Index i = 0; i < kCount; ++i) s.add_free({0.02 * i, 0, 0}, 0.01);
+    for (int k = 0; k < 5; ++k) s.add(Vec3<double>{0.02 * (kCount + k), 0, 0}, 0.01);
+    const double length = 0.02 * (kCount + 5);
+    if (is_periodic) s.settings.period = {length, 0, 0};
+    CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
+    const auto row = run.detect();
+    std::mt19937 random(47);
+    std::uniform_real_distribution<double> uniform(0, length);
+    for (int k = 0; k < 8; ++k) {
+      for (std::size_t i = 5; i < kCount; i += 97) {
+        s.position[i] = {uniform(random), i % 2 == 0 ? 0.0175 : -0.0175, 0};
+      }
+      s.position[5].x = 0.001;  // at both ends
+      s.position[102].x = length - 0.001;
+      run.scene() = s;
+      run.load();
+      const auto found = run.detect();
+      ASSERT_EQ(found, this->fresh_contacts(s)) << "step " << k;
+      // 21 bodies left two neighbors each, and most meet others.
+      EXPECT_GT(found.size(), row.size() - 2 * 21 + 15);
+      EXPECT_EQ(run.detector().list_builds(), 1);
+      EXPECT_EQ(run.detector().list_extensions(), k + 1);
+    }
+  }
+}
+
 TYPED_TEST(PairCandidatesTest, LargeBodyThatLeavesMeetsThousands) {
   auto s = this->bed(5000, 0.02, 0.03, 34);
   const Index large = s.add_free({0.5, 0.5, 3}, 0.4);

@@ -1,5 +1,6 @@
 #pragma once
-// Margins of bodies around impacts. Their memory, 12 bytes a body, is taken at the first contact.
+// Margins of bodies around impacts. Their memory, 12 bytes a body and 8 a contact, is taken at the
+// first contact; that of contacts only until the margins are known.
 
 #include <utility>
 
@@ -11,7 +12,7 @@ namespace scree {
 template <class B, class Real>
 class ImpactMargins {
  public:
-  explicit ImpactMargins(B& b) : margin_(b), spread_(b), last_(b), largest_(b, 1) {}
+  explicit ImpactMargins(B& b) : margin_(b), spread_(b), last_(b), room_(b), largest_(b, 1) {}
 
   /// Margins of the bodies in contact; one host read.
   /// @return  how far contacts push bodies off their course at most [m]
@@ -19,8 +20,10 @@ class ImpactMargins {
     std::swap(margin_, last_);
     const Span<float> margin = margin_.resize_discard(graph.bodies.free_count);
     fill(b, margin, 0.0f);
-    reduce<LargestPush>(b, graph.contacts.count, StartMargins<Real>{graph, margin},
-                        StoreResult<LargestPush>{largest_.data()});
+    reduce<LargestPush>(
+        b, graph.contacts.count,
+        StartMargins<Real>{graph, margin, room_.resize_discard(graph.contacts.count)},
+        StoreResult<LargestPush>{largest_.data()});
     return fetch(b, largest_.data()).value;
   }
 
@@ -34,9 +37,11 @@ class ImpactMargins {
       const Span<float> spread = spread_.resize_discard(n);
       copy(b, std::as_const(margin_).view(n), spread);
       for_each(b, graph.contacts.count,
-               SpreadMargins<Real>{graph, std::as_const(margin_).view(n), spread});
+               SpreadMargins<Real>{graph, std::as_const(room_).view(graph.contacts.count),
+                                   std::as_const(margin_).view(n), spread});
       std::swap(margin_, spread_);
     }
+    room_.release();
     return std::as_const(margin_).view(n);
   }
 
@@ -57,6 +62,7 @@ class ImpactMargins {
   Buffer<B, float> margin_;
   Buffer<B, float> spread_;
   Buffer<B, float> last_;
+  Buffer<B, double> room_;
   Buffer<B, LargestPush> largest_;
 };
 

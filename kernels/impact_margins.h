@@ -66,15 +66,18 @@ struct LargestPush {
   }
 };
 
-/// Margins of free bodies from their own contacts, and the largest push of all.
-/// Bytes per contact (float, radial), besides bodies from the caches: 24 read.
+/// Margins of free bodies from their own contacts, and the largest push of all; notes the room of
+/// each contact.
+/// Bytes per contact (float, radial), besides bodies from the caches: 24 read, 8 written.
 template <class Real>
 struct StartMargins {
   static constexpr const char* name = "start_margins";
   ImpactGraph<Real> graph;
   Span<float> margin;  ///< [free_count] in: zero; out [m]
+  Span<double> room;   ///< [contacts.count] out [m]
 
   SCREE_HD LargestPush operator()(Index c) const {
+    room[c] = graph.room(c);
     const double push = graph.push(c);
     if (push > 0) {
       raise(graph.contacts.body_a[c], push);
@@ -88,11 +91,12 @@ struct StartMargins {
 };
 
 /// One round over the contacts: a body is pushed as far as its neighbor, less the room between
-/// them. Bytes per contact, besides bodies from the caches: 8, and 16 where the margins differ.
+/// them. Bytes per contact, besides margins from the caches: 8, and 8 where the margins differ.
 template <class Real>
 struct SpreadMargins {
   static constexpr const char* name = "spread_margins";
   ImpactGraph<Real> graph;
+  Span<const double> room;   ///< [contacts.count] by StartMargins [m]
   Span<const float> margin;  ///< [free_count]
   Span<float> spread;        ///< [free_count] in: the same; out [m]
 
@@ -102,7 +106,7 @@ struct SpreadMargins {
     const float of_a = margin[a], of_b = margin[b];
     if (of_a == of_b) return;
     const Index pushed = of_a < of_b ? a : b;
-    const double push = static_cast<double>(of_a < of_b ? of_b : of_a) - graph.room(c);
+    const double push = static_cast<double>(of_a < of_b ? of_b : of_a) - room[c];
     if (push > 0) atomic_max(&spread[pushed], graph.limited(pushed, push));
   }
 };

@@ -21,8 +21,11 @@ CONE = [
     "sor",
     "extragradient",
     "newton",
+    "newton_krylov",
     "hybrid",
+    "hybrid_krylov",
     "proximal",
+    "proximal_krylov",
     "apgd",
     "apgd_plain",
     "spg",
@@ -36,10 +39,16 @@ MODELS = {
 OTHER_LAWS = [  # solver, model, name of the law
     ("pgs_box", "exact", "box, bounds coupled"),
     ("pgs_box_lagged", "exact", "box, bounds lagged"),
+    ("cpg_box", "exact", "box, bounds by fixed point"),
+    ("newton_minmax", "exact", "box, bounds coupled"),
     ("pgs_pyramid4", "convex", "4-sided pyramid, convex"),
     ("pgs_pyramid8", "convex", "8-sided pyramid, convex"),
+    ("cpg_pyramid4", "convex", "4-sided pyramid, convex"),
+    ("cpg_pyramid8", "convex", "8-sided pyramid, convex"),
     ("pgs_pyramid4", "exact", "4-sided pyramid, exact"),
     ("pgs_pyramid8", "exact", "8-sided pyramid, exact"),
+    ("cpg_pyramid4", "exact", "4-sided pyramid, exact"),
+    ("cpg_pyramid8", "exact", "8-sided pyramid, exact"),
 ]
 LEVELS = [1e-2, 1e-3, 1e-6]
 
@@ -124,8 +133,8 @@ def supported():
             ]
         )
     rows += [
-        ["`pgs_box`, `pgs_box_lagged`", "-", "-", "yes", "-", "-"],
-        ["`pgs_pyramid4`, `pgs_pyramid8`", "-", "-", "-", "yes", "yes"],
+        ["`pgs_box`, `pgs_box_lagged`, `cpg_box`, `newton_minmax`", "-", "-", "yes", "-", "-"],
+        ["`pgs_pyramid4`, `pgs_pyramid8`, `cpg_pyramid4`, `cpg_pyramid8`", "-", "-", "-", "yes", "yes"],
     ]
     return table(["solver"] + laws, rows)
 

@@ -1,6 +1,5 @@
 #include "solvers/assembled/block_factors.h"
 
-#define EIGEN_DONT_PARALLELIZE  // the caller decides what runs in parallel
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,7 +1,5 @@
 #include "solvers/assembled/newton_system.h"
 
-// Matrices of few contacts are small: Eigen's threads would cost more than they save.
-#define EIGEN_DONT_PARALLELIZE
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
 #include <algorithm>

@@ -108,6 +108,7 @@ def gates(results):
         for solver, count, unit in (
             ("hybrid", "factorizations", "Newton steps"),
             ("proximal", "iterations", "outer iterations"),
+            ("proximal_krylov", "iterations", "outer iterations"),
         ):
             run = runs[model, solver]
             verdict = "reached" if run["residual"] <= 1e-10 and run[count] < 60 else "missed"

@@ -47,7 +47,7 @@ class Apgd final : public Solver<B, Real> {
           check(b, 1),
           residual(b),
           iteration(b) {}
-    Buffer<B, Vec3<Real>> impulses;  ///< the other ones are the caller's
+    Buffer<B, Vec3<Real>> impulses;  ///< the other buffer is the caller's
     Buffer<B, Vec3<Real>> best;
     Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
     Buffer<B, Twist<Real>> extrapolated[2];

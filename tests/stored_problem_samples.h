@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "host/problems/body_problem.h"
+#include "host/problems/stored_problem.h"
 #include "tests/problem_builder.h"
 
 namespace scree::fixtures {
@@ -94,6 +94,13 @@ inline oracle::Problem oracle_of(const BodyProblem& p) {
     o.contacts.push_back(k);
   }
   return o;
+}
+
+/// The problem as files hold it.
+inline StoredProblem stored(const BodyProblem& p) {
+  StoredProblem s;
+  s.form = p;
+  return s;
 }
 
 }  // namespace scree::fixtures

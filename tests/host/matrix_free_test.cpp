@@ -12,13 +12,9 @@
 namespace scree {
 namespace {
 
-const WorldOptions kCpu{.backend = BackendKind::cpu, .precision = Precision::double_precision};
+using fixtures::stored;
 
-StoredProblem stored(const BodyProblem& p) {
-  StoredProblem s;
-  s.form = p;
-  return s;
-}
+const WorldOptions kCpu{.backend = BackendKind::cpu, .precision = Precision::double_precision};
 
 class MatrixFree : public ::testing::TestWithParam<ContactLayout> {
  protected:

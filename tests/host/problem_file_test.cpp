@@ -17,6 +17,7 @@ namespace scree {
 namespace {
 
 using fixtures::random_body_problem;
+using fixtures::stored;
 using test::refusal;
 using test::ScratchDirectory;
 using testing::HasSubstr;
@@ -25,12 +26,6 @@ template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() &&
          (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
-StoredProblem stored(const BodyProblem& p) {
-  StoredProblem s;
-  s.form = p;
-  return s;
 }
 
 class ProblemFile : public ::testing::TestWithParam<ContactLayout> {

@@ -5,12 +5,13 @@
     bench/comparison.py show FILE.json... --page FILE.md
 
 `run` lets `scree bench solvers` solve one step of each bed to eight residuals, cold and warm, and writes BACKEND_sizes.json (20
-layers) and BACKEND_depths.json (bodies of the middle size). `show` turns such files of any number of machines into tables on the
-page, and into a CSV file and pictures of the curves beside it. `show` needs matplotlib for the pictures.
+layers) and BACKEND_depths.json (bodies of the middle size; on CUDA the largest). `show` turns such files of any number of machines into
+tables on the page, and into a CSV file and a picture of the curves beside it. `show` needs matplotlib for the picture.
 """
 
 import argparse
 import csv
+import itertools
 import json
 import math
 import pathlib
@@ -25,15 +26,17 @@ BODIES = {
     "cpu": [370, 3300, 32000],
     "cuda": [370, 3300, 32000, 320000],
 }  # about 1e3, 1e4, 1e5, 1e6 contacts in 20 layers
+LAYERS = 20  # of the beds of growing size
 DEPTHS = [5, 80]
 COLORS = {"apgd": "C0", "gauss_seidel": "C1", "gauss_seidel_colored": "C3", "jacobi": "C2"}
+STYLES = ["-", "--", ":", "-."]  # of machines
 
 
 def run(options):
     options.out.mkdir(parents=True, exist_ok=True)
     bodies = options.bodies or BODIES[options.backend]
     middle = bodies[len(bodies) // 2] if options.backend == "cpu" else bodies[-1]
-    for name, sizes, layers in (("sizes", bodies, [20]), ("depths", [middle], options.depths or DEPTHS)):
+    for name, sizes, layers in (("sizes", bodies, [LAYERS]), ("depths", [middle], options.depths or DEPTHS)):
         command = [options.scree, "bench", "solvers", "--backend", options.backend, "--limit", options.limit]
         command += ["--sizes", ",".join(map(str, sizes)), "--layers", ",".join(map(str, layers))]
         command += ["--levels", ",".join(map(str, LEVELS)), "--json", options.out / f"{options.backend}_{name}.json"]
@@ -47,6 +50,7 @@ def rows_of(files):
     for file in files:
         record = json.loads(file.read_text())
         machine = {k: record[k] for k in ("device", "backend", "precision", "threads", "commit", "limit_s")}
+        machine["machine"] = machine_name(machine)
         rows += [{**machine, **result} for result in record["results"]]
     return rows
 
@@ -66,16 +70,18 @@ def reach(rows, level, key):
     return None
 
 
-def bed_name(row):
-    return f"{row['contacts']:,} contacts, {row['bodies']:,} bodies, {row['layers']} layers"
+def machine_name(row):
+    threads = f", {row['threads']} thread{'s' if row['threads'] > 1 else ''}" if row["backend"] == "cpu" else ""
+    return f"{row['device']}, {row['backend']}, {row['precision']}{threads}"
 
 
 def size_tables(rows):
     text = ""
-    for (device, backend, precision), of_machine in groups_of(rows, "device", "backend", "precision").items():
+    for (_,), of_machine in groups_of(rows, "machine").items():
         first = of_machine[0]
-        text += f"## {device}, {backend}, {precision}, {first['threads']} threads, commit {first['commit']}\n\n"
-        text += f"Applications / milliseconds of the solver to a residual; a dash: not within about {first['limit_s']:g} s.\n\n"
+        text += f"## {first['machine']}, commit {first['commit']}\n\n"
+        text += "Applications / milliseconds of the solver to a residual; "
+        text += f"a dash: not within about {first['limit_s']:g} s.\n\n"
         for (start,), of_start in groups_of(of_machine, "start").items():
             lines = []
             for (_, layers), bed in groups_of(of_start, "bodies", "layers").items():
@@ -93,6 +99,28 @@ def size_tables(rows):
             text += table(["contacts", "layers", "solver"] + [f"{number(level)} v*" for level in SHOWN], lines) + "\n"
             text += growth(of_start) + ratios(of_start)
     return text
+
+
+def machine_table(rows):
+    """What an application costs and what 1e-2 v* takes on each machine, on beds of growing size from a cold start."""
+    rows = [row for row in rows if row["start"] == "cold" and row["layers"] == LAYERS]
+    machines = [name for (name,) in groups_of(rows, "machine")]
+    lines = []
+    for (bodies,), bed in sorted(groups_of(rows, "bodies").items()):
+        for (solver,), of_solver in groups_of(bed, "solver").items():
+            by_machine = {name: of for (name,), of in groups_of(of_solver, "machine").items()}
+            cells = []
+            for name in machines:
+                longest = max(by_machine.get(name, []), key=lambda row: row["applications"], default=None)
+                if longest is None:
+                    cells.append("")
+                    continue
+                microseconds = 1e3 * longest["solve_ms"] / longest["applications"]
+                cells.append(f"{number(microseconds)} / {number(reach(by_machine[name], 1e-2, 'solve_ms'))}")
+            lines.append([f"{bodies:,}", f"`{solver}`", *cells])
+    text = "## By machine\n\nMicroseconds an application, of the longest solve / milliseconds to 1e-2 v*; "
+    text += f"cold, {LAYERS} layers.\n\n"
+    return text + table(["bodies", "solver", *machines], lines) + "\n"
 
 
 def growth(rows):
@@ -143,35 +171,42 @@ def draw(rows, path):
         from matplotlib import pyplot
     except ImportError:
         sys.exit("bench/comparison.py show needs matplotlib for pictures (pip install matplotlib)")
-    cold = [row for row in rows if row["start"] == "cold" and row["reached"]]
-    beds = list(groups_of(cold, "device", "backend", "bodies", "layers").values())
-    figure, axes = pyplot.subplots(len(beds), 2, figsize=(11, 3.3 * len(beds)), squeeze=False, sharey="row")
+    cold = [row for row in rows if row["start"] == "cold" and row["reached"] and row["applications"] > 0]
+    styles = dict(zip((name for (name,) in groups_of(cold, "machine")), itertools.cycle(STYLES)))
+    beds = [bed for _, bed in sorted(groups_of(cold, "bodies", "layers").items())]
+    size = {"figsize": (11, 2.9 * len(beds)), "squeeze": False}
+    figure, axes = pyplot.subplots(len(beds), 2, sharey=True, sharex="col", **size)
     for (by_work, by_time), bed in zip(axes, beds):
-        for (solver,), points in groups_of(bed, "solver").items():
+        for (machine, solver), points in groups_of(bed, "machine", "solver").items():
             residual = [p["residual_relative"] for p in points]
             for axis, key in ((by_work, "applications"), (by_time, "solve_ms")):
-                axis.loglog([p[key] for p in points], residual, ".-", label=solver, color=COLORS[solver])
-        by_work.set_title(f"{bed[0]['device']}, {bed[0]['precision']}: {bed_name(bed[0])}", fontsize=9, loc="left")
-        by_work.set_xlabel("applications")
-        by_time.set_xlabel("milliseconds")
+                axis.loglog([p[key] for p in points], residual, styles[machine], marker=".", color=COLORS[solver])
+        name = f"{bed[0]['bodies']:,} bodies in {bed[0]['layers']} layers, {bed[0]['contacts']:,} contacts"
+        by_work.set_title(f"Cold start, {name}", fontsize=9, loc="left")
         by_work.set_ylabel("residual / v*")
         for axis in (by_work, by_time):
             axis.grid(alpha=0.3)
-    axes.flat[0].legend(fontsize=8)
-    figure.suptitle("One step of a settled bed, cold start")
-    figure.tight_layout(rect=(0, 0, 1, 0.99))
-    figure.savefig(path, dpi=100)
+    axes[-1][0].set_xlabel("applications")
+    axes[-1][1].set_xlabel("milliseconds")
+    line = pyplot.Line2D
+    of_solvers = [line([], [], color=color, label=solver) for solver, color in COLORS.items()]
+    of_machines = [line([], [], color="0.3", linestyle=style, label=name) for name, style in styles.items()]
+    figure.legend(handles=of_solvers, loc="upper left", ncols=2, fontsize=8)
+    figure.legend(handles=of_machines, loc="upper right", fontsize=8)
+    figure.tight_layout(rect=(0, 0, 1, 1 - 0.7 / figure.get_figheight()))
+    figure.savefig(path, dpi=90)
 
 
 def show(options):
     rows = rows_of(options.files)
     stem = options.page.with_suffix("")
     with stem.with_suffix(".csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        columns = [key for key in rows[0] if key != "machine"]  # which is made of others
+        writer = csv.DictWriter(file, columns, lineterminator="\n", extrasaction="ignore")
         writer.writeheader()
         writer.writerows(rows)
     draw(rows, stem.with_suffix(".png"))
-    put_tables(options.page, size_tables(rows))
+    put_tables(options.page, machine_table(rows) + size_tables(rows))
 
 
 def main():

@@ -18,25 +18,6 @@ namespace {
 /// Spheres from which on W is not assembled: 13 blocks a contact, built on the host.
 constexpr Index kMostAssembled = 100'000;
 
-/// u = J V + bias, world frame: the second half of a matrix-free product.
-struct ContactVelocities {
-  static constexpr const char* name = "contact_velocities";
-  ContactProblem<double> p;
-  Span<const Twist<double>> velocity;
-  Span<Vec3<double>> out;
-  SCREE_HD void operator()(Index c) const {
-    using R = RadialRows<double>;
-    R::store(out, c, R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]));
-  }
-};
-
-/// ContactVelocities: normal, bias, ids read, a vector written; twists once each or two a contact.
-Traffic contact_velocities_traffic() {
-  constexpr double r = sizeof(double);
-  constexpr double streamed = 7 * r + 8;
-  return {streamed, 6 * r, streamed + 12 * r, 0};
-}
-
 /// A bed with random impulses, matrix-free and with its velocities by that operator.
 template <class B>
 struct MatrixFreeBed {
@@ -57,8 +38,8 @@ struct MatrixFreeBed {
              BodyVelocity<RadialRows<double>, double>{
                  bed.problem(), std::as_const(gamma).view(gamma.capacity()), velocity.view()});
     for_each(b, bed.contact_count(),
-             ContactVelocities{bed.problem(), std::as_const(velocity).view(velocity.capacity()),
-                               u.view()});
+             ContactVelocity<RadialRows<double>, double>{
+                 bed.problem(), std::as_const(velocity).view(velocity.capacity()), u.view()});
   }
 };
 
@@ -68,7 +49,7 @@ void run_matrix_free(Suite<B>& suite, benchmark::State& state, Index spheres) {
   const auto& bed = suite.template bed_problem<double>(spheres);
   MatrixFreeBed<B> at(b, bed);
   suite.poison(at.u.view());
-  const Traffic traffic = body_velocity_traffic<double>() + contact_velocities_traffic();
+  const Traffic traffic = body_velocity_traffic<double>() + contact_velocity_traffic<double>();
   suite.measure(state, Suite<B>::contact_work(bed, traffic), [&] { at.apply(b); });
   Suite<B>::report_size(state, bed);
   suite.require_finite(state, std::as_const(at.u).view(bed.contact_count()));

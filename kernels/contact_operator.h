@@ -45,6 +45,19 @@ struct StartVelocity {
   SCREE_HD void operator()(Index i) const { velocity[i] = p.free_velocity[i]; }
 };
 
+/// u_c = (J V + bias)_c in the world frame [m/s]: with V of BodyVelocity the whole product
+/// N gamma + r. Bytes per contact (radial, float): 24 read + 12 written; twists 2 x 24 gathered.
+template <class R, class Real>
+struct ContactVelocity {
+  static constexpr const char* name = "contact_velocity";
+  ContactProblem<Real> p;
+  Span<const Twist<Real>> velocity;
+  Span<Vec3<Real>> out;  ///< [contact_count], of the rolling layout two vectors a contact
+  SCREE_HD void operator()(Index c) const {
+    R::store(out, c, R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]));
+  }
+};
+
 /// Projects every impulse onto its contact's cone, in the Euclidean metric.
 template <class R, class Real>
 struct ProjectImpulses {

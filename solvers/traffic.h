@@ -93,6 +93,15 @@ constexpr Traffic body_velocity_traffic() {
   return {6 * r + 4, body, 12 * r + 4, body};
 }
 
+/// ContactVelocity. Contact: normal 3R, bias R, ids 8 read, one vector 3R written. Twists 6R a
+/// body: once each, or two per contact.
+template <class Real>
+constexpr Traffic contact_velocity_traffic() {
+  constexpr double r = sizeof(Real);
+  constexpr double streamed = 7 * r + 8;
+  return {streamed, 6 * r, streamed + 12 * r, 0};
+}
+
 /// Cone projection from one array to another: normal 3R and impulse 3R read, 3R written.
 template <class Real>
 constexpr Traffic cone_projection_traffic() {
@@ -123,6 +132,8 @@ constexpr Traffic body_contacts_traffic() {
 }
 
 // The figures in the kernels' docstrings.
+static_assert(contact_velocity_traffic<float>().contact_least == 36);
+static_assert(contact_velocity_traffic<float>().contact_requested == 36 + 48);
 static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_least == 64);
 static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact_requested == 112);
 static_assert(apgd_body_pass_traffic<float>().contact_requested == 52);

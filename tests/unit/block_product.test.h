@@ -86,17 +86,6 @@ TEST_F(BlockProductTest, IsThatOfTheHost) {
   }
 }
 
-struct StoreVelocity {
-  static constexpr const char* name = "store_velocity";
-  using R = GeneralRows<double>;
-  ContactProblem<double> p;
-  Span<const Twist<double>> velocity;
-  Span<Vec3<double>> out;
-  SCREE_HD void operator()(Index c) const {
-    R::store(out, c, R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]));
-  }
-};
-
 /// W gamma + q of a stored problem with bodies is the contact velocity of the matrix-free operator.
 TEST_F(BlockProductTest, IsThatOfTheMatrixFreeOperator) {
   TestBackend& b = backend();
@@ -109,7 +98,7 @@ TEST_F(BlockProductTest, IsThatOfTheMatrixFreeOperator) {
   for_each(b, p.body_count, StartVelocity<double>{p, v.view()});
   for_each(b, p.free_count,
            BodyVelocity<GeneralRows<double>, double>{p, uploaded.impulses(), v.view()});
-  for_each(b, p.contact_count, StoreVelocity{p, v.view(), u.view()});
+  for_each(b, p.contact_count, ContactVelocity<GeneralRows<double>, double>{p, v.view(), u.view()});
   const std::vector<Vec3d> matrix_free = download(b, u.view());
 
   const AssembledProblem assembled = assembled_form(local_form(stored));

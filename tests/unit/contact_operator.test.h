@@ -19,17 +19,6 @@ const ContactLayout kLayouts[] = {ContactLayout::radial, ContactLayout::general,
                                   ContactLayout::rolling};
 
 template <class R, class Real>
-struct StoreContactVelocity {
-  static constexpr const char* name = "store_contact_velocity";
-  ContactProblem<Real> p;
-  Span<const Twist<Real>> velocity;
-  Span<Vec3<Real>> out;
-  SCREE_HD void operator()(Index c) const {
-    R::store(out, c, R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]));
-  }
-};
-
-template <class R, class Real>
 struct StoreWrench {
   static constexpr const char* name = "store_wrench";
   ContactProblem<Real> p;
@@ -78,8 +67,7 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
     Buffer<TestBackend, Twist<Real>> wrench(b, p.free_count);
     with_rows<Real>(layout, [&](auto rows) {
       using R = decltype(rows);
-      for_each(b, p.contact_count,
-               StoreContactVelocity<R, Real>{p, p.free_velocity.values, u.view()});
+      for_each(b, p.contact_count, ContactVelocity<R, Real>{p, p.free_velocity.values, u.view()});
       for_each(b, p.free_count, StoreWrench<R, Real>{p, buffers.gamma(), wrench.view()});
     });
     double left = 0, right = 0, size = 0;

@@ -16,17 +16,6 @@ namespace {
 using fixtures::oracle_of;
 using fixtures::random_body_problem;
 
-template <class R, class Real>
-struct StoreVelocityOfContact {
-  static constexpr const char* name = "store_velocity_of_contact";
-  ContactProblem<Real> p;
-  Span<const Twist<Real>> velocity;
-  Span<Vec3<Real>> out;
-  SCREE_HD void operator()(Index c) const {
-    R::store(out, c, R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]));
-  }
-};
-
 template <class Real>
 class StoredProblemTest : public BackendTest<Real> {
  protected:
@@ -41,7 +30,7 @@ class StoredProblemTest : public BackendTest<Real> {
       using R = decltype(rows);
       for_each(b, p.body_count, StartVelocity<Real>{p, v.view()});
       for_each(b, p.free_count, BodyVelocity<R, Real>{p, uploaded.impulses(), v.view()});
-      for_each(b, p.contact_count, StoreVelocityOfContact<R, Real>{p, v.view(), u.view()});
+      for_each(b, p.contact_count, ContactVelocity<R, Real>{p, v.view(), u.view()});
     });
     const std::vector<Vec3<Real>> host = download(b, u.view());
     return {host.begin(), host.end()};

@@ -14,8 +14,7 @@ namespace {
 using fixtures::one_contact;
 
 std::array<double, 3> solved(AssembledModel model, const Block3& W, const std::array<double, 3>& q,
-                             double mu) {
-  std::array<double, 3> r{7, 8, 9};
+                             double mu, std::array<double, 3> r = {7, 8, 9}) {
   solve_one_contact(model, W, q.data(), mu, r.data());
   return r;
 }
@@ -108,6 +107,41 @@ TEST(OneContact, RandomBlocksAreSolvedToRounding) {
   }
 }
 
+/// Sweeps come with the impulses of the last visit: from guesses near and far the solution is that
+/// from none.
+TEST(OneContact, GuessesDoNotChangeTheSolution) {
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform;
+  int slipping = 0;
+  for (int k = 0; k < 20000; ++k) {
+    double h[9];
+    for (double& x : h) x = normal(generator);
+    Block3 W{};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int l = 0; l < 3; ++l)
+          W[3 * i + j] += 0.2 * h[3 * i + l] * h[3 * j + l] + (i == j ? 1.0 / 3 : 0);
+    if (k % 4 == 0) W = {1, 0, 0, 0, 3.5, 0, 0, 0, 3.5};
+    const std::array<double, 3> q{-std::abs(normal(generator)), normal(generator),
+                                  normal(generator)};
+    const double mu = 0.1 + 0.4 * uniform(generator);
+    for (const AssembledModel model : models) {
+      const std::array<double, 3> plain = solved(model, W, q, mu, {0, 0, 0});
+      const double size = std::hypot(plain[0], plain[1], plain[2]);
+      const double friction = std::hypot(plain[1], plain[2]);
+      slipping += std::abs(friction - mu * plain[0]) < 1e-12 * size;
+      for (const double apart : {1e-8, 1e-3, 0.1, 10.0}) {
+        std::array<double, 3> guess = plain;
+        for (double& x : guess) x += apart * size * normal(generator);
+        const std::array<double, 3> r = solved(model, W, q, mu, guess);
+        for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(r[i], plain[i], 1e-12 * size) << k;
+      }
+    }
+  }
+  EXPECT_GT(slipping, 10000);
+}
+
 /// Impulses that stop a sphere and lie on the cone up to rounding, on either side of it. Where the
 /// sign of the miss is rounding alone, the root must not be looked for elsewhere.
 TEST(OneContact, ContactsThatJustBeginToSlipAreSolved) {
@@ -137,6 +171,23 @@ TEST(OneContact, UnsymmetricBlocksAndFrictionlessContactsAreSolved) {
             1e-14);
   for (const AssembledModel model : models)
     EXPECT_EQ(solved(model, W, {-1, 4, -2}, 0), (std::array<double, 3>{0.5, 0, 0}));
+}
+
+TEST(NewtonRoot, ConvergesFromAGuessOrSaysThatItDoesNot) {
+  const auto cube = [](double x) { return ValueAndSlope{x * x * x - 2, 3 * x * x}; };
+  double root = 1.5;
+  EXPECT_TRUE(newton_root(cube, root));
+  EXPECT_NEAR(root, std::cbrt(2.0), 4e-16);
+  double far = 1e9;  // needs more steps than a good guess does
+  EXPECT_FALSE(newton_root(cube, far));
+  double negative = 0.5;
+  EXPECT_FALSE(newton_root([](double x) { return ValueAndSlope{x + 1, 1}; }, negative));
+  double none = 0.5;
+  EXPECT_FALSE(newton_root([](double x) { return ValueAndSlope{x * x + 1, 2 * x}; }, none));
+  double flat = 0.5;
+  EXPECT_FALSE(newton_root([](double) { return ValueAndSlope{1, 0}; }, flat));
+  double not_a_number = 0.5;
+  EXPECT_FALSE(newton_root([](double) { return ValueAndSlope{NAN, NAN}; }, not_a_number));
 }
 
 TEST(OneContact, ABlockThatNothingMovesIsLeftAlone) {

@@ -28,7 +28,7 @@ BODIES = {
 }  # about 1e3, 1e4, 1e5, 1e6 contacts in 20 layers
 LAYERS = 20  # of the beds of growing size
 DEPTHS = [5, 80]
-COLORS = {"apgd": "C0", "gauss_seidel": "C1", "gauss_seidel_colored": "C3", "jacobi": "C2"}
+COLORS = {"apgd": "C0", "gauss_seidel": "C1", "gauss_seidel_colored": "C3", "jacobi": "C2", "schwarz": "C4"}
 STYLES = ["-", "--", ":", "-."]  # of machines
 
 

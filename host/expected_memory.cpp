@@ -36,13 +36,15 @@ struct Sizes {
         twist(6 * real),
         impulse(vectors_per_contact(summary.layout) * vec),
         radial(summary.layout == ContactLayout::radial),
-        alike(radial && summary.solid_spheres) {}
+        alike(radial && summary.solid_spheres),
+        device_spheres(radial && options.backend == BackendKind::cuda) {}
   const Scene& scene;
   SceneSummary summary;
   SharedConstants shared;
   double real, vec, twist, impulse;
   bool radial;
-  bool alike;  ///< free velocities and inverse masses come from the state
+  bool alike;           ///< free velocities and inverse masses come from the state
+  bool device_spheres;  ///< tuned programs run
 };
 
 /// Position, orientation, rates, id, and the constants that are not shared.
@@ -90,6 +92,11 @@ Bytes solver(const Sizes& s) {
     // Contacts in the order of colors, their marks, and the memory of a coloring from scratch.
     const double ordered = 8 + s.vec + 3 * s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;
     bytes = bytes + Bytes{72, ordered + 4 + 48};
+  }
+  if (s.scene.solver.name == "schwarz") {
+    // The iterate before; tiles, their neighbors and links; without tuned programs also the order,
+    // the extrapolated point and the weights.
+    bytes = {2 * s.twist + 14, s.impulse + 20 + (s.device_spheres ? 0 : 4 + s.impulse + weights)};
   }
   if (s.scene.solver.exact_coulomb) bytes = bytes + Bytes{s.twist, 3 * s.real};
   return bytes;

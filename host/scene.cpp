@@ -236,7 +236,7 @@ void check_settings(const Scene& scene) {
 
   const SolverSettings& solver = scene.solver;
   check_one_of("solver.name", solver.name,
-               {"apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored"});
+               {"apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored", "schwarz"});
   if (solver.stop.level == StopRule::Level::absolute)
     check_positive("solver.stop", solver.stop.residual, "m/s");
   check_positive("solver.max_iterations", solver.max_iterations, "-");

@@ -173,7 +173,7 @@ struct StopRule {
 };
 
 struct SolverSettings {
-  std::string name = "apgd";  ///< apgd, jacobi, gauss_seidel, gauss_seidel_colored
+  std::string name = "apgd";  ///< apgd, jacobi, gauss_seidel, gauss_seidel_colored, schwarz
   StopRule stop;
   int max_iterations = 400;  ///< [-], > 0
   int check_every = 10;      ///< most iterations between residual checks, > 0

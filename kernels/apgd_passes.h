@@ -5,6 +5,7 @@
 // Heyn, Negrut, Tasora, ACM TOG 34(3), 2015; docs/theory.md section "APGD".
 
 #include "kernels/contact_operator.h"
+#include "kernels/momentum.h"
 
 namespace scree {
 
@@ -23,13 +24,12 @@ struct ApgdState {
   Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
 
-  /// Takes the momentum of the point in use, and works out that of the next one: 1 / theta grows by
-  /// a third each time. Nesterov's rule, about a half, overshoots where contacts open and close.
+  /// Takes the momentum of the point in use, and works out that of the next one.
   SCREE_HD void set_momentum(double new_theta, double new_beta) {
     theta = new_theta;
     beta = new_beta;
-    next_theta = theta / (1 + theta / 3);
-    next_beta = (1 - theta) / (1 + theta / 3);
+    next_theta = scree::next_theta(theta);
+    next_beta = scree::next_beta(theta);
   }
   SCREE_HD void set_lipschitz(double value) {
     lipschitz = value < lipschitz_max ? value : lipschitz_max;
@@ -318,10 +318,6 @@ struct ScaleImpulses {
 
 /// First state of a solve.
 struct ApgdStart {
-  /// The momentum of a solve that runs for some iterations already: the first ones are few against
-  /// those that it takes, and waste none on gathering speed. Cold starts gain as well.
-  static constexpr double kTheta = 0.25;
-
   ApgdState* state;
   double carried_lipschitz;  ///< L at the end of the last solve, or 0
   SCREE_HD void operator()(const LargestWeight& bound) const {
@@ -329,7 +325,7 @@ struct ApgdStart {
     s.lipschitz_max = bound.value > 0 ? bound.value * (1 + 1e-5) : 1;
     // A quarter of the bound: the rule of the steps finds the local curvature within a few trials.
     s.set_lipschitz(carried_lipschitz > 0 ? carried_lipschitz : s.lipschitz_max / 4);
-    s.set_momentum(kTheta, 0);
+    s.set_momentum(kFirstTheta, 0);
     *state = s;
   }
 };

@@ -67,17 +67,23 @@ SCREE_HD ForceMomentRows<Real> solve_metric(const ContactMetric<Real>& m, const 
   return {solve_metric(m, n, ForceRows<Real>{x.force}).force, inverse(m.moment) * x.moment};
 }
 
-/// x^T H x.
+/// x^T H y.
 template <class Real>
-SCREE_HD Real metric_norm2(const ContactMetric<Real>& m, const Vec3<Real>& n,
-                           const ForceRows<Real>& x) {
-  const Real x_n = dot(n, x.force);
-  return m.tangential * norm2(x.force) + (m.normal - m.tangential) * x_n * x_n;
+SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
+                         const ForceRows<Real>& x, const ForceRows<Real>& y) {
+  return m.tangential * dot(x.force, y.force) +
+         (m.normal - m.tangential) * dot(n, x.force) * dot(n, y.force);
 }
 template <class Real>
-SCREE_HD Real metric_norm2(const ContactMetric<Real>& m, const Vec3<Real>& n,
-                           const ForceMomentRows<Real>& x) {
-  return metric_norm2(m, n, ForceRows<Real>{x.force}) + m.moment * norm2(x.moment);
+SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
+                         const ForceMomentRows<Real>& x, const ForceMomentRows<Real>& y) {
+  return metric_dot(m, n, ForceRows<Real>{x.force}, ForceRows<Real>{y.force}) +
+         m.moment * dot(x.moment, y.moment);
+}
+/// x^T H x.
+template <class Real, class Rows>
+SCREE_HD Real metric_norm2(const ContactMetric<Real>& m, const Vec3<Real>& n, const Rows& x) {
+  return metric_dot(m, n, x, x);
 }
 
 /// Euclidean weights: the metric of plain projected gradients.

@@ -13,8 +13,8 @@ template <class R, class Real>
 struct GaussSeidelPass {
   static constexpr const char* name = "gauss_seidel_pass";
   ContactProblem<Real> p;
-  Span<const ContactMetric<Real>> metric;
-  Span<Twist<Real>> velocity;  ///< V of the present impulses [body_count]
+  Span<const ContactMetric<Real>> metric;  ///< D of each contact; empty: worked out on the way
+  Span<Twist<Real>> velocity;              ///< V of the present impulses [body_count]
   Span<Vec3<Real>> gamma;
   Real relaxation;
   Index first = 0;
@@ -24,7 +24,8 @@ struct GaussSeidelPass {
     const Index a = p.body_a[c], b = p.body_b[c];
     const Twist<Real> v_a = velocity[a], v_b = velocity[b];
     const auto old = R::load(gamma, c);
-    const auto next = metric_step<R>(p, c, old, R::velocity(p, c, v_a, v_b), metric[c], relaxation);
+    const ContactMetric<Real> d = metric.empty() ? own_metric<R>(p, c) : metric[c];
+    const auto next = metric_step<R>(p, c, old, R::velocity(p, c, v_a, v_b), d, relaxation);
     const auto move = next - old;
     R::store(gamma, c, next);
     velocity[a] = v_a + R::apply_inverse_mass(p, a, R::wrench(p, c, false, move));
@@ -70,7 +71,7 @@ struct GatherContacts {
       to.arm_b[k] = p.arm_b[c];
     }
     if (!to.rolling.empty()) to.rolling[k] = p.rolling[c];
-    to.metric[k] = floor_metric(R::block_metric(p, c), R::block_trace(p, c));
+    to.metric[k] = own_metric<R>(p, c);
   }
 };
 

@@ -19,16 +19,19 @@ SCREE_HD typename R::Rows metric_step(const ContactProblem<Real>& p, Index c,
   return R::project(p, c, gamma - relaxation * solve_metric(metric, p.normal[c], u), metric);
 }
 
-/// metric[c] = bound of contact c's own block N_cc, for methods that move one contact of a body at
-/// a time.
+/// Bound of contact c's own block N_cc.
+template <class R, class Real>
+SCREE_HD ContactMetric<Real> own_metric(const ContactProblem<Real>& p, Index c) {
+  return floor_metric(R::block_metric(p, c), R::block_trace(p, c));
+}
+
+/// metric[c] = own_metric, for methods that move one contact of a body at a time.
 template <class R, class Real>
 struct StoreBlockMetric {
   static constexpr const char* name = "block_metric";
   ContactProblem<Real> p;
   Span<ContactMetric<Real>> metric;
-  SCREE_HD void operator()(Index c) const {
-    metric[c] = floor_metric(R::block_metric(p, c), R::block_trace(p, c));
-  }
+  SCREE_HD void operator()(Index c) const { metric[c] = own_metric<R>(p, c); }
 };
 
 /// metric[c] = mass-split bound: all contacts may move at once.

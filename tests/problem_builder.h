@@ -3,6 +3,7 @@
 // buffers.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -186,6 +187,38 @@ Sym3<Real> to_sym3(const Eigen::Matrix3d& m) {
   s.xy = static_cast<Real>(m(0, 1)), s.xz = static_cast<Real>(m(0, 2)),
   s.yz = static_cast<Real>(m(1, 2));
   return s;
+}
+
+/// Spheres on a face-centered lattice of 4 n^3 sites; a share of the neighbors touches.
+inline PlainProblem lattice_problem(int n, double share, unsigned seed) {
+  PlainProblem p;
+  std::vector<std::array<int, 3>> sites;
+  for (int x = 0; x < 2 * n; ++x)
+    for (int y = 0; y < 2 * n; ++y)
+      for (int z = 0; z < 2 * n; ++z)
+        if ((x + y + z) % 2 == 0) sites.push_back({x, y, z});
+  for (std::size_t i = 0; i < sites.size(); ++i) p.add_sphere(1, 0.5);
+  p.data.free_count = static_cast<int>(sites.size());
+  const auto site = [&](int x, int y, int z) {
+    return (x * 2 * n * 2 * n + y * 2 * n + z) / 2;  // every other cell holds a site, in this order
+  };
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const int steps[6][3] = {{1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}};
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    for (const auto& s : steps) {
+      const int x = sites[i][0] + s[0], y = sites[i][1] + s[1], z = sites[i][2] + s[2];
+      if (x < 0 || y < 0 || z < 0 || x >= 2 * n || y >= 2 * n || z >= 2 * n) continue;
+      if (unit(generator) > share) continue;
+      const int other = site(x, y, z);
+      const int a = static_cast<int>(i);
+      p.add_radial_contact(std::min(a, other), std::max(a, other),
+                           Eigen::Vector3d(s[0], s[1], s[2]).normalized(), 0.5);
+    }
+  }
+  std::stable_sort(p.data.contacts.begin(), p.data.contacts.end(),
+                   [](const auto& x, const auto& y) { return x.a < y.a; });
+  return p;
 }
 
 /// Owns the buffers of a ContactProblem. Contacts of `plain` must be sorted by body a.

@@ -30,7 +30,8 @@ void read_solver(const Node& node, SolverSettings& solver) {
     solver.name = name->choice<std::string>({{"apgd", "apgd"},
                                              {"jacobi", "jacobi"},
                                              {"gauss_seidel", "gauss_seidel"},
-                                             {"gauss_seidel_colored", "gauss_seidel_colored"}});
+                                             {"gauss_seidel_colored", "gauss_seidel_colored"},
+                                             {"schwarz", "schwarz"}});
   if (const auto stop = node.find("stop")) read_stop(*stop, solver.stop);
   node.read("max_iterations", solver.max_iterations, 1, kMaxInt);
   node.read("check_every", solver.check_every, 1, kMaxInt);

@@ -60,12 +60,20 @@ class Cpu {
   std::vector<unsigned char> scratch_;
 };
 
-/// Below this many elements a parallel region costs more than it saves.
-inline constexpr Index kSerialBelow = 512;
+/// Below this many elements a parallel region costs more than it saves; programs whose elements are
+/// large name their own number.
+template <class F>
+constexpr Index serial_below() {
+  if constexpr (requires { F::kSerialBelow; }) {
+    return F::kSerialBelow;
+  } else {
+    return 512;
+  }
+}
 
 template <class F>
 void for_each(Cpu& cpu, Index n, F f) {
-  if (n < kSerialBelow || cpu.threads() == 1) {
+  if (n < serial_below<F>() || cpu.threads() == 1) {
     for (Index i = 0; i < n; ++i) f(i);
     return;
   }

@@ -52,14 +52,15 @@ class Cuda {
   void* partials() { return partials_; }
   unsigned* ticket() { return ticket_; }
 
-  /// Blocks of kBlock threads that the device runs at a time, at most kReduceBlocks.
+  /// Blocks that the device runs at a time, at most kReduceBlocks.
   /// @param shared_bytes  dynamic shared memory of a block
-  unsigned resident_blocks(const void* kernel, const char* name,
-                           std::size_t shared_bytes = 0) const {
+  /// @param threads       of a block
+  unsigned resident_blocks(const void* kernel, const char* name, std::size_t shared_bytes = 0,
+                           int threads = kBlock) const {
     int per_processor = 0, processors = 0;
-    check_cuda(
-        cudaOccupancyMaxActiveBlocksPerMultiprocessor(&per_processor, kernel, kBlock, shared_bytes),
-        name);
+    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&per_processor, kernel, threads,
+                                                             shared_bytes),
+               name);
     check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device_), name);
     return static_cast<unsigned>(std::clamp(per_processor * processors, 1, kReduceBlocks));
   }

@@ -15,10 +15,9 @@
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
 
-#include <cuda/atomic>
-
 #include "kernels/apgd_iteration.h"
 #include "kernels/backend/cuda.cuh"
+#include "kernels/tuned/device_counter.cuh"
 
 namespace scree {
 namespace sweep {
@@ -37,14 +36,6 @@ struct Shared {
   unsigned* trials;      ///< trials decided
   Sums<3>* partial;      ///< [blocks]
 };
-
-using Counter = cuda::atomic_ref<unsigned, cuda::thread_scope_device>;
-
-/// Waits until a counter has reached a value; what was written before it did is visible then.
-__device__ inline void wait_for(unsigned& counter, unsigned value) {
-  while (Counter(counter).load(cuda::memory_order_acquire) < value) {
-  }
-}
 
 /// A tile in shared memory.
 template <class Real>
@@ -165,7 +156,7 @@ __device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsign
   const Sums<3> mine = block_sum(sums);
   if (threadIdx.x == 0) {
     shared.partial[blockIdx.x] = mine;
-    is_last = Counter(*shared.arrived).fetch_add(1, cuda::memory_order_acq_rel) ==
+    is_last = DeviceCounter(*shared.arrived).fetch_add(1, cuda::memory_order_acq_rel) ==
               (trial + 1) * gridDim.x - 1;
   }
   __syncthreads();
@@ -176,7 +167,7 @@ __device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsign
     if (threadIdx.x == 0) {
       ApgdContactFinish{a.state}({{total.value[0], total.value[1]}});
       ApgdBodyFinish{a.state}({{total.value[2]}});
-      Counter(*shared.trials).store(trial + 1, cuda::memory_order_release);
+      DeviceCounter(*shared.trials).store(trial + 1, cuda::memory_order_release);
     }
   } else if (threadIdx.x == 0) {
     wait_for(*shared.trials, trial + 1);
@@ -207,7 +198,8 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       if (t < tiles) step_contacts(a, step, range_of(t), tile[round & 1], sums);
       __syncthreads();
       if (threadIdx.x == 0) {
-        if (t < tiles) Counter(shared.round_done[round]).fetch_add(1, cuda::memory_order_release);
+        if (t < tiles)
+          DeviceCounter(shared.round_done[round]).fetch_add(1, cuda::memory_order_release);
         if (round > 0) {
           const Index before = min(blocks, tiles - (round - 1) * blocks);
           wait_for(shared.round_done[round - 1], (trial + 1) * static_cast<unsigned>(before));

@@ -95,7 +95,7 @@ class Apgd final : public BackendSolver<BuildBackend> {
     ApgdState first;
     first.lipschitz_max = largest;
     first.set_lipschitz(largest / 4);
-    first.set_momentum(ApgdStart::kTheta, 0);
+    first.set_momentum(kFirstTheta, 0);
     const auto p = upload_problem(problem);
     Buffer<BuildBackend, ApgdState> state(backend(), 1);
     upload(backend(), &first, state.view());

@@ -41,7 +41,7 @@ TEST(CliCommands, InfoPrintsTextAndJson) {
   const Result json = scree(scratch, {"info", "--json"});
   EXPECT_EQ(json.code, 0) << json.err;
   const nlohmann::json values = nlohmann::json::parse(json.out);
-  EXPECT_EQ(values.at("solvers").size(), 4u);
+  EXPECT_EQ(values.at("solvers").size(), 5u);
   EXPECT_GT(values.at("cpu").at("threads"), 0);
   EXPECT_TRUE(values.contains("cuda"));
 }

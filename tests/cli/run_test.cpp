@@ -213,7 +213,8 @@ TEST_P(CliResume, ContinuesBitForBit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Solvers, CliResume,
-                         testing::Values("apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored"),
+                         testing::Values("apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored",
+                                         "schwarz"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST_F(CliRun, ResumeWithALongerDuration) {

@@ -195,7 +195,7 @@ TEST(CliSolve, RunsTheSolversOfStepsOnBodies) {
       solve_json(scratch, {(scratch / "a/problem_12.hdf5").string(), "--matrix-free", "--solver",
                            "all", "--model", "convex", "--backend", "cpu", "--tolerance", "1e-6"});
   const json& runs = out.at("problems").at(0).at("runs");
-  EXPECT_EQ(runs.size(), 4u);
+  EXPECT_EQ(runs.size(), 5u);
   for (const json& run : runs) {
     EXPECT_TRUE(run.at("converged")) << run.dump(1);
     EXPECT_EQ(run.at("note"), "cpu, double");

@@ -408,9 +408,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "solver.max_iterations: 1.5 is not allowed: must be a whole number, 1 or more"},
         Refusal{"NegativeSeed", with_sphere(R"("seed": -1)"),
                 "seed: -1 is not allowed: must be a whole number, 0 or more"},
-        Refusal{"UnknownSolver", with_sphere(R"("solver": {"name": "jacoby"})"),
-                "solver.name: \"jacoby\" is not allowed: must be one of \"apgd\", \"jacobi\", "
-                "\"gauss_seidel\", \"gauss_seidel_colored\"; did you mean \"jacobi\"?"},
+        Refusal{
+            "UnknownSolver", with_sphere(R"("solver": {"name": "jacoby"})"),
+            "solver.name: \"jacoby\" is not allowed: must be one of \"apgd\", \"jacobi\", "
+            "\"gauss_seidel\", \"gauss_seidel_colored\", \"schwarz\"; did you mean \"jacobi\"?"},
         Refusal{"UnknownStop", with_sphere(R"("solver": {"stop": "fast"})"),
                 "solver.stop: \"fast\" is not allowed: must be one of \"quality\""},
         Refusal{"NegativeStop", with_sphere(R"("solver": {"stop": -1})"),

@@ -67,7 +67,7 @@ TEST(Validate, RefusesNonFiniteAndOutOfRangeValues) {
             "gravity: [nan, 0, -9.81] is not allowed: must be three finite numbers [m/s^2]");
   EXPECT_EQ(refused([](Scene& s) { s.solver.name = "magic"; }),
             "solver.name: \"magic\" is not allowed: must be one of \"apgd\", \"jacobi\", "
-            "\"gauss_seidel\", \"gauss_seidel_colored\"");
+            "\"gauss_seidel\", \"gauss_seidel_colored\", \"schwarz\"");
   EXPECT_EQ(refused([](Scene& s) { s.materials[0].friction = NAN; }),
             "materials.default.friction: nan is not allowed: must be zero or positive [-]");
 }

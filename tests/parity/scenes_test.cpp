@@ -192,7 +192,7 @@ TEST_P(ParityScenes, TwentySteps) {
 class ParitySolvers : public Parity, public ::testing::WithParamInterface<const char*> {};
 INSTANTIATE_TEST_SUITE_P(All, ParitySolvers,
                          // Sequential Gauss-Seidel runs on the CPU only.
-                         ::testing::Values("apgd", "jacobi", "gauss_seidel_colored"),
+                         ::testing::Values("apgd", "jacobi", "gauss_seidel_colored", "schwarz"),
                          [](const auto& info) { return std::string(info.param); });
 
 /// Once the spheres are down, one step is solved by every solver to the residual that all of them

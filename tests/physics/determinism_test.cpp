@@ -55,7 +55,7 @@ TEST_P(Determinism, RunsRepeat) {
 }
 
 TEST(Determinism, EverySolverRepeatsForAnyThreadCount) {
-  for (const char* solver : {"apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored"}) {
+  for (const char* solver : {"apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored", "schwarz"}) {
     Scene scene = collapsing_column();
     scene.solver.name = solver;
     scene.solver.max_iterations = 40;

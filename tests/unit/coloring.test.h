@@ -12,6 +12,7 @@
 namespace scree {
 namespace {
 
+using fixtures::lattice_problem;
 using fixtures::PlainProblem;
 using fixtures::ProblemBuffers;
 
@@ -53,38 +54,6 @@ std::vector<Index> carried_colors(const PlainProblem& plain, std::vector<Index> 
     std::replace(mark.begin(), mark.end(), last, -1);
   if (std::count(mark.begin(), mark.end(), -1) > n / 2) return greedy_colors(plain);
   return greedy_colors(plain, mark);
-}
-
-/// Spheres on a face-centered lattice of 4 n^3 sites; a share of the neighbors touches.
-PlainProblem lattice_problem(int n, double share, unsigned seed) {
-  PlainProblem p;
-  std::vector<std::array<int, 3>> sites;
-  for (int x = 0; x < 2 * n; ++x)
-    for (int y = 0; y < 2 * n; ++y)
-      for (int z = 0; z < 2 * n; ++z)
-        if ((x + y + z) % 2 == 0) sites.push_back({x, y, z});
-  for (std::size_t i = 0; i < sites.size(); ++i) p.add_sphere(1, 0.5);
-  p.data.free_count = static_cast<int>(sites.size());
-  const auto site = [&](int x, int y, int z) {
-    return (x * 2 * n * 2 * n + y * 2 * n + z) / 2;  // every other cell holds a site, in this order
-  };
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  const int steps[6][3] = {{1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}};
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    for (const auto& s : steps) {
-      const int x = sites[i][0] + s[0], y = sites[i][1] + s[1], z = sites[i][2] + s[2];
-      if (x < 0 || y < 0 || z < 0 || x >= 2 * n || y >= 2 * n || z >= 2 * n) continue;
-      if (unit(generator) > share) continue;
-      const int other = site(x, y, z);
-      const int a = static_cast<int>(i);
-      p.add_radial_contact(std::min(a, other), std::max(a, other),
-                           Eigen::Vector3d(s[0], s[1], s[2]).normalized(), 0.5);
-    }
-  }
-  std::stable_sort(p.data.contacts.begin(), p.data.contacts.end(),
-                   [](const auto& x, const auto& y) { return x.a < y.a; });
-  return p;
 }
 
 class ColoringTest : public BackendTest<double> {

@@ -99,7 +99,8 @@ class LevelSearch {
   StepReport last_;
 };
 
-const std::vector<std::string> kSolvers{"apgd", "gauss_seidel_colored", "jacobi", "gauss_seidel"};
+const std::vector<std::string> kSolvers{"apgd", "schwarz", "gauss_seidel_colored", "jacobi",
+                                        "gauss_seidel"};
 
 /// Solvers to compare: the plain Gauss-Seidel is serial and left out on a GPU.
 std::vector<std::string> chosen_solvers(const SolverBenchOptions& options, BackendKind backend) {

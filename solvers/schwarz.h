@@ -1,0 +1,123 @@
+#pragma once
+// Accelerated multiplicative Schwarz: Nesterov's momentum around block Gauss-Seidel over tiles of
+// bodies, each swept several times while its data is at hand. A third of the passes of APGD.
+//
+// Source: docs/theory.md, section "Accelerated Schwarz". Meant for many bodies of like size: every
+// body has the tiles of all its contacts wait for each other, so one that touches hundreds of tiles
+// makes hundreds of colors. Memory passes per iteration: one over contacts (normal and bias 16,
+// link 8, two impulses 24 read, 12 written; float) and one over bodies (two twists 48 read, 24
+// written, and 48 again for each further tile that touches the body, about half of them); sweeps
+// run in shared memory on a device. At each check three passes over bodies and contacts more.
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/schwarz_iteration.h"
+#include "solvers/check_schedule.h"
+#include "solvers/residual.h"
+#include "solvers/tile_coloring.h"
+
+namespace scree {
+
+template <class B, class Real>
+class Schwarz final : public Solver<B, Real> {
+ public:
+  explicit Schwarz(const SolverParams& params) : params_(params) { validate(params_); }
+
+  SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                   double tolerance) override {
+    return with_rows<Real>(p.layout,
+                           [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
+  }
+
+ private:
+  static constexpr Index kTileBodies = 48;
+  static constexpr int kSweeps = 2;
+  /// A residual so many times the lowest one (it ripples) restarts the momentum, and ends it after
+  /// so many times: sweeps without momentum always descend.
+  static constexpr double kWorse = 100;
+  static constexpr int kMostSetbacks = 3;
+
+  template <class R>
+  SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
+    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
+    const Span<Twist<Real>> velocity = this->start_velocity(b, p);
+    if (p.contact_count == 0) return {0, 0, true, {}};
+
+    Buffer<B, Vec3<Real>> other_gamma(b, static_cast<Offset>(p.contact_count) * R::kVectors);
+    Buffer<B, Twist<Real>> other_velocity(b, p.body_count);
+    Buffer<B, SchwarzState> state(b, 1);
+    const SchwarzPasses<R, Real> passes{p,
+                                        {gamma, other_gamma.view()},
+                                        {velocity, other_velocity.view()},
+                                        state.data(),
+                                        static_cast<Real>(params_.relaxation),
+                                        kSweeps};
+    TileColoring<B> tiles(b);
+    SchwarzIteration<B, R, Real> iteration(b);
+    ResidualEvaluator<B, Real> evaluator(b);
+    CheckSchedule schedule(params_.check_every, tolerance);
+    SolveStats stats;
+    double lowest = -1;
+    int setbacks = 0;
+    for (;;) {
+      const int k = stats.iterations;
+      gather_velocities<R>(b, passes, k);
+      stats.residual = evaluator.template evaluate<R>(b, p, passes.impulses(k).current,
+                                                      passes.velocities(k).current);
+      const double rms = stats.residual.rms;
+      this->add_to_curve(k, stats.applications, rms);
+      stats.converged = rms <= tolerance;
+      const bool is_finite = stats.residual.bad_contact < 0;
+      if (stats.converged || !is_finite || k >= params_.max_iterations) break;
+      if (k == 0) {
+        fill(b, state.view(), SchwarzState{});
+        tiles.compute(b, p, kTileBodies);
+        iteration.start(b, passes, tiles);
+        stats.colors = tiles.color_count();
+      }
+      if (lowest < 0 || rms < lowest) lowest = rms;
+      if (rms > kWorse * lowest)
+        for_each(b, 1, SchwarzRestart{state.data(), ++setbacks > kMostSetbacks});
+      const int block = std::min(schedule.next(k, rms), params_.max_iterations - k);
+      iteration.run(b, passes, tiles, k, block);
+      stats.iterations += block;
+      stats.applications += block;
+    }
+    if (stats.iterations % 2 == 1) {
+      copy(b, Span<const Vec3<Real>>(passes.gamma[1]), gamma);
+      copy(b, Span<const Twist<Real>>(passes.velocity[1]), velocity);
+    }
+    stats.residual.objective -= evaluator.template impulse_energy<R>(b, p, velocity);
+    return stats;
+  }
+
+  /// V of iterate k and of the one before from their impulses: increments pile up rounding errors.
+  /// Both count: an extrapolated V that is not that of the extrapolated impulses takes three times
+  /// as many passes in float.
+  template <class R>
+  static void gather_velocities(B& b, const SchwarzPasses<R, Real>& passes, int k) {
+    const ContactProblem<Real>& p = passes.p;
+    const Iterates<Vec3<Real>> impulses = passes.impulses(k);
+    const Iterates<Twist<Real>> velocities = passes.velocities(k);
+    const auto gather = [&](Span<const Vec3<Real>> from, Span<Twist<Real>> to) {
+      for_each(b, p.free_count, BodyVelocity<R, Real>{p, from, to});
+    };
+    gather(impulses.current, passes.velocity[k % 2]);
+    if (k == 0) {  // fixed bodies have their velocity in both
+      copy(b, impulses.current, impulses.next);
+      copy(b, velocities.current, velocities.next);
+    } else {
+      gather(impulses.next, velocities.next);
+    }
+  }
+
+  SolverParams params_;
+};
+
+template <class B, class Real>
+std::unique_ptr<Solver<B, Real>> make_schwarz(const SolverParams& params) {
+  return std::make_unique<Schwarz<B, Real>>(params);
+}
+
+}  // namespace scree

@@ -56,8 +56,8 @@ class ContactDetector {
   /// with margins.
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every
-  /// array counted once: check 60, candidates 56 + 4 m, scan 12, keys 24 + 12 k, geometry (8 + 24 +
-  /// 36) k; about 150 + 4 m + 80 k = 410 for m = 5 and k = 3. A new list takes about 230 for the
+  /// array counted once: check 60, candidates 56 + 12 m, scan 12, keys 24 + 12 k, geometry (8 + 24
+  /// + 36) k; about 150 + 12 m + 80 k = 450 for m = 5 and k = 3. A new list takes about 230 for the
   /// bins (extent and levels 52, cells 60, records 84, and 16 a cell), and 152 +
   /// 40 m = 350 for itself. Its search also reads about 4 ranges of records and 14 records of 16
   /// bytes in a bed of equal spheres, 7 and 17 in one of diameters 1 : 10, from the caches,
@@ -66,7 +66,7 @@ class ContactDetector {
   /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
   /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:
   /// up to 138 + 12 m a body for a new list, and 64 a slice (see PairSearch: about one a body for
-  /// diameters 1 : 10, none for equal spheres); 28 a body and 8 a contact to pick contacts.
+  /// diameters 1 : 10, none for equal spheres); 28 + 8 m a body and 8 a contact to pick contacts.
   ///
   /// @param h  time step [s]
   /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than an
@@ -138,6 +138,9 @@ class ContactDetector {
   void list_with_margins(B& b, const BodyView<Real>& bodies, ContactRange range);
   template <ShapeMix kMix>
   void list_contacts(B& b, const BodyView<Real>& bodies, const ContactRange& range);
+  template <ShapeMix kMix>
+  void count_contacts(B& b, const ContactTest<kMix, Real>& test, Span<Index> count,
+                      Span<std::uint32_t> touching);
   void list_within(B& b, const BodyView<Real>& bodies, const ContactRange& range);
   void name_elements(const BodyView<Real>& bodies);
   void release_contacts();
@@ -148,6 +151,7 @@ class ContactDetector {
   PersistentContacts<B, Real> memory_;
   ContactKeys keys_;
   Index contact_count_ = 0;
+  Buffer<B, double> needed_;  ///< envelopes that contacts of the candidates take; empty: not known
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> body_a_;
   Buffer<B, Index> body_b_;
@@ -164,6 +168,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
       obstacles_(b, obstacles),
       candidates_(b),
       memory_(b),
+      needed_(b),
       key_(b),
       body_a_(b),
       body_b_(b),
@@ -191,6 +196,7 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   if (bodies.free_count == 0) return;
   obstacles_.refresh(b, bodies, keys_);
   list_with_margins(b, bodies, {settings_.envelope, h, settings_.period, {}});
+  needed_.release();
   if (!settings_.keep_candidates) candidates_.release();
 }
 
@@ -252,8 +258,27 @@ void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
 template <class B, class Real>
 void ContactDetector<B, Real>::release_contacts() {
   contact_count_ = 0;
+  needed_.release();
   key_.release(), body_a_.release(), body_b_.release();
   normal_.release(), gap_.release(), arm_a_.release(), arm_b_.release();
+}
+
+/// Looks at bodies once for each list: margins change which candidates are contacts, but not what
+/// it takes. Boxes are looked at again.
+template <class B, class Real>
+template <ShapeMix kMix>
+void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real>& test,
+                                              Span<Index> count, Span<std::uint32_t> touching) {
+  const Index pieces = test.candidates.piece_count();
+  if (needed_.capacity() > 0) {
+    for_each(b, pieces,
+             RecountContacts<kMix, Real>{test, std::as_const(needed_).view(needed_.capacity()),
+                                         count, touching});
+    return;
+  }
+  const bool is_asked = kMix != ShapeMix::any && settings_.margin_limit > 0;
+  const Span<double> needed = needed_.resize_discard(is_asked ? test.candidates.other.size : 0);
+  for_each(b, pieces, CountContacts<kMix, Real>{test, count, touching, needed});
 }
 
 template <class B, class Real>
@@ -267,7 +292,7 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   Buffer<B, Index> count(b, pieces);
   Buffer<B, std::uint32_t> touching(b, pieces);
   Buffer<B, Offset> begin(b, static_cast<Offset>(pieces) + 1);
-  for_each(b, pieces, CountContacts<kMix, Real>{test, count.view(), touching.view()});
+  count_contacts(b, test, count.view(), touching.view());
   exclusive_scan(b, Span<const Index>(count.view()), begin.view());
   const Offset total = fetch(b, begin.data() + pieces);
   if (total >= std::numeric_limits<Index>::max()) {

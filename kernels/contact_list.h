@@ -19,27 +19,36 @@ struct ContactTest {
   ContactRange range;
   ContactKeys keys;
 
+  /// Gap up to which contacts of the two bodies are listed [m].
+  SCREE_HD double envelope(Index a, Index j) const {
+    return range.envelope + range.margin_of(a) + range.margin_of(j);
+  }
+
+  /// What that has to be for spheres to be in contact [m]. Below the envelope without margins any
+  /// value will do.
+  SCREE_HD double needed(const BodySample& body, Index j) const {
+    const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
+    const double distance = norm(d);
+    const double gap = distance - (body.radius + static_cast<double>(bodies.radius[j]));
+    if (gap <= range.envelope) return gap;
+    const double speed = dot(Vec3d(bodies.velocity[j]) - body.motion.linear, d) / distance;
+    return needed_envelope(gap, speed, range.h);
+  }
+
   /// Calls emit(feature) for each contact of body a with the higher body j.
   template <class Emit>
   SCREE_HD void pair(Index a, const BodySample& body, Index j, Emit&& emit) const {
-    const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
-    const double envelope = range.envelope + range.margin_of(a) + range.margin_of(j);
     if constexpr (kMix != ShapeMix::any) {
-      const double distance = norm(d);
-      const double gap = distance - (body.radius + static_cast<double>(bodies.radius[j]));
-      if (gap > envelope) {
-        const double speed = dot(Vec3d(bodies.velocity[j]) - body.motion.linear, d) / distance;
-        if (!is_listed(gap, speed, envelope, range.h)) return;
-      }
-      emit(0u);
+      if (needed(body, j) <= envelope(a, j)) emit(0u);
     } else {
+      const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
       const BodySample other = load_body<kMix>(bodies, shapes, j);
       const int features = pair_features(body.kind, other.kind);
       for (int k = 0; k < features; ++k) {
         const auto feature = static_cast<std::uint32_t>(k);
         const ContactGeometry g = body_pair<kMix>(body, other, d, feature);
         const double speed = separation_speed(g, body.motion, other.motion);
-        if (is_listed(g.gap, speed, envelope, range.h)) emit(feature);
+        if (is_listed(g.gap, speed, envelope(a, j), range.h)) emit(feature);
       }
     }
   }
@@ -55,9 +64,9 @@ struct ContactTest {
 };
 
 /// Counts the contacts of each piece of the candidates, those with walls in the last piece of a
-/// body, and notes which candidates they are.
+/// body, and notes which candidates they are, and what envelopes it would take.
 /// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
-/// written.
+/// written, and 8 per candidate.
 template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
@@ -65,6 +74,7 @@ struct CountContacts {
   ContactTest<kMix, Real> test;
   Span<Index> count;             ///< [piece count] out
   Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
+  Span<double> needed;  ///< [candidates] out: for RecountContacts [m]; or empty: not asked for
 
   SCREE_HD void operator()(Index p) const {
     const CandidateView& list = test.candidates;
@@ -73,13 +83,51 @@ struct CountContacts {
     const Index first = list.begin[p], end = list.begin[p + 1];
     std::uint32_t found = 0;
     Index n = 0;
+    const auto add = [&](Index k) {
+      found |= 1u << (k - first);
+      ++n;
+    };
     for (Index k = first; k < end; ++k) {
-      test.pair(a, body, list.other[k], [&](std::uint32_t) {
-        found |= 1u << (k - first);
-        ++n;
-      });
+      const Index j = list.other[k];
+      if constexpr (kMix != ShapeMix::any) {
+        const double least = test.needed(body, j);
+        if (!needed.empty()) needed[k] = least;
+        if (least <= test.envelope(a, j)) add(k);
+      } else {
+        test.pair(a, body, j, [&](std::uint32_t) { add(k); });
+      }
     }
     if (list.is_last_of_body(p)) test.with_walls(a, body, [&](std::uint32_t) { ++n; });
+    count[p] = n;
+    touching[p] = found;
+  }
+};
+
+/// The same again for other margins, when bodies are where they were, and the list is the same.
+/// Spheres only. Bytes per piece, besides margins from the caches: 8 and 12 per candidate, 40 of
+/// its body; 8 written.
+template <ShapeMix kMix, class Real>
+struct RecountContacts {
+  static constexpr const char* name = "recount_contacts";
+  ContactTest<kMix, Real> test;
+  Span<const double> needed;  ///< [candidates] by CountContacts
+  Span<Index> count;
+  Span<std::uint32_t> touching;
+
+  SCREE_HD void operator()(Index p) const {
+    const CandidateView& list = test.candidates;
+    const Index a = list.body[p];
+    const Index first = list.begin[p], end = list.begin[p + 1];
+    std::uint32_t found = 0;
+    Index n = 0;
+    for (Index k = first; k < end; ++k) {
+      if (!(needed[k] <= test.envelope(a, list.other[k]))) continue;
+      found |= 1u << (k - first);
+      ++n;
+    }
+    if (list.is_last_of_body(p)) {
+      test.with_walls(a, load_body<kMix>(test.bodies, test.shapes, a), [&](std::uint32_t) { ++n; });
+    }
     count[p] = n;
     touching[p] = found;
   }

@@ -35,11 +35,16 @@ SCREE_HD inline double separation_speed(const ContactGeometry& g, const RigidMot
   return dot(g.normal, u);
 }
 
-/// Whether a contact is listed: it is within the envelope, or will be at the end of the step.
+/// Least envelope by which a contact is listed: its gap, or that at the end of the step [m].
 /// @param u_n  separation speed [m/s]
 /// @param h    time step [s]
+SCREE_HD inline double needed_envelope(double gap, double u_n, double h) {
+  return u_n < 0 ? gap + h * u_n : gap;
+}
+
+/// Whether a contact is listed: it is within the envelope, or will be at the end of the step.
 SCREE_HD inline bool is_listed(double gap, double u_n, double envelope, double h) {
-  return gap <= envelope || (u_n < 0 && gap + h * u_n <= envelope);
+  return needed_envelope(gap, u_n, h) <= envelope;
 }
 
 }  // namespace scree

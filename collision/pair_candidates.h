@@ -13,8 +13,8 @@
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 8 bytes
-/// a body and 4 a pair.
+/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 13
+/// bytes a body and 4 a pair.
 template <class B, class Real>
 class PairCandidates {
  public:
@@ -23,7 +23,7 @@ class PairCandidates {
         body_(b),
         begin_(b),
         other_(b),
-        left_(b, kMostRenewed),
+        left_(b),
         left_count_(b, 1),
         left_result_(b, 1) {
     fill(b, left_count_.view(), Index(0));
@@ -58,8 +58,8 @@ class PairCandidates {
   /// list now and then.
   void renew(B& b, const BodyView<Real>& bodies, const ContactRange& range, SpareReach spare) {
     spare.skin *= stretch_;
-    const bool is_young = age_ < kMostAge + extensions_;
-    const bool extends = is_kept_ && is_young && outside_ <= kMostRenewed;
+    const bool is_young = age_ < kMostAge + extensions_ / 2;
+    const bool extends = is_kept_ && is_young && outside_ <= left_.capacity();
     if (extends && extend(b, bodies, range, spare)) return;
     if (is_kept_) stretch(spare);
     build(b, bodies, range, spare);
@@ -100,6 +100,7 @@ class PairCandidates {
     for_each(b, elements, WriteCandidates<Real>{search, elements, found.view(), places});
     found.release();
     put_into_order(b, n, places);
+    left_.resize_discard(most_renewed(binned_.size()));
     is_kept_ = spare.skin > 0;
     age_ = extensions_ = 0;
     ++build_count_;
@@ -115,7 +116,7 @@ class PairCandidates {
   /// The same, and gives the memory back.
   void release() {
     forget();
-    record_.release(), body_.release(), begin_.release(), other_.release();
+    record_.release(), body_.release(), begin_.release(), other_.release(), left_.release();
   }
 
   /// Lists made so far, and how often one was extended.
@@ -123,40 +124,63 @@ class PairCandidates {
   std::int64_t extension_count() const { return extension_count_; }
 
  private:
-  /// Most bodies that get new balls in a list: all others look at each of them, which should not
-  /// take longer than a new list.
-  static constexpr Index kMostRenewed = B::kIsDevice ? 1024 : 128;
-  static constexpr Index kMostAdded = 64 * kMostRenewed;
-  /// What a new list costs, in extensions: so many listings after it was made, a list without any
-  /// has cost less for each of them than an extension.
-  static constexpr Index kMostAge = 7;
+  /// Most bodies that get new balls in a list: a share of all, since each is compared with the
+  /// covers of all others, which should not take longer than a new list.
+  static Index most_renewed(Index bodies) {
+    constexpr Index kLeast = B::kIsDevice ? 1024 : 128, kMost = 8192, kShare = 128;
+    const Offset blocks = CoverBalls::covers_of(CoverBalls::covers_of(bodies));
+    const Offset numbered = std::numeric_limits<Index>::max() / std::max<Offset>(blocks, 1);
+    return static_cast<Index>(
+        std::min<Offset>(std::clamp(bodies / kShare, kLeast, kMost), numbered));
+  }
+  static Index most_added(Index renewed) { return std::min(64 * renewed, kMostAddedPairs); }
+  /// A list that has served for so many listings is not extended any more, and for half a listing
+  /// more for each time it was: what it costs for each listing has then come down to what
+  /// extensions will cost.
+  static constexpr Index kMostAge = 10;
   /// A list that lasts for fewer listings gets more skin the next time, one for more gets less.
   static constexpr Index kShortAge = 9, kLongAge = 20;
   static constexpr double kStretchStep = 1.5, kMostStretch = 4;
 
   /// Gives the bodies that left their balls new ones, and adds what they reach to the list; one
-  /// host read. Bytes per body with m candidates: 16, and 36 + 8 m when there is something to add.
+  /// host read. Bytes per body with m candidates: 22, and 36 + 8 m when there is something to add.
   /// @return  false when there is too much to add: the list is void then
   bool extend(B& b, const BodyView<Real>& bodies, const ContactRange& range,
               const SpareReach& spare) {
     const Span<const Index> left = std::as_const(left_).view(outside_);
+    const Span<const ReachRecord> record = std::as_const(record_).view(binned_.size());
     Buffer<B, ReachRecord> ball(b, outside_);
-    Buffer<B, Index> pair_count(b, 1);
-    Buffer<B, std::uint64_t> pair(b, kMostAdded);
-    fill(b, pair_count.view(), Index(0));
+    Buffer<B, ReachRecord> group(b, CoverBalls::covers_of(record.size));
+    Buffer<B, ReachRecord> block(b, CoverBalls::covers_of(group.capacity()));
+    Buffer<B, Index> has_left(b, binned_.size()), counter(b, 3);
+    const Offset room = most_added(static_cast<Index>(left_.capacity()));
+    Buffer<B, BallHit> block_hit(b, room), group_hit(b, room);
+    Buffer<B, std::uint64_t> pair(b, room);
+    fill(b, counter.view(), Index(0));
+    fill(b, has_left.view(), Index(0));
+    Index* const pair_count = counter.data();
     for_each(b, outside_,
              RenewReach<Real>{{bodies, range, spare},
                               binned_,
                               origin_,
                               left,
-                              record_.view(),
+                              record_.view(binned_.size()),
                               ball.view(),
-                              pair_count.data()});
-    const FindMissingPairs missing{binned_, view(),      Vec3<float>(range.period), record_.view(),
-                                   left,    ball.view(), pair_count.data(),         pair.view()};
-    for_each(b, missing.group_count(), missing);
-    const Index more = fetch(b, pair_count.data());
-    if (more > kMostAdded) return false;
+                              has_left.view(),
+                              pair_count});
+    for_each(b, static_cast<Index>(group.capacity()), CoverBalls{record, group.view()});
+    for_each(b, static_cast<Index>(block.capacity()), CoverBalls{group.view(), block.view()});
+    const BallOverlap overlap{Vec3<float>(range.period)};
+    const BallHits blocks{counter.data() + 1, block_hit.view()};
+    const BallHits groups{counter.data() + 2, group_hit.view()};
+    const HitBlocks hit_blocks{overlap, block.view(), ball.view(), blocks};
+    for_each(b, hit_blocks.size(), hit_blocks);
+    for_each(b, kHitElements, HitGroups{overlap, group.view(), ball.view(), blocks, groups});
+    for_each(b, kHitElements,
+             FindMissingPairs{overlap, binned_, view(), record, left, ball.view(), has_left.view(),
+                              blocks, groups, pair_count, pair.view()});
+    const Index more = fetch(b, pair_count);
+    if (more > pair.capacity()) return false;
     ++extensions_, ++extension_count_;
     return more == 0 || insert(b, pair.view(more));
   }

@@ -308,6 +308,19 @@ TYPED_TEST(PairCandidatesTest, ManyBodiesThatLeaveCallForANewList) {
   EXPECT_EQ(run.detector().list_extensions(), 0);
 }
 
+TYPED_TEST(PairCandidatesTest, BodiesThatReachTooMuchCallForANewList) {
+  auto s = this->bed(4000, 0.03, 0.03, 36);  // in no order: each reaches all groups of others
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
+  run.detect();
+  const std::size_t most = TestBackend::kIsDevice ? 400 : 100;
+  for (std::size_t i = 0; i < most; ++i) s.position[9 * i].z += 0.01;
+  run.scene() = s;
+  run.load();
+  EXPECT_EQ(run.detect(), this->fresh_contacts(s));
+  EXPECT_EQ(run.detector().list_builds(), 2);
+  EXPECT_EQ(run.detector().list_extensions(), 0);
+}
+
 TYPED_TEST(PairCandidatesTest, BodiesThatLeaveMeetAllOthersAndEachOther) {
   for (const bool is_periodic : {false, true}) {
     auto s = this->bed(4000, 0.02, 0.2, 32);

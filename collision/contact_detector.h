@@ -65,7 +65,7 @@ class ContactDetector {
   ///
   /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
   /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:
-  /// up to 138 + 12 m a body for a new list, and 64 a slice (see PairSearch: about one a body for
+  /// up to 138 + 12 m a body for a new list, and 69 a slice (see PairSearch: about one a body for
   /// diameters 1 : 10, none for equal spheres); 28 + 8 m a body and 8 a contact to pick contacts.
   ///
   /// @param h  time step [s]

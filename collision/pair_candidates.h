@@ -84,11 +84,16 @@ class PairCandidates {
 
     const PairSearch<Real> search{balls, bodies.fixed_begin, bins.view};
     const Index elements = search.size();
-    Buffer<B, Index> found(b, static_cast<Offset>(elements) * kPairSlots);
-    Buffer<B, Index> count(b, n);
+    Buffer<B, Index> slot(b, static_cast<Offset>(elements) * kPairSlots);
+    const Index chunks = chunks_for(bins.view.slice_count);
+    Buffer<B, Index> chunk(b, static_cast<Offset>(chunks) * kPairSlots), chunk_body(b, chunks);
+    Buffer<B, Index> chunk_count(b, 1), count(b, n);
     Buffer<B, Offset> first(b, static_cast<Offset>(n) + 1);
     fill(b, count.view(), Index(0));
-    for_each(b, elements, CountCandidates<Real>{search, elements, count.view(), found.view()});
+    fill(b, chunk_count.view(), Index(0));
+    const FoundPairs found{elements, slot.view(), chunk_count.data(), chunk_body.view(),
+                           chunk.view()};
+    for_each(b, elements, CountCandidates<Real>{search, count.view(), found});
     exclusive_scan(b, Span<const Index>(count.view()), first.view());
     const Offset total = fetch(b, first.data() + n);
     if (!can_number(n, total)) {
@@ -97,8 +102,9 @@ class PairCandidates {
     }
     Buffer<B, Index> lower(b, total), other(b, total);
     const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
-    for_each(b, elements, WriteCandidates<Real>{search, elements, found.view(), places});
-    found.release();
+    for_each(b, elements, WriteCandidates<Real>{search, found, places});
+    for_each(b, chunks, WriteChunks{found, places});
+    slot.release(), chunk.release(), chunk_body.release();
     put_into_order(b, n, places);
     left_.resize_discard(most_renewed(binned_.size()));
     is_kept_ = spare.skin > 0;
@@ -213,6 +219,9 @@ class PairCandidates {
     if (age_ > kLongAge) stretch_ = std::max(1.0, stretch_ / kStretchStep);
     spare.skin = skin * stretch_;
   }
+
+  /// Elements that find more than their slots hold are large bodies, which search in slices.
+  static Index chunks_for(Index slices) { return slices / 16 + 64; }
 
   static bool can_number(Index free_count, Offset pairs) {
     constexpr Offset kMost = std::numeric_limits<Index>::max();

@@ -143,11 +143,33 @@ struct StoreLeft {
   }
 };
 
-/// What an element of the search found is noted in this many slots; one that finds more is searched
-/// again.
+/// Bodies found by an element of the search are noted in this many slots; for those beyond it takes
+/// chunks of as many out of a store for all.
 inline constexpr Index kPairSlots = 16;
-inline constexpr Index kNoMore = -1;       ///< stands behind the last one found
-inline constexpr Index kSearchAgain = -2;  ///< stands first: there are more than slots
+/// They are read in groups, so that a thread does not wait for one pair after the other.
+inline constexpr Index kSlotGroup = 4;
+/// Stands behind the last one found, to the end of its group; a group that follows a full one
+/// begins with it when there are no more.
+inline constexpr Index kNoMore = -1;
+
+/// What the elements of the search found.
+struct FoundPairs {
+  Index stride = 0;        ///< number of elements
+  Span<Index> slot;        ///< [kPairSlots * stride] slot by slot
+  Index* chunk_count;      ///< chunks that were asked for
+  Span<Index> chunk_body;  ///< [chunks there are] whose element took it
+  Span<Index> chunk;       ///< [kPairSlots * chunks] chunk by chunk
+
+  SCREE_HD Index chunks() const { return static_cast<Index>(chunk_body.size); }
+  /// When not, elements with more than their slots hold are searched again, and no chunk counts.
+  SCREE_HD bool had_chunks_enough() const { return *chunk_count <= chunks(); }
+  SCREE_HD Index& own(Index element, Index n) const {
+    return slot[static_cast<Offset>(n) * stride + element];
+  }
+  SCREE_HD Index& in_chunk(Index c, Index n) const {
+    return chunk[static_cast<Offset>(c) * kPairSlots + n];
+  }
+};
 
 /// Counts the pairs of each lower body, and notes what each element of the search finds.
 /// Bytes per element, besides neighbors from the caches: 28 read, 8 per pair and 4 written; 4 per
@@ -157,20 +179,36 @@ struct CountCandidates {
   static constexpr const char* name = "count_candidates";
   static constexpr int kLeastBlocks = 4;
   PairSearch<Real> search;
-  Index stride = 0;   ///< number of elements
   Span<Index> count;  ///< [free_count] in: zero; out: pairs whose lower body it is
-  Span<Index> found;  ///< [kPairSlots * stride] out, slot by slot
+  FoundPairs found;   ///< out; in: chunk_count is zero
 
   SCREE_HD void operator()(Index e) const {
     const Index i = search.body(e);
-    Index n = 0;
+    Index n = 0, chunk = 0;  // n: in the slots, or in the chunk
+    bool is_in_chunk = false;
+    const auto note = [&](Index j) {
+      if (!is_in_chunk) {
+        found.own(e, n) = j;
+      } else if (chunk < found.chunks()) {
+        found.in_chunk(chunk, n) = j;
+      }
+    };
     search(e, [&](Index j) {
-      if (n < kPairSlots) found[static_cast<Offset>(n) * stride + e] = j;
+      if (n == kPairSlots) {
+        chunk = atomic_add(found.chunk_count, 1);
+        if (chunk < found.chunks()) found.chunk_body[chunk] = i;
+        is_in_chunk = true;
+        n = 0;
+      }
+      note(j);
       ++n;
       atomic_add(&count[i < j ? i : j], 1);
     });
-    if (n < kPairSlots) found[static_cast<Offset>(n) * stride + e] = kNoMore;
-    if (n > kPairSlots) found[e] = kSearchAgain;
+    if (n == kPairSlots) return;
+    do {
+      note(kNoMore);
+      ++n;
+    } while (n % kSlotGroup != 0);
   }
 };
 
@@ -181,36 +219,66 @@ struct PairPlaces {
   Span<Index> lower;         ///< out: the lower body
   Span<Index> other;         ///< out: the higher body
 
-  SCREE_HD void put(Index i, Index j) const {
+  SCREE_HD Offset take(Index i, Index j) const {
     const Index a = i < j ? i : j;
-    const Offset at = begin[a] + atomic_add(&count[a], -1) - 1;
-    lower[at] = a;
+    return begin[a] + atomic_add(&count[a], -1) - 1;
+  }
+  SCREE_HD void put(Offset at, Index i, Index j) const {
+    lower[at] = i < j ? i : j;
     other[at] = i < j ? j : i;
+  }
+  SCREE_HD void put(Index i, Index j) const { put(take(i, j), i, j); }
+
+  /// Puts the pairs of body i with those in the slots. @param slot  slot(n): the n-th one
+  /// @return  whether all slots hold one
+  template <class Slot>
+  SCREE_HD bool put_slots(Index i, Slot&& slot) const {
+    for (Index n = 0; n < kPairSlots; n += kSlotGroup) {
+      Index j[kSlotGroup];
+      Offset at[kSlotGroup];
+      for (Index k = 0; k < kSlotGroup; ++k) j[k] = slot(n + k);
+      for (Index k = 0; k < kSlotGroup; ++k) {
+        if (j[k] != kNoMore) at[k] = take(i, j[k]);
+      }
+      for (Index k = 0; k < kSlotGroup; ++k) {
+        if (j[k] == kNoMore) return false;
+        put(at[k], i, j[k]);
+      }
+    }
+    return true;
   }
 };
 
-/// Puts the pairs that were counted into their places.
+/// Puts the pairs that were counted into their places: those of the slots.
 /// Bytes per pair: 4 read, 8 written; 4 of the counts added to, and 8 of the scan, from the caches.
 template <class Real>
 struct WriteCandidates {
   static constexpr const char* name = "write_candidates";
   PairSearch<Real> search;
-  Index stride = 0;
-  Span<const Index> found;
+  FoundPairs found;
   PairPlaces places;
 
   SCREE_HD void operator()(Index e) const {
-    if (found[e] == kNoMore) return;
+    if (found.own(e, 0) == kNoMore) return;
     const Index i = search.body(e);
-    if (found[e] == kSearchAgain) {
-      search(e, [&](Index j) { places.put(i, j); });
-      return;
-    }
-    for (Index n = 0; n < kPairSlots; ++n) {
-      const Index j = found[static_cast<Offset>(n) * stride + e];
-      if (j == kNoMore) return;
-      places.put(i, j);
-    }
+    const bool is_full = places.put_slots(i, [&](Index n) { return found.own(e, n); });
+    if (!is_full || found.had_chunks_enough()) return;
+    Index n = 0;
+    search(e, [&](Index j) {
+      if (n++ >= kPairSlots) places.put(i, j);
+    });
+  }
+};
+
+/// The same for those of a chunk. Bytes per pair: as above.
+struct WriteChunks {
+  static constexpr const char* name = "write_chunks";
+  FoundPairs found;
+  PairPlaces places;
+
+  SCREE_HD void operator()(Index c) const {
+    if (c >= *found.chunk_count || !found.had_chunks_enough()) return;
+    places.put_slots(found.chunk_body[c], [&](Index n) { return found.in_chunk(c, n); });
   }
 };
 

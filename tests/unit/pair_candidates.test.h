@@ -321,6 +321,26 @@ TYPED_TEST(PairCandidatesTest, BodiesThatReachTooMuchCallForANewList) {
   EXPECT_EQ(run.detector().list_extensions(), 0);
 }
 
+TYPED_TEST(PairCandidatesTest, ManyNeighborsOfEachBodyAreAllFound) {
+  for (const Index crowd : {Index(20), Index(50), Index(400)}) {  // in slots, in chunks, in neither
+    CollisionScene<TypeParam> s;
+    s.settings.envelope = 1e-4;
+    s.settings.skin = 1e-4;
+    std::mt19937 random(48);
+    for (Index i = 0; i < crowd; ++i) s.add_free(0.02 * this->random_vector(random), 0.03);
+    for (Index i = 0; i < 500; ++i) s.add_free({1 + 0.07 * i, 0, 0}, 0.03);
+    std::size_t expected = 0;
+    for (std::size_t i = 0; i < s.position.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j)
+        expected += norm(s.position[i] - s.position[j]) < 0.06 + 1e-4;
+    }
+    const auto found = this->fresh_contacts(s);
+    EXPECT_EQ(found.size(), expected) << crowd << " bodies";
+    EXPECT_GT(found.size(), static_cast<std::size_t>(crowd * (crowd - 1) / 2 * 9 / 10));
+    EXPECT_TRUE(this->is_ascending(found));
+  }
+}
+
 TYPED_TEST(PairCandidatesTest, BodiesThatLeaveMeetAllOthersAndEachOther) {
   for (const bool is_periodic : {false, true}) {
     auto s = this->bed(4000, 0.02, 0.2, 32);

@@ -1,13 +1,18 @@
-// The solver to take when in doubt. For both models, from the guess:
+// The solver to take when in doubt. For both models, by turns from the guess:
 //
-//   1. up to 50 sweeps of nonlinear Gauss-Seidel: enough for easy problems, and a start for others;
-//   2. the proximal method, up to 1500 outer iterations: around Newton, or around Gauss-Seidel
-//   alone
-//      where the factors of a matrix of more than 30,000 contacts would be too costly;
-//   3. by turns, from the best impulses so far, 2000 sweeps of Gauss-Seidel and 1500 more outer
-//      iterations of the proximal method with Gauss-Seidel in it, until iterations or time are out.
+//   1. sweeps of nonlinear Gauss-Seidel: enough for easy problems, and a start for others. As many
+//      as there are contacts at first, but 50 to 4000; then 2000 at least, and twice as many as in
+//      the turn before. They go on from the sweeps of that turn;
+//   2. the proximal method from where the sweeps led, with a first weight no larger than their
+//      residual, until it no longer gains: around Newton, or around Gauss-Seidel alone where the
+//      factors of a matrix of more than 30,000 contacts would be too costly.
 //
-// An iteration is a sweep or an outer iteration.
+// Weights are small because proximal points of the exact law need not attract: with larger ones
+// they lead away from impulses that are nearly solutions. And where they have led astray the sweeps
+// have not, so that each turn starts another attempt from a better place. An iteration is a sweep
+// or an outer iteration.
+
+#include <algorithm>
 
 #include "solvers/assembled/proximal_method.h"
 #include "solvers/assembled/sweep.h"
@@ -17,30 +22,38 @@ namespace {
 
 /// Contacts from which on nothing is factorized.
 constexpr int many_contacts = 30000;
+constexpr int least_sweeps = 50, most_first_sweeps = 4000, second_sweeps = 2000;
+
+/// Outer iterations without half the residual that are worth their time. Factors cost about the
+/// square of the contacts, sweeps only their number, and small problems can wait for luck.
+int patience_of(int contacts) {
+  const double n = contacts;
+  return 12 + static_cast<int>(std::min(1e8 / (n * n), 1e4));
+}
 
 class Auto final : public AssembledSolver {
  public:
   AssembledTraits traits() const override {
-    return {"auto", "nonlinear Gauss-Seidel, then proximal Newton, then both by turns",
-            true,   true,
-            5000,   10};
+    return {"auto", "nonlinear Gauss-Seidel and proximal Newton by turns", true, true, 100000, 10};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    AssembledOptions from = o;
+    std::vector<double> swept = o.guess;
     ProximalSettings settings;
     settings.newton = p.contact_count < many_contacts;
-    for (int sweeps = 50; monitor.next_phase(sweeps, 10); sweeps = 2000) {
-      for (int k = 0; !monitor.look_if_due(k, from.guess); ++k) {
-        sweep(p, o.model, from.guess);
+    settings.patience = patience_of(p.contact_count);
+    for (int sweeps = std::clamp(p.contact_count, least_sweeps, most_first_sweeps);
+         monitor.next_phase(sweeps, 10); sweeps = std::max(second_sweeps, 2 * sweeps)) {
+      for (int k = 0; !monitor.look_if_due(k, swept); ++k) {
+        sweep(p, o.model, swept);
         monitor.count_applications();
       }
-      from.guess = monitor.best();
       if (!monitor.next_phase(1500, 1)) return;
+      AssembledOptions from = o;
+      from.guess = swept;
+      settings.first_weight = std::clamp(monitor.last().relative, 1e-6, 1e-2);
       run_proximal(p, from, settings, monitor);
-      from.guess = monitor.best();
-      settings.newton = false;
     }
   }
 };

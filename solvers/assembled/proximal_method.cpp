@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solvers/assembled/newton_method.h"
 #include "solvers/assembled/sweep.h"
@@ -28,6 +29,28 @@ double norm_of(const std::vector<double>& v) {
   for (const double x : v) sum += x * x;
   return std::sqrt(sum);
 }
+
+/// Whether residuals still fall by halves.
+class Progress {
+ public:
+  /// @param patience  outer iterations that a half may take; 0: any number
+  explicit Progress(int patience) : patience_(patience) {}
+
+  /// @param residual  the one of outer iteration k
+  /// @return          whether patience is at its end
+  bool ended(int k, double residual) {
+    if (residual <= 0.5 * least_) {
+      least_ = residual;
+      since_ = k;
+    }
+    return patience_ > 0 && k - since_ >= patience_;
+  }
+
+ private:
+  int patience_;
+  int since_ = 0;
+  double least_ = std::numeric_limits<double>::infinity();
+};
 
 /// Adds the work of an inner solve.
 void take_account(AssembledMonitor& outer, const AssembledResult& inner) {
@@ -60,7 +83,10 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
   std::vector<double> r = o.guess;
   double weight = settings.first_weight;
   bool failed = false;
+  Progress progress(settings.patience);
   for (int k = 0; !monitor.look(k, r); ++k) {
+    if (progress.ended(k, monitor.last().relative))
+      return monitor.fail(AssembledStatus::stalled, "the proximal method no longer gains");
     regularize(p, scale, weight, r, inner);
     AssembledOptions inner_options = o;
     inner_options.reference_velocity.clear();

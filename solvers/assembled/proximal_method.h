@@ -14,6 +14,8 @@ struct ProximalSettings {
   bool newton = true;  ///< whether inner problems go to Newton first
   int newton_iterations = 30;
   int sweeps = 100;  ///< of Gauss-Seidel where Newton fails
+  /// Outer iterations without half the least residual after which it stalls; 0: it never does.
+  int patience = 0;
 };
 
 /// What solves inner problems: each runs from the guess of the options until its monitor stops it.
@@ -27,7 +29,8 @@ struct ProximalMethods {
 /// Those of the host, with factorizations.
 ProximalMethods host_proximal_methods();
 
-/// Runs from the guess until the monitor stops it. See proximal.cpp for the method.
+/// Runs from the guess until the monitor stops it, or stalls out of patience. See proximal.cpp for
+/// the method.
 void run_proximal(const AssembledProblem& problem, const AssembledOptions& options,
                   const ProximalSettings& settings, AssembledMonitor& monitor,
                   const ProximalMethods& methods = host_proximal_methods());

@@ -41,6 +41,7 @@ __device__ void finish(const Passes<Real>& a, const Shared& shared, unsigned pas
   }
   is_last = __shfl_sync(0xffffffffu, is_last, 0);
   if (!is_last) return;
+  __syncwarp();  // what lane 0 has seen of other warps is visible to all lanes
   Sums<1> rest;
   for (unsigned k = threadIdx.x; k < gridDim.x; k += kLanes) rest.combine(partial[k]);
   const Sums<1> total = warp_sum(rest);

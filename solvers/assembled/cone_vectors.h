@@ -45,8 +45,6 @@ struct ScaledProblem {
     for (std::size_t k = 0; k < r.size(); ++k) r[k] /= root[k / 3];
     return r;
   }
-  /// S^-1 W S^-1 x + S^-1 q from u = W r + q.
-  std::vector<double> gradient(const std::vector<double>& u) const { return unscaled(u); }
 };
 
 }  // namespace scree

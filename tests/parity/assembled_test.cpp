@@ -35,13 +35,15 @@ class ParityAssembled : public Parity, public testing::WithParamInterface<std::s
 /// Sweeps visit contacts in an order of their own on each.
 class ParityGradients : public ParityAssembled {};
 INSTANTIATE_TEST_SUITE_P(All, ParityGradients,
-                         testing::Values("jacobi", "extragradient", "apgd", "apgd_plain", "spg"),
+                         testing::Values("jacobi", "extragradient", "apgd", "apgd_plain", "spg",
+                                         "cpg", "cpg_box", "cpg_pyramid4", "cpg_pyramid8"),
                          name_of_solver);
 
 TEST_P(ParityGradients, TenIterationsAreTheSameToRounding) {
   const ReadyProblem p = ready("pile", stored(pile(ContactLayout::general)));
   AssembledOptions options;
-  options.model = AssembledModel::convex;
+  const bool box = make_assembled_solver(GetParam())->traits().friction == "box";
+  options.model = box ? AssembledModel::exact : AssembledModel::convex;
   options.tolerance = 0;
   options.max_iterations = 10;
   const AssembledResult cpu = run_solvers(p, {GetParam()}, options).front().result;
@@ -58,7 +60,7 @@ TEST_P(ParityGradients, TenIterationsAreTheSameToRounding) {
 std::vector<std::string> convex_solvers() {
   std::vector<std::string> names = assembled_solver_names(true);
   std::erase_if(names, [](const std::string& name) {
-    return name.rfind("pgs_box", 0) == 0 || name == "newton_krylov";
+    return make_assembled_solver(name)->traits().friction == "box" || name == "newton_krylov";
   });
   return names;
 }

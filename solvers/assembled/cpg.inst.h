@@ -1,11 +1,12 @@
 // Conjugate projected gradient: directions of conjugate gradients, bent into the tangent cone of
 // the constraints at the present impulses. Here for the cones of the convex model.
 //
-// In x = S r (ScaledProblem), with g = W x + q and T the tangent cone of K at x:
-//   w = P_T(-g),  p+ = w + b P_T(p),  b = -w.W p / p.W p
-//   trial = P_K(x + a p+),  a = -g.p+ / p+.W p+
+// In the metric of D = contact_scales, in which <a, b> is a.D b; with g = W r + q and T the tangent
+// cone of K at r:
+//   w = P_T(-g / D),  p+ = w + b P_T(p),  b = -w.W p / p.W p
+//   trial = P_K(r + a p+),  a = -g.p+ / p+.W p+
 // Corrected line search: where the projection changed the trial, the objective is minimized between
-// x and the trial. That alone zigzags between constraints for ever, so a projected gradient step of
+// r and the trial. That alone zigzags between constraints for ever, so a projected gradient step of
 // 1 / |W| follows, and directions start anew. An iteration costs one product with W, three where
 // the trial was changed. The best iterate that was looked at is kept. Source: Renouf and Alart,
 // Comput. Methods Appl. Mech. Engrg. 194, 2005; gradient steps after changed ones as in Dostal and
@@ -13,6 +14,7 @@
 
 #include <cmath>
 
+#include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/cpg_method.h"
 
 namespace scree {
@@ -22,7 +24,7 @@ namespace {
 constexpr double on_surface = 1e-10;
 
 /// Projects v on the tangent cone of the friction cone at x.
-void project_on_tangent_cone(double mu, const double* x, double* v) {
+SCREE_HD void project_on_tangent_cone(double mu, const double* x, double* v) {
   const double t = std::hypot(x[1], x[2]);
   if (!(x[0] > 0)) return project_on_cone(mu, v);  // the apex
   if (mu > 0 && t < mu * x[0] * (1 - on_surface)) return;
@@ -39,35 +41,40 @@ void project_on_tangent_cone(double mu, const double* x, double* v) {
   v[2] -= e[1] * back;
 }
 
-class Cones final : public CpgLaw {
- public:
-  explicit Cones(const AssembledProblem& p) : p_(p) {}
-  void project(int c, double* x) const override { project_on_cone(p_.mu[c], x); }
-  void project_on_tangent(int c, const double* x, double* v) const override {
-    project_on_tangent_cone(p_.mu[c], x, v);
+struct ConeLaw {
+  static constexpr double rounding = 0;
+  Span<const double> mu;
+  SCREE_HD void project(Index c, double* r) const { project_on_cone(mu[c], r); }
+  SCREE_HD void project_on_tangent(Index c, const double* r, double* v) const {
+    project_on_tangent_cone(mu[c], r, v);
   }
-
- private:
-  const AssembledProblem& p_;
+  SCREE_HD double lift(Index /*c*/) const { return 0; }
+  SCREE_HD void renew(Index /*c*/, const double* /*r*/, const double* /*u*/) const {}
 };
 
-class Cpg final : public AssembledSolver {
+class Cpg final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {"cpg", "conjugate projected gradient (tangent cones, corrected line search)",
             false, true,
             50000, 10};
   }
 
-  void run(const AssembledProblem& p, const AssembledOptions& o,
+  void run(const AssembledProblem& problem, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    Cones cones(p);
-    run_cpg(p, o, cones, monitor);
+    const auto p = upload_problem(problem);
+    run_cpg(p, o, ConeLaw{p.mu()}, "", monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_cpg() { return std::make_unique<Cpg>(); }
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_cpg<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<Cpg>(std::move(backend));
+}
 
 }  // namespace scree

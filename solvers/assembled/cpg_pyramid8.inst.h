@@ -1,17 +1,20 @@
 // Conjugate projected gradient on 8-sided friction pyramids inside the cones, the law of
-// pgs_pyramid8; cpg_pyramid.h.
+// pgs_pyramid8; cpg_pyramid_method.h.
 //
-// Costs as in cpg.cpp: one product with W an iteration, three where constraints change. For the
+// Costs as in cpg.inst.h: one product with W an iteration, three where constraints change. For the
 // convex model it converges to the minimum over the pyramids; W need not be regular.
 // Source: Renouf and Alart, Comput. Methods Appl. Mech. Engrg. 194, 2005.
 
-#include "solvers/assembled/cpg_pyramid.h"
+#include "solvers/assembled/backend_solver.h"
+#include "solvers/assembled/cpg_pyramid_method.h"
 
 namespace scree {
 namespace {
 
-class CpgPyramid8 final : public AssembledSolver {
+class CpgPyramid8 final : public BackendSolver<BuildBackend> {
  public:
+  using BackendSolver::BackendSolver;
+
   AssembledTraits traits() const override {
     return {
         "cpg_pyramid8",   "conjugate projected gradient on 8-sided pyramids", true, true, 50000, 10,
@@ -20,14 +23,16 @@ class CpgPyramid8 final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_cpg_pyramid(p, o, 8, monitor);
+    run_cpg_pyramid(upload_problem(p), o, 8, monitor);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<AssembledSolver> make_assembled_cpg_pyramid8() {
-  return std::make_unique<CpgPyramid8>();
+template <>
+std::unique_ptr<AssembledSolver> make_assembled_cpg_pyramid8<BuildBackend>(
+    std::shared_ptr<BuildBackend> backend) {
+  return std::make_unique<CpgPyramid8>(std::move(backend));
 }
 
 }  // namespace scree

@@ -28,7 +28,7 @@ enum class ApgdMetricKind {
 struct SolverParams {
   int max_iterations = 400;  ///< [-], > 0
   int check_every = 10;      ///< most iterations between residual checks (host reads), > 0
-  double relaxation = 1.0;   ///< over-relaxation of Gauss-Seidel and Jacobi, in (0, 2)
+  double relaxation = 1.0;   ///< over-relaxation of Gauss-Seidel, Jacobi and Schwarz, in (0, 2)
   ApgdMetricKind metric = ApgdMetricKind::diagonal;
 };
 

@@ -267,23 +267,15 @@ struct ColoringPack {
   }
 };
 
-/// Number of colors: one more than the largest.
-struct ColorCount {
-  Index count = 0;
-  SCREE_HD void combine(const ColorCount& o) {
-    if (o.count > count) count = o.count;
-  }
-};
-
-/// Sort keys of the final order, and the number of colors on the way.
+/// Sort keys that put elements in the order of colors; returns the number of colors.
 struct ColorKeys {
   static constexpr const char* name = "color_keys";
   Span<const Index> color;
   Span<std::uint64_t> key;
-  Span<Index> contact;
-  SCREE_HD ColorCount operator()(Index c) const {
+  Span<Index> element;
+  SCREE_HD Largest operator()(Index c) const {
     key[c] = static_cast<std::uint64_t>(color[c]);
-    contact[c] = c;
+    element[c] = c;
     return {color[c] + 1};
   }
 };

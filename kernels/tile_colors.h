@@ -54,18 +54,6 @@ struct CountUncolored {
   SCREE_HD TileColorsLeft operator()(Index t) const { return {color[t] < 0 ? 1 : 0, color[t] + 1}; }
 };
 
-/// Sort keys of tiles by color.
-struct TileKeys {
-  static constexpr const char* name = "tile_keys";
-  Span<const Index> color;
-  Span<std::uint64_t> key;
-  Span<Index> tile;
-  SCREE_HD void operator()(Index t) const {
-    key[t] = static_cast<std::uint64_t>(color[t]);
-    tile[t] = t;
-  }
-};
-
 /// first[i] = the tile of lowest color that touches body i.
 struct FirstTiles {
   static constexpr const char* name = "first_tiles";

@@ -8,14 +8,6 @@
 
 namespace scree {
 
-/// Largest value met.
-struct Largest {
-  Index value = 0;
-  SCREE_HD void combine(const Largest& o) {
-    if (o.value > value) value = o.value;
-  }
-};
-
 /// Lists of tiles, one for each element of a pass, each tile once in a list.
 struct TileLists {
   Index room = 0;  ///< for one list

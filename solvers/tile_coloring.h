@@ -84,7 +84,7 @@ class TileColoring {
     key_.reserve_discard(n);
     sequence_.reserve_discard(n);
     const Span<std::uint64_t> key = key_.view(n);
-    for_each(b, n, TileKeys{color(), key, sequence_.view(n)});
+    for_each(b, n, ColorKeys{color(), key, sequence_.view(n)});
     sort_pairs(b, sort_, key, sequence_.view(n), bits_for(static_cast<std::uint64_t>(left.colors)));
     start_.reserve_discard(left.colors + 1);
     for_each(b, n + 1, RunStarts<std::uint64_t>{key, n, left.colors, start_.view(left.colors + 1)});

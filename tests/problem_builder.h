@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -219,6 +220,25 @@ inline PlainProblem lattice_problem(int n, double share, unsigned seed) {
   std::stable_sort(p.data.contacts.begin(), p.data.contacts.end(),
                    [](const auto& x, const auto& y) { return x.a < y.a; });
   return p;
+}
+
+/// |a - b| / |a| over all vectors.
+template <class Real>
+double relative_distance(const std::vector<Vec3<Real>>& a, const std::vector<Vec3<Real>>& b) {
+  double difference = 0, size = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    difference += norm2(Vec3<double>(a[k] - b[k]));
+    size += norm2(Vec3<double>(a[k]));
+  }
+  return std::sqrt(difference / size);
+}
+
+/// Linear parts.
+template <class Real>
+std::vector<Vec3<Real>> linear(const std::vector<Twist<Real>>& twists) {
+  std::vector<Vec3<Real>> out;
+  for (const Twist<Real>& t : twists) out.push_back(t.linear);
+  return out;
 }
 
 /// Owns the buffers of a ContactProblem. Contacts of `plain` must be sorted by body a.

@@ -195,6 +195,14 @@ struct Sums {
   }
 };
 
+/// Largest of many indices, at least 0.
+struct Largest {
+  Index value = 0;
+  SCREE_HD void combine(const Largest& o) {
+    if (o.value > value) value = o.value;
+  }
+};
+
 /// Bits needed to tell `count` values apart, at least 1: the length of a radix sort.
 inline int bits_for(std::uint64_t count) {
   int bits = 1;

@@ -9,9 +9,11 @@
 namespace scree {
 namespace {
 
+using fixtures::linear;
 using fixtures::PlainProblem;
 using fixtures::ProblemBuffers;
 using fixtures::random_problem;
+using fixtures::relative_distance;
 
 /// The arrays of a solve from zero impulses, in the diagonal metric.
 template <class Real>
@@ -58,23 +60,6 @@ class Arrays {
   Buffer<TestBackend, ApgdState> state_;
 };
 
-template <class T>
-double distance(const std::vector<T>& a, const std::vector<T>& b) {
-  double difference = 0, size = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    difference += norm2(Vec3<double>(a[k] - b[k]));
-    size += norm2(Vec3<double>(a[k]));
-  }
-  return std::sqrt(difference / size);
-}
-
-template <class Real>
-std::vector<Vec3<Real>> linear(const std::vector<Twist<Real>>& twists) {
-  std::vector<Vec3<Real>> out;
-  for (const Twist<Real>& t : twists) out.push_back(t.linear);
-  return out;
-}
-
 template <class Real>
 class ApgdIterationTest : public BackendTest<Real> {
  protected:
@@ -94,8 +79,9 @@ class ApgdIterationTest : public BackendTest<Real> {
     EXPECT_NEAR(found.lipschitz, expected.lipschitz, 1e-6 * expected.lipschitz);
     EXPECT_NEAR(found.beta, expected.beta, 1e-12);
     const double tolerance = this->tolerance(1e-13, 2e-5);
-    EXPECT_LE(distance(plain.impulses(b), tuned.impulses(b)), tolerance);
-    EXPECT_LE(distance(linear(plain.velocities(b)), linear(tuned.velocities(b))), tolerance);
+    EXPECT_LE(relative_distance(plain.impulses(b), tuned.impulses(b)), tolerance);
+    EXPECT_LE(relative_distance(linear(plain.velocities(b)), linear(tuned.velocities(b))),
+              tolerance);
     EXPECT_EQ(tuned.impulses(b), again.impulses(b));
     return expected.accepted;
   }
@@ -169,7 +155,7 @@ TYPED_TEST(ApgdIterationTest, AlikeBodiesNeedOneWeightAContact) {
     apgd_trial(b, one.passes());
   }
   EXPECT_EQ(one.state(b).accepted, two.state(b).accepted);
-  EXPECT_LE(distance(two.impulses(b), one.impulses(b)), this->tolerance(1e-12, 2e-5));
+  EXPECT_LE(relative_distance(two.impulses(b), one.impulses(b)), this->tolerance(1e-12, 2e-5));
 }
 
 }  // namespace

@@ -10,8 +10,10 @@ namespace scree {
 namespace {
 
 using fixtures::lattice_problem;
+using fixtures::linear;
 using fixtures::PlainProblem;
 using fixtures::ProblemBuffers;
+using fixtures::relative_distance;
 
 /// A lattice of spheres with disordered contacts that falls on a floor.
 PlainProblem falling_lattice(int n, double share) {
@@ -81,10 +83,7 @@ class Run {
 
   std::vector<Vec3<Real>> impulses() { return download(b_, passes_.impulses(done_).current); }
   std::vector<Vec3<Real>> velocities() {
-    std::vector<Vec3<Real>> linear;
-    for (const Twist<Real>& t : download(b_, passes_.velocities(done_).current))
-      linear.push_back(t.linear);
-    return linear;
+    return linear(download(b_, passes_.velocities(done_).current));
   }
   SchwarzState state() { return fetch(b_, state_.data()); }
 
@@ -104,16 +103,6 @@ class Run {
   SchwarzPasses<R, Real> passes_;
   int done_ = 0;
 };
-
-template <class Real>
-double relative_distance(const std::vector<Vec3<Real>>& a, const std::vector<Vec3<Real>>& b) {
-  double difference = 0, size = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    difference += norm2(Vec3<double>(a[k] - b[k]));
-    size += norm2(Vec3<double>(a[k]));
-  }
-  return std::sqrt(difference / size);
-}
 
 template <class Real>
 class SchwarzTest : public BackendTest<Real> {

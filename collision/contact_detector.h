@@ -192,6 +192,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
 template <class B, class Real>
 void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double h) {
   release_contacts();
+  needed_.release();
   name_elements(bodies);
   if (bodies.free_count == 0) return;
   obstacles_.refresh(b, bodies, keys_);
@@ -226,7 +227,7 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
                                            const ContactRange& range) {
   if (!candidates_.covers(b, bodies, range)) {
     release_contacts();
-    candidates_.renew(b, bodies, range, {settings_.skin});
+    candidates_.renew(b, bodies, range, {settings_.skin}, needed_);
   }
   switch (obstacles_.mix()) {
     case ShapeMix::spheres_and_planes:
@@ -258,7 +259,6 @@ void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
 template <class B, class Real>
 void ContactDetector<B, Real>::release_contacts() {
   contact_count_ = 0;
-  needed_.release();
   key_.release(), body_a_.release(), body_b_.release();
   normal_.release(), gap_.release(), arm_a_.release(), arm_b_.release();
 }
@@ -272,8 +272,7 @@ void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real
   const Index pieces = test.candidates.piece_count();
   if (needed_.capacity() > 0) {
     for_each(b, pieces,
-             RecountContacts<kMix, Real>{test, std::as_const(needed_).view(needed_.capacity()),
-                                         count, touching});
+             RecountContacts<kMix, Real>{test, needed_.view(needed_.capacity()), count, touching});
     return;
   }
   const bool is_asked = kMix != ShapeMix::any && settings_.margin_limit > 0;

@@ -13,8 +13,8 @@
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair. While a list is extended: 13
-/// bytes a body and 4 a pair.
+/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair; 1 more a body once the list was
+/// extended. While it is: 9 bytes a body and 4 a pair, 12 with notes.
 template <class B, class Real>
 class PairCandidates {
  public:
@@ -23,6 +23,8 @@ class PairCandidates {
         body_(b),
         begin_(b),
         other_(b),
+        group_(b),
+        block_(b),
         left_(b),
         left_count_(b, 1),
         left_result_(b, 1) {
@@ -56,11 +58,15 @@ class PairCandidates {
   /// that left their balls may touch now, or builds the list anew. An old list is not extended:
   /// more and more bodies leave their balls, and extensions in every listing are dearer than a new
   /// list now and then.
-  void renew(B& b, const BodyView<Real>& bodies, const ContactRange& range, SpareReach spare) {
+  /// @param note  [candidates] what is noted of each, or empty; follows the list: kNotNoted at
+  /// pairs that were added, empty when the list is a new one
+  void renew(B& b, const BodyView<Real>& bodies, const ContactRange& range, SpareReach spare,
+             Buffer<B, double>& note) {
     spare.skin *= stretch_;
     const bool is_young = age_ < kMostAge + extensions_ / 2;
     const bool extends = is_kept_ && is_young && outside_ <= left_.capacity();
-    if (extends && extend(b, bodies, range, spare)) return;
+    if (extends && extend(b, bodies, range, spare, note)) return;
+    note.release();
     if (is_kept_) stretch(spare);
     build(b, bodies, range, spare);
   }
@@ -123,6 +129,7 @@ class PairCandidates {
   void release() {
     forget();
     record_.release(), body_.release(), begin_.release(), other_.release(), left_.release();
+    group_.release(), block_.release();
   }
 
   /// Lists made so far, and how often one was extended.
@@ -149,21 +156,21 @@ class PairCandidates {
   static constexpr double kStretchStep = 1.5, kMostStretch = 4;
 
   /// Gives the bodies that left their balls new ones, and adds what they reach to the list; one
-  /// host read. Bytes per body with m candidates: 22, and 36 + 8 m when there is something to add.
+  /// host read. Bytes per body with m candidates: 3, the first time 19, and 36 + 8 m, with notes 36
+  /// + 24 m, when there is something to add.
   /// @return  false when there is too much to add: the list is void then
   bool extend(B& b, const BodyView<Real>& bodies, const ContactRange& range,
-              const SpareReach& spare) {
+              const SpareReach& spare, Buffer<B, double>& note) {
     const Span<const Index> left = std::as_const(left_).view(outside_);
     const Span<const ReachRecord> record = std::as_const(record_).view(binned_.size());
     Buffer<B, ReachRecord> ball(b, outside_);
-    Buffer<B, ReachRecord> group(b, CoverBalls::covers_of(record.size));
-    Buffer<B, ReachRecord> block(b, CoverBalls::covers_of(group.capacity()));
-    Buffer<B, Index> has_left(b, binned_.size()), counter(b, 3);
+    Buffer<B, std::uint8_t> has_left(b, binned_.size());
+    Buffer<B, Index> counter(b, 3);
     const Offset room = most_added(static_cast<Index>(left_.capacity()));
     Buffer<B, BallHit> block_hit(b, room), group_hit(b, room);
     Buffer<B, std::uint64_t> pair(b, room);
     fill(b, counter.view(), Index(0));
-    fill(b, has_left.view(), Index(0));
+    fill(b, has_left.view(), std::uint8_t(0));
     Index* const pair_count = counter.data();
     for_each(b, outside_,
              RenewReach<Real>{{bodies, range, spare},
@@ -174,26 +181,37 @@ class PairCandidates {
                               ball.view(),
                               has_left.view(),
                               pair_count});
-    for_each(b, static_cast<Index>(group.capacity()), CoverBalls{record, group.view()});
-    for_each(b, static_cast<Index>(block.capacity()), CoverBalls{group.view(), block.view()});
+    cover(b, record, has_left.view());
+    const Span<const ReachRecord> group = std::as_const(group_).view(group_.capacity());
     const BallOverlap overlap{Vec3<float>(range.period)};
     const BallHits blocks{counter.data() + 1, block_hit.view()};
     const BallHits groups{counter.data() + 2, group_hit.view()};
-    const HitBlocks hit_blocks{overlap, block.view(), ball.view(), blocks};
+    const HitBlocks hit_blocks{overlap, block_.view(), ball.view(), blocks};
     for_each(b, hit_blocks.size(), hit_blocks);
-    for_each(b, kHitElements, HitGroups{overlap, group.view(), ball.view(), blocks, groups});
+    for_each(b, kHitElements, HitGroups{overlap, group, ball.view(), blocks, groups});
     for_each(b, kHitElements,
              FindMissingPairs{overlap, binned_, view(), record, left, ball.view(), has_left.view(),
                               blocks, groups, pair_count, pair.view()});
     const Index more = fetch(b, pair_count);
     if (more > pair.capacity()) return false;
     ++extensions_, ++extension_count_;
-    return more == 0 || insert(b, pair.view(more));
+    return more == 0 || insert(b, pair.view(more), note);
+  }
+
+  /// Covers the balls, all when the list is extended for the first time, then those that changed.
+  void cover(B& b, Span<const ReachRecord> record, Span<const std::uint8_t> has_changed) {
+    const Offset groups = CoverBalls::covers_of(record.size);
+    if (group_.capacity() == 0) has_changed = {};
+    for_each(b, static_cast<Index>(groups),
+             CoverBalls{record, has_changed, group_.resize_discard(groups)});
+    const Offset blocks = CoverBalls::covers_of(groups);
+    for_each(b, static_cast<Index>(blocks),
+             CoverBalls{std::as_const(group_).view(groups), {}, block_.resize_discard(blocks)});
   }
 
   /// Puts pairs that are not in the list into it.
   /// @return  false when the list would get too long: it is as before
-  bool insert(B& b, Span<std::uint64_t> pair) {
+  bool insert(B& b, Span<std::uint64_t> pair, Buffer<B, double>& note) {
     const Index n = binned_.free_count, more = static_cast<Index>(pair.size);
     const CandidateView list = view();
     const auto listed = static_cast<Index>(list.other.size);
@@ -203,11 +221,17 @@ class PairCandidates {
     fill(b, place.view(), Index(0));  // the sort moves it along
     sort_pairs(b, sort, pair, place.view(), 32 + bits_for(static_cast<std::uint64_t>(n)));
     Buffer<B, Offset> begin(b, static_cast<Offset>(n) + 1);
-    for_each(b, more, InsertAdded{list, pair, place.view(), other.view()});
-    for_each(b, listed, MoveListed{list.other, std::as_const(place).view(more), other.view()});
+    const Offset notes = note.capacity();
+    Buffer<B, double> extended_note(b, notes > 0 ? other.capacity() : 0);
+    const NotedCandidates<Index, double> extended{other.view(), extended_note.view()};
+    for_each(b, more, InsertAdded{list, pair, place.view(), extended});
+    const MoveListed move{
+        {list.other, std::as_const(note).view(notes)}, std::as_const(place).view(more), extended};
+    for_each(b, move.size(), move);
     for_each(b, list.piece_count(), BeginExtended{list, pair, begin.view()});
     cut(b, n, begin.view(), other.capacity());
     swap(other_, other);
+    swap(note, extended_note);
     return true;
   }
 
@@ -248,6 +272,7 @@ class PairCandidates {
   Buffer<B, Index> body_;
   Buffer<B, Index> begin_;
   Buffer<B, Index> other_;
+  Buffer<B, ReachRecord> group_, block_;  ///< covers of balls; empty until the list is extended
   Buffer<B, Index> left_;
   Buffer<B, Index> left_count_;
   Buffer<B, LeftBodies> left_result_;

@@ -103,14 +103,14 @@ struct CountContacts {
   }
 };
 
-/// The same again for other margins, when bodies are where they were, and the list is the same.
-/// Spheres only. Bytes per piece, besides margins from the caches: 8 and 12 per candidate, 40 of
-/// its body; 8 written.
+/// The same again for other margins, when bodies are where they were, and the list is the same but
+/// for pairs that were added to it. Spheres only. Bytes per piece, besides margins from the caches:
+/// 8 and 12 per candidate, 40 of its body; 8 written.
 template <ShapeMix kMix, class Real>
 struct RecountContacts {
   static constexpr const char* name = "recount_contacts";
   ContactTest<kMix, Real> test;
-  Span<const double> needed;  ///< [candidates] by CountContacts
+  Span<double> needed;  ///< [candidates] by CountContacts; in: kNotNoted, out: noted, where added
   Span<Index> count;
   Span<std::uint32_t> touching;
 
@@ -121,7 +121,13 @@ struct RecountContacts {
     std::uint32_t found = 0;
     Index n = 0;
     for (Index k = first; k < end; ++k) {
-      if (!(needed[k] <= test.envelope(a, list.other[k]))) continue;
+      const Index j = list.other[k];
+      double least = needed[k];
+      if (!is_noted(least)) {
+        least = test.needed(load_body<kMix>(test.bodies, test.shapes, a), j);
+        needed[k] = least;
+      }
+      if (!(least <= test.envelope(a, j))) continue;
       found |= 1u << (k - first);
       ++n;
     }

@@ -19,11 +19,12 @@ inline constexpr Index kTooManyPairs = kMostAddedPairs + 1;
 inline constexpr Index kCovered = 16;
 
 /// Covers balls that are near each other, because storage follows the Morton order, by a larger
-/// one. Bytes per ball: 16 read; 16 written for each that covers.
+/// one. Bytes per ball: 16 read; 16 written for each that covers. Of balls that did not change: 1.
 struct CoverBalls {
   static constexpr const char* name = "cover_balls";
   Span<const ReachRecord> ball;
-  Span<ReachRecord> cover;  ///< [covers_of(ball.size)] out, with room for rounding
+  Span<const std::uint8_t> has_changed;  ///< [ball.size]; empty: all have
+  Span<ReachRecord> cover;               ///< [covers_of(ball.size)] in, out, with room for rounding
 
   SCREE_HD static Offset covers_of(Offset balls) { return (balls + kCovered - 1) / kCovered; }
 
@@ -32,6 +33,7 @@ struct CoverBalls {
     const Index first = g * kCovered;
     const Index end =
         first + kCovered < ball.size ? first + kCovered : static_cast<Index>(ball.size);
+    if (!has_any_changed(first, end)) return;
     Vec3<float> low(INFINITY, INFINITY, INFINITY), high = -low;
     for (Index m = first; m < end; ++m) {
       if (!(ball[m].reach > 0)) continue;
@@ -52,6 +54,14 @@ struct CoverBalls {
     all.reach *= 1.00001f;
     cover[g] = room_for_rounding(all);
   }
+
+ private:
+  SCREE_HD bool has_any_changed(Index first, Index end) const {
+    if (has_changed.empty()) return true;
+    unsigned any = 0;
+    for (Index m = first; m < end; ++m) any |= has_changed[m];
+    return any != 0;
+  }
 };
 
 /// Gives a body that left its ball a new one. A body that has none any more has to leave the list,
@@ -65,7 +75,7 @@ struct RenewReach {
   Span<const Index> left;
   Span<ReachRecord> record;     ///< [binned.size()] in, out
   Span<ReachRecord> left_ball;  ///< [left.size] out: the same, with room for rounding
-  Span<Index> has_left;         ///< [binned.size()] in: zero; out: one for bodies that left
+  Span<std::uint8_t> has_left;  ///< [binned.size()] in: zero; out: one for bodies that left
   Index* pair_count;            ///< see FindMissingPairs
 
   SCREE_HD void operator()(Index k) const {
@@ -180,7 +190,7 @@ struct FindMissingPairs {
   Span<const ReachRecord> record;
   Span<const Index> left;
   Span<const ReachRecord> left_ball;
-  Span<const Index> has_left;  ///< [binned.size()] by RenewReach
+  Span<const std::uint8_t> has_left;  ///< [binned.size()] by RenewReach
   BallHits blocks, groups;
   Index* pair_count;  ///< in: zero; out: how many there are, also when there is not room for all
   Span<std::uint64_t> pair;  ///< out: keys of both bodies, the lower one first, in any order
@@ -205,31 +215,54 @@ struct FindMissingPairs {
   }
 };
 
-/// Puts a pair between those of the list. Bytes per pair: 8 read, 8 written, and some cached reads
-/// to find its place.
+/// Candidates, and what else is known of each.
+template <class I, class T>
+struct NotedCandidates {
+  Span<I> other;
+  Span<T> note;  ///< as many, or empty: nothing is
+};
+
+/// Puts a pair between those of the list; nothing is known of it. Bytes per pair: 8 read, 8
+/// written, 8 more for its note, and some cached reads to find its place.
 struct InsertAdded {
   static constexpr const char* name = "insert_added";
   CandidateView list;
   Span<const std::uint64_t> added;  ///< keys of the pairs, ascending; none is in the list
   Span<Index> place;                ///< [added.size] out: the candidate before which it goes
-  Span<Index> other;                ///< [list.other.size + added.size] out
+  NotedCandidates<Index, double> extended;  ///< [list.other.size + added.size] out
   SCREE_HD void operator()(Index e) const {
     const auto b = static_cast<Index>(key_element(added[e]));
     place[e] = list.place(key_body(added[e]), b);
-    other[place[e] + e] = b;
+    extended.other[place[e] + e] = b;
+    if (!extended.note.empty()) extended.note[place[e] + e] = kNotNoted;
   }
 };
 
-/// Moves a candidate up by the pairs that go before it.
-/// Bytes per candidate: 4 read, 4 written, and the places from the caches.
+/// Moves candidates up by the pairs that go before them. An element moves several, at distances
+/// that let elements beside each other move neighbors, and looks for the places once.
+/// Bytes per candidate: 4 read, 4 written, 16 more for its note, and the places from the caches.
 struct MoveListed {
   static constexpr const char* name = "move_listed";
-  Span<const Index> listed;
-  Span<const Index> place;  ///< by InsertAdded
-  Span<Index> other;        ///< out
-  SCREE_HD void operator()(Index k) const {
+  static constexpr Index kEach = 4, kApart = 32;
+  NotedCandidates<const Index, const double> listed;
+  Span<const Index> place;                  ///< by InsertAdded
+  NotedCandidates<Index, double> extended;  ///< out
+
+  SCREE_HD Index size() const {
+    const auto count = static_cast<Index>(listed.other.size);
+    return (count + kEach * kApart - 1) / (kEach * kApart) * kApart;
+  }
+  SCREE_HD void operator()(Index e) const {
     const auto count = static_cast<Index>(place.size);
-    other[k + first_not_below(place, 0, count, k + 1)] = listed[k];
+    const Index first = e / kApart * kApart * kEach + e % kApart;
+    Index before = first_not_below(place, 0, count, first + 1);
+    for (Index n = 0; n < kEach; ++n) {
+      const Index k = first + n * kApart;
+      if (k >= listed.other.size) return;
+      while (before < count && place[before] <= k) ++before;
+      extended.other[k + before] = listed.other[k];
+      if (!listed.note.empty()) extended.note[k + before] = listed.note[k];
+    }
   }
 };
 

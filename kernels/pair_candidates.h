@@ -58,6 +58,10 @@ struct CandidateView {
   }
 };
 
+/// Stands in a list of notes on candidates where there is none yet.
+inline constexpr double kNotNoted = NAN;
+SCREE_HD inline bool is_noted(double note) { return note == note; }
+
 /// First piece of a body whose candidates begin at `begin`.
 SCREE_HD inline Offset first_piece(Index a, Offset begin) { return a + begin / kPieceLength; }
 

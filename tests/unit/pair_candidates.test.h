@@ -7,79 +7,13 @@
 #include <limits>
 #include <numeric>
 
-#include "tests/unit/backend_fixture.h"
-#include "tests/unit/collision_scene.h"
+#include "tests/unit/pair_candidates_fixture.h"
 
 namespace scree {
 namespace {
 
 template <class Real>
-class PairCandidatesTest : public BackendTest<Real> {
- protected:
-  using Scene = CollisionScene<Real>;
-  using Run = CollisionRun<TestBackend, Real>;
-
-  std::vector<HostContact> fresh_contacts(const Scene& scene) {
-    Run run(this->backend(), scene);
-    return run.detect();
-  }
-
-  static Vec3<double> random_vector(std::mt19937& random) {
-    std::uniform_real_distribution<double> uniform(-1, 1);
-    return {uniform(random), uniform(random), uniform(random)};
-  }
-
-  /// Spheres that overlap here and there, diameters from small to large, on a floor.
-  static Scene bed(Index count, double small, double large, unsigned seed) {
-    Scene s;
-    s.settings.envelope = 0.02 * small;
-    s.settings.skin = 0.2 * small;
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> uniform(0, 1);
-    for (Index i = 0; i < count; ++i) {
-      const double size = std::pow(large / small, std::pow(uniform(random), 4));
-      s.add_free({uniform(random), uniform(random), 0.3 * uniform(random)}, 0.5 * small * size);
-    }
-    return s;
-  }
-
-  /// Moves the free bodies by h v and turns their velocities a little.
-  static void drift(Scene& s, double speed, std::mt19937& random) {
-    for (Index i = 0; i < s.free_count; ++i) {
-      auto& v = s.velocity[static_cast<std::size_t>(i)];
-      s.position[static_cast<std::size_t>(i)] += s.h * Vec3<double>(v);
-      v = Vec3<Real>(0.7 * Vec3<double>(v) + speed * random_vector(random));
-    }
-  }
-
-  static bool is_ascending(const std::vector<HostContact>& contacts) {
-    return std::is_sorted(contacts.begin(), contacts.end(),
-                          [](const auto& x, const auto& y) { return x.key < y.key; });
-  }
-
-  /// In each step a detector that keeps its list finds what a new one finds; the list has to last
-  /// for some steps, and must not for all.
-  /// @param speed  of the bodies: per step they move about this times h
-  void expect_reuse(Scene s, double speed, int steps = 40,
-                    const std::function<void(Scene&, int)>& change = {}) {
-    Run run(this->backend(), s);
-    std::mt19937 random(99);
-    std::size_t contacts = 0;
-    for (int k = 0; k < steps; ++k) {
-      drift(s, speed, random);
-      if (change) change(s, k);
-      run.scene() = s;
-      run.load();
-      const auto found = run.detect();
-      ASSERT_EQ(found, fresh_contacts(s)) << "step " << k;
-      ASSERT_TRUE(is_ascending(found)) << "step " << k;
-      contacts += found.size();
-    }
-    EXPECT_GT(contacts, 100u * static_cast<unsigned>(steps));
-    EXPECT_GT(run.detector().list_builds() + run.detector().list_extensions(), 1);
-    EXPECT_LE(run.detector().list_builds(), steps / 2);
-  }
-};
+class PairCandidatesTest : public NearPairsTest<Real> {};
 TYPED_TEST_SUITE(PairCandidatesTest, Reals);
 
 TYPED_TEST(PairCandidatesTest, SpheresOfOneSize) {
@@ -283,44 +217,6 @@ TYPED_TEST(PairCandidatesTest, ListLastsUntilABodyLeavesItsBall) {
   EXPECT_EQ(run.detector().list_builds(), 1) << "one body calls for no new list";
 }
 
-TYPED_TEST(PairCandidatesTest, OldListIsMadeAnew) {
-  auto s = this->bed(500, 0.06, 0.06, 16);
-  s.settings.skin = 0.012;
-  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
-  for (int k = 0; k < 20; ++k) run.detect();
-  EXPECT_EQ(run.detector().list_builds(), 1);
-  run.scene().position[123].z += 0.01;
-  run.load();
-  EXPECT_EQ(run.detect(), this->fresh_contacts(run.scene()));
-  EXPECT_EQ(run.detector().list_builds(), 2);
-  EXPECT_EQ(run.detector().list_extensions(), 0);
-}
-
-TYPED_TEST(PairCandidatesTest, ManyBodiesThatLeaveCallForANewList) {
-  auto s = this->bed(6000, 0.03, 0.03, 31);
-  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
-  run.detect();
-  for (std::size_t i = 0; i < s.position.size(); i += 2) s.position[i].z += 0.01;
-  run.scene() = s;
-  run.load();
-  EXPECT_EQ(run.detect(), this->fresh_contacts(s));
-  EXPECT_EQ(run.detector().list_builds(), 2);
-  EXPECT_EQ(run.detector().list_extensions(), 0);
-}
-
-TYPED_TEST(PairCandidatesTest, BodiesThatReachTooMuchCallForANewList) {
-  auto s = this->bed(4000, 0.03, 0.03, 36);  // in no order: each reaches all groups of others
-  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
-  run.detect();
-  const std::size_t most = TestBackend::kIsDevice ? 400 : 100;
-  for (std::size_t i = 0; i < most; ++i) s.position[9 * i].z += 0.01;
-  run.scene() = s;
-  run.load();
-  EXPECT_EQ(run.detect(), this->fresh_contacts(s));
-  EXPECT_EQ(run.detector().list_builds(), 2);
-  EXPECT_EQ(run.detector().list_extensions(), 0);
-}
-
 TYPED_TEST(PairCandidatesTest, ManyNeighborsOfEachBodyAreAllFound) {
   for (const Index crowd : {Index(20), Index(50), Index(400)}) {  // in slots, in chunks, in neither
     CollisionScene<TypeParam> s;
@@ -339,84 +235,6 @@ TYPED_TEST(PairCandidatesTest, ManyNeighborsOfEachBodyAreAllFound) {
     EXPECT_GT(found.size(), static_cast<std::size_t>(crowd * (crowd - 1) / 2 * 9 / 10));
     EXPECT_TRUE(this->is_ascending(found));
   }
-}
-
-TYPED_TEST(PairCandidatesTest, BodiesThatLeaveMeetAllOthersAndEachOther) {
-  for (const bool is_periodic : {false, true}) {
-    auto s = this->bed(4000, 0.02, 0.2, 32);
-    s.add_half_space({0, 0, 0}, {0, 0, 1});
-    std::mt19937 random(33);
-    for (int k = 0; k < 40; ++k)
-      s.add(Vec3<double>{0.5, 0.5, 0.1} + 0.5 * this->random_vector(random), 0.03);
-    if (is_periodic) s.settings.period = {1, 1, 0};
-    CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
-    run.detect();
-    std::uniform_real_distribution<double> uniform(0, 1);
-    for (int k = 0; k < 5; ++k) {
-      for (std::size_t i = 7; i < s.position.size(); i += 173) {  // fixed spheres as well
-        s.position[i] = {uniform(random), uniform(random), 0.3 * uniform(random)};
-      }
-      for (std::size_t i = 7; i + 173 < s.position.size(); i += 346) {  // two that left meet
-        s.position[i + 173] = s.position[i] + Vec3<double>{0.005, 0, 0};
-        if (is_periodic) s.position[i + 173].y -= 1;
-      }
-      run.scene() = s;
-      run.load();
-      const auto found = run.detect();
-      ASSERT_EQ(found, this->fresh_contacts(s)) << "step " << k;
-      EXPECT_TRUE(this->is_ascending(found));
-      EXPECT_EQ(run.detector().list_builds(), 1);
-      EXPECT_EQ(run.detector().list_extensions(), k + 1);
-    }
-  }
-}
-
-TYPED_TEST(PairCandidatesTest, BodiesThatLeaveMeetNeighborsInStorage) {
-  for (const bool is_periodic : {false, true}) {
-    CollisionScene<TypeParam> s;  // a row in the order of storage, and fixed spheres at its end
-    s.settings.envelope = 4e-4;
-    s.settings.skin = 4e-3;
-    constexpr Index kCount = 2003;
-    for (Index i = 0; i < kCount; ++i) s.add_free({0.02 * i, 0, 0}, 0.01);
-    for (int k = 0; k < 5; ++k) s.add(Vec3<double>{0.02 * (kCount + k), 0, 0}, 0.01);
-    const double length = 0.02 * (kCount + 5);
-    if (is_periodic) s.settings.period = {length, 0, 0};
-    CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
-    const auto row = run.detect();
-    std::mt19937 random(47);
-    std::uniform_real_distribution<double> uniform(0, length);
-    for (int k = 0; k < 8; ++k) {
-      for (std::size_t i = 5; i < kCount; i += 97) {
-        s.position[i] = {uniform(random), i % 2 == 0 ? 0.0175 : -0.0175, 0};
-      }
-      s.position[5].x = 0.001;  // at both ends
-      s.position[102].x = length - 0.001;
-      run.scene() = s;
-      run.load();
-      const auto found = run.detect();
-      ASSERT_EQ(found, this->fresh_contacts(s)) << "step " << k;
-      // 21 bodies left two neighbors each, and most meet others.
-      EXPECT_GT(found.size(), row.size() - 2 * 21 + 15);
-      EXPECT_EQ(run.detector().list_builds(), 1);
-      EXPECT_EQ(run.detector().list_extensions(), k + 1);
-    }
-  }
-}
-
-TYPED_TEST(PairCandidatesTest, LargeBodyThatLeavesMeetsThousands) {
-  auto s = this->bed(5000, 0.02, 0.03, 34);
-  const Index large = s.add_free({0.5, 0.5, 3}, 0.4);
-  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
-  run.detect();
-  s.position[static_cast<std::size_t>(large)].z = 0.2;
-  run.scene() = s;
-  run.load();
-  const auto found = run.detect();
-  EXPECT_EQ(found, this->fresh_contacts(s));
-  EXPECT_GT(
-      std::count_if(found.begin(), found.end(), [&](const HostContact& c) { return c.b == large; }),
-      1000);
-  EXPECT_EQ(run.detector().list_builds(), 1);
 }
 
 TYPED_TEST(PairCandidatesTest, ListThatSoonEndsGetsMoreSkin) {

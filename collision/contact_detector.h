@@ -151,7 +151,7 @@ class ContactDetector {
   PersistentContacts<B, Real> memory_;
   ContactKeys keys_;
   Index contact_count_ = 0;
-  Buffer<B, double> needed_;  ///< envelopes that contacts of the candidates take; empty: not known
+  Buffer<B, float> needed_;  ///< envelopes that contacts of the candidates take; empty: not known
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> body_a_;
   Buffer<B, Index> body_b_;
@@ -276,7 +276,7 @@ void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real
     return;
   }
   const bool is_asked = kMix != ShapeMix::any && settings_.margin_limit > 0;
-  const Span<double> needed = needed_.resize_discard(is_asked ? test.candidates.other.size : 0);
+  const Span<float> needed = needed_.resize_discard(is_asked ? test.candidates.other.size : 0);
   for_each(b, pieces, CountContacts<kMix, Real>{test, count, touching, needed});
 }
 

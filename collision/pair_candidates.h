@@ -14,7 +14,7 @@
 namespace scree {
 
 /// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair; 1 more a body once the list was
-/// extended. While it is: 9 bytes a body and 4 a pair, 12 with notes.
+/// extended. While it is: 9 bytes a body and 4 a pair, 8 with notes.
 template <class B, class Real>
 class PairCandidates {
  public:
@@ -61,7 +61,7 @@ class PairCandidates {
   /// @param note  [candidates] what is noted of each, or empty; follows the list: kNotNoted at
   /// pairs that were added, empty when the list is a new one
   void renew(B& b, const BodyView<Real>& bodies, const ContactRange& range, SpareReach spare,
-             Buffer<B, double>& note) {
+             Buffer<B, float>& note) {
     spare.skin *= stretch_;
     const bool is_young = age_ < kMostAge + extensions_ / 2;
     const bool extends = is_kept_ && is_young && outside_ <= left_.capacity();
@@ -157,10 +157,10 @@ class PairCandidates {
 
   /// Gives the bodies that left their balls new ones, and adds what they reach to the list; one
   /// host read. Bytes per body with m candidates: 3, the first time 19, and 36 + 8 m, with notes 36
-  /// + 24 m, when there is something to add.
+  /// + 16 m, when there is something to add.
   /// @return  false when there is too much to add: the list is void then
   bool extend(B& b, const BodyView<Real>& bodies, const ContactRange& range,
-              const SpareReach& spare, Buffer<B, double>& note) {
+              const SpareReach& spare, Buffer<B, float>& note) {
     const Span<const Index> left = std::as_const(left_).view(outside_);
     const Span<const ReachRecord> record = std::as_const(record_).view(binned_.size());
     Buffer<B, ReachRecord> ball(b, outside_);
@@ -211,7 +211,7 @@ class PairCandidates {
 
   /// Puts pairs that are not in the list into it.
   /// @return  false when the list would get too long: it is as before
-  bool insert(B& b, Span<std::uint64_t> pair, Buffer<B, double>& note) {
+  bool insert(B& b, Span<std::uint64_t> pair, Buffer<B, float>& note) {
     const Index n = binned_.free_count, more = static_cast<Index>(pair.size);
     const CandidateView list = view();
     const auto listed = static_cast<Index>(list.other.size);
@@ -222,8 +222,8 @@ class PairCandidates {
     sort_pairs(b, sort, pair, place.view(), 32 + bits_for(static_cast<std::uint64_t>(n)));
     Buffer<B, Offset> begin(b, static_cast<Offset>(n) + 1);
     const Offset notes = note.capacity();
-    Buffer<B, double> extended_note(b, notes > 0 ? other.capacity() : 0);
-    const NotedCandidates<Index, double> extended{other.view(), extended_note.view()};
+    Buffer<B, float> extended_note(b, notes > 0 ? other.capacity() : 0);
+    const NotedCandidates<Index, float> extended{other.view(), extended_note.view()};
     for_each(b, more, InsertAdded{list, pair, place.view(), extended});
     const MoveListed move{
         {list.other, std::as_const(note).view(notes)}, std::as_const(place).view(more), extended};

@@ -63,18 +63,31 @@ struct ContactTest {
   }
 };
 
+/// The envelope that a contact takes, rounded: 4 bytes a candidate are enough, since what is not
+/// sure is looked at again.
+SCREE_HD inline float note_needed(double needed) { return static_cast<float>(needed); }
+
+/// Whether the note tells if the envelope is enough: not when rounding might decide, nor when there
+/// is no note.
+SCREE_HD inline bool note_decides(float note, double envelope) {
+  const double noted = note;
+  return std::abs(noted - envelope) > 1.2e-7 * std::abs(noted);
+}
+
 /// Counts the contacts of each piece of the candidates, those with walls in the last piece of a
 /// body, and notes which candidates they are, and what envelopes it would take.
 /// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
-/// written, and 8 per candidate.
+/// written, and 4 per candidate.
 template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
   static constexpr int kLeastBlocks = 4;
+  /// Candidates looked at together, so that a thread waits for fewer.
+  static constexpr Index kTogether = 2;
   ContactTest<kMix, Real> test;
   Span<Index> count;             ///< [piece count] out
   Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
-  Span<double> needed;  ///< [candidates] out: for RecountContacts [m]; or empty: not asked for
+  Span<float> needed;  ///< [candidates] out: for RecountContacts [m]; or empty: not asked for
 
   SCREE_HD void operator()(Index p) const {
     const CandidateView& list = test.candidates;
@@ -87,14 +100,20 @@ struct CountContacts {
       found |= 1u << (k - first);
       ++n;
     };
-    for (Index k = first; k < end; ++k) {
-      const Index j = list.other[k];
-      if constexpr (kMix != ShapeMix::any) {
-        const double least = test.needed(body, j);
-        if (!needed.empty()) needed[k] = least;
-        if (least <= test.envelope(a, j)) add(k);
-      } else {
-        test.pair(a, body, j, [&](std::uint32_t) { add(k); });
+    if constexpr (kMix != ShapeMix::any) {
+      for (Index k = first; k < end; k += kTogether) {
+        Index j[kTogether];
+        double least[kTogether];
+        for (Index m = 0; m < kTogether; ++m) j[m] = list.other[k + m < end ? k + m : k];
+        for (Index m = 0; m < kTogether; ++m) least[m] = test.needed(body, j[m]);
+        for (Index m = 0; m < kTogether && k + m < end; ++m) {
+          if (!needed.empty()) needed[k + m] = note_needed(least[m]);
+          if (least[m] <= test.envelope(a, j[m])) add(k + m);
+        }
+      }
+    } else {
+      for (Index k = first; k < end; ++k) {
+        test.pair(a, body, list.other[k], [&](std::uint32_t) { add(k); });
       }
     }
     if (list.is_last_of_body(p)) test.with_walls(a, body, [&](std::uint32_t) { ++n; });
@@ -105,12 +124,13 @@ struct CountContacts {
 
 /// The same again for other margins, when bodies are where they were, and the list is the same but
 /// for pairs that were added to it. Spheres only. Bytes per piece, besides margins from the caches:
-/// 8 and 12 per candidate, 40 of its body; 8 written.
+/// 8 and 8 per candidate, 40 of its body; 8 written.
 template <ShapeMix kMix, class Real>
 struct RecountContacts {
   static constexpr const char* name = "recount_contacts";
+  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 4 : 1;
   ContactTest<kMix, Real> test;
-  Span<double> needed;  ///< [candidates] by CountContacts; in: kNotNoted, out: noted, where added
+  Span<float> needed;  ///< [candidates] by CountContacts; in: kNotNoted, out: noted, where added
   Span<Index> count;
   Span<std::uint32_t> touching;
 
@@ -121,13 +141,7 @@ struct RecountContacts {
     std::uint32_t found = 0;
     Index n = 0;
     for (Index k = first; k < end; ++k) {
-      const Index j = list.other[k];
-      double least = needed[k];
-      if (!is_noted(least)) {
-        least = test.needed(load_body<kMix>(test.bodies, test.shapes, a), j);
-        needed[k] = least;
-      }
-      if (!(least <= test.envelope(a, j))) continue;
+      if (!is_contact(a, k)) continue;
       found |= 1u << (k - first);
       ++n;
     }
@@ -137,6 +151,17 @@ struct RecountContacts {
     count[p] = n;
     touching[p] = found;
   }
+
+ private:
+  SCREE_HD bool is_contact(Index a, Index k) const {
+    const Index j = test.candidates.other[k];
+    const double envelope = test.envelope(a, j);
+    const float note = needed[k];
+    if (note_decides(note, envelope)) return static_cast<double>(note) < envelope;
+    const double least = test.needed(load_body<kMix>(test.bodies, test.shapes, a), j);
+    needed[k] = note_needed(least);
+    return least <= envelope;
+  }
 };
 
 /// Writes the keys of the contacts in ascending order.
@@ -144,6 +169,7 @@ struct RecountContacts {
 template <ShapeMix kMix, class Real>
 struct WriteContactKeys {
   static constexpr const char* name = "write_contact_keys";
+  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 5 : 1;
   ContactTest<kMix, Real> test;
   Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
   Span<const std::uint32_t> touching;

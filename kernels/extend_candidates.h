@@ -223,13 +223,13 @@ struct NotedCandidates {
 };
 
 /// Puts a pair between those of the list; nothing is known of it. Bytes per pair: 8 read, 8
-/// written, 8 more for its note, and some cached reads to find its place.
+/// written, 4 more for its note, and some cached reads to find its place.
 struct InsertAdded {
   static constexpr const char* name = "insert_added";
   CandidateView list;
-  Span<const std::uint64_t> added;  ///< keys of the pairs, ascending; none is in the list
-  Span<Index> place;                ///< [added.size] out: the candidate before which it goes
-  NotedCandidates<Index, double> extended;  ///< [list.other.size + added.size] out
+  Span<const std::uint64_t> added;         ///< keys of the pairs, ascending; none is in the list
+  Span<Index> place;                       ///< [added.size] out: the candidate before which it goes
+  NotedCandidates<Index, float> extended;  ///< [list.other.size + added.size] out
   SCREE_HD void operator()(Index e) const {
     const auto b = static_cast<Index>(key_element(added[e]));
     place[e] = list.place(key_body(added[e]), b);
@@ -240,13 +240,13 @@ struct InsertAdded {
 
 /// Moves candidates up by the pairs that go before them. An element moves several, at distances
 /// that let elements beside each other move neighbors, and looks for the places once.
-/// Bytes per candidate: 4 read, 4 written, 16 more for its note, and the places from the caches.
+/// Bytes per candidate: 4 read, 4 written, 8 more for its note, and the places from the caches.
 struct MoveListed {
   static constexpr const char* name = "move_listed";
   static constexpr Index kEach = 4, kApart = 32;
-  NotedCandidates<const Index, const double> listed;
-  Span<const Index> place;                  ///< by InsertAdded
-  NotedCandidates<Index, double> extended;  ///< out
+  NotedCandidates<const Index, const float> listed;
+  Span<const Index> place;                 ///< by InsertAdded
+  NotedCandidates<Index, float> extended;  ///< out
 
   SCREE_HD Index size() const {
     const auto count = static_cast<Index>(listed.other.size);

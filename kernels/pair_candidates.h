@@ -59,8 +59,7 @@ struct CandidateView {
 };
 
 /// Stands in a list of notes on candidates where there is none yet.
-inline constexpr double kNotNoted = NAN;
-SCREE_HD inline bool is_noted(double note) { return note == note; }
+inline constexpr float kNotNoted = NAN;
 
 /// First piece of a body whose candidates begin at `begin`.
 SCREE_HD inline Offset first_piece(Index a, Offset begin) { return a + begin / kPieceLength; }

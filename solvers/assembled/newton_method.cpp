@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "solvers/assembled/cone_vectors.h"
+#include "solvers/assembled/newton_endings.h"
 #include "solvers/assembled/newton_system.h"
 
 namespace scree {
@@ -50,13 +51,6 @@ class Equations {
     return f;
   }
 
-  /// |D^-1/2 q|, which |D^1/2 F| is measured by.
-  double load() const {
-    double sum = 0;
-    for (std::size_t k = 0; k < p_.q.size(); ++k) sum += p_.q[k] * p_.q[k] / scale_[k / 3];
-    return std::sqrt(sum);
-  }
-
  private:
   const AssembledProblem& p_;
   AssembledModel model_;
@@ -77,7 +71,7 @@ class Newton {
         equations_(p, o.model, settings_.law),
         r_(o.guess),
         merit_(equations_.evaluate(r_, monitor)),
-        settled_(o.tolerance * equations_.load()),
+        settled_(o.tolerance * scaled_load(p, equations_.scale())),
         system_(p, equations_.scale(), settings.shift) {}
 
   void run() {
@@ -85,14 +79,13 @@ class Newton {
       if (monitor_.due(k) && monitor_.look(k, r_, equations_.velocity())) return;
       if (!settings_.law.name.empty() && std::sqrt(2 * merit_) <= settled_) {
         if (!monitor_.look(k, r_, equations_.velocity()))
-          monitor_.fail(AssembledStatus::stalled,
-                        "solved with " + settings_.law.name + ", not the cone");
+          fail_as_solved(monitor_, settings_.law.name);
         return;
       }
       monitor_.count_factorizations();
       if (!system_.factorize(equations_.functions()))
         return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular");
-      std::vector<double> value = equations_.value();
+      const std::vector<double> value = equations_.value();
       long products = 0;
       const std::vector<double> step = system_.solve(value, products);
       monitor_.count_applications(products);
@@ -104,14 +97,10 @@ class Newton {
       if (monitor_.stopped()) return;
       if (norm(step) > singular_from * norm(value))
         return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");
-      for (std::size_t i = 0; i < value.size(); ++i) value[i] *= equations_.scale()[i / 3];
-      std::vector<double> slope = system_.transposed_product(value);  // of the merit
+      std::vector<double> slope = system_.gradient();
       const double steepest = dot(slope, slope);
       for (double& x : slope) x *= merit_ / steepest;
-      const bool is_trapped = !descend(slope, merit_);
-      return monitor_.fail(AssembledStatus::stalled,
-                           is_trapped ? "trapped at a kink or local minimum of the merit function"
-                                      : "no descent of the merit function along the Newton step");
+      return fail_as_stalled(monitor_, !descend(slope, merit_));
     }
   }
 

@@ -174,17 +174,21 @@ std::vector<double> NewtonSystem::solve(const std::vector<double>& b, long& prod
   return x;
 }
 
-std::vector<double> NewtonSystem::transposed_product(const std::vector<double>& y) const {
-  const Factors& f = *factors_;
-  std::vector<double> result(y.size(), 0.0);
-  for (int c = 0; c < f.p.contact_count; ++c) {
-    const Eigen::Map<const Eigen::Vector3d> yc(&y[3 * c]);
-    const Eigen::Vector3d by_u = as_matrix(f.at[c].by_u).transpose() * yc;
+std::vector<double> NewtonSystem::gradient() const {
+  return merit_gradient(factors_->p, factors_->scale, factors_->shift, factors_->at);
+}
+
+std::vector<double> merit_gradient(const AssembledProblem& p, const std::vector<double>& scale,
+                                   double shift, const std::vector<ContactFunction>& at) {
+  std::vector<double> result(p.q.size(), 0.0);
+  for (int c = 0; c < p.contact_count; ++c) {
+    const Eigen::Vector3d y = scale[c] * Eigen::Map<const Eigen::Vector3d>(at[c].value);
+    const Eigen::Vector3d by_u = as_matrix(at[c].by_u).transpose() * y;
     Eigen::Map<Eigen::Vector3d>(&result[3 * c]) +=
-        as_matrix(f.at[c].by_r).transpose() * yc + f.shift * f.scale[c] * by_u;
-    for (int k = f.p.row_start[c]; k < f.p.row_start[c + 1]; ++k)
-      Eigen::Map<Eigen::Vector3d>(&result[3 * f.p.column[k]]) +=
-          as_matrix(f.p.block[k]).transpose() * by_u;
+        as_matrix(at[c].by_r).transpose() * y + shift * scale[c] * by_u;
+    for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k)
+      Eigen::Map<Eigen::Vector3d>(&result[3 * p.column[k]]) +=
+          as_matrix(p.block[k]).transpose() * by_u;
   }
   return result;
 }

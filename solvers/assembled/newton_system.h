@@ -8,6 +8,11 @@
 
 namespace scree {
 
+/// Gradient J^T D F of the merit function 1/2 |D^1/2 F|^2, with J as of NewtonSystem.
+/// @param at  functions of all contacts [contact_count]
+std::vector<double> merit_gradient(const AssembledProblem& p, const std::vector<double>& scale,
+                                   double shift, const std::vector<ContactFunction>& at);
+
 /// J = dF/dr + dF/du (W + shift D) at one point, D the scales of contacts.
 ///
 /// A contact whose function does not depend on u (an open one) is no unknown: its step follows from
@@ -30,8 +35,8 @@ class NewtonSystem {
   /// @param products  counts products with W
   std::vector<double> solve(const std::vector<double>& b, long& products) const;
 
-  /// J^T y
-  std::vector<double> transposed_product(const std::vector<double>& y) const;
+  /// merit_gradient() where J was factorized last.
+  std::vector<double> gradient() const;
 
  private:
   struct Factors;

@@ -115,4 +115,14 @@ SCREE_HD inline ContactFunction contact_function(AssembledModel model, double mu
   return contact_function_parts::natural_map(mu, 1 / scale, r, u);
 }
 
+/// The same of a contact whose diagonal block of W is given, for element programs.
+struct ConeFunction {
+  static constexpr const char* other_law = nullptr;  ///< name of the law where it is not the cone's
+  AssembledModel model;
+  SCREE_HD ContactFunction operator()(double mu, const Block3& W, double scale, const double* r,
+                                      const double* u) const {
+    return contact_function(model, mu, contact_weights(W, scale), scale, r, u);
+  }
+};
+
 }  // namespace scree

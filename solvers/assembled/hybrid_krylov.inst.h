@@ -41,7 +41,7 @@ class HybridKrylov final : public BackendSolver<BuildBackend> {
       r = monitor.last_impulses();
       if (!monitor.next_phase(newton_iterations, 1)) return;
       const double before = monitor.best_residual().unit_free;
-      run_newton_krylov(p, o.model, r, settings, monitor);
+      run_newton_krylov(p, ConeFunction{o.model}, r, settings, monitor);
       if (monitor.best_residual().unit_free < before) r = monitor.best();
       settings.shift = std::min(1e-3, 10 * settings.shift);
     }

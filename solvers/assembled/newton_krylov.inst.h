@@ -29,7 +29,9 @@ class NewtonKrylov final : public BackendSolver<BuildBackend> {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    run_newton_krylov(upload_problem(p), o.model, o.guess, {}, monitor);
+    NewtonKrylovSettings settings;
+    settings.tells_traps = true;
+    run_newton_krylov(upload_problem(p), ConeFunction{o.model}, o.guess, settings, monitor);
   }
 };
 

@@ -32,7 +32,7 @@ class ProximalKrylov final : public BackendSolver<BuildBackend> {
     ProximalMethods methods;
     methods.newton = [this](const AssembledProblem& p, const AssembledOptions& o,
                             AssembledMonitor& inner) {
-      run_newton_krylov(upload_problem(p), o.model, o.guess, {}, inner);
+      run_newton_krylov(upload_problem(p), ConeFunction{o.model}, o.guess, {}, inner);
     };
     methods.sweeps = [this](const AssembledProblem& p, const AssembledOptions& o,
                             AssembledMonitor& inner) {

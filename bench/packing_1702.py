@@ -41,6 +41,7 @@ OTHER_LAWS = [  # solver, model, name of the law
     ("pgs_box_lagged", "exact", "box, bounds lagged"),
     ("cpg_box", "exact", "box, bounds by fixed point"),
     ("newton_minmax", "exact", "box, bounds coupled"),
+    ("newton_minmax_krylov", "exact", "box, bounds coupled"),
     ("pgs_pyramid4", "convex", "4-sided pyramid, convex"),
     ("pgs_pyramid8", "convex", "8-sided pyramid, convex"),
     ("cpg_pyramid4", "convex", "4-sided pyramid, convex"),
@@ -134,7 +135,14 @@ def supported():
             ]
         )
     rows += [
-        ["`pgs_box`, `pgs_box_lagged`, `cpg_box`, `newton_minmax`", "-", "-", "yes", "-", "-"],
+        [
+            "`pgs_box`, `pgs_box_lagged`, `cpg_box`, `newton_minmax`, `newton_minmax_krylov`",
+            "-",
+            "-",
+            "yes",
+            "-",
+            "-",
+        ],
         ["`pgs_pyramid4`, `pgs_pyramid8`, `cpg_pyramid4`, `cpg_pyramid8`", "-", "-", "-", "yes", "yes"],
     ]
     return table(["solver"] + laws, rows)

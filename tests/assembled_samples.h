@@ -1,11 +1,14 @@
 #pragma once
 // Small contact problems given by W, q and mu, for tests of the solvers that take those.
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <random>
 #include <vector>
 
 #include "host/problems/assembled_form.h"
+#include "host/problems/matrix_form.h"
 #include "tests/stored_problem_samples.h"
 
 namespace scree::fixtures {
@@ -13,6 +16,24 @@ namespace scree::fixtures {
 /// One contact.
 inline AssembledProblem one_contact(const Block3& W, const std::array<double, 3>& q, double mu) {
   return assemble(1, {{0, 0, W}}, {q[0], q[1], q[2]}, {mu});
+}
+
+/// One contact with much friction, on which Newton's method for box friction fails with some seeds.
+inline AssembledProblem one_random_contact(unsigned seed) {
+  return assembled_form(local_form(random_body_problem({.layout = ContactLayout::general,
+                                                        .free_count = 1,
+                                                        .fixed_count = 2,
+                                                        .contact_count = 1,
+                                                        .seed = seed,
+                                                        .mu_max = 3.0})));
+}
+
+/// Two contacts of a mass of 1 at one point, where it comes down with a speed of 1. No impulses can
+/// take from the contacts velocities along their tangents that differ.
+inline AssembledProblem doubled_contact(double difference) {
+  const Block3 unit{1, 0, 0, 0, 1, 0, 0, 0, 1};
+  return assemble(2, {{0, 0, unit}, {0, 1, unit}, {1, 0, unit}, {1, 1, unit}},
+                  {-1, 0.5 * difference, 0, -1, -0.5 * difference, 0}, {0.5, 0.5});
 }
 
 /// W = H^T H of random H with fewer rows than columns where `redundant`; every contact approaches.
@@ -83,6 +104,20 @@ inline std::vector<double> velocity(const AssembledProblem& p, const std::vector
   multiply(p, r, u);
   for (std::size_t k = 0; k < u.size(); ++k) u[k] += p.q[k];
   return u;
+}
+
+/// Largest error of a row of box friction with coupled bounds, by r = the nearest to r - u of what
+/// is allowed.
+inline double box_friction_error(const AssembledProblem& p, const std::vector<double>& r) {
+  const std::vector<double> u = velocity(p, r);
+  double largest = 0;
+  for (std::size_t k = 0; k < r.size(); ++k) {
+    const double normal = r[k - k % 3], bound = p.mu[k / 3] * std::max(0.0, normal);
+    const double nearest =
+        k % 3 == 0 ? std::max(0.0, r[k] - u[k]) : std::clamp(r[k] - u[k], -bound, bound);
+    largest = std::max(largest, std::abs(r[k] - nearest));
+  }
+  return largest;
 }
 
 }  // namespace scree::fixtures

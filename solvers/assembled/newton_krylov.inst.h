@@ -5,8 +5,9 @@
 // One iteration takes two products with W for each of BiCGSTAB's, and one per trial step. The
 // preconditioner is the inverse of the Jacobian's diagonal blocks, and each system is solved as
 // well as the last step was good. Ends as "singular" where redundant contacts stick and BiCGSTAB
-// makes no progress, and as "stalled" in a local minimum of the merit function: hybrid_krylov gets
-// past both. Source: as newton; Eisenstat and Walker, SIAM J. Sci. Comput. 17, 1996.
+// makes no progress, and as "stalled" where no point of a step is lower, with a note that tells a
+// wrong step from a trap; hybrid_krylov gets past both. Source: as newton; Eisenstat and Walker,
+// SIAM J. Sci. Comput. 17, 1996.
 
 #include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/newton_krylov_method.h"

@@ -8,18 +8,28 @@
 #include "host/problems/assembled_form.h"
 #include "host/problems/matrix_form.h"
 #include "solvers/assembled/assembled_solver.h"
-#include "tests/stored_problem_samples.h"
+#include "tests/assembled_samples.h"
 
 namespace scree {
 namespace {
 
+using fixtures::velocity;
+
+constexpr const char* min_max_newtons[] = {"newton_minmax", "newton_minmax_krylov"};
+constexpr const char* box_solvers[] = {"pgs_box", "pgs_box_lagged", "cpg_box", "newton_minmax",
+                                       "newton_minmax_krylov"};
+
+BodyProblem random_bodies(unsigned seed, double mu_max) {
+  return fixtures::random_body_problem({.layout = ContactLayout::general,
+                                        .free_count = 6,
+                                        .fixed_count = 2,
+                                        .contact_count = 15,
+                                        .seed = seed,
+                                        .mu_max = mu_max});
+}
+
 AssembledProblem random_assembled(unsigned seed) {
-  return assembled_form(local_form(fixtures::random_body_problem({.layout = ContactLayout::general,
-                                                                  .free_count = 6,
-                                                                  .fixed_count = 2,
-                                                                  .contact_count = 15,
-                                                                  .seed = seed,
-                                                                  .mu_max = 0.6})));
+  return assembled_form(local_form(random_bodies(seed, 0.6)));
 }
 
 AssembledResult solve(const char* solver, AssembledModel model, const AssembledProblem& p) {
@@ -50,23 +60,16 @@ AssembledProblem tower(int levels) {
   return assemble(levels, blocks, q, std::vector<double>(levels, 0.5));
 }
 
-std::vector<double> velocity(const AssembledProblem& p, const std::vector<double>& r) {
-  std::vector<double> u;
-  multiply(p, r, u);
-  for (std::size_t k = 0; k < u.size(); ++k) u[k] += p.q[k];
-  return u;
-}
-
 TEST(FrictionModels, AreNamedWhereTheyAreNotTheCone) {
   for (const std::string& name : assembled_solver_names()) {
     const bool other =
-        name.starts_with("pgs_") || name.starts_with("cpg_") || name == "newton_minmax";
+        name.starts_with("pgs_") || name.starts_with("cpg_") || name.starts_with("newton_minmax");
     EXPECT_EQ(make_assembled_solver(name)->traits().friction != "cone", other) << name;
   }
 }
 
 TEST(FrictionModels, BoxHasSqrtTwoTimesTheFrictionAlongTheDiagonal) {
-  for (const char* solver : {"pgs_box", "pgs_box_lagged", "cpg_box", "newton_minmax"}) {
+  for (const char* solver : box_solvers) {
     SCOPED_TRACE(solver);
     const AssembledProblem p = sliding(std::numbers::pi / 4);
     const AssembledResult result = solve(solver, AssembledModel::exact, p);
@@ -84,20 +87,12 @@ TEST(FrictionModels, BoxOfBothBoundsIsSolvedRowByRow) {
     const AssembledProblem p = random_assembled(seed);
     const AssembledResult result = solve("pgs_box", AssembledModel::exact, p);
     if (result.note.find("box") == std::string::npos) continue;  // bounds that never settle
-    const std::vector<double> u = velocity(p, result.r);
-    for (int c = 0; c < p.contact_count; ++c) {
-      const double* r = &result.r[3 * c];
-      EXPECT_NEAR(r[0] - std::max(0.0, r[0] - u[3 * c]), 0, 1e-7);
-      for (int k = 1; k < 3; ++k) {
-        const double bound = p.mu[c] * r[0];
-        EXPECT_NEAR(r[k] - std::clamp(r[k] - u[3 * c + k], -bound, bound), 0, 1e-7);
-      }
-    }
+    EXPECT_LE(fixtures::box_friction_error(p, result.r), 1e-7);
   }
 }
 
 TEST(FrictionModels, BoxesHaveNoConvexModel) {
-  for (const char* solver : {"pgs_box", "cpg_box", "newton_minmax"})
+  for (const char* solver : box_solvers)
     EXPECT_EQ(solve(solver, AssembledModel::convex, sliding(0)).status,
               AssembledStatus::unsupported);
 }
@@ -170,55 +165,98 @@ TEST(FrictionModels, ConjugateGradientsSolveTheLawsOfGaussSeidel) {
   compare("pgs_pyramid8", "cpg_pyramid8", AssembledModel::exact);
 }
 
+/// Without friction every box is the cone, whose minimum the dense oracle knows.
+TEST(FrictionModels, BoxesWithoutFrictionHaveTheOraclesMinimum) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const BodyProblem bodies = random_bodies(seed, 0);
+    const double expected = oracle::solve_convex(fixtures::oracle_of(bodies)).objective;
+    for (const char* solver : box_solvers) {
+      SCOPED_TRACE(std::string(solver) + " " + std::to_string(seed));
+      const AssembledResult result =
+          solve(solver, AssembledModel::exact, assembled_form(local_form(bodies)));
+      EXPECT_LE(result.residual.relative, 1e-9) << result.note;
+      EXPECT_NEAR(result.residual.objective, expected, 1e-9 * std::abs(expected));
+    }
+  }
+}
+
+/// So it is in a plane, with friction.
+TEST(FrictionModels, MinMaxNewtonSolvesCoulombFrictionInAPlane) {
+  for (const char* solver : min_max_newtons) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      SCOPED_TRACE(std::string(solver) + " " + std::to_string(seed));
+      const AssembledProblem p = assembled_form(fixtures::random_local_problem(2, 12, false, seed));
+      const AssembledResult result = solve(solver, AssembledModel::exact, p);
+      EXPECT_EQ(result.status, AssembledStatus::converged) << result.note;
+      EXPECT_LE(measure(p, AssembledModel::exact, result.r).relative, 1e-11);
+      for (int c = 0; c < p.contact_count; ++c) EXPECT_NEAR(result.r[3 * c + 2], 0, 1e-12);
+    }
+  }
+}
+
 TEST(FrictionModels, MinMaxNewtonSolvesBoxFrictionInAFewSteps) {
-  int solved = 0;
+  for (const char* solver : min_max_newtons) {
+    int solved = 0;
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+      SCOPED_TRACE(std::string(solver) + " " + std::to_string(seed));
+      const AssembledProblem p = random_assembled(seed);
+      const AssembledResult newton = solve(solver, AssembledModel::exact, p);
+      if (newton.note.find("solved with box") == std::string::npos) continue;  // the ways to fail
+      ++solved;
+      EXPECT_LE(newton.iterations, 30);
+      EXPECT_LE(fixtures::box_friction_error(p, newton.r), 1e-8);
+    }
+    EXPECT_GE(solved, 35) << solver;
+  }
+}
+
+TEST(FrictionModels, MinMaxNewtonHasTheSameSolutionWithAndWithoutFactors) {
+  int both = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
     const AssembledProblem p = random_assembled(seed);
-    const AssembledResult newton = solve("newton_minmax", AssembledModel::exact, p);
-    if (newton.note.find("solved with box") == std::string::npos) continue;  // the ways to fail
-    ++solved;
-    EXPECT_LE(newton.iterations, 30);
-    const std::vector<double> u = velocity(p, newton.r);
-    for (int c = 0; c < p.contact_count; ++c) {
-      const double* r = &newton.r[3 * c];
-      EXPECT_NEAR(r[0] - std::max(0.0, r[0] - u[3 * c]), 0, 1e-8);
-      for (int k = 1; k < 3; ++k) {
-        const double bound = p.mu[c] * r[0];
-        EXPECT_NEAR(r[k] - std::clamp(r[k] - u[3 * c + k], -bound, bound), 0, 1e-8);
-      }
-    }
+    const AssembledResult direct = solve("newton_minmax", AssembledModel::exact, p);
+    const AssembledResult krylov = solve("newton_minmax_krylov", AssembledModel::exact, p);
+    EXPECT_EQ(krylov.factorizations, 0);
+    if (direct.note.find("solved with box") == std::string::npos ||
+        krylov.note.find("solved with box") == std::string::npos)
+      continue;
+    ++both;
+    const std::vector<double> u = velocity(p, direct.r), v = velocity(p, krylov.r);
+    for (std::size_t k = 0; k < u.size(); ++k) EXPECT_NEAR(u[k], v[k], 1e-7) << k;
   }
-  EXPECT_GE(solved, 35);
+  EXPECT_GE(both, 35);
 }
 
 /// What the seed of this comparison reports of the method: it is easily trapped.
 TEST(FrictionModels, MinMaxNewtonSaysHowItFailed) {
-  const auto one_contact = [](unsigned seed) {
-    return assembled_form(
-        local_form(fixtures::random_body_problem({.layout = ContactLayout::general,
-                                                  .free_count = 1,
-                                                  .fixed_count = 2,
-                                                  .contact_count = 1,
-                                                  .seed = seed,
-                                                  .mu_max = 3.0})));
-  };
-  // Seeds found by a search over random contacts with much friction.
-  const AssembledResult trapped = solve("newton_minmax", AssembledModel::exact, one_contact(428));
-  EXPECT_EQ(trapped.status, AssembledStatus::stalled);
-  EXPECT_EQ(trapped.note, "trapped at a kink or local minimum of the merit function");
-  EXPECT_GT(trapped.residual.relative, 1e-3);
+  for (const char* solver : min_max_newtons) {
+    SCOPED_TRACE(solver);
+    // Seeds found by a search over random contacts with much friction.
+    const AssembledResult trapped =
+        solve(solver, AssembledModel::exact, fixtures::one_random_contact(428));
+    EXPECT_EQ(trapped.status, AssembledStatus::stalled);
+    EXPECT_EQ(trapped.note, "trapped at a kink or local minimum of the merit function");
+    EXPECT_GT(trapped.residual.relative, 1e-3);
 
-  const AssembledResult misled = solve("newton_minmax", AssembledModel::exact, one_contact(111));
-  EXPECT_EQ(misled.status, AssembledStatus::stalled);
-  EXPECT_EQ(misled.note, "no descent of the merit function along the Newton step");
+    const AssembledResult misled =
+        solve(solver, AssembledModel::exact, fixtures::one_random_contact(111));
+    EXPECT_EQ(misled.status, AssembledStatus::stalled);
+    EXPECT_EQ(misled.note, "no descent of the merit function along the Newton step");
 
-  const Block3 unit{1, 0, 0, 0, 1, 0, 0, 0, 1};
-  const AssembledResult redundant =
-      solve("newton_minmax", AssembledModel::exact,
-            assemble(2, {{0, 0, unit}, {0, 1, unit}, {1, 0, unit}, {1, 1, unit}},
-                     {-1, 0, 0, -1, 0, 0}, {0.5, 0.5}));
-  EXPECT_EQ(redundant.status, AssembledStatus::singular);
+    const AssembledResult redundant =
+        solve(solver, AssembledModel::exact, fixtures::doubled_contact(0.2));
+    EXPECT_EQ(redundant.status, AssembledStatus::singular);
+  }
+}
+
+/// Contacts that share a load in any way: no factors, but a step that BiCGSTAB finds.
+TEST(FrictionModels, MinMaxNewtonWithoutFactorsCarriesWhatRedundantContactsShare) {
+  const AssembledProblem p = fixtures::doubled_contact(0);
+  EXPECT_EQ(solve("newton_minmax", AssembledModel::exact, p).status, AssembledStatus::singular);
+  const AssembledResult krylov = solve("newton_minmax_krylov", AssembledModel::exact, p);
+  EXPECT_EQ(krylov.status, AssembledStatus::converged) << krylov.note;
+  EXPECT_NEAR(krylov.r[0] + krylov.r[3], 1, 1e-10);
 }
 
 /// A tower of boxes: what the ground carries passes through all of them, which takes sweeps one

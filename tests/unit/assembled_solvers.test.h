@@ -39,7 +39,7 @@ class BackendSolvers : public BackendTest<double>,
   std::unique_ptr<AssembledSolver> solver;
   bool cone = true;
 };
-/// All but plain Newton, which breaks down where contacts are redundant; hybrid_krylov has it.
+/// All but newton_krylov, which breaks down where contacts are redundant; hybrid_krylov has it.
 std::vector<std::string> robust_solvers() {
   std::vector<std::string> names = assembled_solver_names(true);
   std::erase(names, "newton_krylov");
@@ -249,6 +249,55 @@ TEST_F(BackendNewton, ConvergesInFewIterations) {
     EXPECT_EQ(result.factorizations, 0);
     EXPECT_LE(measure(p, model, result.r).relative, 1.001e-10);
   }
+}
+
+std::unique_ptr<AssembledSolver> min_max_newton() {
+  return make_assembled_solver_on<TestBackend>("newton_minmax_krylov",
+                                               make_assembled_backend<TestBackend>(0));
+}
+
+TEST_F(BackendNewton, SolvesTheMinMaxFormOfBoxFrictionAsWithFactors) {
+  const AssembledProblem p = chains(200, 4);
+  const AssembledOptions o = to(1e-12, AssembledModel::exact);
+  const AssembledResult result = min_max_newton()->solve(p, o);
+  EXPECT_EQ(result.note, "solved with box friction, not the cone");
+  EXPECT_LE(result.iterations, 25);
+  EXPECT_EQ(result.factorizations, 0);
+  EXPECT_LE(fixtures::box_friction_error(p, result.r), 1e-9);
+  const AssembledResult direct = make_assembled_solver("newton_minmax")->solve(p, o);
+  EXPECT_EQ(direct.note, result.note);
+  for (std::size_t k = 0; k < direct.r.size(); ++k)
+    EXPECT_NEAR(result.r[k], direct.r[k], 1e-8) << k;
+}
+
+/// The last iterate counts, also between two looks.
+TEST_F(BackendNewton, LooksWhereItEnds) {
+  const AssembledProblem p = chains(50, 4);
+  AssembledOptions o = to(1e-12, AssembledModel::exact);
+  o.check_every = 100;
+  const AssembledResult result = min_max_newton()->solve(p, o);
+  EXPECT_EQ(result.note, "solved with box friction, not the cone");
+  EXPECT_GT(result.iterations, 0);
+  EXPECT_LE(fixtures::box_friction_error(p, result.r), 1e-9);
+}
+
+TEST_F(BackendNewton, SaysHowItFailedInTheMinMaxForm) {
+  const auto solver = min_max_newton();
+  const auto solve = [&](const AssembledProblem& p) {
+    return solver->solve(p, to(1e-11, AssembledModel::exact));
+  };
+  // Seeds found by a search over random contacts with much friction.
+  const AssembledResult trapped = solve(fixtures::one_random_contact(428));
+  EXPECT_EQ(trapped.status, AssembledStatus::stalled);
+  EXPECT_EQ(trapped.note, "trapped at a kink or local minimum of the merit function");
+  const AssembledResult misled = solve(fixtures::one_random_contact(111));
+  EXPECT_EQ(misled.status, AssembledStatus::stalled);
+  EXPECT_EQ(misled.note, "no descent of the merit function along the Newton step");
+  const AssembledResult redundant = solve(fixtures::doubled_contact(0.2));
+  EXPECT_EQ(redundant.status, AssembledStatus::singular);
+  EXPECT_EQ(redundant.note, "no solution of the linear system is found");
+  EXPECT_EQ(solver->solve(chains(2, 2), to(1e-8, AssembledModel::convex)).status,
+            AssembledStatus::unsupported);
 }
 
 }  // namespace

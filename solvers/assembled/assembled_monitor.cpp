@@ -100,9 +100,8 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
   }
   if (options_.tolerance > 0 && last_.relative <= options_.tolerance) {
     fail(AssembledStatus::converged);
-  } else if (is_unsolvable(r, u)) {
-    fail(AssembledStatus::no_solution,
-         "impulses grow without bound in a direction that W does not resist");
+  } else if (!asked_ && options_.tell_unsolvable && grows(r, u) && fail_if_unsolvable()) {
+    return true;
   } else if (iteration >= phase_limit_) {
     fail(AssembledStatus::iteration_limit);
   } else if (out_of_time()) {
@@ -125,14 +124,25 @@ void AssembledMonitor::compare(const std::vector<double>& r, const std::vector<d
   if (has_impulse) point.kinetic_error = std::max(0.0, 0.5 * power);
 }
 
-bool AssembledMonitor::is_unsolvable(const std::vector<double>& r, const std::vector<double>& u) {
-  if (asked_ || !options_.tell_unsolvable || options_.model != AssembledModel::convex) return false;
+bool AssembledMonitor::grows(const std::vector<double>& r, const std::vector<double>& u) const {
   std::vector<double> moved = u;
   for (std::size_t k = 0; k < moved.size(); ++k) moved[k] -= problem_.q[k];
-  if (!grows_without_bound(problem_, r, moved)) return false;
-  asked_ = true;
-  const double left = options_.max_seconds - seconds();
-  return has_no_solution(problem_, options_.max_seconds > 0 ? std::max(1e-3, left) : 0);
+  return grows_without_bound(problem_, r, moved);
+}
+
+bool AssembledMonitor::fail_if_unsolvable() {
+  if (!asked_) {
+    asked_ = true;
+    const double left = options_.max_seconds - seconds();
+    unsolvable_ = has_no_solution(problem_, options_.model,
+                                  options_.max_seconds > 0 ? std::max(1e-3, left) : 0);
+  }
+  if (unsolvable_)
+    fail(AssembledStatus::no_solution,
+         options_.model == AssembledModel::convex
+             ? "impulses grow without bound in a direction that W does not resist"
+             : "some contacts approach whatever the impulses");
+  return unsolvable_;
 }
 
 void AssembledMonitor::fail(AssembledStatus status, std::string text) {

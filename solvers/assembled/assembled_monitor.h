@@ -17,7 +17,7 @@ struct AssembledOptions {
   int check_every = 0;      ///< iterations between looks; 0: the method's own
   double max_seconds = 0;   ///< by the clock; 0: no limit
   double relaxation = 0;    ///< of methods that have one, in (0, 2); 0: the method's own
-  /// Whether looks of the convex model tell problems without solution, see infeasibility.h.
+  /// Whether looks tell problems without solution, see infeasibility.h.
   bool tell_unsolvable = true;
   std::vector<double> guess;  ///< [3 contact_count], any values; empty: zero
   /// u that curves are compared with [3 contact_count]; empty: none
@@ -99,6 +99,9 @@ class AssembledMonitor {
 
   /// Ends the solve for a reason other than the monitor's own.
   void fail(AssembledStatus status, std::string note = {});
+  /// Whether the problem is shown to have no solution (infeasibility.h), and if so fails with that
+  /// status. Costs an interior-point solve when it is asked for the first time.
+  bool fail_if_unsolvable();
   /// Appends to the note of the result.
   void note(const std::string& text);
 
@@ -111,6 +114,7 @@ class AssembledMonitor {
   bool next_phase(int most = 0, int check_every = 0);
 
   bool stopped() const { return stopped_; }
+  AssembledStatus status() const { return result_.status; }
   /// Whether the tolerance was reached.
   bool converged() const { return stopped_ && result_.status == AssembledStatus::converged; }
   bool out_of_time() const;
@@ -134,8 +138,8 @@ class AssembledMonitor {
   /// Fills in the errors against the reference, if there is one.
   void compare(const std::vector<double>& r, const std::vector<double>& u,
                AssembledCurvePoint& point) const;
-  /// Whether impulses that grow are those of a problem without solution.
-  bool is_unsolvable(const std::vector<double>& r, const std::vector<double>& u);
+  /// Whether impulses grow as those of a problem without solution do.
+  bool grows(const std::vector<double>& r, const std::vector<double>& u) const;
 
   const AssembledProblem& problem_;
   const AssembledOptions& options_;
@@ -155,7 +159,8 @@ class AssembledMonitor {
   bool looked_ = false;
   bool keep_last_ = false;
   bool stopped_ = false;
-  bool asked_ = false;  ///< whether there is a solution, which is expensive
+  bool asked_ = false;       ///< whether there is a solution, which is expensive
+  bool unsolvable_ = false;  ///< the answer
 };
 
 }  // namespace scree

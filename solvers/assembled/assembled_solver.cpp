@@ -51,6 +51,23 @@ void check(const AssembledProblem& p, const AssembledOptions& o) {
           "relaxation must lie in (0, 2), got " + std::to_string(o.relaxation));
 }
 
+/// Contacts up to which an interior-point solve costs next to nothing.
+constexpr int cheap_contacts = 1000;
+
+/// Says why a solve has not converged where more can be said than the method does.
+void explain(const AssembledProblem& p, const AssembledTraits& traits, AssembledMonitor& monitor) {
+  const AssembledStatus status = monitor.status();
+  // Of another law, a stall is what its solution ends with.
+  const bool broke = status == AssembledStatus::singular || status == AssembledStatus::diverged ||
+                     (status == AssembledStatus::stalled && traits.friction == "cone");
+  const bool grows =
+      status != AssembledStatus::no_solution && grows_without_bound(p, monitor.last_impulses());
+  if (!grows && !(broke && p.contact_count <= cheap_contacts)) return;
+  if (!monitor.fail_if_unsolvable() && grows)
+    monitor.fail(AssembledStatus::diverged,
+                 "impulses grow without bound in a direction that W does not resist");
+}
+
 }  // namespace
 
 AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
@@ -87,11 +104,7 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
   } else {
     monitor.fail(AssembledStatus::unsupported, "the method solves the exact model only");
   }
-  // The monitor tells it for the convex model.
-  if (!convex && !monitor.converged() && grows_without_bound(p, monitor.last_impulses())) {
-    monitor.fail(AssembledStatus::diverged,
-                 "impulses grow without bound in a direction that W does not resist");
-  }
+  if (!monitor.converged()) explain(p, own, monitor);
   return monitor.finish();
 }
 

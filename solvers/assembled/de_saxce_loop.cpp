@@ -65,8 +65,11 @@ void run_de_saxce_loop(const AssembledSolver& convex, const AssembledProblem& pr
     const AssembledResult result = inner_monitor.finish();
     monitor.count_applications(result.applications);
     monitor.count_factorizations(result.factorizations);
-    if (result.status == AssembledStatus::no_solution)
-      return monitor.fail(AssembledStatus::diverged, result.note);
+    if (result.status == AssembledStatus::no_solution) {
+      // Of the convex problem; the exact one may have one.
+      if (!monitor.fail_if_unsolvable()) monitor.fail(AssembledStatus::diverged, result.note);
+      return;
+    }
     if (result.status == AssembledStatus::singular ||
         result.status == AssembledStatus::unsupported) {
       monitor.fail(result.status, result.note);

@@ -39,7 +39,11 @@ bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r
   return along < 0 && -along > 1e3 * std::sqrt(resistance * loads);
 }
 
-bool has_no_solution(const AssembledProblem& p, double max_seconds) {
+namespace {
+
+/// The end of the impulses of the interior point method where the convex problem has no solution;
+/// empty where it has one, or time does not suffice.
+std::vector<double> unbounded_impulses(const AssembledProblem& p, double max_seconds) {
   AssembledOptions o;
   o.model = AssembledModel::convex;
   o.tolerance = 1e-6;
@@ -51,7 +55,30 @@ bool has_no_solution(const AssembledProblem& p, double max_seconds) {
   o.guess.assign(p.q.size(), 0.0);
   AssembledMonitor monitor(p, o, nullptr);
   solver->run(p, o, monitor);
-  return monitor.finish().status == AssembledStatus::no_solution;
+  std::vector<double> last = monitor.last_impulses();
+  if (monitor.finish().status != AssembledStatus::no_solution) last.clear();
+  return last;
+}
+
+/// W^T x.
+std::vector<double> multiply_transposed(const AssembledProblem& p, const std::vector<double>& x) {
+  std::vector<double> y(x.size(), 0.0);
+  for (int c = 0; c < p.contact_count; ++c)
+    for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) y[3 * p.column[k] + j] += p.block[k][3 * i + j] * x[3 * c + i];
+  return y;
+}
+
+}  // namespace
+
+bool has_no_solution(const AssembledProblem& p, AssembledModel model, double max_seconds) {
+  if (model == AssembledModel::convex) return !unbounded_impulses(p, max_seconds).empty();
+  AssembledProblem frictionless = symmetrized(p);
+  std::fill(frictionless.mu.begin(), frictionless.mu.end(), 0.0);
+  std::vector<double> d = unbounded_impulses(frictionless, max_seconds);
+  for (std::size_t i = 0; i < d.size(); ++i) d[i] = i % 3 == 0 ? std::max(0.0, d[i]) : 0.0;
+  return !d.empty() && grows_without_bound(p, d, multiply_transposed(p, d));
 }
 
 }  // namespace scree

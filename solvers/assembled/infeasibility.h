@@ -1,7 +1,7 @@
 #pragma once
 // Signs that a contact problem has no solution.
 
-#include "solvers/assembled/assembled_problem.h"
+#include "solvers/assembled/assembled_measures.h"
 
 namespace scree {
 
@@ -19,11 +19,19 @@ bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r
                          const std::vector<double>& moved);
 bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r);
 
-/// Whether the convex problem has no solution, by the interior point method: its impulses grow by
-/// factors along such a direction where those of others grow by sums, and those of a high tower,
+/// Whether a problem is shown to have no solution, by the interior point method: its impulses grow
+/// by factors along such a direction where those of others grow by sums, and those of a high tower,
 /// which are large, end somewhere.
-/// @param p            with a symmetric W
+///
+/// That direction decides for the convex model. Velocities of the exact model need not be in the
+/// dual cones, only their normal parts must not be negative: without a solution for want of such
+/// velocities it is, whatever the friction, where normal impulses d >= 0 have W^T d = 0 and
+/// q.d < 0, as then d.u = d.q < 0 for all impulses. Where W is symmetric and not indefinite these d
+/// exist when the problem without friction has no solution, and only then; so the method is asked
+/// about that one, and W^T d is looked at. A problem of the exact model can have velocities and no
+/// solution all the same (contacts that jam); nothing here shows that.
+/// @param p            with a symmetric W for the convex model
 /// @param max_seconds  0: no limit; false when they do not suffice
-bool has_no_solution(const AssembledProblem& p, double max_seconds);
+bool has_no_solution(const AssembledProblem& p, AssembledModel model, double max_seconds);
 
 }  // namespace scree

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "host/problems/matrix_form.h"
+#include "solvers/assembled/infeasibility.h"
 #include "tests/assembled_samples.h"
 
 namespace scree {
@@ -203,35 +204,80 @@ TEST_P(AssembledSolvers, StopsAtTheLimitWithItsBestAndAnAccount) {
 }
 
 /// Two walls that close in on one body: impulses grow and no velocity is right.
+AssembledProblem closing_walls(double mu) {
+  return assemble(2,
+                  {{0, 0, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                   {1, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                   {0, 1, {-1, 0, 0, 0, 1, 0, 0, 0, 1}},
+                   {1, 0, {-1, 0, 0, 0, 1, 0, 0, 0, 1}}},
+                  {-1, 0, 0, -1, 0, 0}, {mu, mu});
+}
+
 TEST_P(AssembledSolvers, AProblemWithoutSolutionEndsWithAStatus) {
-  const AssembledProblem p = assemble(2,
-                                      {{0, 0, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                       {1, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                       {0, 1, {-1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                       {1, 0, {-1, 0, 0, 0, 1, 0, 0, 0, 1}}},
-                                      {-1, 0, 0, -1, 0, 0}, {0.3, 0.3});
   AssembledOptions o = to(1e-9, AssembledModel::convex);
   o.max_seconds = 5;
   for (const AssembledModel model : {AssembledModel::convex, AssembledModel::exact}) {
     o.model = model;
-    const AssembledResult result = solve(p, o);
-    EXPECT_NE(result.status, AssembledStatus::converged);
-    for (const double x : result.r) EXPECT_TRUE(std::isfinite(x));
-    EXPECT_LT(result.seconds, 1);  // it shows after a few thousand iterations
+    for (const double mu : {0.0, 0.3}) {
+      const AssembledResult result = solve(closing_walls(mu), o);
+      EXPECT_EQ(result.status, AssembledStatus::no_solution) << mu << " " << result.note;
+      for (const double x : result.r) EXPECT_TRUE(std::isfinite(x));
+      EXPECT_LT(result.seconds, 1);  // it shows after a few thousand iterations
+    }
   }
 }
 
 TEST(AssembledSolver, WallsThatCloseInAreToldApartFromSlowProgress) {
-  const AssembledProblem p = assemble(2,
-                                      {{0, 0, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                       {1, 1, {1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                       {0, 1, {-1, 0, 0, 0, 1, 0, 0, 0, 1}},
-                                       {1, 0, {-1, 0, 0, 0, 1, 0, 0, 0, 1}}},
-                                      {-1, 0, 0, -1, 0, 0}, {0.3, 0.3});
-  const AssembledResult result =
-      make_assembled_solver("nlgs")->solve(p, to(1e-9, AssembledModel::convex));
-  EXPECT_EQ(result.status, AssembledStatus::no_solution);
-  EXPECT_THAT(result.note, HasSubstr("without bound"));
+  const AssembledResult convex =
+      make_assembled_solver("nlgs")->solve(closing_walls(0.3), to(1e-9, AssembledModel::convex));
+  EXPECT_EQ(convex.status, AssembledStatus::no_solution);
+  EXPECT_THAT(convex.note, HasSubstr("without bound"));
+  const AssembledResult exact =
+      make_assembled_solver("auto")->solve(closing_walls(0.3), to(1e-9, AssembledModel::exact));
+  EXPECT_EQ(exact.status, AssembledStatus::no_solution);
+  EXPECT_THAT(exact.note, HasSubstr("approach"));
+  EXPECT_LT(exact.iterations, 100);
+}
+
+/// Walls that close in at an angle: the body is free to slide out, so that the exact model has
+/// velocities, and nothing is claimed of it; the convex model has none in its dual cones.
+TEST(AssembledSolver, AWedgeIsWithoutSolutionOfTheConvexModelOnly) {
+  const double a = 0.1;
+  const std::array<std::array<double, 3>, 6> rows = {{{std::cos(a), std::sin(a), 0},
+                                                      {-std::sin(a), std::cos(a), 0},
+                                                      {0, 0, 1},
+                                                      {-std::cos(a), std::sin(a), 0},
+                                                      {-std::sin(a), -std::cos(a), 0},
+                                                      {0, 0, 1}}};
+  std::vector<PlacedBlock> blocks;
+  for (int c = 0; c < 2; ++c)
+    for (int d = 0; d < 2; ++d) {
+      PlacedBlock block{c, d, {}};
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          for (int k = 0; k < 3; ++k)
+            block.value[3 * i + j] += rows[3 * c + i][k] * rows[3 * d + j][k];
+      blocks.push_back(block);
+    }
+  const std::vector<double> q = {-1, 0, 0, -1, 0, 0};
+  for (const double mu : {0.0, 0.5}) {
+    const AssembledProblem p = assemble(2, blocks, q, {mu, mu});
+    EXPECT_EQ(has_no_solution(p, AssembledModel::convex, 0), mu > 0);
+    EXPECT_FALSE(has_no_solution(p, AssembledModel::exact, 0));
+  }
+}
+
+/// Gyroscopic terms can do what the symmetric part of W cannot: here a tangential impulse moves the
+/// walls apart.
+TEST(AssembledSolver, AnUnsymmetricOperatorIsAskedAsItIs) {
+  AssembledProblem p = closing_walls(0.3);
+  EXPECT_TRUE(has_no_solution(p, AssembledModel::exact, 0));
+  for (int c = 0; c < 2; ++c)
+    for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k) {
+      if (c == 0 && p.column[k] == 1) p.block[k][1] = 0.2;
+      if (c == 1 && p.column[k] == 0) p.block[k][3] = -0.2;
+    }
+  EXPECT_FALSE(has_no_solution(p, AssembledModel::exact, 0));
 }
 
 /// Impulses at its foot are large against those of single contacts, as without solution, but end.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/io/png_file.h"
 #include "host/plot/draw.h"
@@ -59,6 +60,11 @@ Figure curves_figure(const ProblemReport& report) {
   };
   row({"residual |r - P(r - v)| / |q|", true, diverged},
       [](const Point& p) { return p.residual.relative; });
+  if (const double least = least_objective(report); std::isfinite(least)) {
+    Axis gap{"|objective - least of the converged| [J]"};
+    if (std::abs(least) > 0) gap.most = diverged * std::abs(least);
+    row(gap, [least](const Point& p) { return std::abs(p.residual.objective - least); });
+  }
   if (has_reference(report))
     row({"velocity error |u - u*| / max(|u*|, |q| / 1000)", true, diverged},
         [](const Point& p) { return p.velocity_error; });

@@ -10,8 +10,9 @@
 
 namespace scree {
 
-/// Curves of all solvers on one problem: residual, error of the velocity where there is a
-/// reference, and contacts that changed state, each over iterations, applications and seconds.
+/// Curves of all solvers on one problem: residual, distance of the objective from least_objective()
+/// where that is known, error of the velocity where there is a reference, and contacts that changed
+/// state, each over iterations, applications and seconds.
 Figure curves_figure(const ProblemReport& report);
 
 /// Shares of problems solved, as steps. @param cost  what the ratios are of, for instance "seconds"

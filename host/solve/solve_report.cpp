@@ -22,14 +22,6 @@ bool has_cone(const SolverRun& run) { return run.friction == "cone"; }
 
 bool solved(const SolverRun& run) { return run.result.status == AssembledStatus::converged; }
 
-/// The least objective that a run ended with. Only of the convex model is it a minimum.
-double least_objective(const ProblemReport& report) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const SolverRun& run : report.runs)
-    if (solved(run) && has_cone(run)) least = std::min(least, run.result.residual.objective);
-  return least;
-}
-
 /// Text within quotes where it holds what separates cells.
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
@@ -75,6 +67,21 @@ const char* name_of(AssembledModel model) {
 }
 
 }  // namespace
+
+double least_objective(const ProblemReport& report) {
+  double least = std::numeric_limits<double>::infinity(), accuracy = 0;
+  for (const SolverRun& run : report.runs) {
+    if (!solved(run) || !has_cone(run)) continue;
+    least = std::min(least, run.result.residual.objective);
+    accuracy = std::max(accuracy, run.result.residual.relative);
+  }
+  if (report.reference.has_value() && has_cone(*report.reference)) {
+    const AssembledResult& r = report.reference->result;
+    if (solved(*report.reference) || r.residual.relative <= accuracy)
+      least = std::min(least, r.residual.objective);
+  }
+  return least;
+}
 
 PerformanceProfile seconds_profile(const std::vector<ProblemReport>& reports) {
   return profile_of(reports, [](const AssembledResult& r) { return r.seconds; });

@@ -36,7 +36,12 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
 /// One line a problem and solver.
 std::string results_csv(const std::vector<ProblemReport>& reports);
 
-/// One line a look. The objective gap is that to the least objective of all runs on the problem.
+/// The objective [J] that gaps are measured to: the least that a run on the problem ended with.
+/// Only runs that converged on the cone count, and the reference where it is as accurate as those.
+/// Infinite when there is none. Of the convex model alone is it a minimum.
+double least_objective(const ProblemReport& report);
+
+/// One line a look. @param least_objective  that gaps are measured to; not finite: no gaps
 std::string curve_csv(const SolverRun& run, double least_objective);
 
 /// Profiles of the solvers of the first report over all reports, at least one. Cost is time by the

@@ -281,6 +281,41 @@ TEST(SolveCharts, ShowWhatWasMeasured) {
   EXPECT_EQ(with_reference.charts[4].lines[0].y, (std::vector<double>{0.25, 0.25, 0.25}));
 }
 
+/// Distances from the least objective that a solver of the cone has converged to, in charts and
+/// CSV.
+TEST(SolveCharts, ShowTheObjectiveGapWhereItIsKnown) {
+  const auto run = [](const std::string& solver, AssembledStatus status, double end) {
+    SolverRun r = run_of(solver, -1);
+    for (int k = 0; k < 3; ++k) r.curve[k].residual.objective = end + 2 - k;
+    r.result.residual.objective = end;
+    r.result.residual.relative = 1e-8;
+    r.result.status = status;
+    return r;
+  };
+  ProblemReport report;
+  report.runs = {run("jacobi", AssembledStatus::iteration_limit, -9),
+                 run("newton", AssembledStatus::stalled, -8)};
+  EXPECT_FALSE(std::isfinite(least_objective(report)));
+  EXPECT_EQ(curves_figure(report).charts.size(), 6u);
+  report.runs.push_back(run("apgd", AssembledStatus::converged, -4));
+  report.runs.push_back(run("pgs_pyramid4", AssembledStatus::converged, -7));
+  report.runs.back().friction = "4-sided pyramid";
+  EXPECT_EQ(least_objective(report), -4);
+  const Figure figure = curves_figure(report);
+  ASSERT_EQ(figure.charts.size(), 9u);
+  EXPECT_NE(figure.charts[3].y.label.find("objective"), std::string::npos);
+  EXPECT_EQ(figure.charts[3].lines[2].y, (std::vector<double>{2, 1, 0}));
+  EXPECT_EQ(figure.charts[3].lines[0].y, (std::vector<double>{3, 4, 5}));
+  EXPECT_EQ(figure.charts[4].lines[2].x, (std::vector<double>{0, 20, 40}));
+  // A reference counts where it is as accurate as they are.
+  report.reference = run("interior_point", AssembledStatus::stalled, -5);
+  report.reference->result.residual.relative = 1e-6;
+  EXPECT_EQ(least_objective(report), -4);
+  report.reference->result.residual.relative = 1e-12;
+  EXPECT_EQ(least_objective(report), -5);
+  EXPECT_EQ(curves_figure(report).charts[3].lines[2].y, (std::vector<double>{3, 2, 1}));
+}
+
 TEST(SolveCharts, ProfilesAreSteps) {
   const PerformanceProfile profile{{"a", "b"}, {1, 4}, {{0.5, 0.5}, {1, 0.5}}};
   const Figure figure = profile_figure(profile, "seconds");

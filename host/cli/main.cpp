@@ -10,6 +10,7 @@
 
 #include "host/cli/bench_command.h"
 #include "host/cli/check_command.h"
+#include "host/cli/convert_command.h"
 #include "host/cli/info_command.h"
 #include "host/cli/run_command.h"
 #include "host/cli/solve_command.h"
@@ -55,11 +56,13 @@ int main(int argc, char** argv) {
   scree::CheckOptions check;
   scree::BenchOptions bench;
   scree::SolveOptions solve;
+  scree::ConvertOptions convert;
   scree::InfoOptions info;
   const CLI::App* run_command = scree::add_run_command(app, run);
   const CLI::App* check_command = scree::add_check_command(app, check);
   const CLI::App* bench_command = scree::add_bench_command(app, bench);
   const CLI::App* solve_command = scree::add_solve_command(app, solve);
+  const CLI::App* convert_command = scree::add_convert_command(app, convert);
   const CLI::App* info_command = scree::add_info_command(app, info);
 
   try {
@@ -73,6 +76,7 @@ int main(int argc, char** argv) {
     if (*check_command) return scree::check_scene(check);
     if (*bench_command) return scree::run_bench(*bench_command, bench);
     if (*solve_command) return scree::solve_problems(solve);
+    if (*convert_command) return scree::convert_problem(convert);
     if (*info_command) return scree::print_info(info);
   } catch (const scree::InputError& error) {
     return fail(error.what(), 2);

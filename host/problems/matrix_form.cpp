@@ -296,6 +296,26 @@ StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form) {
   return stored;
 }
 
+StoredProblem as_matrices(const StoredProblem& problem, MatrixForm form) {
+  if (const auto* bodies = std::get_if<BodyProblem>(&problem.form))
+    return as_matrices(*bodies, form);
+  const auto* global = std::get_if<GlobalProblem>(&problem.form);
+  if (form == MatrixForm::global) {
+    if (global == nullptr)
+      throw InputError("it holds a local problem: M and H of a global one do not follow from W");
+    return problem;
+  }
+  if (global == nullptr) return problem;
+  StoredProblem local;
+  local.form = local_form(*global);
+  local.info = problem.info;
+  local.solution = problem.solution;
+  local.guesses = problem.guesses;
+  if (local.solution) local.solution->v.clear();
+  for (ProblemPoint& guess : local.guesses) guess.v.clear();
+  return local;
+}
+
 std::vector<double> to_rows(const BodyProblem& problem, const std::vector<Vec3d>& vectors) {
   std::vector<double> rows;
   rows.reserve(3 * vectors.size());

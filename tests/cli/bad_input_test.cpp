@@ -205,10 +205,10 @@ TEST_P(CliBadCommand, IsRefused) {
 INSTANTIATE_TEST_SUITE_P(
     Commands, CliBadCommand,
     testing::Values(
-        BadCommand{"NoCommand", {}, {"run, check, bench, solve, info"}},
+        BadCommand{"NoCommand", {}, {"run, check, bench, solve, convert, info"}},
         BadCommand{"UnknownCommand",
                    {"rnu", "SCENE"},
-                   {"rnu", "no such command", "run, check, bench, solve, info"}},
+                   {"rnu", "no such command", "run, check, bench, solve, convert, info"}},
         BadCommand{"UnknownOption", {"run", "SCENE", "--fast"}, {"--fast", "scree run --help"}},
         BadCommand{"UnknownMainOption", {"--fast"}, {"--fast"}},
         BadCommand{"NoScene", {"run"}, {"scene is required"}},

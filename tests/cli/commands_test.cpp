@@ -84,7 +84,7 @@ TEST(CliCommands, HelpAndVersionSucceed) {
     EXPECT_EQ(result.code, 0) << option;
     EXPECT_NE(result.out.find("scree"), std::string::npos) << option;
   }
-  for (const char* command : {"run", "check", "bench", "solve", "info"})
+  for (const char* command : {"run", "check", "bench", "solve", "convert", "info"})
     EXPECT_EQ(scree(scratch, {command, "--help"}).code, 0) << command;
 }
 

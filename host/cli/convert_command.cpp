@@ -1,0 +1,93 @@
+#include "host/cli/convert_command.h"
+
+#include <fmt/format.h>
+
+#include <system_error>
+#include <variant>
+
+#include "host/error.h"
+#include "host/io/problem_file.h"
+#include "host/problems/matrix_form.h"
+
+namespace scree {
+namespace {
+
+namespace fs = std::filesystem;
+
+MatrixForm form_of(const std::string& kind) {
+  if (kind == "local") return MatrixForm::local;
+  if (kind == "global") return MatrixForm::global;
+  throw InputError(fmt::format("--kind: \"{}\" is not allowed: expected local or global", kind));
+}
+
+FclibStorage storage_of(const std::string& name, MatrixForm form) {
+  if (name.empty()) return form == MatrixForm::global ? FclibStorage::triplets : FclibStorage::rows;
+  if (name == "rows") return FclibStorage::rows;
+  if (name == "columns") return FclibStorage::columns;
+  if (name == "triplets") return FclibStorage::triplets;
+  throw InputError(
+      fmt::format("--storage: \"{}\" is not allowed: expected rows, columns or triplets", name));
+}
+
+void require_writable(const fs::path& out, bool force) {
+  std::error_code error;
+  if (fs::is_directory(out, error))
+    throw InputError(fmt::format("{}: is a directory, expected a file to write", out.string()));
+  if (!force && fs::exists(out, error))
+    throw InputError(fmt::format("{}: is there already; add --force to replace it", out.string()));
+  const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, error))
+    throw InputError(fmt::format("{}: there is no folder {}", out.string(), folder.string()));
+}
+
+std::string summary_of(const LocalProblem& p) {
+  return fmt::format("local, {} contacts in {}-D, W with {} entries", p.contact_count(),
+                     p.dimension, p.W.entry_count());
+}
+
+std::string summary_of(const GlobalProblem& p) {
+  return fmt::format("global, {} contacts in {}-D, {} velocities, H with {} entries",
+                     p.contact_count(), p.dimension, p.f.size(), p.H.entry_count());
+}
+
+std::string summary_of(const BodyProblem& p) {
+  return fmt::format("{} contacts with bodies", p.contact_count());
+}
+
+}  // namespace
+
+CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
+  CLI::App* command = app.add_subcommand("convert", "Write a stored contact problem as FCLIB file");
+  command->add_option("problem", options.problem, "problem file, scree's or FCLIB's")->required();
+  command->add_option("out", options.out, "FCLIB file to write")->required();
+  command
+      ->add_option("--kind", options.kind,
+                   "local (W, q, mu) or global (M, H, f, w, mu) (default: local)")
+      ->take_last();
+  command
+      ->add_option("--storage", options.storage,
+                   "of matrices: rows, columns or triplets (default: rows if local, triplets if "
+                   "global)")
+      ->take_last();
+  command->add_flag("--force", options.force, "replace a file that is there");
+  return command;
+}
+
+int convert_problem(const ConvertOptions& options) {
+  const MatrixForm form = form_of(options.kind);
+  const FclibStorage storage = storage_of(options.storage, form);
+  require_writable(options.out, options.force);
+  const StoredProblem stored = read_problem(options.problem);
+  StoredProblem matrices;
+  try {
+    matrices = as_matrices(stored, form);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", options.problem.string(), error.what()));
+  }
+  write_problem(options.out, matrices, storage);
+  fmt::print("{}: {}\n", options.out.string(),
+             std::visit([](const auto& p) { return summary_of(p); }, matrices.form));
+  return 0;
+}
+
+}  // namespace scree

@@ -102,11 +102,11 @@ std::string to_table(const ProblemReport& report) {
                         report.reference->result.residual.relative,
                         to_string(report.reference->result.status));
   text +=
-      fmt::format("\n{:<14} {:>10} {:>12} {:>10} {:>9} {:>9} {:>16}  {}\n", "solver", "iterations",
+      fmt::format("\n{:<21} {:>10} {:>12} {:>10} {:>9} {:>9} {:>16}  {}\n", "solver", "iterations",
                   "applications", "seconds", "residual", "unit-free", "objective", "status");
   for (const SolverRun& run : report.runs) {
     const AssembledResult& r = run.result;
-    text += fmt::format("{:<14} {:>10} {:>12} {:>10.4f} {:>9.2e} {:>9.2e} {:>16.9e}  {}{}{}\n",
+    text += fmt::format("{:<21} {:>10} {:>12} {:>10.4f} {:>9.2e} {:>9.2e} {:>16.9e}  {}{}{}\n",
                         run.solver, r.iterations, r.applications, r.seconds, r.residual.relative,
                         r.residual.unit_free, r.residual.objective,
                         has_cone(run) ? "" : run.friction + " friction, ", to_string(r.status),
@@ -116,7 +116,7 @@ std::string to_table(const ProblemReport& report) {
 }
 
 std::string to_summary(const std::vector<ProblemReport>& reports) {
-  std::string text = fmt::format("{} problems\n{:<14} {:>10} {:>12}\n", reports.size(), "solver",
+  std::string text = fmt::format("{} problems\n{:<21} {:>10} {:>12}\n", reports.size(), "solver",
                                  "solved", "seconds");
   for (std::size_t s = 0; s < reports.front().runs.size(); ++s) {
     int count = 0;
@@ -126,7 +126,7 @@ std::string to_summary(const std::vector<ProblemReport>& reports) {
       seconds += report.runs[s].result.seconds;
     }
     text +=
-        fmt::format("{:<14} {:>10} {:>12.4f}\n", reports.front().runs[s].solver, count, seconds);
+        fmt::format("{:<21} {:>10} {:>12.4f}\n", reports.front().runs[s].solver, count, seconds);
   }
   return text;
 }

@@ -42,6 +42,7 @@ class Auto final : public AssembledSolver {
     std::vector<double> swept = o.guess;
     ProximalSettings settings;
     settings.newton = p.contact_count < many_contacts;
+    settings.adapts = settings.newton;
     settings.patience = patience_of(p.contact_count);
     for (int sweeps = std::clamp(p.contact_count, least_sweeps, most_first_sweeps);
          monitor.next_phase(sweeps, 10); sweeps = std::max(second_sweeps, 2 * sweeps)) {

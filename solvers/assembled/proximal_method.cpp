@@ -98,7 +98,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
     inner_options.guess = r;
     inner_options.tell_unsolvable = false;  // regular problems are solvable
     AssembledResult best;
-    bool solved = false;
+    bool solved = false, quick = false;  // by the method that goes first
     if (settings.newton) {
       inner_options.max_iterations = settings.newton_iterations;
       inner_options.check_every = 1;
@@ -107,8 +107,8 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       best = inner_monitor.finish();
       take_account(monitor, best);
       solved = best.status == AssembledStatus::converged;
+      quick = solved && best.iterations <= settings.newton_iterations / 3;
     }
-    const bool quick = solved && best.iterations <= settings.newton_iterations / 3;
     if (!solved) {
       inner_options.max_iterations = settings.sweeps;
       inner_options.check_every = 10;
@@ -116,12 +116,16 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       methods.sweeps(inner, inner_options, inner_monitor);
       const AssembledResult swept = inner_monitor.finish();
       take_account(monitor, swept);
+      if (!settings.newton) {
+        solved = swept.status == AssembledStatus::converged;
+        quick = solved && swept.iterations <= settings.sweeps / 3;
+      }
       if (!settings.newton || swept.residual.relative < best.residual.relative) best = swept;
     }
     r = best.r;
-    if (!settings.newton) continue;
-    // Boldly down until Newton fails for the first time, carefully after that: a weight that is too
-    // small for Newton throws away what several good steps have won.
+    if (!settings.adapts) continue;
+    // Boldly down until the method fails for the first time, carefully after that: a weight that is
+    // too small for Newton throws away what several good steps have won.
     failed = failed || !solved;
     if (quick) weight = std::max(settings.least_weight, (failed ? 0.7 : 0.2) * weight);
     if (!solved) weight = std::min(settings.largest_weight, 2 * weight);

@@ -11,9 +11,10 @@ struct ProximalSettings {
   double first_weight = 1e-2;  ///< a of the first outer iteration, in units of D
   double least_weight = 1e-8;
   double largest_weight = 10;
-  bool newton = true;  ///< whether inner problems go to Newton first
+  bool adapts = true;  ///< whether the weight follows what the method can do
+  bool newton = true;  ///< whether inner problems go to Newton first, or to Gauss-Seidel alone
   int newton_iterations = 30;
-  int sweeps = 100;  ///< of Gauss-Seidel where Newton fails
+  int sweeps = 100;  ///< at most, of Gauss-Seidel where Newton fails or is not asked
   /// Outer iterations without half the least residual after which it stalls; 0: it never does.
   int patience = 0;
 };

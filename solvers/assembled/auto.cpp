@@ -10,7 +10,8 @@
 // Weights are small because proximal points of the exact law need not attract: with larger ones
 // they lead away from impulses that are nearly solutions. And where they have led astray the sweeps
 // have not, so that each turn starts another attempt from a better place. An iteration is a sweep
-// or an outer iteration.
+// or an outer iteration; memory passes are those of nlgs and proximal. Source: those of both; the
+// turns are ours.
 
 #include <algorithm>
 

@@ -3,10 +3,10 @@
 // bounds are taken from the normal impulses whenever the error of that program has fallen to a
 // tenth.
 //
-// Costs as in cpg.inst.h; an iteration is one of the inner program. Bounds follow impulses, so
-// nothing is minimized as a whole and nothing proven; where friction carries much, bounds may never
-// settle. Source: Renouf and Alart, Comput. Methods Appl. Mech. Engrg. 194, 2005 (diagonalized,
-// i.e. with bounds by fixed point).
+// Costs and memory passes as in cpg.inst.h; an iteration is one of the inner program. Bounds follow
+// impulses, so nothing is minimized as a whole and nothing proven; where friction carries much,
+// bounds may never settle. Source: Renouf and Alart, Comput. Methods Appl. Mech. Engrg. 194, 2005
+// (diagonalized, i.e. with bounds by fixed point).
 
 #include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/cpg_method.h"

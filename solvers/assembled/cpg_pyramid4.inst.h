@@ -1,7 +1,8 @@
 // Conjugate projected gradient on 4-sided friction pyramids inside the cones, the law of
 // pgs_pyramid4; cpg_pyramid_method.h.
 //
-// Costs as in cpg.inst.h: one product with W an iteration, three where constraints change. For the
+// Costs and memory passes as in cpg.inst.h: one product with W an iteration, three where
+// constraints change. For the
 // convex model it converges to the minimum over the pyramids; W need not be regular.
 // Source: Renouf and Alart, Comput. Methods Appl. Mech. Engrg. 194, 2005.
 

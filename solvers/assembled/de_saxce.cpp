@@ -1,7 +1,8 @@
 // The De Saxce fixed point around the convex problems, each of them solved by the proximal method.
 //
 // For the convex model this is one solve by `proximal`. The same loop gives every solver that only
-// knows the convex model its exact one, see de_saxce_loop.h, which has source and cost.
+// knows the convex model its exact one, see de_saxce_loop.h, which has source and cost;
+// memory passes are those of proximal.
 
 #include "solvers/assembled/de_saxce_loop.h"
 #include "solvers/assembled/proximal_method.h"

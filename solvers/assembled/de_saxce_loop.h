@@ -10,7 +10,8 @@ namespace scree {
 /// its symmetric part and q gets (W - W^T) r / 2 of the last impulses, so that the fixed point
 /// belongs to W as it is. s moves by Aitken's rule, at most its whole step: it can cycle where
 /// contacts work against each other. Inner problems are solved to a tenth of the present error. An
-/// iteration is one convex solve, started from the last impulses. Source: De Saxce and Feng, Math.
+/// iteration is one convex solve, started from the last impulses, one product with W for the new
+/// velocities, and two more where W is unsymmetric. Source: De Saxce and Feng, Math.
 /// Comput. Modelling 28, 1998; Irons and Tuck, IJNME 1, 1969.
 /// @param convex  solves the inner problems
 void run_de_saxce_loop(const AssembledSolver& convex, const AssembledProblem& problem,

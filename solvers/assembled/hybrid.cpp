@@ -4,9 +4,9 @@
 // as eight of its steps halve the residual. Then the best impulses so far are taken up again with
 // twice as many sweeps. A hundred thousandth of the contact scales is added to the Jacobian: that
 // makes it regular where contacts are redundant, whose impulses are not unique, and any of them
-// will do. Less leaves Newton to rounding there, more makes it slow. Costs: those of nlgs and
-// newton. Source: Acary, Bremond and Huber, INRIA RR-9118, 2018, start Newton by a first-order
-// method too; the rest is ours.
+// will do. Less leaves Newton to rounding there, more makes it slow. Costs and memory passes: those
+// of nlgs and newton. Source: Acary, Bremond and Huber, INRIA RR-9118, 2018, start Newton by a
+// first-order method too; the rest is ours.
 
 #include <algorithm>
 

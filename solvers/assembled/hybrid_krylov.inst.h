@@ -3,8 +3,8 @@
 //
 // The sweeps find which contacts are open, stick and slip; Newton finishes. Where it breaks down
 // the best impulses so far are taken up again with twice as many sweeps, and the Jacobian gets ten
-// times more of the contact scales added. Costs: those of nlgs and newton_krylov. Source: as
-// hybrid.
+// times more of the contact scales added. Costs and memory passes: those of nlgs and newton_krylov.
+// Source: as hybrid.
 
 #include <algorithm>
 

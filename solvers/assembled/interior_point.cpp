@@ -8,13 +8,13 @@
 // point at residuals about 1e-8. From there a few iterations of the proximal method around Newton,
 // which then has all states right, lead to 1e-12 and below.
 //
-// An iteration costs one Cholesky factorization of 3n x 3n, four pairs of triangular solves and
-// five products with W; one of the proximal method some Newton steps. Some 15 to 30 iterations
-// whatever the problem; the guess is not used. Contacts without friction have no tangential rows.
-// Impulses that grow without bound along a ray on which nothing moves show that there is no
-// solution.
-// Source: Andersen, Roos and Terlaky, Math. Program. 95, 2003; Mehrotra, SIAM J. Optim. 2, 1992;
-// for contacts Kleinert, Simeon and Obermayr, Comput. Methods Appl. Mech. Engrg. 278, 2014.
+// An iteration costs one Cholesky factorization of 3n x 3n, four pairs of triangular solves, each a
+// pass over the factor, and five products with W; one of the proximal method some Newton steps.
+// Some 15 to 30 iterations whatever the problem; the guess is not used. Contacts without friction
+// have no tangential rows. Impulses that grow without bound along a ray on which nothing moves show
+// that there is no solution. Source: Andersen, Roos and Terlaky, Math. Program. 95, 2003; Mehrotra,
+// SIAM J. Optim. 2, 1992; for contacts Kleinert, Simeon and Obermayr, Comput. Methods Appl. Mech.
+// Engrg. 278, 2014.
 
 #include "solvers/assembled/assembled_solver.h"
 #include "solvers/assembled/cone_vectors.h"

@@ -214,8 +214,16 @@ SCREE_HD inline void solve_convex(const Block3& W, const double* b, double mu, d
 /// @param b   velocity without this contact [3] [m/s]
 /// @param r   in: any, best near the solution; out: impulse [3] [N s]. Where Coulomb's law has
 ///            several solutions, which one depends on what came in
-/// Source: own; the slip condition as in Bonnefon and Daviet, "Quartic formulation of Coulomb 3D
-/// frictional contact", INRIA 2011, but bracketed instead of expanded.
+///
+/// Preclik, Iglberger and Ruede (Iterative rigid multibody dynamics, 2009) relax r_n first, project
+/// the tangential impulse that prevents slip, and may then maximize dissipation over the disk of
+/// radius mu r_n by Newton iterations. The least of r_t . u_t there has u_t = -l r_t too, with l
+/// the multiplier of the disk and the same condition |r_t| = mu r_n; what differs is that r_n
+/// follows l here, so that one visit ends at the solution of the contact and not at that for a
+/// given r_n. And the bracket makes it safe: where a step of Newton leaves it, or is not quick,
+/// bisection and inverse quadratic interpolation take over, which cannot fail. Source: own; the
+/// slip condition as in Bonnefon and Daviet, "Quartic formulation of Coulomb 3D frictional
+/// contact", INRIA 2011, but bracketed instead of expanded.
 SCREE_HD inline void solve_one_contact(AssembledModel model, const Block3& W, const double* b,
                                        double mu, double* r) {
   if (!(W[0] > 0)) return;

@@ -1,6 +1,8 @@
 // Projected Gauss-Seidel on box friction, lagged bounds: |r_t1|, |r_t2| <= mu r_n with r_n of the
-// sweep before. Fixed points, and all else, as for pgs_box; within a sweep the bounds stand still,
-// so that a sweep is one of a quadratic program with boxes.
+// sweep before. Fixed points and memory passes as for pgs_box; within a sweep the bounds stand
+// still, so that a sweep is one of a quadratic program with boxes.
+// Source: Preclik, Iglberger and Ruede, Iterative rigid multibody dynamics, 2009 (projections row
+// by row, bounds coupled to unknowns or not); as pgs_box.
 
 #include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/pgs_box_method.h"

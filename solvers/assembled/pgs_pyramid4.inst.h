@@ -2,8 +2,11 @@
 // friction being less between the edges, by up to 29 %, and turned towards them.
 //
 // Unknowns are the 4 multipliers of a contact's edges, pgs_pyramid_method.h. One iteration is a
-// sweep: one product with W and 4 scalar updates a contact. For the convex model it converges to
-// the minimum over the pyramids; W need not be regular.
+// sweep: one pass over W, 100 bytes a block with the impulses that it gathers, 152 bytes and 4
+// scalar updates a contact. For the convex model it converges to the minimum over the pyramids; W
+// need not be regular.
+// Source: Stewart and Trinkle, IJNME 39, 1996 (pyramids); Luo and Tseng, JOTA 72, 1992 (convergence
+// of Gauss-Seidel with bounds).
 
 #include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/pgs_pyramid_method.h"

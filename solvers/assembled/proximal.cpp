@@ -4,8 +4,9 @@
 // sweeps then reach is taken as it is, as going back to better impulses was found to lead nowhere.
 //
 // Where contacts are redundant W is singular, Newton breaks down and Gauss-Seidel is slow; inner
-// problems are neither, and r_k+1 = r_k solves the original. Cost of an outer iteration: that of
-// the inner solver. For the exact model W is used as it is.
+// problems are neither, and r_k+1 = r_k solves the original. An outer iteration copies the
+// diagonal blocks, takes one product with W to measure r, and costs what the inner solver does: the
+// memory passes of newton, or of nlgs. For the exact model W is used as it is.
 // Source: Rockafellar, SIAM J. Control Optim. 14, 1976; for friction Acary, Bremond and Huber,
 // INRIA RR-9118, 2018; the rule for a is ours.
 

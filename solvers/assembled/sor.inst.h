@@ -1,9 +1,9 @@
 // Successive over-relaxation: nonlinear Gauss-Seidel whose every move is taken `relaxation` times,
 // then projected on the cone.
 //
-// One iteration is a sweep as in nlgs. 1.2 by default: more speeds up some packings of rigid bodies
-// and breaks others; less than 1 helps some elastic ones.
-// Source: Mangasarian, JOTA 22, 1977; for friction Acary, Bremond and Huber, INRIA RR-9118, 2018.
+// One iteration is a sweep with the memory passes of nlgs. 1.2 by default: more speeds up some
+// packings of rigid bodies and breaks others; less than 1 helps some elastic ones. Source:
+// Mangasarian, JOTA 22, 1977; for friction Acary, Bremond and Huber, INRIA RR-9118, 2018.
 
 #include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/sweep_method.h"

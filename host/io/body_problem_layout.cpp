@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <span>
+#include <type_traits>
 
 #include "host/error.h"
 #include "host/io/values.h"
@@ -20,14 +22,23 @@ static_assert(sizeof(Sym3<double>) == 6 * sizeof(double));
 
 template <class T>
 std::uint64_t columns_of() {
-  return sizeof(T) == sizeof(double) ? 0 : sizeof(T) / sizeof(double);
+  if constexpr (std::is_same_v<T, double>) {
+    return 0;
+  } else {
+    return sizeof(T) / sizeof(double);
+  }
+}
+
+/// What an array with so many columns has a row; 0: one dimension.
+std::string rows_text(std::uint64_t columns) {
+  return columns == 0 ? "one dimension" : fmt::format("two dimensions, rows of {}", columns);
 }
 
 template <class T>
 void write_rows(h5::Group& group, const char* name, const std::vector<T>& rows) {
   group.write(name,
               std::span<const double>(reinterpret_cast<const double*>(rows.data()),
-                                      rows.size() * (sizeof(T) / sizeof(double))),
+                                      rows.size() * std::max<std::uint64_t>(1, columns_of<T>())),
               columns_of<T>());
 }
 
@@ -35,8 +46,8 @@ template <class T>
 std::vector<T> read_rows(const h5::Group& group, const char* name) {
   const h5::Shape shape = group.shape(name);
   if (shape.columns != columns_of<T>())
-    throw InputError(fmt::format("{} has {} columns, expected {}", name, shape.values_per_row(),
-                                 sizeof(T) / sizeof(double)));
+    throw InputError(fmt::format("{} is an array of {}, expected {}", name,
+                                 rows_text(shape.columns), rows_text(columns_of<T>())));
   const std::vector<double> values = group.read_converted<double>(name);
   std::vector<T> rows(shape.rows);
   std::copy(values.begin(), values.end(), reinterpret_cast<double*>(rows.data()));

@@ -103,9 +103,17 @@ class MatrixReader {
       refuse(
           fmt::format("p has {} values, expected {} ({} + 1)", p_.size(), outer + 1LL, outer_name));
     if (p_.front() != 0) refuse(fmt::format("p[0] is {}, expected 0", p_.front()));
-    for (std::size_t k = 1; k < p_.size(); ++k)
-      if (p_[k] < p_[k - 1] || p_[k] > max_index)
-        refuse(fmt::format("p[{}] is {}, expected {} or more (ascending)", k, p_[k], p_[k - 1]));
+    for (std::size_t k = 1; k < p_.size(); ++k) {
+      // Beyond the end and beyond what is there: this one, and not its neighbors, is wrong.
+      if (p_[k] > p_.back() && p_[k] > static_cast<std::int64_t>(i_.size()))
+        refuse(
+            fmt::format("p[{}] is {}, expected at most {} (the last of p)", k, p_[k], p_.back()));
+      if (p_[k] < p_[k - 1])
+        refuse(fmt::format("p[{}] is {} after {} in p[{}], expected ascending numbers", k, p_[k],
+                           p_[k - 1], k - 1));
+      if (p_[k] > max_index)
+        refuse(fmt::format("p[{}] is {}, expected at most {}", k, p_[k], max_index));
+    }
     const auto count = static_cast<std::size_t>(p_.back());
     require_length(i_.size(), count, "i");
     require_length(x_.size(), count, "x");

@@ -168,6 +168,12 @@ void Group::fail(const std::string& name, const std::string& what) const {
   throw Error(fmt::format("{}: {}/{}: {}", file_, path_, name, reason));
 }
 
+void Group::fail_attribute(const std::string& name, const std::string& what) const {
+  const std::string reason = what.empty() ? last_reason() : what;
+  const std::string of = path_.empty() ? "" : " of " + path_;
+  throw Error(fmt::format("{}: attribute {}{}: {}", file_, name, of, reason));
+}
+
 Shape Group::shape_for(const std::string& name, std::uint64_t count, std::uint64_t columns) const {
   if (columns == 0) return {count, 0};
   if (count % columns != 0) fail(name, fmt::format("{} values are no rows of {}", count, columns));
@@ -373,7 +379,7 @@ void Group::write_attribute_array(const std::string& name, Type type, const void
                                                           space.id(), H5P_DEFAULT, H5P_DEFAULT),
                          H5Aclose);
   if (attribute.id() < 0 || H5Awrite(attribute.id(), native(type), values) < 0)
-    fail("attribute " + name, "");
+    fail_attribute(name, "");
 }
 
 void Group::write_text_attribute(const std::string& name, const std::string& text) {
@@ -385,7 +391,7 @@ void Group::write_text_attribute(const std::string& name, const std::string& tex
       H5Acreate2(handle_.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
       H5Aclose);
   if (attribute.id() < 0 || H5Awrite(attribute.id(), type.id(), text.c_str()) < 0)
-    fail("attribute " + name, "");
+    fail_attribute(name, "");
 }
 
 bool Group::has_attribute(const std::string& name) const {
@@ -396,28 +402,28 @@ bool Group::has_attribute(const std::string& name) const {
 void Group::read_attribute_array(const std::string& name, Type type, void* out,
                                  std::uint64_t count) const {
   const Guard guard;
-  if (!has_attribute(name)) fail("attribute " + name, "no such attribute");
+  if (!has_attribute(name)) fail_attribute(name, "no such attribute");
   const Handle attribute(H5Aopen(handle_.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
   const Handle stored(H5Aget_type(attribute.id()), H5Tclose);
   const Handle space(H5Aget_space(attribute.id()), H5Sclose);
   if (!is_type(stored.id(), type))
-    fail("attribute " + name, fmt::format("expected a {}", name_of(type)));
+    fail_attribute(name, fmt::format("expected a {}", name_of(type)));
   if (H5Sget_simple_extent_npoints(space.id()) != static_cast<hssize_t>(count))
-    fail("attribute " + name, fmt::format("expected {} values", count));
-  if (H5Aread(attribute.id(), native(type), out) < 0) fail("attribute " + name, "");
+    fail_attribute(name, fmt::format("expected {} values", count));
+  if (H5Aread(attribute.id(), native(type), out) < 0) fail_attribute(name, "");
 }
 
 std::string Group::text_attribute(const std::string& name) const {
   const Guard guard;
-  if (!has_attribute(name)) fail("attribute " + name, "no such attribute");
+  if (!has_attribute(name)) fail_attribute(name, "no such attribute");
   const Handle attribute(H5Aopen(handle_.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
   const Handle type(H5Aget_type(attribute.id()), H5Tclose);
   const Handle space(H5Aget_space(attribute.id()), H5Sclose);
   if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 ||
       H5Sget_simple_extent_npoints(space.id()) != 1)
-    fail("attribute " + name, "expected a text");
+    fail_attribute(name, "expected a text");
   std::string text(H5Tget_size(type.id()), '\0');
-  if (H5Aread(attribute.id(), type.id(), text.data()) < 0) fail("attribute " + name, "");
+  if (H5Aread(attribute.id(), type.id(), text.data()) < 0) fail_attribute(name, "");
   strip_padding(&text);
   return text;
 }

@@ -156,6 +156,7 @@ class Group {
   Group(Handle handle, std::string file, std::string path);
 
   [[noreturn]] void fail(const std::string& name, const std::string& what) const;
+  [[noreturn]] void fail_attribute(const std::string& name, const std::string& what) const;
   Shape shape_for(const std::string& name, std::uint64_t count, std::uint64_t columns) const;
   Handle open_array(const std::string& name) const;
   void write_array(const std::string&, Type, const void*, Shape);

@@ -14,6 +14,7 @@
 
 #include "host/error.h"
 #include "host/io/atomic_file.h"
+#include "host/io/directory_checks.h"
 
 namespace scree {
 namespace {
@@ -88,14 +89,11 @@ OutputDirectory::OutputDirectory(fs::path path, ExistingOutput existing,
     : path_(std::move(path)), existing_(existing) {
   if (path_.empty()) throw InputError("output directory: the name is empty");
   std::error_code error;
-  const fs::file_status status = fs::status(path_, error);
-  if (status.type() == fs::file_type::none) refuse(path_, error.message());
-  if (!fs::exists(status)) {
-    if (resuming()) refuse(path_, "it does not exist, so there is no checkpoint.h5 to resume from");
-    check_parent();
-    return;
-  }
-  if (!fs::is_directory(status)) refuse(path_, "it is not a directory");
+  const bool is_new = fs::status(path_, error).type() == fs::file_type::not_found;
+  if (is_new && resuming())
+    refuse(path_, "it does not exist, so there is no checkpoint.h5 to resume from");
+  if (const std::string why = why_not_writable(path_); !why.empty()) refuse(path_, why);
+  if (is_new) return;
   check_directory();
   try {
     lock();  // refuses early; a failed constructor lets go of it below
@@ -118,22 +116,7 @@ fs::path OutputDirectory::problem(std::int64_t step) const {
   return path_ / fmt::format("problem_{}.hdf5", step);
 }
 
-/// The closest parent that exists must take a new directory.
-void OutputDirectory::check_parent() const {
-  if (fs::is_symlink(fs::symlink_status(path_))) refuse(path_, "it is a link to nowhere");
-  fs::path parent = fs::absolute(path_).lexically_normal();
-  if (!parent.has_filename()) parent = parent.parent_path();
-  do parent = parent.parent_path();
-  while (!fs::exists(parent) && parent != parent.root_path());
-  if (!fs::is_directory(parent))
-    refuse(path_, fmt::format("it cannot be created, {} is not a directory", parent.string()));
-  if (::access(parent.c_str(), W_OK | X_OK) != 0)
-    refuse(path_, fmt::format("it cannot be created in {}: {}", parent.string(), reason(errno)));
-}
-
 void OutputDirectory::check_directory() const {
-  if (::access(path_.c_str(), R_OK | W_OK | X_OK) != 0)
-    refuse(path_, fmt::format("it cannot be written: {}", reason(errno)));
   if (existing_ == ExistingOutput::refuse && !fs::is_empty(path_))
     refuse(path_,
            "it is not empty; give another name, --resume to continue the run in it, or --force "

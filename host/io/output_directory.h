@@ -58,7 +58,6 @@ class OutputDirectory {
   std::optional<Checkpoint> take_checkpoint() { return std::exchange(checkpoint_, {}); }
 
  private:
-  void check_parent() const;
   void check_directory() const;
   void lock();
   void load_checkpoint(const std::string& scene_text, const std::vector<std::string>& may_differ);

@@ -62,6 +62,17 @@ StoredProblem read_problem(const fs::path& path) try {
   refuse(path, "its arrays do not fit in memory");
 }
 
+bool may_hold_problem(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || !h5::is_hdf5(path)) return true;
+  try {
+    const h5::File file = h5::File::open(path);
+    return is_body_problem(file.root()) || is_fclib(file.root());
+  } catch (const h5::Error&) {
+    return true;
+  }
+}
+
 void write_problem(const fs::path& path, const StoredProblem& problem) {
   const bool is_global = std::holds_alternative<GlobalProblem>(problem.form);
   write_problem(path, problem, is_global ? FclibStorage::triplets : FclibStorage::rows);

@@ -15,6 +15,10 @@ namespace scree {
 ///         out of range, values that are not finite or have the wrong sign, no contacts
 StoredProblem read_problem(const std::filesystem::path& path);
 
+/// Whether a file is one that read_problem is for. False for HDF5 files of something else, as
+/// checkpoints are; true for what cannot be read, of which read_problem says why.
+bool may_hold_problem(const std::filesystem::path& path);
+
 /// Checks and writes a problem: with bodies in scree's layout, else in FCLIB's, matrices stored as
 /// that library's collection has them (local: rows, global: triplets) or as told. Replaces the file
 /// in one rename.

@@ -100,7 +100,7 @@ TEST(H5Test, MessagesNameFileObjectAndReason) {
   };
   EXPECT_EQ(message([&] { group.read<double>("y"); }), path.string() + ": /g/y: no such dataset");
   EXPECT_THAT(message([&] { group.read<float>("x"); }), HasSubstr("expected 32-bit float values"));
-  EXPECT_THAT(message([&] { group.attribute<double>("t"); }), HasSubstr("attribute t"));
+  EXPECT_THAT(message([&] { group.attribute<double>("t"); }), HasSubstr(": attribute t of /g: "));
   std::vector<double> four(4);
   EXPECT_THAT(message([&] { group.read("x", std::span<double>(four)); }),
               HasSubstr("expected at least 4 rows, found 3"));

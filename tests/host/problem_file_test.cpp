@@ -209,6 +209,37 @@ TEST_F(ProblemLayout, OfAnotherContactLayoutDatasetsAreMissing) {
       HasSubstr("body/mass: no such dataset"));
 }
 
+/// As numpy makes them of a column: one number a row, in two dimensions.
+TEST_F(ProblemLayout, ArraysOfOtherDimensionsAreRefused) {
+  const std::vector<double> numbers(6, 1.0);
+  const auto refusal_of = [&](std::uint64_t velocity_columns) {
+    h5::File file = h5::File::create(path_);
+    {
+      h5::Group root = file.root();
+      for (const auto& [name, text] :
+           {std::pair{"format", "scree contact problem"}, std::pair{"layout", "radial"},
+            std::pair{"scene", "s"}, std::pair{"program", "p"}, std::pair{"backend", "cpu"},
+            std::pair{"precision", "double"}})
+        root.write_text_attribute(name, text);
+      for (const char* name : {"format_version", "free_count", "step"})
+        root.write_attribute<std::int64_t>(name, 1);
+      for (const char* name : {"time", "time_step", "reference_speed"})
+        root.write_attribute<double>(name, 1);
+      h5::Group body = root.create_group("body");
+      const std::int32_t id = 0;
+      body.write("id", std::span<const std::int32_t>(&id, 1));
+      body.write("free_velocity", std::span<const double>(numbers), velocity_columns);
+      body.write("inv_mass", std::span<const double>(numbers.data(), 1), 1);
+    }
+    file.close();
+    return refusal([&] { read_problem(path_); });
+  };
+  EXPECT_THAT(refusal_of(0), HasSubstr("body/free_velocity is an array of one dimension, expected "
+                                       "two dimensions, rows of 6"));
+  EXPECT_THAT(refusal_of(6), HasSubstr("body/inv_mass is an array of two dimensions, rows of 1, "
+                                       "expected one dimension"));
+}
+
 TEST_F(ProblemLayout, WrongNumbersOfBodiesAreRefused) {
   EXPECT_THAT(
       refusal_after([](h5::Group& root) { root.write_attribute<std::int64_t>("free_count", -3); }),

@@ -1,0 +1,14 @@
+#pragma once
+// Whether a folder can be written to, before anything is.
+
+#include <filesystem>
+#include <string>
+
+namespace scree {
+
+/// What keeps files from being made in a folder, which is there or would be created with its
+/// parents: "it is not a directory", "it cannot be created, ... is not a directory", and so on.
+/// Empty when nothing does. Looks only.
+std::string why_not_writable(const std::filesystem::path& folder);
+
+}  // namespace scree

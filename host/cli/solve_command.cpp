@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/error.h"
+#include "host/io/directory_checks.h"
 #include "host/io/problem_file.h"
 #include "host/solve/matrix_free.h"
 #include "host/solve/solve_charts.h"
@@ -60,7 +61,10 @@ AssembledOptions solver_options(const SolveOptions& options) {
   return o;
 }
 
-/// The file, or the problem files of the folder by name.
+void note(const std::string& text) { fmt::print(stderr, "scree: {}\n", text); }
+
+/// The file, or the problem files of the folder by name. HDF5 files of something else, which a run
+/// leaves beside its problems, are noted and skipped.
 std::vector<fs::path> problem_files(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
@@ -75,6 +79,16 @@ std::vector<fs::path> problem_files(const fs::path& path) {
     throw InputError(
         fmt::format("{}: holds no problem files, expected *.hdf5 or *.h5", path.string()));
   std::sort(files.begin(), files.end());
+  std::vector<std::string> others;
+  std::erase_if(files, [&](const fs::path& file) {
+    if (may_hold_problem(file)) return false;
+    others.push_back(file.filename().string());
+    return true;
+  });
+  if (files.empty())
+    throw InputError(fmt::format("{}: holds no problem files: none is in {}", path.string(),
+                                 fmt::join(others, ", ")));
+  if (!others.empty()) note(fmt::format("skipped, no problems: {}", fmt::join(others, ", ")));
   return files;
 }
 
@@ -108,15 +122,50 @@ std::vector<std::string> solvers_of(const SolveOptions& options, bool cuda) {
   return names;
 }
 
-/// Results are not mixed with those of before, nor with anything else.
+/// Refuses options that would change nothing, and notes those that do for some solvers only. `all`
+/// means those that can.
+void check_use(const SolveOptions& options, const std::vector<std::string>& solvers, bool cuda) {
+  if (options.matrix_free) {
+    if (!options.reference.empty())
+      throw InputError("--reference: not together with --matrix-free");
+    if (options.relaxation > 0) throw InputError("--relaxation: not together with --matrix-free");
+    if (options.check_every > 0) throw InputError("--check-every: not together with --matrix-free");
+    return;
+  }
+  const auto without = [&](const std::vector<std::string>& able) {
+    std::vector<std::string> rest = solvers;
+    std::erase_if(rest, [&](const std::string& name) {
+      return std::find(able.begin(), able.end(), name) != able.end();
+    });
+    return rest;
+  };
+  if (options.relaxation > 0) {
+    const std::vector<std::string> able = with_relaxation(solvers);
+    if (able.empty())
+      throw InputError(fmt::format("--relaxation: {} has none; solvers that have one: {}",
+                                   fmt::join(solvers, ", "),
+                                   fmt::join(with_relaxation(assembled_solver_names()), ", ")));
+    if (options.solver != "all" && able.size() < solvers.size())
+      note(fmt::format("--relaxation: not of {}", fmt::join(without(able), ", ")));
+  }
+  if (options.target.threads > 1 && options.solver != "all") {
+    const std::vector<std::string> one_thread = cuda ? solvers : without_cuda_form(solvers);
+    if (!one_thread.empty())
+      note(fmt::format("--threads: not of {}{}", fmt::join(one_thread, ", "),
+                       cuda ? " on cuda" : ", which take one"));
+  }
+}
+
+/// Results are not mixed with those of before, nor with anything else, and have a place to go.
 void require_free(const fs::path& out, bool force) {
+  if (out.empty()) return;
+  for (const fs::path& folder : {out, out / "curves"})
+    if (const std::string why = why_not_writable(folder); !why.empty())
+      throw InputError(fmt::format("--out {}: {}", folder.string(), why));
   std::error_code error;
-  if (out.empty() || !fs::exists(out, error)) return;
-  if (!fs::is_directory(out, error))
-    throw InputError(fmt::format("--out {}: is not a directory", out.string()));
-  if (!force && !fs::is_empty(out, error))
+  if (!force && fs::exists(out, error) && !fs::is_empty(out, error))
     throw InputError(
-        fmt::format("--out {}: is not empty; add --force to write into it", out.string()));
+        fmt::format("--out {}: it is not empty; add --force to write into it", out.string()));
 }
 
 }  // namespace
@@ -147,7 +196,9 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
       ->add_option("--check-every", options.check_every,
                    "iterations between looks at the residual (default: each solver's own)")
       ->take_last();
-  command->add_option("--relaxation", options.relaxation, "of sor and jacobi (default: their own)")
+  command
+      ->add_option("--relaxation", options.relaxation,
+                   "of sor, jacobi, admm and pgs_... (default: their own)")
       ->take_last();
   command->add_flag("--matrix-free", options.matrix_free,
                     "solvers of simulation steps, for problems with bodies");
@@ -172,8 +223,8 @@ int solve_problems(const SolveOptions& options) {
   const WorldOptions world = target_options(options);
   const bool cuda = world.backend == BackendKind::cuda;
   const std::vector<std::string> solvers = solvers_of(options, cuda);
+  check_use(options, solvers, cuda);
   if (!options.reference.empty()) {
-    if (matrix_free) throw InputError("--reference: not together with --matrix-free");
     if (parse_solver_list(options.reference).size() != 1)
       throw InputError("--reference: expected one solver");
   }
@@ -197,6 +248,8 @@ int solve_problems(const SolveOptions& options) {
       bodies.push_back(*with_bodies);
     }
     const ReadyProblem& p = problems.back();
+    if (options.warm_start && p.guess.empty())
+      note(fmt::format("--warm-start: {} holds no guess, from zero then", file.string()));
     reports.push_back(
         {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}, {}});
   }
@@ -215,8 +268,8 @@ int solve_problems(const SolveOptions& options) {
   if (options.json) fmt::print("{}\n", to_json(reports, common).dump(2));
   if (!options.out.empty()) {
     write_reports(options.out, reports, common);
-    const std::string note = write_charts(options.out, reports);
-    if (!note.empty()) fmt::print(stderr, "scree: {}\n", note);
+    const std::string missing = write_charts(options.out, reports);
+    if (!missing.empty()) note(missing);
   }
   return 0;
 }

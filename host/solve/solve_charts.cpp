@@ -77,6 +77,7 @@ Figure profile_figure(const PerformanceProfile& profile, const std::string& cost
   Chart chart{{fmt::format("{0} over {0} of the best solver", cost)},
               {"share of problems solved", false},
               {}};
+  const double end = std::max(10.0, profile.ratio.back());  // one solver alone never steps
   for (std::size_t s = 0; s < profile.solvers.size(); ++s) {
     Line line{profile.solvers[s], {}, {}};
     for (std::size_t k = 0; k < profile.ratio.size(); ++k) {
@@ -87,6 +88,8 @@ Figure profile_figure(const PerformanceProfile& profile, const std::string& cost
       line.x.push_back(profile.ratio[k]);
       line.y.push_back(profile.share[k][s]);
     }
+    line.x.push_back(end);
+    line.y.push_back(profile.share.back()[s]);
     chart.lines.push_back(std::move(line));
   }
   return {"Performance profile", 1, {chart}};

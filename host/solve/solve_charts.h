@@ -15,7 +15,8 @@ namespace scree {
 /// state, each over iterations, applications and seconds.
 Figure curves_figure(const ProblemReport& report);
 
-/// Shares of problems solved, as steps. @param cost  what the ratios are of, for instance "seconds"
+/// Shares of problems solved, as steps, up to ten times the best at least. @param cost  what the
+/// ratios are of, for instance "seconds"
 Figure profile_figure(const PerformanceProfile& profile, const std::string& cost);
 
 /// Writes curves_<problem>.png and, for several problems, profile_seconds.png and

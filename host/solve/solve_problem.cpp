@@ -89,6 +89,13 @@ std::vector<std::string> without_cuda_form(const std::vector<std::string>& names
   return rest;
 }
 
+std::vector<std::string> with_relaxation(const std::vector<std::string>& names) {
+  std::vector<std::string> rest = names;
+  std::erase_if(
+      rest, [](const std::string& name) { return !make_assembled_solver(name)->traits().relaxes; });
+  return rest;
+}
+
 std::vector<std::string> parse_solver_list(const std::string& list,
                                            const std::vector<std::string>& known) {
   if (list == "all") return known;
@@ -100,7 +107,7 @@ std::vector<std::string> parse_solver_list(const std::string& list,
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw InputError(fmt::format("--solver: \"{}\" is not a solver; expected all, or of {}", name,
                                    fmt::join(known, ", ")));
-    names.push_back(name);
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     if (comma == list.size()) return names;
     start = comma + 1;
   }

@@ -57,7 +57,10 @@ std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
 /// Those of the names that make_assembled_solver does not know for CUDA.
 std::vector<std::string> without_cuda_form(const std::vector<std::string>& names);
 
-/// Names of a comma-separated list; "all" stands for every known solver.
+/// Those of the names whose method has a relaxation.
+std::vector<std::string> with_relaxation(const std::vector<std::string>& names);
+
+/// Names of a comma-separated list, each once; "all" stands for every known solver.
 /// @throws InputError naming a name that is unknown or empty, and the known ones
 std::vector<std::string> parse_solver_list(
     const std::string& list, const std::vector<std::string>& known = assembled_solver_names());

@@ -24,8 +24,10 @@ constexpr double over_relaxation = 1.6;
 class Admm final : public AssembledSolver {
  public:
   AssembledTraits traits() const override {
-    return {"admm", "alternating directions, sparse Cholesky, balanced penalty", false, true, 50000,
-            10};
+    return {"admm", "alternating directions, sparse Cholesky, balanced penalty",
+            false,  true,
+            50000,  10,
+            "cone", true};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

@@ -30,6 +30,7 @@ struct AssembledTraits {
   /// Set of tangential impulses that a contact may have. Where it is not the disk of the cone, the
   /// method solves another law: its residual, which is that of the cone, does not go to zero.
   std::string friction = "cone";
+  bool relaxes = false;  ///< whether AssembledOptions::relaxation changes what it does
 };
 
 class AssembledSolver {

@@ -57,7 +57,10 @@ class Jacobi final : public BackendSolver<BuildBackend> {
   using BackendSolver::BackendSolver;
 
   AssembledTraits traits() const override {
-    return {"jacobi", "projected Jacobi, steps bounded by block row sums", true, true, 20000, 10};
+    return {"jacobi", "projected Jacobi, steps bounded by block row sums",
+            true,     true,
+            20000,    10,
+            "cone",   true};
   }
 
   void run(const AssembledProblem& problem, const AssembledOptions& o,

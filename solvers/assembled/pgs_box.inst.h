@@ -18,9 +18,10 @@ class PgsBox final : public BackendSolver<BuildBackend> {
   using BackendSolver::BackendSolver;
 
   AssembledTraits traits() const override {
-    return {
-        "pgs_box", "projected Gauss-Seidel on box friction, coupled bounds", true, false, 20000, 10,
-        "box"};
+    return {"pgs_box", "projected Gauss-Seidel on box friction, coupled bounds",
+            true,      false,
+            20000,     10,
+            "box",     true};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

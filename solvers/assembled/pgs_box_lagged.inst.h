@@ -21,7 +21,8 @@ class PgsBoxLagged final : public BackendSolver<BuildBackend> {
             false,
             20000,
             10,
-            "box"};
+            "box",
+            true};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

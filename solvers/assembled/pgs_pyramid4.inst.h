@@ -19,8 +19,14 @@ class PgsPyramid4 final : public BackendSolver<BuildBackend> {
   using BackendSolver::BackendSolver;
 
   AssembledTraits traits() const override {
-    return {"pgs_pyramid4",   "projected Gauss-Seidel on 4-sided pyramids", true, true, 20000, 10,
-            "4-sided pyramid"};
+    return {"pgs_pyramid4",
+            "projected Gauss-Seidel on 4-sided pyramids",
+            true,
+            true,
+            20000,
+            10,
+            "4-sided pyramid",
+            true};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

@@ -19,8 +19,14 @@ class PgsPyramid8 final : public BackendSolver<BuildBackend> {
   using BackendSolver::BackendSolver;
 
   AssembledTraits traits() const override {
-    return {"pgs_pyramid8",   "projected Gauss-Seidel on 8-sided pyramids", true, true, 20000, 10,
-            "8-sided pyramid"};
+    return {"pgs_pyramid8",
+            "projected Gauss-Seidel on 8-sided pyramids",
+            true,
+            true,
+            20000,
+            10,
+            "8-sided pyramid",
+            true};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

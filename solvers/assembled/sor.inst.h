@@ -16,7 +16,7 @@ class Sor final : public BackendSolver<BuildBackend> {
   using BackendSolver::BackendSolver;
 
   AssembledTraits traits() const override {
-    return {"sor", "over-relaxed nonlinear Gauss-Seidel", true, true, 20000, 10};
+    return {"sor", "over-relaxed nonlinear Gauss-Seidel", true, true, 20000, 10, "cone", true};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

@@ -253,6 +253,78 @@ TEST(CliSolve, NoSolutionIsAStatus) {
     EXPECT_EQ(run.at("status"), "no solution") << run.dump(1);
 }
 
+/// The words are in what is said on the error stream, and nothing of it is an error.
+void expect_note(const Scratch& scratch, const Arguments& arguments,
+                 const std::vector<std::string>& words) {
+  const Result result = scree(scratch, arguments);
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(line_count(result.err), words.empty() ? 0u : 1u) << result.err;
+  for (const std::string& word : words)
+    EXPECT_NE(result.err.find(word), std::string::npos) << word << " in " << result.err;
+}
+
+TEST(CliSolve, SaysWhichSolversAnOptionIsNotOf) {
+  const Scratch scratch;
+  const std::string file = put_problem(scratch / "a.hdf5", simple_problem(3, 4)).string();
+  expect_note(scratch, {"solve", file, "--relaxation", "1.1", "--solver", "sor,nlgs,apgd"},
+              {"--relaxation", "nlgs, apgd"});
+  expect_note(scratch, {"solve", file, "--relaxation", "1.1", "--solver", "jacobi,admm"}, {});
+  expect_note(scratch, {"solve", file, "--relaxation", "1.1", "--solver", "all"}, {});
+  expect_note(scratch, {"solve", file, "--threads", "2", "--solver", "nlgs,newton"},
+              {"--threads", "newton, which take one"});
+  expect_note(scratch, {"solve", file, "--threads", "2", "--solver", "nlgs"}, {});
+  expect_note(scratch, {"solve", file, "--warm-start"}, {"--warm-start", "a.hdf5", "no guess"});
+}
+
+TEST(CliSolve, ASolverNamedTwiceRunsOnce) {
+  const Scratch scratch;
+  const fs::path file = put_problem(scratch / "a.hdf5", simple_problem(3, 4));
+  const json out = solve_json(scratch, {file.string(), "--solver", "nlgs,sor,nlgs"});
+  const json& runs = out.at("problems").at(0).at("runs");
+  ASSERT_EQ(runs.size(), 2u);
+  EXPECT_EQ(runs.at(0).at("solver"), "nlgs");
+  EXPECT_EQ(runs.at(1).at("solver"), "sor");
+}
+
+/// The folder of a run holds a checkpoint beside its problems.
+TEST(CliSolve, SolvesTheProblemsOfARunsFolder) {
+  const Scratch scratch;
+  const fs::path scene = put_scene(scratch, small_scene());
+  ASSERT_EQ(scree(scratch,
+                  run_arguments(scene, scratch / "a",
+                                {"--steps", "12", "--dump-problem", "11", "--dump-problem", "12"}))
+                .code,
+            0);
+  ASSERT_TRUE(fs::exists(scratch / "a/checkpoint.h5"));
+  const Result result = scree(scratch, {"solve", (scratch / "a").string(), "--solver", "nlgs"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("2 problems"), std::string::npos) << result.out;
+  EXPECT_EQ(line_count(result.err), 1u) << result.err;
+  EXPECT_NE(result.err.find("checkpoint.h5"), std::string::npos) << result.err;
+  for (const char* problem : {"a/problem_11.hdf5", "a/problem_12.hdf5"})
+    fs::remove(scratch / problem);
+  const Result none = scree(scratch, {"solve", (scratch / "a").string()});
+  EXPECT_EQ(none.code, 2);
+  EXPECT_EQ(line_count(none.err), 1u) << none.err;
+  EXPECT_NE(none.err.find("no problem files"), std::string::npos) << none.err;
+}
+
+/// Known before anything is solved.
+TEST(CliSolve, AnOutputFolderThatCannotBeMadeIsRefused) {
+  const Scratch scratch;
+  const std::string file = put_problem(scratch / "a.hdf5", simple_problem(3, 4)).string();
+  put(scratch / "afile", "mine");
+  fs::create_directories(scratch / "results");
+  put(scratch / "results/curves", "mine too");
+  for (const char* out : {"afile", "afile/b", "afile/b/c", "results"}) {
+    const Result result = scree(scratch, {"solve", file, "--force", "--out", out});
+    EXPECT_EQ(result.code, 2) << out;
+    EXPECT_EQ(result.out, "") << out;
+    EXPECT_EQ(line_count(result.err), 1u) << result.err;
+    EXPECT_NE(result.err.find("not a directory"), std::string::npos) << result.err;
+  }
+}
+
 struct BadUse {
   std::string name;
   Arguments arguments;
@@ -311,6 +383,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadUse{"ReferenceOfBodies",
                {"good.hdf5", "--reference", "nlgs", "--matrix-free"},
                {"--reference", "--matrix-free"}},
+        BadUse{"RelaxationOfNone",
+               {"good.hdf5", "--solver", "nlgs,newton", "--relaxation", "1.1"},
+               {"--relaxation", "nlgs, newton", "sor"}},
+        BadUse{"RelaxationOfBodies",
+               {"good.hdf5", "--relaxation", "1.1", "--matrix-free"},
+               {"--relaxation", "--matrix-free"}},
+        BadUse{"ChecksOfBodies",
+               {"good.hdf5", "--check-every", "2", "--matrix-free"},
+               {"--check-every", "--matrix-free"}},
         BadUse{"NoProblem", {}, {"problem"}}),
     [](const auto& info) { return info.param.name; });
 

@@ -321,8 +321,12 @@ TEST(SolveCharts, ProfilesAreSteps) {
   const Figure figure = profile_figure(profile, "seconds");
   ASSERT_EQ(figure.charts.size(), 1u);
   EXPECT_EQ(figure.charts[0].x.label, "seconds over seconds of the best solver");
-  EXPECT_EQ(figure.charts[0].lines[0].x, (std::vector<double>{1, 4, 4}));
-  EXPECT_EQ(figure.charts[0].lines[0].y, (std::vector<double>{0.5, 0.5, 1}));
+  EXPECT_EQ(figure.charts[0].lines[0].x, (std::vector<double>{1, 4, 4, 10}));
+  EXPECT_EQ(figure.charts[0].lines[0].y, (std::vector<double>{0.5, 0.5, 1, 1}));
+  // A solver alone is the best one everywhere.
+  const Figure alone = profile_figure({{"a"}, {1}, {{0.5}}}, "seconds");
+  EXPECT_EQ(alone.charts[0].lines[0].x, (std::vector<double>{1, 10}));
+  EXPECT_EQ(alone.charts[0].lines[0].y, (std::vector<double>{0.5, 0.5}));
 }
 
 }  // namespace

@@ -53,6 +53,10 @@ AxisScale::AxisScale(const Axis& axis, const std::vector<double>& values)
     make_decades(static_cast<int>(std::ceil((last_ - first_) / kMostTicks)));
   } else {
     if (is_empty) least = 0, largest = 1;
+    if (!(least < largest)) {  // one value, which has no size but its own
+      (least < 0 ? largest : least) = 0;
+      if (!(least < largest)) largest = 1;
+    }
     const double size = std::max({std::abs(least), std::abs(largest), 1e-300});
     const double step = round_step(std::max((largest - least) / kMostTicks, 1e-9 * size));
     first_ = step * std::floor(least / step + 1e-9);

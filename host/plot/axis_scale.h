@@ -16,8 +16,9 @@ class AxisScale {
   };
 
   /// Takes in all values: a logarithmic axis from the least to the largest, or the decades around
-  /// them where that is less than one; a linear one from tick to tick. Those that are not finite
-  /// are skipped; without any value a logarithmic axis is [1, 10] and a linear one [0, 1].
+  /// them where that is less than one; a linear one from tick to tick, and zero where there is one
+  /// value only. Those that are not finite are skipped; without any value a logarithmic axis is
+  /// [1, 10] and a linear one [0, 1].
   AxisScale(const Axis& axis, const std::vector<double>& values);
 
   /// Place of a finite value, in [0, 1].

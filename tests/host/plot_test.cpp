@@ -65,6 +65,15 @@ TEST(AxisScale, LinearTicksAreRound) {
             (std::vector<std::string>{"-3", "-2", "-1", "0", "1", "2", "3", "4"}));
 }
 
+TEST(AxisScale, OneValueOfALinearAxisStandsAgainstZero) {
+  EXPECT_EQ(labels(AxisScale({"x", false}, {1, 1})),
+            (std::vector<std::string>{"0", "0.2", "0.4", "0.6", "0.8", "1"}));
+  const AxisScale negative({"x", false}, {-2});
+  EXPECT_EQ(negative.place(-2), 0);
+  EXPECT_EQ(negative.place(0), 1);
+  EXPECT_EQ(labels(AxisScale({"x", false}, {0})).back(), "1");
+}
+
 TEST(AxisScale, ValuesThatAreNotFiniteAreSkipped) {
   const AxisScale scale({"x", false}, {kNan, 1, kInfinity, 2, -kInfinity});
   EXPECT_EQ(scale.place(1), 0);

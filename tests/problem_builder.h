@@ -80,6 +80,7 @@ struct RandomProblem {
   unsigned seed = 1;
   bool has_adhesion = false;
   double mu_max = 1.0;
+  int hub_contacts = 0;  ///< so many of them are with one free body
 };
 
 /// Random bodies and contacts. A velocity strictly inside all dual cones exists by construction, so
@@ -121,8 +122,10 @@ inline PlainProblem random_problem(const RandomProblem& options) {
     if (!radial || i < options.free_count) bodies[i].angular_velocity = 0.5 * vector();
   }
   while (p.contact_count() < options.contact_count) {
-    const int a = static_cast<int>(unit(generator) * options.free_count);
-    const int b = static_cast<int>(unit(generator) * body_count);
+    int a = static_cast<int>(unit(generator) * options.free_count);
+    int b = static_cast<int>(unit(generator) * body_count);
+    const int hub = options.free_count / 2;
+    if (p.contact_count() < options.hub_contacts) (a < hub ? b : a) = hub;
     if (a >= b) continue;
     oracle::Contact& c =
         p.add_radial_contact(a, b, vector().normalized(), options.mu_max * unit(generator));

@@ -6,7 +6,8 @@
 // gather from there. Only contacts with bodies outside the tile go through global memory: as B of a
 // lower body, whose tile has its contact step in the same round or an earlier one. So the body pass
 // of a round runs after the contact step of the next one, when that of its own round is done
-// everywhere, and seldom waits. At the end of a trial the blocks meet, one adds up the sums in
+// everywhere, and seldom waits. A large body among small ones has thousands of contacts, which all
+// threads of a warp sum up. At the end of a trial the blocks meet, one adds up the sums in
 // block order and decides, and the next trial begins without a launch.
 //
 // Bytes from memory per contact (float, alike bodies): normal and bias 16, ids 8, two impulses 24,
@@ -28,6 +29,7 @@ inline constexpr int kBlocks = 4;              ///< wanted on a multiprocessor
 inline constexpr int kStaged =
     640;                           ///< contacts of a tile kept in shared memory, two tiles a block
 inline constexpr int kAtOnce = 4;  ///< contacts of a body as B that are fetched together
+inline constexpr Index kLongList = 96;  ///< contacts of a body that one thread sums up, at most
 
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
@@ -77,45 +79,117 @@ __device__ void step_contacts(const RadialPasses<Real>& a,
   }
 }
 
-/// Body pass of a tile, one body a thread.
+/// Sum of a body's contacts: force and torque.
+template <class Real>
+struct Wrench {
+  Vec3<Real> force, torque;
+
+  __device__ void add_as_a(const typename Tile<Real>::Pull& pull) {
+    force -= pull.impulse;
+    torque += cross(pull.impulse, pull.normal);
+  }
+  __device__ void add_as_b(const typename Tile<Real>::Pull& pull) {
+    force += pull.impulse;
+    torque += cross(pull.impulse, pull.normal);
+  }
+  /// Sum over the warp, the same bits in every lane.
+  __device__ void add_over_warp() {
+#pragma unroll
+    for (int step = 16; step > 0; step /= 2) {
+#pragma unroll
+      for (int k = 0; k < 3; ++k) {
+        force[k] += __shfl_xor_sync(0xffffffffu, force[k], step);
+        torque[k] += __shfl_xor_sync(0xffffffffu, torque[k], step);
+      }
+    }
+  }
+};
+
+/// Gathers what contacts of one tile exert.
+template <class Real>
+class Gather {
+ public:
+  __device__ Gather(const RadialPasses<Real>& a, TileRange range, const Tile<Real>& tile)
+      : p_(a.p), gamma_(a.gamma.next(a.state->accepted).data), first_(range.first), tile_(tile) {}
+
+  __device__ Index count(Index i) const {
+    return p_.a_start[i + 1] - p_.a_start[i] + p_.b_start[i + 1] - p_.b_start[i];
+  }
+  /// All contacts of a body, by one thread.
+  __device__ Wrench<Real> by_thread(Index i) const {
+    Wrench<Real> sum;
+    for (Index c = p_.a_start[i], end = p_.a_start[i + 1]; c < end; ++c) sum.add_as_a(of_tile(c));
+    // Several at a time: a list of three or four would wait for memory twice at each.
+    for (Index at = p_.b_start[i], end = p_.b_start[i + 1]; at < end; at += kAtOnce) {
+      Index c[kAtOnce];
+#pragma unroll
+      for (int j = 0; j < kAtOnce; ++j) c[j] = at + j < end ? p_.b_contact[at + j] : -1;
+      Pull pulls[kAtOnce];
+#pragma unroll
+      for (int j = 0; j < kAtOnce; ++j) {
+        if (c[j] >= 0) pulls[j] = of_any(c[j]);
+      }
+#pragma unroll
+      for (int j = 0; j < kAtOnce; ++j) sum.add_as_b(pulls[j]);
+    }
+    return sum;
+  }
+  /// The same by a warp; every lane gets the sum.
+  __device__ Wrench<Real> by_warp(Index i) const {
+    const auto lane = static_cast<Index>(threadIdx.x % 32);
+    Wrench<Real> sum;
+    for (Index c = p_.a_start[i] + lane, end = p_.a_start[i + 1]; c < end; c += 32)
+      sum.add_as_a(of_tile(c));
+    for (Index at = p_.b_start[i] + lane, end = p_.b_start[i + 1]; at < end; at += 32)
+      sum.add_as_b(of_any(p_.b_contact[at]));
+    sum.add_over_warp();
+    return sum;
+  }
+
+ private:
+  using Pull = typename Tile<Real>::Pull;
+
+  /// Of a contact of the tile, nearly always in shared memory.
+  __device__ Pull of_tile(Index c) const {
+    const Index slot = c - first_;
+    if (slot < kStaged) return tile_.pull[slot];
+    return {gamma_[c], p_.normal[c]};
+  }
+  /// Of any contact: one kind of load, so that several can be under way.
+  __device__ Pull of_any(Index c) const {
+    const unsigned slot = static_cast<unsigned>(c - first_);
+    return {*(slot < kStaged ? &tile_.pull[slot].impulse : gamma_ + c),
+            *(slot < kStaged ? &tile_.pull[slot].normal : p_.normal.data + c)};
+  }
+
+  const ContactProblem<Real>& p_;
+  const Vec3<Real>* const gamma_;
+  const Index first_;
+  const Tile<Real>& tile_;
+};
+
+/// Body pass of a tile, one body a thread; a body with many contacts is summed up by its warp.
 template <class Real>
 __device__ void step_bodies(const RadialPasses<Real>& a, TileRange range, const Tile<Real>& tile,
                             Sums<3>& sums) {
-  const Index i = range.begin + static_cast<Index>(threadIdx.x);
-  if (i >= range.end) return;
   using R = RadialRows<Real>;
+  const Index i = range.begin + static_cast<Index>(threadIdx.x);
+  const bool is_there = i < range.end;
+  const Gather<Real> gather(a, range, tile);
+  const bool is_long = is_there && gather.count(i) > kLongList;
+  Wrench<Real> wrench;
+  if (is_there && !is_long) wrench = gather.by_thread(i);
+  for (unsigned left = __ballot_sync(0xffffffffu, is_long); left != 0; left &= left - 1) {
+    const int of = __ffs(static_cast<int>(left)) - 1;
+    const auto lane = static_cast<int>(threadIdx.x % 32);
+    const Wrench<Real> sum = gather.by_warp(i - lane + of);
+    if (lane == of) wrench = sum;
+  }
+  if (!is_there) return;
   const ApgdState& s = *a.state;
   const Index k = s.accepted;
-  const Vec3<Real>* const gamma = a.gamma.next(k).data;
-  Vec3<Real> force, torque;
-  for (Index c = a.p.a_start[i], end = a.p.a_start[i + 1]; c < end; ++c) {
-    const Index slot = c - range.first;
-    const Vec3<Real> g = slot < kStaged ? tile.pull[slot].impulse : gamma[c];
-    const Vec3<Real> n = slot < kStaged ? tile.pull[slot].normal : a.p.normal[c];
-    force -= g;
-    torque += cross(g, n);
-  }
-  // Several at a time: a list of three or four would wait for memory twice at each.
-  for (Index at = a.p.b_start[i], end = a.p.b_start[i + 1]; at < end; at += kAtOnce) {
-    Index c[kAtOnce];
-#pragma unroll
-    for (int j = 0; j < kAtOnce; ++j) c[j] = at + j < end ? a.p.b_contact[at + j] : -1;
-    Vec3<Real> g[kAtOnce], n[kAtOnce];
-#pragma unroll
-    for (int j = 0; j < kAtOnce; ++j) {
-      if (c[j] < 0) continue;
-      const unsigned slot = static_cast<unsigned>(c[j] - range.first);
-      g[j] = *(slot < kStaged ? &tile.pull[slot].impulse : gamma + c[j]);
-      n[j] = *(slot < kStaged ? &tile.pull[slot].normal : a.p.normal.data + c[j]);
-    }
-#pragma unroll
-    for (int j = 0; j < kAtOnce; ++j) {
-      force += g[j];
-      torque += cross(g[j], n[j]);
-    }
-  }
-  const Twist<Real> next =
-      a.p.free_velocity[i] + R::apply_inverse_mass(a.p, i, Twist<Real>{force, torque});
+  const Twist<Real> next = a.p.free_velocity[i] +
+                           R::apply_inverse_mass(a.p, i, Twist<Real>{wrench.force, wrench.torque});
   const Twist<Real> momentum = static_cast<Real>(s.next_beta) * (next - a.velocity.current(s)[i]);
   a.velocity.iterate(k + 1)[i] = next;
   a.velocity.extrapolated(k + 1)[i] = next + momentum;

@@ -102,6 +102,14 @@ TYPED_TEST(ApgdIterationTest, MatchesWithManyContactsABody) {
   EXPECT_GT(this->expect_match(buffers.problem()), 10);
 }
 
+/// A large body among small ones.
+TYPED_TEST(ApgdIterationTest, MatchesWithABodyOfThousandsOfContacts) {
+  const PlainProblem plain =
+      random_problem({.free_count = 3000, .contact_count = 9000, .seed = 6, .hub_contacts = 4000});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
 /// More tiles than a device works on at a time.
 TYPED_TEST(ApgdIterationTest, MatchesOverManyRounds) {
   if (!TestBackend::kIsDevice) GTEST_SKIP() << "the CPU has no tuned twin";

@@ -110,6 +110,7 @@ class EngineOf final : public Engine {
                         periodic_box()},
         StoreResult<IntegrateSums>{integrate_sums_.data()});
     const IntegrateSums moved = fetch(b, integrate_sums_.data());
+    solver_->forget_velocity();  // in favor of the next search for contacts
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
     detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
     if (solver_->keeps_marks()) detector_.keep_marks(std::move(mark));

@@ -11,10 +11,14 @@
 namespace scree {
 namespace {
 
-/// Contacts a sphere has in a dense bed, listed ones that do not touch included; and near pairs for
-/// each of them, at the default skin.
-constexpr double kContactsPerBody = 3.2;
-constexpr double kPairsPerContact = 1.35;
+/// Contacts a sphere has in a bed that has settled, listed ones that do not touch included.
+constexpr double kContacts = 3.3;
+/// Near pairs of a body there, at the default skin and stretched as lists are while a bed settles:
+/// of spheres about alike, and of diameters that differ several times.
+constexpr double kPairs = 5.5;
+constexpr double kPairsOfMixed = 11;
+/// Largest over median diameter from which bodies count as mixed.
+constexpr double kMixed = 2;
 
 /// Bytes for each body and for each contact.
 struct Bytes {
@@ -37,7 +41,10 @@ struct Sizes {
         impulse(vectors_per_contact(summary.layout) * vec),
         radial(summary.layout == ContactLayout::radial),
         alike(radial && summary.solid_spheres),
-        device_spheres(radial && options.backend == BackendKind::cuda) {}
+        device_spheres(radial && options.backend == BackendKind::cuda),
+        marks(scene_.solver.name == "gauss_seidel_colored" ? 4 : 0),
+        pairs(summary.largest_diameter > kMixed * summary.median_diameter ? kPairsOfMixed
+                                                                          : kPairs) {}
   const Scene& scene;
   SceneSummary summary;
   SharedConstants shared;
@@ -45,6 +52,8 @@ struct Sizes {
   bool radial;
   bool alike;           ///< free velocities and inverse masses come from the state
   bool device_spheres;  ///< tuned programs run
+  double marks;         ///< what the solver leaves at a contact
+  double pairs;         ///< near pairs of a body
 };
 
 /// Position, orientation, rates, id, and the constants that are not shared.
@@ -60,10 +69,14 @@ double state_of_body(const Sizes& s) {
   return bytes;
 }
 
-/// Contacts as collision detection leaves them: ids, normal, gap, arms; key and impulse.
-double contact_set(const Sizes& s) {
-  return 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + 8 + s.impulse;
-}
+/// Contacts as collision detection leaves them: ids, normal, gap, arms; key.
+double contact_set(const Sizes& s) { return 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + 8; }
+
+/// What is remembered of a contact of the last step: key, impulse and mark.
+double warm_start(const Sizes& s) { return 8 + s.impulse + s.marks; }
+
+/// List of near pairs, of a body.
+double near_pair_list(const Sizes& s) { return 24 + 4.25 * s.pairs; }
 
 /// Lists of the contacts of a body, and what the state cannot give.
 Bytes problem(const Sizes& s) {
@@ -82,16 +95,18 @@ Bytes problem(const Sizes& s) {
   return bytes;
 }
 
+/// Velocities that a solver returns, and its working memory at the fullest.
 Bytes solver(const Sizes& s) {
   const double weights = 3 * s.real;
   Bytes bytes{s.twist, weights};  // Jacobi, Gauss-Seidel
   if (s.scene.solver.name == "apgd") {
+    // The other iterate and, once half of the iterations allowed are done, the best one.
     const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
-    bytes = {4 * s.twist, s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
+    bytes = {4 * s.twist, 2 * s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
   } else if (s.scene.solver.name == "gauss_seidel_colored") {
-    // Contacts in the order of colors, their marks, and the memory of a coloring from scratch.
-    const double ordered = 8 + s.vec + 3 * s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;
-    bytes = bytes + Bytes{72, ordered + 4 + 48};
+    // Contacts in the order of colors, and the memory of their coloring.
+    const double ordered = 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;
+    bytes = bytes + Bytes{72, ordered + 36};
   }
   if (s.scene.solver.name == "schwarz") {
     // The iterate before; tiles, their neighbors and links; without tuned programs also the order,
@@ -102,10 +117,27 @@ Bytes solver(const Sizes& s) {
   return bytes;
 }
 
+/// A body and its contacts while contacts are looked for: those of the last step are remembered,
+/// and what is noted of pairs and margins are there too.
+double in_collision(const Sizes& s) {
+  return state_of_body(s) + near_pair_list(s) + 8 * s.pairs + 12 +
+         kContacts * (warm_start(s) + contact_set(s) + 8);
+}
+
+/// The same when impulses of the last step go to the present contacts.
+double in_warm_start(const Sizes& s, bool near_pairs) {
+  return state_of_body(s) + (near_pairs ? near_pair_list(s) : 0) +
+         kContacts * (warm_start(s) + contact_set(s) + s.impulse + s.marks);
+}
+
+double in_solver(const Sizes& s, bool near_pairs) {
+  const Bytes bytes =
+      Bytes{state_of_body(s), contact_set(s) + s.impulse + s.marks} + problem(s) + solver(s);
+  return bytes.body + (near_pairs ? near_pair_list(s) : 0) + kContacts * bytes.contact;
+}
+
 double bytes_per_body(const Sizes& s, bool near_pairs) {
-  const Bytes bytes = Bytes{state_of_body(s), contact_set(s)} + problem(s) + solver(s);
-  const double list = 24 + 4.25 * kPairsPerContact * kContactsPerBody;
-  return bytes.body + kContactsPerBody * bytes.contact + (near_pairs ? list : 0);
+  return std::max({in_collision(s), in_warm_start(s, near_pairs), in_solver(s, near_pairs)});
 }
 
 double body_count(const SceneSummary& s) {

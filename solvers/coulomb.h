@@ -99,6 +99,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
       const SolveStats inner =
           inner_->solve(b, shifted, gamma, tolerance > 0 ? inner_tolerance : 0);
       copy(b, inner_->velocity(), velocity);
+      inner_->forget_velocity();
       stats.iterations += inner.iterations;
       stats.applications += inner.applications;
       stats.colors = inner.colors;

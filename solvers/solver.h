@@ -84,10 +84,14 @@ class Solver {
   virtual SolveStats solve(B& backend, const ContactProblem<Real>& problem, Span<Vec3<Real>> gamma,
                            double tolerance) = 0;
 
-  /// V = v* + M^-1 J^T gamma of the returned impulses [body_count]; valid until the next solve.
+  /// V = v* + M^-1 J^T gamma of the returned impulses [body_count]; valid until the next solve
+  /// or forget_velocity().
   Span<const Twist<Real>> velocity() const {
     return velocity_ ? std::as_const(*velocity_).view(velocity_->capacity()) : Span<Twist<Real>>{};
   }
+
+  /// Gives the memory of velocity() back, which is void after it.
+  void forget_velocity() { velocity_.reset(); }
 
   /// What is carried from step to step beside the impulses, for checkpoints.
   virtual std::vector<double> memory() const { return {}; }

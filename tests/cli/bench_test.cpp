@@ -27,6 +27,12 @@ json bench(const Scratch& scratch, const Arguments& arguments) {
   return document;
 }
 
+/// Expected over held memory of a result of `capacity`.
+double expected_over_peak(const json& result) {
+  return result.at("expected_memory_bytes").get<double>() /
+         result.at("peak_memory_bytes").get<double>();
+}
+
 /// What holds for the figures of steps of any benchmark.
 void expect_sound_steps(const json& result) {
   EXPECT_GT(result.at("contacts"), 0.0);
@@ -147,13 +153,33 @@ TEST(CliBench, CapacityComparesMemoryAndEndsWhereItDoesNotFit) {
             std::string::npos);
   const json& result = document.at("results").at(0);
   EXPECT_TRUE(result.at("fits"));
-  const double peak =
-      result.at("memory_bytes_per_body").get<double>() * result.at("bodies").get<double>();
-  EXPECT_NEAR(result.at("expected_memory_bytes").get<double>() / peak, 1, 0.1);
+  EXPECT_NEAR(expected_over_peak(result), 1, 0.1);
   EXPECT_NEAR(result.at("bodies_that_fit").get<double>(),
               document.at("device_memory_bytes").get<double>() /
                   result.at("memory_bytes_per_body").get<double>(),
               1);
+}
+
+TEST(CliBench, MemoryOfASettledBedIsForetold) {
+  const Scratch scratch;
+  for (const char* precision : {"float", "double"}) {
+    for (const char* solver :
+         {"apgd", "schwarz", "gauss_seidel_colored", "gauss_seidel", "jacobi"}) {
+      const Result run =
+          scree(scratch, {"bench",     "capacity",  "--sizes",
+                          "3000",      "--layers",  "20",
+                          "--warmup",  "60",        "--steps",
+                          "2",         "--backend", "cpu",
+                          "--threads", "1",         "--precision",
+                          precision,   "--set",     std::string("solver.name=") + solver,
+                          "--json",    "bench.json"});
+      ASSERT_EQ(run.code, 0) << run.err;
+      const double ratio =
+          expected_over_peak(json_file(scratch / "bench.json").at("results").at(0));
+      EXPECT_GE(ratio, 0.98) << solver << " in " << precision;
+      EXPECT_LE(ratio, 1.1) << solver << " in " << precision;
+    }
+  }
 }
 
 TEST(CliBench, SceneIsTheDefaultMode) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "host/error.h"
 #include "host/scene_summary.h"
@@ -144,13 +146,27 @@ double body_count(const SceneSummary& s) {
   return static_cast<double>(s.free_capacity) + static_cast<double>(s.fixed_count);
 }
 
-double memory_there(const WorldOptions& options) {
-  return static_cast<double>(device_info(options.backend).memory_bytes);
-}
+/// Memory that a run may count on [bytes].
+struct Room {
+  explicit Room(const WorldOptions& options) {
+    const DeviceInfo device = device_info(options.backend);
+    all = static_cast<double>(device.memory_bytes);
+    free = static_cast<double>(device.free_bytes);
+    if (options.memory_limit == 0) return;
+    const auto limit = static_cast<double>(options.memory_limit);
+    all = std::min(all, limit);
+    is_limited = limit < free;
+    free = std::min(free, limit);
+  }
+  double all = 0;
+  double free = 0;
+  bool is_limited = false;
+};
 
 bool keeps_near_pairs(const Sizes& s, const WorldOptions& options) {
-  return s.summary.skin > 0 &&
-         body_count(s.summary) * bytes_per_body(s, true) <= 0.5 * memory_there(options);
+  if (!(s.summary.skin > 0)) return false;
+  const Room room(options);
+  return body_count(s.summary) * bytes_per_body(s, true) <= std::min(0.5 * room.all, room.free);
 }
 
 }  // namespace
@@ -169,18 +185,28 @@ std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
                                   bytes_per_body(s, keeps_near_pairs(s, options)));
 }
 
+void require_memory_for(double bodies, double bytes_per_body, const WorldOptions& options) {
+  const Room room(options);
+  const double needed = bodies * bytes_per_body, mib = 1024.0 * 1024.0;
+  if (needed <= room.free) return;
+  const char* where = options.backend == BackendKind::cuda ? "device" : "host";
+  const std::string there =
+      room.is_limited
+          ? fmt::format("the limit is {:.0f} MiB", room.free / mib)
+          : fmt::format("{:.0f} of {:.0f} MiB are free", room.free / mib, room.all / mib);
+  throw InputError(
+      fmt::format("{:.0f} bodies need about {:.0f} MiB of {} memory, {}: about {:.0f} "
+                  "bodies fit",
+                  bodies, needed / mib, where, there, std::floor(room.free / bytes_per_body)));
+}
+
 void require_memory(const Scene& scene, const WorldOptions& options) {
   const Sizes s(scene, options);
-  const double bodies = body_count(s.summary);
-  const double needed = bodies * bytes_per_body(s, false);
-  const double there = memory_there(options);
-  if (needed <= there) return;
-  const double mib = 1024.0 * 1024.0;
-  throw InputError(fmt::format(
-      "{} bodies need about {:.0f} MiB of {} memory, there are {:.0f} MiB: about {:.0f} bodies "
-      "fit",
-      bodies, needed / mib, options.backend == BackendKind::cuda ? "device" : "host", there / mib,
-      bodies * there / needed));
+  require_memory_for(body_count(s.summary), bytes_per_body(s, false), options);
+}
+
+double bodies_that_fit(const Scene& scene, const WorldOptions& options) {
+  return std::floor(Room(options).free / bytes_per_body(Sizes(scene, options), false));
 }
 
 }  // namespace scree

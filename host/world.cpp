@@ -2,7 +2,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "host/cuda_device.h"
@@ -24,6 +26,15 @@ std::unique_ptr<Engine> engine_for(Scene scene, const WorldOptions& options) {
   if (options.backend == BackendKind::cuda) return make_engine<Cuda>(std::move(scene), options);
 #endif
   return make_engine<Cpu>(std::move(scene), options);
+}
+
+/// Host memory that can be had without swapping [bytes]; the largest number when unknown.
+std::size_t free_host_memory() {
+  std::ifstream lines("/proc/meminfo");
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("MemAvailable:"))
+      return 1024 * static_cast<std::size_t>(std::stoull(line.substr(13)));
+  return std::numeric_limits<std::size_t>::max();
 }
 
 }  // namespace
@@ -77,6 +88,7 @@ DeviceInfo device_info(BackendKind kind) {
   info.threads = static_cast<int>(std::thread::hardware_concurrency());
   info.memory_bytes = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
                       static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
+  info.free_bytes = std::min(free_host_memory(), info.memory_bytes);
   return info;
 }
 

@@ -19,6 +19,9 @@ struct WorldOptions {
   BackendKind backend = BackendKind::cpu;
   Precision precision = Precision::single_precision;
   int threads = 0;  ///< CPU backend: 0 takes what OpenMP offers
+  /// Backend memory that a run is meant to do with [bytes], for require_memory() and for what is
+  /// kept between steps; 0: what is free.
+  std::size_t memory_limit = 0;
 };
 
 /// Wall-clock time of the stages of one step [ms].
@@ -138,13 +141,17 @@ bool backend_available(BackendKind kind, std::string* reason = nullptr);
 struct DeviceInfo {
   std::string name;
   std::size_t memory_bytes = 0;
-  int threads = 0;  ///< CPU threads or multiprocessors
+  std::size_t free_bytes = 0;  ///< of them, that this process can still get
+  int threads = 0;             ///< CPU threads or multiprocessors
 };
 DeviceInfo device_info(BackendKind kind);
 
-/// @throws InputError saying how many bodies fit when the scene is expected to need more than the
-/// device has
+/// @throws InputError saying how many bodies fit when the scene is expected to need more memory
+/// than is free on the device, or than the limit of the options
 void require_memory(const Scene& scene, const WorldOptions& options);
+
+/// Bodies like those of a scene that fit, about; the list of near pairs not kept.
+double bodies_that_fit(const Scene& scene, const WorldOptions& options);
 
 /// Backend memory a scene is expected to need at its fullest [bytes].
 std::size_t expected_memory(const Scene& scene, const WorldOptions& options);

@@ -26,6 +26,8 @@ int check_scene(const CheckOptions& options) {
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
   const std::size_t memory = expected_memory(scene, world);
   const DeviceInfo device = device_info(world.backend);
+  const double fit = bodies_that_fit(scene, world);
+  const bool fits = s.free_capacity + s.fixed_count <= fit;
   const char* backend = world.backend == BackendKind::cuda ? "cuda" : "cpu";
   const char* precision = world.precision == Precision::double_precision ? "double" : "float";
   if (options.target.json) {
@@ -43,7 +45,10 @@ int check_scene(const CheckOptions& options) {
                                 {"precision", precision},
                                 {"device", device.name},
                                 {"device_memory_bytes", device.memory_bytes},
-                                {"expected_memory_bytes", memory}};
+                                {"free_memory_bytes", device.free_bytes},
+                                {"expected_memory_bytes", memory},
+                                {"fits", fits},
+                                {"bodies_that_fit", fit}};
     fmt::print("{}\n", out.dump(2));
     return 0;
   }
@@ -57,10 +62,12 @@ int check_scene(const CheckOptions& options) {
   fmt::print("solver      {}{}, at most {} iterations a step\n", scene.solver.name,
              scene.solver.exact_coulomb ? ", exact Coulomb" : "", scene.solver.max_iterations);
   fmt::print("device      {} ({}, {})\n", device.name, backend, precision);
-  fmt::print("memory      {:.1f} MiB expected, {:.0f} MiB there\n",
+  fmt::print("memory      {:.1f} MiB expected{}, {:.0f} of {:.0f} MiB free\n",
              static_cast<double>(memory) / (1 << 20),
+             scene.output.picture.interval >= 0 ? " without pictures" : "",
+             static_cast<double>(device.free_bytes) / (1 << 20),
              static_cast<double>(device.memory_bytes) / (1 << 20));
-  if (memory > device.memory_bytes) fmt::print("warning     the scene does not fit in memory\n");
+  if (!fits) fmt::print("warning     the scene does not fit: about {:.0f} bodies do\n", fit);
   return 0;
 }
 

@@ -25,6 +25,12 @@ void add_backend_options(CLI::App& command, RunTarget& target, const std::string
                          const std::string& precision) {
   add_device_options(command, target, backend, precision);
   command
+      .add_option("--memory", target.memory,
+                  "refuse what is expected to take more [MiB] (default: what is free)")
+      ->type_name("MIB")
+      ->check(CLI::PositiveNumber & CLI::Range(0.0, 1e9))
+      ->take_last();
+  command
       .add_option("--set", target.overrides,
                   "key.path=value, replaces a value of the scene; repeatable")
       ->type_name("KEY=VALUE")
@@ -43,7 +49,7 @@ fs::path find_scene(const std::string& name_or_path) {
       fs::is_directory(name_or_path);  // may be the output of the scene of that name
   if (fs::exists(name_or_path) && !is_directory) return name_or_path;
   const fs::path folder = SCREE_SCENE_DIR;
-  const fs::path by_name = folder / (name_or_path + ".json");
+  fs::path by_name = folder / (name_or_path + ".json");
   if (name_or_path.find('/') == std::string::npos && fs::exists(by_name)) return by_name;
   if (is_directory)
     throw InputError(fmt::format("{}: is a directory, expected a scene file", name_or_path));
@@ -65,6 +71,7 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   const std::string precision = target.precision.empty() ? scene.precision : target.precision;
   WorldOptions options;
   options.threads = target.threads;
+  options.memory_limit = static_cast<std::size_t>(target.memory * (1 << 20));
   if (precision == "double") {
     options.precision = Precision::double_precision;
   } else if (precision != "float") {

@@ -15,6 +15,7 @@ struct RunTarget {
   std::string backend;                 ///< empty: what the scene says
   std::string precision;               ///< empty: what the scene says
   int threads = 0;                     ///< 0: all
+  double memory = 0;                   ///< limit [MiB]; 0: what is free
   std::vector<std::string> overrides;  ///< key.path=value
   bool json = false;
 };
@@ -24,7 +25,7 @@ struct RunTarget {
 void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
                         const std::string& precision);
 
-/// The same and --set.
+/// The same, --memory and --set.
 void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
                          const std::string& precision);
 

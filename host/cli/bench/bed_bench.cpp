@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <limits>
 #include <utility>
 
 #include "host/error.h"
@@ -24,14 +22,6 @@ double mass_of(const Scene& scene) {
   for (const ParticleSet& set : scene.particles)
     for (std::size_t i = 0; i < set.position.size(); ++i) mass += particle_mass(set, i);
   return mass;
-}
-
-/// Host memory that can be had without swapping [bytes]; infinite when unknown.
-double free_host_memory() {
-  std::ifstream lines("/proc/meminfo");
-  for (std::string line; std::getline(lines, line);)
-    if (line.starts_with("MemAvailable:")) return 1024 * std::stod(line.substr(13));
-  return std::numeric_limits<double>::infinity();
 }
 
 void tell(const std::string& text) {
@@ -90,6 +80,7 @@ void BedBench::print_title() const {
 
 std::vector<StepReport> BedRun::steps(int count) {
   std::vector<StepReport> reports;
+  reports.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) reports.push_back(world.step());
   return reports;
 }
@@ -97,22 +88,16 @@ std::vector<StepReport> BedRun::steps(int count) {
 void require_room(const BedBench& bench, const BedParams& bed) {
   constexpr int kSmall = 10'000;
   constexpr double kPositions = 24;  // bytes a sphere of the description, on the host
-  constexpr double kMiB = 1024.0 * 1024.0;
   BedParams small = bed;
   small.count = std::min(bed.count, kSmall);
-  const double per_body = expected_bytes_per_body(bench.scene(small), bench.world_options(), false);
-  const BackendKind backend = bench.world_options().backend;
-  const bool on_gpu = backend == BackendKind::cuda;
-  const auto require = [&](double bytes_per_body, double there, const char* where) {
-    const double needed = bytes_per_body * bed.count;
-    if (needed <= there) return;
-    throw InputError(fmt::format(
-        "{} bodies need about {:.0f} MiB of {} memory, there are {:.0f} MiB: about {:.3g} bodies "
-        "fit",
-        bed.count, needed / kMiB, where, there / kMiB, there / bytes_per_body));
-  };
-  if (on_gpu) require(per_body, static_cast<double>(device_info(backend).memory_bytes), "device");
-  require(kPositions + (on_gpu ? 0 : per_body), free_host_memory(), "free host");
+  const WorldOptions& options = bench.world_options();
+  const double per_body = expected_bytes_per_body(bench.scene(small), options, false);
+  if (options.backend == BackendKind::cuda) {
+    require_memory_for(bed.count, per_body, options);
+    require_memory_for(bed.count, kPositions, WorldOptions{});
+  } else {
+    require_memory_for(bed.count, kPositions + per_body, options);
+  }
 }
 
 BedRun settled_bed(const BedBench& bench, const BedParams& bed,

@@ -26,6 +26,7 @@ int bench_scene(const SceneBenchOptions& options) {
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
   std::string notice;
   const WorldOptions world_options = resolve_options(options.target, scene, &notice);
+  require_memory(scene, world_options);
   const Json header = bench_header("scene", world_options);
   const bool prints_json = options.json == "-";
   BenchRecord record(header, prints_json ? "" : options.json);
@@ -37,6 +38,7 @@ int bench_scene(const SceneBenchOptions& options) {
   if (!notice.empty() && !prints_json) fmt::print(stderr, "{}\n", notice);
   for (int k = 0; k < options.warmup; ++k) world.step();
   std::vector<StepReport> reports;
+  reports.reserve(static_cast<std::size_t>(options.steps));
   for (int k = 0; k < options.steps; ++k) reports.push_back(world.step());
 
   const StepFigures f = figures_of(reports, scene.stepping.time_step, world.peak_memory());

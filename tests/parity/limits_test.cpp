@@ -1,6 +1,8 @@
-// The ends of the range, on every backend there is: no contact, one contact, far more contacts than
-// expected, and states that are not finite.
+// The ends of the range, on every backend there is and with every solver that runs on both: no
+// contact, one contact, far more contacts than expected, all bodies at one point, states that are
+// not finite, and more bodies than memory.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -11,7 +13,7 @@
 namespace scree::parity {
 namespace {
 
-class Limits : public ::testing::TestWithParam<std::tuple<BackendKind, Precision>> {
+class Limits : public ::testing::TestWithParam<std::tuple<BackendKind, Precision, std::string>> {
  protected:
   void SetUp() override {
     std::string reason;
@@ -19,16 +21,20 @@ class Limits : public ::testing::TestWithParam<std::tuple<BackendKind, Precision
   }
   BackendKind backend() const { return std::get<0>(GetParam()); }
   Precision precision() const { return std::get<1>(GetParam()); }
-  World world(const Scene& scene) const { return world_on(backend(), scene, precision()); }
+  World world(Scene scene) const {
+    scene.solver.name = std::get<2>(GetParam());
+    return world_on(backend(), scene, precision());
+  }
   double tolerance() const { return precision() == Precision::single_precision ? 1e-6 : 1e-12; }
 };
-INSTANTIATE_TEST_SUITE_P(All, Limits,
-                         ::testing::Combine(::testing::ValuesIn(kBackends),
-                                            ::testing::ValuesIn(kPrecisions)),
-                         [](const auto& info) {
-                           return std::string(name_of(std::get<0>(info.param))) + "_" +
-                                  name_of(std::get<1>(info.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    All, Limits,
+    ::testing::Combine(::testing::ValuesIn(kBackends), ::testing::ValuesIn(kPrecisions),
+                       ::testing::Values("apgd", "schwarz", "gauss_seidel_colored", "jacobi")),
+    [](const auto& info) {
+      return std::string(name_of(std::get<0>(info.param))) + "_" +
+             name_of(std::get<1>(info.param)) + "_" + std::get<2>(info.param);
+    });
 
 TEST_P(Limits, NoContact) {
   Scene scene = empty_scene(1e-3, 0.5);
@@ -71,6 +77,26 @@ TEST_P(Limits, BodiesCreatedInOnePlace) {
   EXPECT_EQ(w.contacts().size(), static_cast<std::size_t>(n * (n - 1) / 2));
   for (int k = 0; k < 5; ++k) w.step();
   for (const Vec3d& x : w.states().position) EXPECT_TRUE(is_finite(x));
+}
+
+TEST_P(Limits, AllBodiesAtOnePoint) {
+  // No distance gives a normal, and every body is in contact with every other.
+  const int n = 40;
+  Scene scene = empty_scene(1e-3, 0.5);
+  scene.solver.max_iterations = 20;
+  for (int i = 0; i < n; ++i) add_sphere(scene, {0.25, -0.5, 1}, 0.1, 1);
+  World w = world(scene);
+  const StepReport first = w.step();
+  EXPECT_EQ(first.contact_count, n * (n - 1) / 2);
+  EXPECT_NEAR(first.max_penetration, 0.2, 1e-6);
+  for (const ContactRecord& c : w.contacts()) EXPECT_NEAR(norm(c.normal), 1, 1e-5);
+  for (int k = 0; k < 20; ++k) w.step();
+  double apart = 0;
+  for (const Vec3d& x : w.states().position) {
+    ASSERT_TRUE(is_finite(x));
+    apart = std::max(apart, norm(x - w.states().position[0]));
+  }
+  EXPECT_GT(apart, 1e-3);  // they are pushed out of each other
 }
 
 TEST_P(Limits, FiftyNeighborsEachInTheFirstStep) {
@@ -150,6 +176,72 @@ TEST_P(Limits, AVelocityBeyondTheRangeNamesTheBody) {
   } catch (const RunError& error) {
     EXPECT_NE(std::string(error.what()).find("13"), std::string::npos) << error.what();
   }
+}
+
+/// What `scree run` asks before it makes a world.
+class MemoryLimit : public ::testing::TestWithParam<std::tuple<BackendKind, Precision>> {
+ protected:
+  void SetUp() override {
+    std::string reason;
+    if (!backend_available(std::get<0>(GetParam()), &reason))
+      GTEST_SKIP() << "no such backend: " << reason;
+  }
+  WorldOptions options() const {
+    WorldOptions o;
+    o.backend = std::get<0>(GetParam());
+    o.precision = std::get<1>(GetParam());
+    o.memory_limit = std::size_t{8} << 20;
+    return o;
+  }
+  static Scene spheres(int count) {
+    Scene scene = empty_scene(1e-3, 0.5);
+    for (int i = 0; i < count; ++i)
+      add_sphere(scene, {0.21 * (i % 16), 0.21 * (i / 16 % 16), 0.21 * (i / 256)}, 0.1, 1);
+    return scene;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(All, MemoryLimit,
+                         ::testing::Combine(::testing::ValuesIn(kBackends),
+                                            ::testing::ValuesIn(kPrecisions)),
+                         [](const auto& info) {
+                           return std::string(name_of(std::get<0>(info.param))) + "_" +
+                                  name_of(std::get<1>(info.param));
+                         });
+
+TEST_P(MemoryLimit, MoreBodiesThanMemoryAreRefusedWithTheNumberThatFits) {
+  const double fit = bodies_that_fit(spheres(100), options());
+  ASSERT_GT(fit, 8000);
+  ASSERT_LT(fit, 40000);
+  try {
+    require_memory(spheres(static_cast<int>(fit) + 1), options());
+    ADD_FAILURE() << "one body too many is taken";
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find(std::to_string(static_cast<int>(fit) + 1) + " bodies need"),
+              std::string::npos)
+        << message;
+    EXPECT_NE(message.find("about " + std::to_string(static_cast<int>(fit)) + " bodies fit"),
+              std::string::npos)
+        << message;
+  }
+}
+
+TEST_P(MemoryLimit, AsManyBodiesAsFitAreTakenAndKeepToIt) {
+  const Scene scene = spheres(static_cast<int>(bodies_that_fit(spheres(100), options())));
+  EXPECT_NO_THROW(require_memory(scene, options()));
+  World w(scene, options());
+  for (int k = 0; k < 3; ++k) w.step();
+  EXPECT_LE(w.peak_memory(), options().memory_limit);
+}
+
+TEST_P(MemoryLimit, WithoutALimitTheFreeMemoryOfTheDeviceCounts) {
+  WorldOptions free = options();
+  free.memory_limit = 0;
+  const DeviceInfo device = device_info(free.backend);
+  EXPECT_GT(device.free_bytes, 0u);
+  EXPECT_LE(device.free_bytes, device.memory_bytes);
+  EXPECT_NO_THROW(require_memory(spheres(100), free));
+  EXPECT_GT(bodies_that_fit(spheres(100), free), 1e4);
 }
 
 }  // namespace

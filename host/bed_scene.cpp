@@ -166,7 +166,8 @@ double bed_height(const BedParams& bed) {
   return bed.diameter * bed.layers * (bed.polydisperse ? kCell : kLayerHeight);
 }
 
-int layers_of_cube(int count) {
+int layers_of_cube(int count, bool polydisperse) {
+  if (polydisperse) return std::max(1, static_cast<int>(std::cbrt(count / kBodiesPerCell)));
   // side^2 layers (1 - vacant) = count and side * spacing = layers * layer height
   const double ratio = kLayerHeight / kSpacing;
   return std::max(1, static_cast<int>(std::cbrt(count / (ratio * ratio * (1 - kVacant)))));

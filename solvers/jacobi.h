@@ -4,7 +4,7 @@
 // With k_i contacts on body i, N <= P = blockdiag(k_a N_c,a + k_b N_c,b), so the objective falls
 // for every relaxation below 2. Source: docs/theory.md, section "Gauss-Seidel and Jacobi"; mass
 // splitting: Tonge, Benevolenski, Voroshilov, ACM TOG 31(4), 2012. Memory passes per iteration: one
-// over contacts (108 B in float, 48 of them gathered) and one over bodies (56 B and 52 B gathered
+// over contacts (108 B in float, 48 of them gathered) and one over bodies (64 B and 52 B gathered
 // per contact); one more contact pass every `check_every` iterations.
 
 #include "kernels/jacobi_pass.h"

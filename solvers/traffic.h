@@ -93,6 +93,34 @@ constexpr Traffic body_velocity_traffic() {
   return {6 * r + 4, body, 12 * r + 4, body};
 }
 
+/// One Jacobi iteration. Contact: normal 3R, bias R, ids 8, metric 3R, impulse 3R read, 3R written.
+/// Twists 6R a body: once each, or two per contact. Bodies as in BodyVelocity.
+template <class Real>
+constexpr Traffic jacobi_iteration_traffic() {
+  constexpr double r = sizeof(Real);
+  constexpr double streamed = 13 * r + 8;
+  return Traffic{streamed, 6 * r, streamed + 12 * r, 0} + body_velocity_traffic<Real>();
+}
+
+/// GaussSeidelPass over all contacts. Contact: as in the Jacobi pass. Body: twist 6R and inertia 2R
+/// read, twist 6R written: once each, or for both bodies of each contact.
+template <class Real>
+constexpr Traffic gauss_seidel_sweep_traffic() {
+  constexpr double r = sizeof(Real);
+  constexpr double streamed = 13 * r + 8;
+  return {streamed, 14 * r, streamed + 28 * r, 0};
+}
+
+/// A pass of Schwarz whose sweeps run in fast memory (the tuned twin). Contact: normal 3R, bias R,
+/// link 8, two impulses 6R read, one 3R written. Body: two twists 12R read, one 6R written; 12R
+/// more for each further tile that touches it, about half a tile.
+template <class Real>
+constexpr Traffic schwarz_pass_traffic() {
+  constexpr double r = sizeof(Real);
+  constexpr double contact = 13 * r + 8;
+  return {contact, 18 * r, contact, 24 * r};
+}
+
 /// ContactVelocity. Contact: normal 3R, bias R, ids 8 read, one vector 3R written. Twists 6R a
 /// body: once each, or two per contact.
 template <class Real>
@@ -139,5 +167,11 @@ static_assert(apgd_contact_pass_traffic<float>(ApgdMetricKind::diagonal).contact
 static_assert(apgd_body_pass_traffic<float>().contact_requested == 52);
 static_assert(apgd_body_pass_traffic<float>().body_least == 136);
 static_assert(apgd_fused_iteration_traffic<float>(ApgdMetricKind::diagonal).contact_least == 68);
+static_assert(jacobi_iteration_traffic<float>().contact_requested == 108 + 52);
+static_assert(jacobi_iteration_traffic<float>().body_requested == 64);
+static_assert(gauss_seidel_sweep_traffic<float>().contact_least == 60);
+static_assert(gauss_seidel_sweep_traffic<float>().contact_requested == 60 + 64 + 48);
+static_assert(schwarz_pass_traffic<float>().contact_least == 16 + 8 + 24 + 12);
+static_assert(schwarz_pass_traffic<float>().body_least == 48 + 24);
 
 }  // namespace scree

@@ -60,14 +60,15 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
 
   CLI::App* collision =
       command->add_subcommand("collision", "collision detection on a settled bed");
-  add_bed_options(*collision, options.collision.bed);
-  add_steps_options(*collision, options.collision.bed);
-  collision->add_flag("--polydisperse", options.collision.polydisperse, "diameters from 1 to 10");
+  add_bed_options(*collision, options.collision);
+  add_steps_options(*collision, options.collision);
+  add_sizes_option(*collision, options.collision);
 
   CLI::App* step =
       command->add_subcommand("step", "whole steps to quality and to preview, stage by stage");
   add_bed_options(*step, options.step.bed);
   add_steps_options(*step, options.step.bed);
+  add_sizes_option(*step, options.step.bed);
   step->add_option("--kind", options.step.kind, "bed (settled) or column (collapsing)")
       ->take_last();
 
@@ -86,6 +87,7 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
       command->add_subcommand("capacity", "memory expected and held, and how many bodies fit");
   add_bed_options(*capacity, options.capacity);
   add_steps_options(*capacity, options.capacity);
+  add_sizes_option(*capacity, options.capacity);
   return command;
 }
 

@@ -8,7 +8,7 @@ namespace scree {
 struct BenchOptions {
   SceneBenchOptions scene;
   BedOptions iteration;
-  CollisionBenchOptions collision;
+  BedOptions collision;
   StepBenchOptions step;
   SolverBenchOptions solvers;
   BedOptions capacity;

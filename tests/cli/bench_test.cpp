@@ -73,6 +73,28 @@ TEST(CliBench, Iteration) {
   }
 }
 
+TEST(CliBench, IterationsOfEverySolverTellTheBytesTheyMove) {
+  const Scratch scratch;
+  struct Bytes {
+    const char* solver;
+    double contact, body;
+  };
+  for (const Bytes& each : {Bytes{"jacobi", 60 + 28, 24 + 64}, Bytes{"gauss_seidel", 60, 56},
+                            Bytes{"gauss_seidel_colored", 60, 56}, Bytes{"schwarz", 60, 72}}) {
+    const json document = bench(
+        scratch, {"iteration", "--sizes", "300", "--layers", "5", "--steps", "2", "--set",
+                  "solver.max_iterations=20", "--set", std::string("solver.name=") + each.solver});
+    const json& result = document.at("results").at(0);
+    const double least = each.contact * result.at("contacts").get<double>() +
+                         each.body * result.at("bodies").get<double>();
+    EXPECT_NEAR(result.at("least_bytes_per_iteration").get<double>(), least, 1e-6 * least)
+        << each.solver;
+    const double rate = least * result.at("applications").get<double>() /
+                        (1e-3 * result.at("ms").at("solve").at("mean").get<double>());
+    EXPECT_NEAR(result.at("bytes_per_s").get<double>(), rate, 1e-6 * rate) << each.solver;
+  }
+}
+
 TEST(CliBench, CollisionOfEqualAndOfMixedSpheres) {
   const Scratch scratch;
   for (const bool mixed : {false, true}) {
@@ -101,6 +123,23 @@ TEST(CliBench, StepsOfABedAndOfAColumn) {
       EXPECT_TRUE(result.at("converged"));
       EXPECT_LE(result.at("residual_relative"), 1.01 * level);
       level = 0.03;
+      const double share = result.at("bytes_per_s").get<double>() /
+                           document.at("copy_bandwidth_bytes_per_s").get<double>();
+      EXPECT_NEAR(result.at("of_copy_bandwidth").get<double>(), share, 1e-6 * share);
+    }
+  }
+}
+
+TEST(CliBench, StepsOfMixedSpheres) {
+  const Scratch scratch;
+  for (const char* kind : {"bed", "column"}) {
+    const json document = bench(scratch, {"step", "--sizes", "700", "--steps", "1", "--warmup",
+                                          "10", "--polydisperse", "--kind", kind});
+    ASSERT_EQ(document.at("results").size(), 2u);
+    for (const json& result : document.at("results")) {
+      expect_sound_steps(result);
+      EXPECT_EQ(result.at("polydisperse"), true);
+      EXPECT_EQ(result.at("layers"), std::string(kind) == "bed" ? 20 : 1);
     }
   }
 }
@@ -120,6 +159,8 @@ TEST(CliBench, SolversReachTheSameAnswer) {
     EXPECT_NEAR(result.at("residual_rms_m_per_s").get<double>(),
                 result.at("residual_relative").get<double>() * 5e-4 * 9.81, 1e-9);
     EXPECT_GT(result.at("solve_ms"), 0.0);
+    expect_sound_steps(result);
+    EXPECT_EQ(result.at("ms").at("solve").at("mean"), result.at("solve_ms"));
     if (level < 5e-3) {
       const double objective = result.at("objective_J");
       lowest = highest < lowest ? objective : std::min(lowest, objective);
@@ -180,6 +221,17 @@ TEST(CliBench, MemoryOfASettledBedIsForetold) {
       EXPECT_LE(ratio, 1.1) << solver << " in " << precision;
     }
   }
+}
+
+TEST(CliBench, MemoryOfMixedSpheresIsForetold) {
+  const Scratch scratch;
+  const json result = bench(scratch, {"capacity", "--sizes", "9000", "--polydisperse", "--layers",
+                                      "10", "--warmup", "120", "--steps", "2"})
+                          .at("results")
+                          .at(0);
+  EXPECT_EQ(result.at("polydisperse"), true);
+  EXPECT_GE(expected_over_peak(result), 0.98);
+  EXPECT_LE(expected_over_peak(result), 1.1);
 }
 
 TEST(CliBench, SceneIsTheDefaultMode) {

@@ -34,6 +34,7 @@ BedBench::BedBench(const BedOptions& options, const BedDefaults& defaults)
     : benchmark_(defaults.benchmark),
       warmup_(options.warmup),
       steps_(options.steps > 0 ? options.steps : defaults.steps),
+      polydisperse_(options.polydisperse),
       settings_(defaults.settings),
       json_(options.json) {
   const auto& overrides = options.target.overrides;
@@ -54,7 +55,10 @@ BedParams BedBench::bed(int count, bool walls) const {
   BedParams bed;
   bed.count = count;
   bed.walls = walls;
-  bed.layers = !layers_.empty() ? layers_[0] : walls ? kDefaultLayers : layers_of_cube(count);
+  bed.polydisperse = polydisperse_;
+  bed.layers = !layers_.empty() ? layers_[0]
+               : walls          ? kDefaultLayers
+                                : layers_of_cube(count, polydisperse_);
   return bed;
 }
 

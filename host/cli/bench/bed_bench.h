@@ -49,6 +49,7 @@ class BedBench {
   std::vector<int> sizes_, layers_;
   int warmup_ = -1;
   int steps_ = 0;
+  bool polydisperse_ = false;
   std::vector<std::string> settings_;
   std::string json_;
 };

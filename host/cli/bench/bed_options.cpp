@@ -51,6 +51,10 @@ void add_steps_options(CLI::App& command, BedOptions& options) {
       ->take_last();
 }
 
+void add_sizes_option(CLI::App& command, BedOptions& options) {
+  command.add_flag("--polydisperse", options.polydisperse, "diameters from 1 to 10");
+}
+
 std::vector<int> whole_numbers(const char* option, const std::vector<std::string>& texts,
                                int largest, const char* what) {
   std::vector<int> numbers;

@@ -14,8 +14,9 @@ struct BedOptions {
   RunTarget target;  ///< its scene is not used
   std::vector<std::string> sizes;
   std::vector<std::string> layers;
-  int warmup = -1;  ///< steps; -1: as many as the bed takes to settle
-  int steps = 0;    ///< measured; 0: the default of the benchmark
+  int warmup = -1;            ///< steps; -1: as many as the bed takes to settle
+  int steps = 0;              ///< measured; 0: the default of the benchmark
+  bool polydisperse = false;  ///< diameters of 1 to 10
   std::string json;
 };
 
@@ -29,6 +30,7 @@ struct SolverBenchOptions {
 /// Adds the options that all of these benchmarks have.
 void add_bed_options(CLI::App& command, BedOptions& options);
 void add_steps_options(CLI::App& command, BedOptions& options);
+void add_sizes_option(CLI::App& command, BedOptions& options);
 
 /// Numbers of a list such as "1e5,1e6". @throws InputError naming the option
 std::vector<int> whole_numbers(const char* option, const std::vector<std::string>& texts,

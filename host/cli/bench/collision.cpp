@@ -5,9 +5,8 @@
 
 namespace scree {
 
-int bench_collision(const CollisionBenchOptions& options) {
-  const BedBench bench(options.bed,
-                       {.benchmark = "collision", .settings = {"solver.stop=preview"}});
+int bench_collision(const BedOptions& options) {
+  const BedBench bench(options, {.benchmark = "collision", .settings = {"solver.stop=preview"}});
   static_cast<void>(bench.bed(1));
   BenchRecord record = bench.record();
   bench.print_title();
@@ -21,9 +20,7 @@ int bench_collision(const CollisionBenchOptions& options) {
                {"residual/v*", 11},
                {"B/body", 8}});
   for (const int size : bench.sizes()) {
-    BedParams bed = bench.bed(size);
-    bed.polydisperse = options.polydisperse;
-    BedRun run = settled_bed(bench, bed);
+    BedRun run = settled_bed(bench, bench.bed(size));
     const auto reports = run.steps(bench.steps());
     const StepFigures f = figures_of(reports, run.time_step, run.world.peak_memory());
     const Spread& ms = f.ms("collision");

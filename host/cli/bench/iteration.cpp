@@ -1,28 +1,15 @@
 #include <fmt/format.h>
 
+#include <utility>
+
+#include "host/cli/bench/bandwidth.h"
 #include "host/cli/bench/bed_bench.h"
 #include "host/cli/bench/figures.h"
 #include "host/cli/bench/modes.h"
 #include "host/cli/bench/table.h"
 #include "host/copy_bandwidth.h"
-#include "solvers/traffic.h"
 
 namespace scree {
-namespace {
-
-/// Least bytes of one iteration; 0 for solvers whose traffic nobody has counted.
-double least_bytes(const SolverSettings& solver, Precision precision, double contacts,
-                   double bodies) {
-  if (solver.name != "apgd" || solver.exact_coulomb) return 0;
-  const auto metric = solver.diagonal_metric ? ApgdMetricKind::diagonal : ApgdMetricKind::euclidean;
-  const Traffic traffic = precision == Precision::double_precision
-                              ? apgd_fused_iteration_traffic<double>(metric)
-                              : apgd_fused_iteration_traffic<float>(metric);
-  return traffic.least(contacts, bodies);
-}
-
-}  // namespace
-
 int bench_iteration(const BedOptions& options) {
   const BedBench bench(options, {.benchmark = "iteration",
                                  .steps = 5,
@@ -50,23 +37,17 @@ int bench_iteration(const BedOptions& options) {
     const StepFigures f = figures_of(reports, run.time_step, run.world.peak_memory());
     const double us = 1e3 * f.ms("solve").mean / f.iterations;
     const double us_application = 1e3 * f.ms("solve").mean / f.applications;
-    const double bytes =
-        least_bytes(run.solver, bench.world_options().precision, f.contacts, f.bodies);
-    const double rate = bytes / (1e-6 * us_application);
+    const Bandwidth moved = bandwidth_of(f, run.solver, bench.world_options(), copy);
     Json result = joined(run.start, to_json(f));
     result["us_per_iteration"] = us;
     result["us_per_application"] = us_application;
-    if (bytes > 0) {
-      result["least_bytes_per_iteration"] = bytes;
-      result["bytes_per_s"] = rate;
-      result["of_copy_bandwidth"] = rate / copy;
-    }
-    record.add(result);
+    record.add(joined(std::move(result), to_json(moved)));
     table.row({std::to_string(f.bodies), fixed(f.contacts, 0), fixed(f.iterations, 1),
                fixed(f.applications, 1), digits(f.residual_relative), fixed(us, 2),
-               digits(f.contact_iterations_per_s), bytes > 0 ? digits(1e-6 * bytes, 4) : "-",
-               bytes > 0 ? digits(1e-9 * rate, 4) : "-", bytes > 0 ? fixed(rate / copy, 3) : "-",
-               fixed(f.bytes_per_body(), 0)});
+               digits(f.contact_iterations_per_s),
+               moved.is_counted() ? digits(1e-6 * moved.least_bytes, 4) : "-",
+               moved.is_counted() ? digits(1e-9 * moved.bytes_per_s, 4) : "-",
+               moved.is_counted() ? fixed(moved.of_copy, 3) : "-", fixed(f.bytes_per_body(), 0)});
   }
   return 0;
 }

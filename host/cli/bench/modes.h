@@ -9,12 +9,8 @@ namespace scree {
 /// Cost of solver iterations on a settled bed, and the share of what the memory could do.
 int bench_iteration(const BedOptions& options);
 
-struct CollisionBenchOptions {
-  BedOptions bed;
-  bool polydisperse = false;
-};
 /// Collision detection on a settled bed.
-int bench_collision(const CollisionBenchOptions& options);
+int bench_collision(const BedOptions& options);
 
 struct StepBenchOptions {
   BedOptions bed;

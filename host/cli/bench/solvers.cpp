@@ -6,9 +6,11 @@
 #include <optional>
 #include <utility>
 
+#include "host/cli/bench/bandwidth.h"
 #include "host/cli/bench/bed_bench.h"
 #include "host/cli/bench/modes.h"
 #include "host/cli/bench/table.h"
+#include "host/copy_bandwidth.h"
 #include "host/error.h"
 
 namespace scree {
@@ -16,6 +18,13 @@ namespace {
 
 /// A residual counts as reached up to the rounding of its evaluation.
 constexpr double kSlack = 1.01;
+
+struct OneStep {
+  StepReport report;
+  SolverSettings solver;
+  double time_step = 0;         ///< [s]
+  std::size_t peak_memory = 0;  ///< [bytes]
+};
 
 /// One time step from a stored state with any solver.
 class SameStep {
@@ -30,19 +39,23 @@ class SameStep {
   const Json& start() const { return start_; }
 
   /// @param level  residual at which to stop [v*]
-  StepReport with(const std::string& solver, bool warm, double level, int most_iterations) const {
+  OneStep with(const std::string& solver, bool warm, double level, int most_iterations) const {
     Scene scene = bench_->scene(bed_, {"solver.name=" + solver});
     scene.solver.stop = {StopRule::Level::absolute, level * v_star(scene)};
     scene.solver.max_iterations = most_iterations;
     scene.solver.warm_start = warm;
     WorldState state = state_;
     if (!warm || solver != "apgd") state.solver_memory.clear();  // it is of APGD
+    OneStep step{{}, scene.solver, scene.stepping.time_step, 0};
     World world(std::move(scene), bench_->world_options());
     world.restore(state);
-    const StepReport first = world.step();
-    if (first.ms.solve > kRepeatBelow) return first;
-    world.restore(state);  // once more, with the memory allocated
-    return world.step();
+    step.report = world.step();
+    if (step.report.ms.solve <= kRepeatBelow) {
+      world.restore(state);  // once more, with the memory allocated
+      step.report = world.step();
+    }
+    step.peak_memory = world.peak_memory();
+    return step;
   }
 
  private:
@@ -71,17 +84,18 @@ class LevelSearch {
         check_every_(check_every) {}
 
   /// @param level  [v*]; at most that of the call before
-  StepReport to(double level) {
+  OneStep to(double level) {
     if (!time_ms_) {  // what an iteration costs
-      const StepReport probe = step_->with(solver_, warm_, kUnreachable, 2 * check_every_);
+      const StepReport probe = step_->with(solver_, warm_, kUnreachable, 2 * check_every_).report;
       time_ms_ = probe.ms.solve / std::max(probe.applications, 1);
     }
     if (!gave_up_) {
       const double most = std::clamp(limit_ms_ / std::max(*time_ms_, 1e-6), 1.0, 1e8);
       const int blocks = static_cast<int>(std::ceil(most / check_every_));
       last_ = step_->with(solver_, warm_, level, blocks * check_every_);
-      gave_up_ = !last_.converged;
-      if (last_.applications > 2 * check_every_) time_ms_ = last_.ms.solve / last_.applications;
+      const StepReport& report = last_.report;
+      gave_up_ = !report.converged;
+      if (report.applications > 2 * check_every_) time_ms_ = report.ms.solve / report.applications;
     }
     return last_;
   }
@@ -96,7 +110,7 @@ class LevelSearch {
   int check_every_;
   std::optional<double> time_ms_;
   bool gave_up_ = false;
-  StepReport last_;
+  OneStep last_;
 };
 
 const std::vector<std::string> kSolvers{"apgd", "schwarz", "gauss_seidel_colored", "jacobi",
@@ -131,7 +145,9 @@ int bench_solvers(const SolverBenchOptions& options) {
   if (layers.empty()) layers = on_gpu ? std::vector<int>{20, 500} : std::vector<int>{20, 100};
   const int check_every = bench.scene({.count = 1}).solver.check_every;
 
-  BenchRecord record = bench.record({{"limit_s", options.limit}});
+  const double copy = copy_bandwidth(bench.world_options());
+  BenchRecord record =
+      bench.record({{"limit_s", options.limit}, {"copy_bandwidth_bytes_per_s", copy}});
   bench.print_title();
   fmt::print("one step of a settled bed, the same for all; at most about {:g} s a solve\n",
              options.limit);
@@ -154,21 +170,25 @@ int bench_solvers(const SolverBenchOptions& options) {
         for (const std::string& solver : solvers) {
           LevelSearch search(step, solver, warm, options.limit, check_every);
           for (const double level : levels) {
-            const StepReport r = search.to(level);
+            const OneStep done = search.to(level);
+            const StepReport& r = done.report;
             const bool reached = r.converged && r.residual_relative <= kSlack * level;
-            record.add(joined(step.start(), {{"solver", solver},
-                                             {"start", warm ? "warm" : "cold"},
-                                             {"level", level},
-                                             {"reached", reached},
-                                             {"bodies", r.body_count},
-                                             {"contacts", r.contact_count},
-                                             {"iterations", r.iterations},
-                                             {"applications", r.applications},
-                                             {"residual_rms_m_per_s", r.residual_rms},
-                                             {"residual_relative", r.residual_relative},
-                                             {"objective_J", r.objective},
-                                             {"solve_ms", r.ms.solve},
-                                             {"step_ms", r.ms.total}}));
+            const StepFigures f = figures_of({r}, done.time_step, done.peak_memory);
+            const Bandwidth moved = bandwidth_of(f, done.solver, bench.world_options(), copy);
+            const Json common = joined(joined(step.start(), to_json(f)), to_json(moved));
+            record.add(joined(common, {{"solver", solver},
+                                       {"start", warm ? "warm" : "cold"},
+                                       {"level", level},
+                                       {"reached", reached},
+                                       {"bodies", r.body_count},
+                                       {"contacts", r.contact_count},
+                                       {"iterations", r.iterations},
+                                       {"applications", r.applications},
+                                       {"residual_rms_m_per_s", r.residual_rms},
+                                       {"residual_relative", r.residual_relative},
+                                       {"objective_J", r.objective},
+                                       {"solve_ms", r.ms.solve},
+                                       {"step_ms", r.ms.total}}));
             table.row({std::to_string(r.body_count), std::to_string(height),
                        std::to_string(r.contact_count), warm ? "warm" : "cold", solver,
                        digits(level), reached ? "yes" : "no", digits(r.residual_relative),

@@ -2,17 +2,20 @@
 
 #include <optional>
 
+#include "host/cli/bench/bandwidth.h"
 #include "host/cli/bench/bed_bench.h"
 #include "host/cli/bench/figures.h"
 #include "host/cli/bench/modes.h"
 #include "host/cli/bench/table.h"
+#include "host/copy_bandwidth.h"
 #include "host/error.h"
 #include "host/state_hash.h"
 
 namespace scree {
 namespace {
 
-void print_rows(Table& table, const char* level, const StepFigures& f, const std::string& hash) {
+void print_rows(Table& table, const char* level, const StepFigures& f, const Bandwidth& moved,
+                const std::string& hash) {
   const auto times = [&](double Spread::*kind) {
     std::vector<std::string> cells;
     for (const StageSpread& stage : f.stages) cells.push_back(fixed(stage.ms.*kind, 3));
@@ -27,6 +30,7 @@ void print_rows(Table& table, const char* level, const StepFigures& f, const std
                                  "median"};
   for (const std::string& cell : times(&Spread::median)) cells.push_back(cell);
   cells.push_back(digits(f.body_seconds_per_s));
+  cells.push_back(moved.is_counted() ? fixed(moved.of_copy, 3) : "-");
   cells.push_back(hash);
   table.row(cells);
   cells = {"", "", "", "", "", "", "mean"};
@@ -43,9 +47,11 @@ int bench_step(const StepBenchOptions& options) {
         fmt::format("--kind: \"{}\" is not allowed: expected bed or column", options.kind));
   const BedBench bench(options.bed, {.benchmark = "step"});
   static_cast<void>(bench.bed(1, walls));
-  BenchRecord record = bench.record();
+  const double copy = copy_bandwidth(bench.world_options());
+  BenchRecord record = bench.record({{"copy_bandwidth_bytes_per_s", copy}});
   bench.print_title();
-  fmt::print("{}, warm started; times in ms a step\n", walls ? "settled bed" : "collapsing column");
+  fmt::print("{}, warm started; times in ms a step; memory copies {:.4g} GB/s\n",
+             walls ? "settled bed" : "collapsing column", 1e-9 * copy);
   Table table({{"bodies"},
                {"contacts", 11},
                {"stop", 8},
@@ -59,6 +65,7 @@ int bench_step(const StepBenchOptions& options) {
                {"integrate", 9},
                {"total"},
                {"body-s/s", 9},
+               {"of copy", 8},
                {"state", 16}});
   for (const int size : bench.sizes()) {
     const BedParams bed = bench.bed(size, walls);
@@ -77,12 +84,13 @@ int bench_step(const StepBenchOptions& options) {
       }
       const auto reports = run->steps(bench.steps());
       const StepFigures f = figures_of(reports, run->time_step, run->world.peak_memory());
+      const Bandwidth moved = bandwidth_of(f, run->solver, bench.world_options(), copy);
       Json result = start;
       const std::string hash = fmt::format("{:016x}", state_hash(run->world.states()));
       result["stop"] = level;
       result["state_hash"] = hash;
-      record.add(joined(std::move(result), to_json(f)));
-      print_rows(table, level, f, hash);
+      record.add(joined(joined(std::move(result), to_json(f)), to_json(moved)));
+      print_rows(table, level, f, moved, hash);
     }
   }
   return 0;

@@ -2,12 +2,12 @@
 // Collision detection of one step, from bodies to sorted contacts, and the memory of their
 // impulses.
 
-#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "collision/broad_phase.h"
 #include "collision/impact_margins.h"
+#include "collision/numbering.h"
 #include "collision/obstacle_buffers.h"
 #include "collision/pair_candidates.h"
 #include "collision/persistent_contacts.h"
@@ -294,11 +294,7 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   count_contacts(b, test, count.view(), touching.view());
   exclusive_scan(b, Span<const Index>(count.view()), begin.view());
   const Offset total = fetch(b, begin.data() + pieces);
-  if (total >= std::numeric_limits<Index>::max()) {
-    throw std::runtime_error(std::to_string(total) +
-                             " contacts are more than one run can number (2^31)");
-  }
-  contact_count_ = static_cast<Index>(total);
+  contact_count_ = checked_index(total, can_number(total), "contacts");
   const Span<std::uint64_t> key = key_.resize_discard(total);
   for_each(b, pieces, WriteContactKeys<kMix, Real>{test, begin.view(), touching.view(), key});
 

@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "collision/broad_phase.h"
+#include "collision/numbering.h"
 #include "kernels/extend_candidates.h"
 
 namespace scree {
@@ -102,10 +101,7 @@ class PairCandidates {
     for_each(b, elements, CountCandidates<Real>{search, count.view(), found});
     exclusive_scan(b, Span<const Index>(count.view()), first.view());
     const Offset total = fetch(b, first.data() + n);
-    if (!can_number(n, total)) {
-      throw std::runtime_error(std::to_string(total) +
-                               " pairs of near bodies are more than one run can number (2^31)");
-    }
+    checked_index(total, can_number(n, total), "pairs of near bodies");
     Buffer<B, Index> lower(b, total), other(b, total);
     const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
     for_each(b, elements, WriteCandidates<Real>{search, found, places});
@@ -246,11 +242,6 @@ class PairCandidates {
 
   /// Elements that find more than their slots hold are large bodies, which search in slices.
   static Index chunks_for(Index slices) { return slices / 16 + 64; }
-
-  static bool can_number(Index free_count, Offset pairs) {
-    constexpr Offset kMost = std::numeric_limits<Index>::max();
-    return pairs < kMost && first_piece(free_count, pairs) < kMost;
-  }
 
   /// The list, from pairs that are together for each lower body.
   void put_into_order(B& b, Index free_count, const PairPlaces& pairs) {

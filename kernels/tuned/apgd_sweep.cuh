@@ -105,6 +105,13 @@ struct Wrench {
   }
 };
 
+/// Contacts of a body: as A these, as B the listed ones.
+struct Lists {
+  Index a_begin = 0, a_end = 0;
+  Index b_begin = 0, b_end = 0;
+  __device__ Index size() const { return a_end - a_begin + b_end - b_begin; }
+};
+
 /// Gathers what contacts of one tile exert.
 template <class Real>
 class Gather {
@@ -112,18 +119,18 @@ class Gather {
   __device__ Gather(const RadialPasses<Real>& a, TileRange range, const Tile<Real>& tile)
       : p_(a.p), gamma_(a.gamma.next(a.state->accepted).data), first_(range.first), tile_(tile) {}
 
-  __device__ Index count(Index i) const {
-    return p_.a_start[i + 1] - p_.a_start[i] + p_.b_start[i + 1] - p_.b_start[i];
+  __device__ Lists lists(Index i) const {
+    return {p_.a_start[i], p_.a_start[i + 1], p_.b_start[i], p_.b_start[i + 1]};
   }
   /// All contacts of a body, by one thread.
-  __device__ Wrench<Real> by_thread(Index i) const {
+  __device__ Wrench<Real> by_thread(const Lists& list) const {
     Wrench<Real> sum;
-    for (Index c = p_.a_start[i], end = p_.a_start[i + 1]; c < end; ++c) sum.add_as_a(of_tile(c));
+    for (Index c = list.a_begin; c < list.a_end; ++c) sum.add_as_a(of_tile(c));
     // Several at a time: a list of three or four would wait for memory twice at each.
-    for (Index at = p_.b_start[i], end = p_.b_start[i + 1]; at < end; at += kAtOnce) {
+    for (Index at = list.b_begin; at < list.b_end; at += kAtOnce) {
       Index c[kAtOnce];
 #pragma unroll
-      for (int j = 0; j < kAtOnce; ++j) c[j] = at + j < end ? p_.b_contact[at + j] : -1;
+      for (int j = 0; j < kAtOnce; ++j) c[j] = at + j < list.b_end ? p_.b_contact[at + j] : -1;
       Pull pulls[kAtOnce];
 #pragma unroll
       for (int j = 0; j < kAtOnce; ++j) {
@@ -135,12 +142,11 @@ class Gather {
     return sum;
   }
   /// The same by a warp; every lane gets the sum.
-  __device__ Wrench<Real> by_warp(Index i) const {
+  __device__ Wrench<Real> by_warp(const Lists& list) const {
     const auto lane = static_cast<Index>(threadIdx.x % 32);
     Wrench<Real> sum;
-    for (Index c = p_.a_start[i] + lane, end = p_.a_start[i + 1]; c < end; c += 32)
-      sum.add_as_a(of_tile(c));
-    for (Index at = p_.b_start[i] + lane, end = p_.b_start[i + 1]; at < end; at += 32)
+    for (Index c = list.a_begin + lane; c < list.a_end; c += 32) sum.add_as_a(of_tile(c));
+    for (Index at = list.b_begin + lane; at < list.b_end; at += 32)
       sum.add_as_b(of_any(p_.b_contact[at]));
     sum.add_over_warp();
     return sum;
@@ -176,13 +182,15 @@ __device__ void step_bodies(const RadialPasses<Real>& a, TileRange range, const 
   const Index i = range.begin + static_cast<Index>(threadIdx.x);
   const bool is_there = i < range.end;
   const Gather<Real> gather(a, range, tile);
-  const bool is_long = is_there && gather.count(i) > kLongList;
+  Lists lists;
+  if (is_there) lists = gather.lists(i);
+  const bool is_long = lists.size() > kLongList;
   Wrench<Real> wrench;
-  if (is_there && !is_long) wrench = gather.by_thread(i);
+  if (!is_long) wrench = gather.by_thread(lists);
   for (unsigned left = __ballot_sync(0xffffffffu, is_long); left != 0; left &= left - 1) {
     const int of = __ffs(static_cast<int>(left)) - 1;
     const auto lane = static_cast<int>(threadIdx.x % 32);
-    const Wrench<Real> sum = gather.by_warp(i - lane + of);
+    const Wrench<Real> sum = gather.by_warp(gather.lists(i - lane + of));
     if (lane == of) wrench = sum;
   }
   if (!is_there) return;

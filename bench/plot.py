@@ -61,12 +61,16 @@ def new_axes(title, x, y, count=1):
 
 def draw_iteration(documents):
     figure, (axes,) = new_axes("Solver iterations on a settled bed", "bodies", "contact-iterations / s")
+    rates, floors = defaultdict(list), defaultdict(list)
     for d in documents:
-        results = d["results"]
-        curve(axes, [(r["bodies"], r["contact_iterations_per_s"]) for r in results], machine(d))
-        floor = [(r["bodies"], d["copy_bandwidth_bytes_per_s"] * r["contacts"] / r["least_bytes_per_iteration"])
-                 for r in results if "least_bytes_per_iteration" in r]
-        curve(axes, floor, f"{machine(d)}: least bytes at copy speed", linestyle=":")
+        for r in d["results"]:
+            rates[machine(d)].append((r["bodies"], r["contact_iterations_per_s"]))
+            if "least_bytes_per_iteration" in r:
+                floor = d["copy_bandwidth_bytes_per_s"] * r["contacts"] / r["least_bytes_per_iteration"]
+                floors[machine(d)].append((r["bodies"], floor))
+    for name, points in rates.items():
+        curve(axes, points, name)
+        curve(axes, floors[name], f"{name}: least bytes at copy speed", linestyle=":")
     axes.set_yscale("linear")
     axes.set_ylim(bottom=0)
     return figure
@@ -74,16 +78,17 @@ def draw_iteration(documents):
 
 def draw_steps(documents):
     figure, (axes,) = new_axes("Time of a step", "bodies", "ms, median")
+    groups = defaultdict(list)
     for d in documents:
-        groups = defaultdict(list)
         for r in d["results"]:
             if d["benchmark"] == "collision":
                 sizes = "1:10 spheres" if r["polydisperse"] else "equal spheres"
-                groups[f"collision, {sizes}"].append((r["bodies"], r["ms"]["collision"]["median"]))
+                label, stage = f"collision, {sizes}", "collision"
             else:
-                groups[f"{r['scene']} to {r['stop']}"].append((r["bodies"], r["ms"]["total"]["median"]))
-        for label, points in groups.items():
-            curve(axes, points, f"{label}; {machine(d)}")
+                label, stage = f"{r['scene']} to {r['stop']}, {r['solver']}", "total"
+            groups[f"{label}; {machine(d)}"].append((r["bodies"], r["ms"][stage]["median"]))
+    for label, points in groups.items():
+        curve(axes, points, label)
     return figure
 
 

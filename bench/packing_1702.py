@@ -26,6 +26,7 @@ CONE = [
     "hybrid_krylov",
     "proximal",
     "proximal_krylov",
+    "proximal_gauss_seidel",
     "apgd",
     "apgd_plain",
     "spg",

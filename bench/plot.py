@@ -72,7 +72,7 @@ def draw_iteration(documents):
         curve(axes, points, name)
         curve(axes, floors[name], f"{name}: least bytes at copy speed", linestyle=":")
     axes.set_yscale("linear")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.1 * axes.get_ylim()[1])
     return figure
 
 
@@ -121,7 +121,7 @@ def draw_memory(documents):
         curve(axes, [(r["bodies"], r["expected_memory_bytes"] / r["bodies"]) for r in results],
               f"expected; {machine(d)}", linestyle=":")
     axes.set_yscale("linear")
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.1 * axes.get_ylim()[1])
     return figure
 
 

@@ -63,10 +63,11 @@ class ContactDetector {
   /// bytes in a bed of equal spheres, 7 and 17 in one of diameters 1 : 10, from the caches,
   /// because rows of cells follow the Morton order.
   ///
-  /// Memory, radial layout in float, for good: 24 + 4 m bytes a body for the list (nothing when it
+  /// Memory, radial layout in float, for good: 25 + 4 m bytes a body for the list (nothing when it
   /// is not kept) and 24 a contact, and 20 more for what is remembered of it. While detect() works:
   /// up to 138 + 12 m a body for a new list, and 69 a slice (see PairSearch: about one a body for
-  /// diameters 1 : 10, none for equal spheres); 28 + 8 m a body and 8 a contact to pick contacts.
+  /// diameters 1 : 10, none for equal spheres), or 9 + 8 m to extend one; 28 + 4 m a body and 8 a
+  /// contact to pick contacts.
   ///
   /// @param h  time step [s]
   /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than an

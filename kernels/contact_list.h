@@ -82,8 +82,6 @@ template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
   static constexpr int kLeastBlocks = 4;
-  /// Candidates looked at together, so that a thread waits for fewer.
-  static constexpr Index kTogether = 2;
   ContactTest<kMix, Real> test;
   Span<Index> count;             ///< [piece count] out
   Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
@@ -100,20 +98,14 @@ struct CountContacts {
       found |= 1u << (k - first);
       ++n;
     };
-    if constexpr (kMix != ShapeMix::any) {
-      for (Index k = first; k < end; k += kTogether) {
-        Index j[kTogether];
-        double least[kTogether];
-        for (Index m = 0; m < kTogether; ++m) j[m] = list.other[k + m < end ? k + m : k];
-        for (Index m = 0; m < kTogether; ++m) least[m] = test.needed(body, j[m]);
-        for (Index m = 0; m < kTogether && k + m < end; ++m) {
-          if (!needed.empty()) needed[k + m] = note_needed(least[m]);
-          if (least[m] <= test.envelope(a, j[m])) add(k + m);
-        }
-      }
-    } else {
-      for (Index k = first; k < end; ++k) {
-        test.pair(a, body, list.other[k], [&](std::uint32_t) { add(k); });
+    for (Index k = first; k < end; ++k) {
+      const Index j = list.other[k];
+      if constexpr (kMix != ShapeMix::any) {
+        const double least = test.needed(body, j);
+        if (!needed.empty()) needed[k] = note_needed(least);
+        if (least <= test.envelope(a, j)) add(k);
+      } else {
+        test.pair(a, body, j, [&](std::uint32_t) { add(k); });
       }
     }
     if (list.is_last_of_body(p)) test.with_walls(a, body, [&](std::uint32_t) { ++n; });

@@ -70,6 +70,15 @@ void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vect
   }
 }
 
+std::vector<double> multiply_transposed(const AssembledProblem& p, const std::vector<double>& x) {
+  std::vector<double> y(x.size(), 0.0);
+  for (int c = 0; c < p.contact_count; ++c)
+    for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) y[3 * p.column[k] + j] += p.block[k][3 * i + j] * x[3 * c + i];
+  return y;
+}
+
 std::vector<double> contact_velocity(const AssembledProblem& p, const std::vector<double>& r) {
   std::vector<double> u;
   multiply(p, r, u);

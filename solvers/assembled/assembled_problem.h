@@ -51,6 +51,9 @@ AssembledProblem assemble(int contact_count, std::vector<PlacedBlock> blocks, st
 /// y = W x. @param x, y  [3 contact_count], different arrays; y is resized
 void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vector<double>& y);
 
+/// W^T x. @param x  [3 contact_count]
+std::vector<double> multiply_transposed(const AssembledProblem& p, const std::vector<double>& x);
+
 /// u = W r + q [m/s].
 std::vector<double> contact_velocity(const AssembledProblem& p, const std::vector<double>& r);
 

@@ -60,16 +60,6 @@ std::vector<double> unbounded_impulses(const AssembledProblem& p, double max_sec
   return last;
 }
 
-/// W^T x.
-std::vector<double> multiply_transposed(const AssembledProblem& p, const std::vector<double>& x) {
-  std::vector<double> y(x.size(), 0.0);
-  for (int c = 0; c < p.contact_count; ++c)
-    for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) y[3 * p.column[k] + j] += p.block[k][3 * i + j] * x[3 * c + i];
-  return y;
-}
-
 }  // namespace
 
 bool has_no_solution(const AssembledProblem& p, AssembledModel model, double max_seconds) {

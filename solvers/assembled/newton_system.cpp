@@ -180,16 +180,15 @@ std::vector<double> NewtonSystem::gradient() const {
 
 std::vector<double> merit_gradient(const AssembledProblem& p, const std::vector<double>& scale,
                                    double shift, const std::vector<ContactFunction>& at) {
-  std::vector<double> result(p.q.size(), 0.0);
+  std::vector<double> direct(p.q.size()), by_u(p.q.size());
   for (int c = 0; c < p.contact_count; ++c) {
     const Eigen::Vector3d y = scale[c] * Eigen::Map<const Eigen::Vector3d>(at[c].value);
-    const Eigen::Vector3d by_u = as_matrix(at[c].by_u).transpose() * y;
-    Eigen::Map<Eigen::Vector3d>(&result[3 * c]) +=
-        as_matrix(at[c].by_r).transpose() * y + shift * scale[c] * by_u;
-    for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k)
-      Eigen::Map<Eigen::Vector3d>(&result[3 * p.column[k]]) +=
-          as_matrix(p.block[k]).transpose() * by_u;
+    Eigen::Map<Eigen::Vector3d> own(&direct[3 * c]), through_u(&by_u[3 * c]);
+    through_u = as_matrix(at[c].by_u).transpose() * y;
+    own = as_matrix(at[c].by_r).transpose() * y + shift * scale[c] * through_u;
   }
+  std::vector<double> result = multiply_transposed(p, by_u);
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] += direct[i];
   return result;
 }
 

@@ -23,12 +23,11 @@ class ApgdArrays {
       impulses_.emplace_back(b, p.contact_count);
       gamma.buffer[k] = impulses_.back().view(p.contact_count);
     }
-    for (int k = 0; k < 2; ++k) {
-      for (Span<Twist<Real>>* view : {&velocity.of_iterate[k], &velocity.of_extrapolated[k]}) {
-        twists_.emplace_back(b, p.body_count);
-        *view = twists_.back().view(p.body_count);
-        for_each(b, p.body_count, StartVelocity<Real>{p, *view});
-      }
+    for (Span<Twist<Real>>* view :
+         {&velocity.of_iterate[0], &velocity.of_iterate[1], &velocity.of_extrapolated}) {
+      twists_.emplace_back(b, p.body_count);
+      *view = twists_.back().view(p.body_count);
+      for_each(b, p.body_count, StartVelocity<Real>{p, *view});
     }
     bed.random_impulses(b, 51, gamma.buffer[0]);
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.buffer[0]});
@@ -52,10 +51,8 @@ class ApgdArrays {
       bed.random_impulses(b, 20 + k, gamma.buffer[k]);
       for_each(b, problem_.contact_count, ProjectImpulses<R, Real>{problem_, gamma.buffer[k]});
     }
-    for (unsigned k = 0; k < 2; ++k) {
-      bed.random_velocities(b, 30 + k, velocity.of_iterate[k]);
-      bed.random_velocities(b, 40 + k, velocity.of_extrapolated[k]);
-    }
+    for (unsigned k = 0; k < 2; ++k) bed.random_velocities(b, 30 + k, velocity.of_iterate[k]);
+    bed.random_velocities(b, 40, velocity.of_extrapolated);
     ApgdState middle = fetch(b, state_.data());
     middle.theta = 0.2;
     middle.beta = middle.next_beta = 0.6;

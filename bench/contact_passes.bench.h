@@ -38,9 +38,8 @@ void run_body_pass(Suite<B>& suite, benchmark::State& state, Index spheres) {
   ApgdArrays<B, Real> arrays(b, bed, SolverParams{}.metric);
   arrays.scramble(b, bed);
   const Span<Twist<Real>> iterate = arrays.velocity.of_iterate[1].first(spheres);
-  const Span<Twist<Real>> extrapolated = arrays.velocity.of_extrapolated[1].first(spheres);
+  const Span<Twist<Real>> extrapolated = arrays.velocity.of_extrapolated.first(spheres);
   suite.poison(vectors_of(iterate));
-  suite.poison(vectors_of(extrapolated));
   Buffer<B, Sums<1>> energy(b, 1);
   suite.measure(state, Suite<B>::contact_work(bed, apgd_body_pass_traffic<Real>()),
                 [&] { arrays.body_pass(b, energy.view()); });

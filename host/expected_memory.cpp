@@ -13,8 +13,9 @@
 namespace scree {
 namespace {
 
-/// Contacts a sphere has in a bed that has settled, listed ones that do not touch included.
-constexpr double kContacts = 3.3;
+/// Contacts of a sphere, listed ones that do not touch included: 3.3 in a bed that has settled,
+/// less than 3 in one that has not.
+constexpr double kContacts = 3.25;
 /// Near pairs of a body there, at the default skin and stretched as lists are while a bed settles:
 /// of spheres about alike, and of diameters that differ several times.
 constexpr double kPairs = 5.5;
@@ -104,7 +105,7 @@ Bytes solver(const Sizes& s) {
   if (s.scene.solver.name == "apgd") {
     // The other iterate and, once half of the iterations allowed are done, the best one.
     const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
-    bytes = {4 * s.twist, 2 * s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
+    bytes = {3 * s.twist, 2 * s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
   } else if (s.scene.solver.name == "gauss_seidel_colored") {
     // Contacts in the order of colors, and the memory of their coloring.
     const double ordered = 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;

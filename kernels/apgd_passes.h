@@ -48,24 +48,23 @@ struct ApgdImpulses {
   SCREE_HD Span<Vec3<Real>> next(Index k) const { return current(k + 1); }
 };
 
-/// V of the current iterate and V_y of the extrapolated point, each with room for the trial's.
+/// V of the current iterate, with room for the trial's, and V_y of the extrapolated point. The next
+/// V_y of a body takes the place of the one in use, which no contact needs by then: after a
+/// rejected trial the next one starts from the iterate itself.
 template <class Real>
 struct ApgdVelocities {
   Span<Twist<Real>> of_iterate[2];
-  Span<Twist<Real>> of_extrapolated[2];
+  Span<Twist<Real>> of_extrapolated;
 
   SCREE_HD Span<Twist<Real>> iterate(Index k) const {
     return k % 2 == 0 ? of_iterate[0] : of_iterate[1];
-  }
-  SCREE_HD Span<Twist<Real>> extrapolated(Index k) const {
-    return k % 2 == 0 ? of_extrapolated[0] : of_extrapolated[1];
   }
   /// V of the accepted iterate.
   SCREE_HD Span<const Twist<Real>> current(const ApgdState& s) const { return iterate(s.accepted); }
   /// V_y of the point in use. Without momentum it is the iterate itself: so a restart, known only
   /// after the body pass has extrapolated, needs no second pass.
   SCREE_HD Span<const Twist<Real>> extrapolated(const ApgdState& s) const {
-    return s.beta == 0 ? iterate(s.accepted) : extrapolated(s.accepted);
+    return s.beta == 0 ? iterate(s.accepted) : of_extrapolated;
   }
 };
 
@@ -186,7 +185,7 @@ struct ApgdBodyPass {
     const Twist<Real> momentum =
         static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]);
     velocity.iterate(k + 1)[i] = next;
-    velocity.extrapolated(k + 1)[i] = next + momentum;
+    velocity.of_extrapolated[i] = next + momentum;
     return {{R::mass_norm2(p, i, next - extrapolated)}};
   }
 };

@@ -34,14 +34,14 @@ class Apgd final : public Solver<B, Real> {
   void restore_memory(const std::vector<double>& m) override { lipschitz_ = m.empty() ? 0 : m[0]; }
 
  private:
-  /// Bytes: 72 a body and 16 a contact (radial layout of alike bodies in float); 12 more a contact
+  /// Bytes: 48 a body and 16 a contact (radial layout of alike bodies in float); 12 more a contact
   /// in the second half of the iterations allowed.
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
         : impulses(b, vectors),
           best(b),
           iterate(b, bodies),
-          extrapolated{Buffer<B, Twist<Real>>(b, bodies), Buffer<B, Twist<Real>>(b, bodies)},
+          extrapolated(b, bodies),
           metric(b),
           state(b, 1),
           check(b, 1),
@@ -50,7 +50,7 @@ class Apgd final : public Solver<B, Real> {
     Buffer<B, Vec3<Real>> impulses;  ///< the other buffer is the caller's
     Buffer<B, Vec3<Real>> best;
     Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
-    Buffer<B, Twist<Real>> extrapolated[2];
+    Buffer<B, Twist<Real>> extrapolated;
     Buffer<B, Real> metric;
     Buffer<B, ApgdState> state;
     Buffer<B, ApgdCheck> check;
@@ -66,14 +66,12 @@ class Apgd final : public Solver<B, Real> {
     const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
     Workspace w(b, vectors, p.body_count);
     const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}};
-    const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()},
-                                          {w.extrapolated[0].view(), w.extrapolated[1].view()}};
+    const ApgdVelocities<Real> velocities{{velocity, w.iterate.view()}, w.extrapolated.view()};
     // Bodies that do not move keep this velocity through the whole solve.
     const auto fixed = [&](const Span<Twist<Real>>& v) {
       return Span<Twist<Real>>{v.data + p.free_count, v.size - p.free_count};
     };
-    for (const Span<Twist<Real>>& view :
-         {w.iterate.view(), w.extrapolated[0].view(), w.extrapolated[1].view()})
+    for (const Span<Twist<Real>>& view : {w.iterate.view(), w.extrapolated.view()})
       copy(b, Span<const Twist<Real>>(fixed(velocity)), fixed(view));
 
     ApgdState* state = w.state.data();

@@ -20,7 +20,9 @@ SCREE_HD inline bool is_zero(double x) { return x == 0.0; }
 /// 1 / x for normal x of less than 2^126.
 SCREE_HD inline float inverse(float x) {
 #ifdef __CUDA_ARCH__
-  return __fdividef(1.0f, x);
+  float y;
+  asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(y) : "f"(x));
+  return y;
 #else
   return 1.0f / x;
 #endif
@@ -32,7 +34,9 @@ SCREE_HD inline float inverse_sqrt(float x) {
   constexpr float kLeast = 1.17549435e-38f;
   x = x > kLeast ? x : kLeast;
 #ifdef __CUDA_ARCH__
-  return rsqrtf(x);
+  float y;
+  asm("rsqrt.approx.ftz.f32 %0, %1;" : "=f"(y) : "f"(x));
+  return y;
 #else
   return 1.0f / std::sqrt(x);
 #endif

@@ -2,34 +2,31 @@
 // Tuned twin of the two APGD passes for the radial layout: one cooperative launch runs many trials.
 //
 // A block takes tiles of bodies that are neighbors in space (Morton order), one in each round. It
-// keeps their V_y and the new impulses of their contacts in shared memory, so that both passes
-// gather from there. Only contacts with bodies outside the tile go through global memory: as B of a
-// lower body, whose tile has its contact step in the same round or an earlier one. So the body pass
-// of a round runs after the contact step of the next one, when that of its own round is done
-// everywhere, and seldom waits. A large body among small ones has thousands of contacts, which all
-// threads of a warp sum up. At the end of a trial the blocks meet, one adds up the sums in
-// block order and decides, and the next trial begins without a launch.
+// fetches their V_y into shared memory while the tile before is at work, steps their contacts,
+// keeps the new impulses in shared memory too, and sums up there what contacts within the tile
+// exert. Only contacts with bodies outside the tile go through global memory: as B of a lower body,
+// whose tile has its contact step in the same round or an earlier one. So the body pass of a round
+// runs after the contact step of the next one, when that of its own round is done everywhere, and
+// seldom waits. A large body among small ones has thousands of contacts, which all threads of a
+// warp sum up. At the end of a trial the blocks meet, one adds up the sums in block order and
+// decides, and the next trial begins without a launch.
 //
 // Bytes from memory per contact (float, alike bodies): normal and bias 16, ids 8, two impulses 24,
 // metric 4, list 4 read, impulse 12 written. Per body: V_y, v*, V 72, inertia 8, starts 8 read, V
 // and V_y 48 written: 340 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427.
-// Sums are those of the plain passes in another order: the same bits on every run of one device.
-// Doubles take the plain passes, which are faster for them.
+// What bounds it on an H200 is the link between the two halves of the second-level cache, which
+// half of all sectors cross: busy 79 % of the time (bench/results/h200). Shared memory is dear:
+// with less than 60 KB left to the first-level cache, records of 12 bytes are fetched more than
+// once. Sums are those of the plain passes in another order: the same bits on every run of one
+// device. Doubles take the plain passes, which are faster for them.
 
-#include "kernels/apgd_iteration.h"
-#include "kernels/backend/cuda.cuh"
+#include "kernels/tuned/apgd_tile.cuh"
 #include "kernels/tuned/device_counter.cuh"
 
 namespace scree {
 namespace sweep {
 
-inline constexpr int kThreads = Cuda::kBlock;  ///< of a block
-inline constexpr int kBodies = 240;            ///< of a tile
-inline constexpr int kBlocks = 4;              ///< wanted on a multiprocessor
-inline constexpr int kStaged =
-    640;                           ///< contacts of a tile kept in shared memory, two tiles a block
-inline constexpr int kAtOnce = 4;  ///< contacts of a body as B that are fetched together
-inline constexpr Index kLongList = 96;  ///< contacts of a body that one thread sums up, at most
+inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
 
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
@@ -39,169 +36,30 @@ struct Shared {
   Sums<3>* partial;      ///< [blocks]
 };
 
-/// A tile in shared memory.
+/// Body pass of the thread's body of a tile: what other tiles exert, then its new velocity. A body
+/// with many contacts is summed up by its warp.
 template <class Real>
-struct Tile {
-  struct Pull {
-    Vec3<Real> impulse;
-    Vec3<Real> normal;
-  };
-  Twist<Real> extrapolated[kBodies];
-  Pull pull[kStaged];
-};
-
-/// Bodies [begin, end) and their contacts as A [first, last).
-struct TileRange {
-  Index begin, end;
-  Index first, last;
-};
-
-template <class Real>
-using RadialPasses = ApgdPasses<RadialRows<Real>, Real>;
-
-/// Contact step of a tile.
-template <class Real>
-__device__ void step_contacts(const RadialPasses<Real>& a,
-                              const ApgdContactStep<RadialRows<Real>, Real>& step, TileRange range,
-                              Tile<Real>& tile, Sums<3>& sums) {
-  const Index i = range.begin + static_cast<Index>(threadIdx.x);
-  if (i < range.end) tile.extrapolated[threadIdx.x] = step.extrapolated[i];
-  __syncthreads();
-  for (Index c = range.first + static_cast<Index>(threadIdx.x); c < range.last; c += kThreads) {
-    const Index body_b = a.p.body_b[c];
-    const Twist<Real> v_b =
-        body_b < range.end ? tile.extrapolated[body_b - range.begin] : step.extrapolated[body_b];
-    const Sums<2> mine =
-        step(a.p, a.metric, c, tile.extrapolated[a.p.body_a[c] - range.begin], v_b);
-    if (c - range.first < kStaged) tile.pull[c - range.first] = {step.next[c], a.p.normal[c]};
-    sums.value[0] += mine.value[0];
-    sums.value[1] += mine.value[1];
-  }
-}
-
-/// Sum of a body's contacts: force and torque.
-template <class Real>
-struct Wrench {
-  Vec3<Real> force, torque;
-
-  __device__ void add_as_a(const typename Tile<Real>::Pull& pull) {
-    force -= pull.impulse;
-    torque += cross(pull.impulse, pull.normal);
-  }
-  __device__ void add_as_b(const typename Tile<Real>::Pull& pull) {
-    force += pull.impulse;
-    torque += cross(pull.impulse, pull.normal);
-  }
-  /// Sum over the warp, the same bits in every lane.
-  __device__ void add_over_warp() {
-#pragma unroll
-    for (int step = 16; step > 0; step /= 2) {
-#pragma unroll
-      for (int k = 0; k < 3; ++k) {
-        force[k] += __shfl_xor_sync(0xffffffffu, force[k], step);
-        torque[k] += __shfl_xor_sync(0xffffffffu, torque[k], step);
-      }
-    }
-  }
-};
-
-/// Contacts of a body: as A these, as B the listed ones.
-struct Lists {
-  Index a_begin = 0, a_end = 0;
-  Index b_begin = 0, b_end = 0;
-  __device__ Index size() const { return a_end - a_begin + b_end - b_begin; }
-};
-
-/// Gathers what contacts of one tile exert.
-template <class Real>
-class Gather {
- public:
-  __device__ Gather(const RadialPasses<Real>& a, TileRange range, const Tile<Real>& tile)
-      : p_(a.p), gamma_(a.gamma.next(a.state->accepted).data), first_(range.first), tile_(tile) {}
-
-  __device__ Lists lists(Index i) const {
-    return {p_.a_start[i], p_.a_start[i + 1], p_.b_start[i], p_.b_start[i + 1]};
-  }
-  /// All contacts of a body, by one thread.
-  __device__ Wrench<Real> by_thread(const Lists& list) const {
-    Wrench<Real> sum;
-    for (Index c = list.a_begin; c < list.a_end; ++c) sum.add_as_a(of_tile(c));
-    // Several at a time: a list of three or four would wait for memory twice at each.
-    for (Index at = list.b_begin; at < list.b_end; at += kAtOnce) {
-      Index c[kAtOnce];
-#pragma unroll
-      for (int j = 0; j < kAtOnce; ++j) c[j] = at + j < list.b_end ? p_.b_contact[at + j] : -1;
-      Pull pulls[kAtOnce];
-#pragma unroll
-      for (int j = 0; j < kAtOnce; ++j) {
-        if (c[j] >= 0) pulls[j] = of_any(c[j]);
-      }
-#pragma unroll
-      for (int j = 0; j < kAtOnce; ++j) sum.add_as_b(pulls[j]);
-    }
-    return sum;
-  }
-  /// The same by a warp; every lane gets the sum.
-  __device__ Wrench<Real> by_warp(const Lists& list) const {
-    const auto lane = static_cast<Index>(threadIdx.x % 32);
-    Wrench<Real> sum;
-    for (Index c = list.a_begin + lane; c < list.a_end; c += 32) sum.add_as_a(of_tile(c));
-    for (Index at = list.b_begin + lane; at < list.b_end; at += 32)
-      sum.add_as_b(of_any(p_.b_contact[at]));
-    sum.add_over_warp();
-    return sum;
-  }
-
- private:
-  using Pull = typename Tile<Real>::Pull;
-
-  /// Of a contact of the tile, nearly always in shared memory.
-  __device__ Pull of_tile(Index c) const {
-    const Index slot = c - first_;
-    if (slot < kStaged) return tile_.pull[slot];
-    return {gamma_[c], p_.normal[c]};
-  }
-  /// Of any contact: one kind of load, so that several can be under way.
-  __device__ Pull of_any(Index c) const {
-    const unsigned slot = static_cast<unsigned>(c - first_);
-    return {*(slot < kStaged ? &tile_.pull[slot].impulse : gamma_ + c),
-            *(slot < kStaged ? &tile_.pull[slot].normal : p_.normal.data + c)};
-  }
-
-  const ContactProblem<Real>& p_;
-  const Vec3<Real>* const gamma_;
-  const Index first_;
-  const Tile<Real>& tile_;
-};
-
-/// Body pass of a tile, one body a thread; a body with many contacts is summed up by its warp.
-template <class Real>
-__device__ void step_bodies(const RadialPasses<Real>& a, TileRange range, const Tile<Real>& tile,
-                            Sums<3>& sums) {
+__device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial, Index i,
+                          bool is_there, HalfDone<Real>& body, const Twist<Real>& extrapolated,
+                          Sums<3>& sums) {
   using R = RadialRows<Real>;
-  const Index i = range.begin + static_cast<Index>(threadIdx.x);
-  const bool is_there = i < range.end;
-  const Gather<Real> gather(a, range, tile);
-  Lists lists;
-  if (is_there) lists = gather.lists(i);
-  const bool is_long = lists.size() > kLongList;
-  Wrench<Real> wrench;
-  if (!is_long) wrench = gather.by_thread(lists);
+  const Gather<Real> gather(a, trial);
+  const bool is_long = is_there && body.is_long();
+  if (is_there) gather.add_far(body);
   for (unsigned left = __ballot_sync(0xffffffffu, is_long); left != 0; left &= left - 1) {
     const int of = __ffs(static_cast<int>(left)) - 1;
     const auto lane = static_cast<int>(threadIdx.x % 32);
-    const Wrench<Real> sum = gather.by_warp(gather.lists(i - lane + of));
-    if (lane == of) wrench = sum;
+    const Wrench<Real> sum = gather.by_warp(i - lane + of);
+    if (lane == of) body.wrench = sum;
   }
   if (!is_there) return;
-  const ApgdState& s = *a.state;
-  const Index k = s.accepted;
-  const Twist<Real> next = a.p.free_velocity[i] +
-                           R::apply_inverse_mass(a.p, i, Twist<Real>{wrench.force, wrench.torque});
-  const Twist<Real> momentum = static_cast<Real>(s.next_beta) * (next - a.velocity.current(s)[i]);
-  a.velocity.iterate(k + 1)[i] = next;
-  a.velocity.extrapolated(k + 1)[i] = next + momentum;
-  const Twist<Real> change = next - tile.extrapolated[threadIdx.x];
+  const Twist<Real> next =
+      a.p.free_velocity[i] +
+      R::apply_inverse_mass(a.p, i, Twist<Real>{body.wrench.force, body.wrench.torque});
+  const Twist<Real> momentum = trial.next_beta * (next - trial.velocity[i]);
+  trial.next_velocity[i] = next;
+  trial.next_extrapolated[i] = next + momentum;
+  const Twist<Real> change = next - extrapolated;
   const RadialInertia<Real> inertia = a.p.radial_inertia[i];
   Real energy = 0;
   if (inertia.inv_mass > Real(0)) energy += norm2(change.linear) * inverse(inertia.inv_mass);
@@ -262,36 +120,55 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                unsigned first_trial, int count) {
   extern __shared__ __align__(16) unsigned char bytes[];
-  Tile<Real>* const tile = reinterpret_cast<Tile<Real>*>(bytes);
-  const Index blocks = static_cast<Index>(gridDim.x);
-  const auto range_of = [&](Index t) {
-    TileRange range;
-    range.begin = t * kBodies;
-    range.end = min(range.begin + kBodies, a.p.free_count);
-    range.first = a.p.a_start[range.begin];
-    range.last = a.p.a_start[range.end];
-    return range;
-  };
-  for (unsigned trial = first_trial; trial < first_trial + count; ++trial) {
-    const ApgdContactStep<RadialRows<Real>, Real> step = a.contact_pass().step();
+  TileMemory<Real>& memory = *reinterpret_cast<TileMemory<Real>*>(bytes);
+  const auto blocks = static_cast<Index>(gridDim.x);
+  const auto local = static_cast<Index>(threadIdx.x);
+  for (unsigned number = first_trial; number < first_trial + count; ++number) {
+    const Trial<Real> trial(a);
+    const Gather<Real> gather(a, trial);
     Sums<3> sums;
-    Index round = 0;
-    for (Index t = static_cast<Index>(blockIdx.x); t < tiles + blocks; t += blocks, ++round) {
-      if (t < tiles) step_contacts(a, step, range_of(t), tile[round & 1], sums);
+    auto t = static_cast<Index>(blockIdx.x);
+    fetch_bodies(a, trial, t * kBodies, memory.bodies[0]);
+    for (Index round = 0; t < tiles + blocks; t += blocks, ++round) {
+      __pipeline_wait_prior(0);
       __syncthreads();
-      if (threadIdx.x == 0) {
-        if (t < tiles)
+      const TileBodies<Real>& here = memory.bodies[round % 2];
+      TileBodies<Real>& other = memory.bodies[(round + 1) % 2];
+      HalfDone<Real> now;
+      bool is_now = false;
+      if (t < tiles) {
+        TileRange range;
+        range.begin = t * kBodies;
+        range.count = min(kBodies, a.p.free_count - range.begin);
+        range.first = here.a_start[0];
+        range.last = here.a_start[range.count];
+        step_contacts(a, trial, range, here, memory.pull, sums);
+        __syncthreads();
+        if (local == 0)
           DeviceCounter(shared.round_done[round]).fetch_add(1, cuda::memory_order_release);
-        if (round > 0) {
-          const Index before = min(blocks, tiles - (round - 1) * blocks);
-          wait_for(shared.round_done[round - 1], (trial + 1) * static_cast<unsigned>(before));
-        }
+        is_now = local < range.count;
+        if (is_now) now = gather.within(range, here, memory.pull);
+      }
+      // What this round found takes the place of what the round before left.
+      const Index i = (t - blocks) * kBodies + local;
+      const bool is_before = round > 0 && local < kBodies && i < a.p.free_count;
+      HalfDone<Real> before;
+      Twist<Real> extrapolated;
+      if (is_before) {
+        before = memory.half_done[local];
+        extrapolated = other.extrapolated[local];
+      }
+      if (is_now) memory.half_done[local] = now;
+      if (t + blocks < tiles) fetch_bodies(a, trial, (t + blocks) * kBodies, other);
+      if (round == 0) continue;
+      if (local == 0) {
+        const Index done = min(blocks, tiles - (round - 1) * blocks);
+        wait_for(shared.round_done[round - 1], (number + 1) * static_cast<unsigned>(done));
       }
       __syncthreads();
-      if (round == 0) continue;
-      step_bodies(a, range_of(t - blocks), tile[(round - 1) & 1], sums);
+      step_body(a, trial, i, is_before, before, extrapolated, sums);
     }
-    decide(a, shared, trial, sums);
+    decide(a, shared, number, sums);
   }
 }
 
@@ -332,7 +209,7 @@ class ApgdIteration<Cuda> {
   }
 
  private:
-  static constexpr int kBytes = 2 * sizeof(sweep::Tile<float>);
+  static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
 
   static const void* kernel() { return reinterpret_cast<const void*>(&sweep::run_trials<float>); }
   /// Blocks wait for each other, so all must be on the device at once.

@@ -204,8 +204,9 @@ struct TileSweep {
     const Offset list = static_cast<Offset>(t) * d.neighbors.room;
     for (Index k = lane; k < d.neighbors.count[t]; k += kLanes) {
       const Index neighbor = d.neighbors.tile[list + k];
-      wait_for(shared.done[neighbor / 2], neighbor % 2 == 0 ? pass + 1 : pass);
+      spin_until(shared.done[neighbor / 2], neighbor % 2 == 0 ? pass + 1 : pass);
     }
+    acquire();
     __syncwarp();
   }
 

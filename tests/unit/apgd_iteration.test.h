@@ -29,13 +29,11 @@ class Arrays {
       passes_.gamma.buffer[k] = impulses_.back().view();
       fill(b, impulses_.back().view(), Vec3<Real>{});
     }
-    for (int k = 0; k < 2; ++k) {
-      for (Span<Twist<Real>>* view :
-           {&passes_.velocity.of_iterate[k], &passes_.velocity.of_extrapolated[k]}) {
-        twists_.emplace_back(b, p.body_count);
-        *view = twists_.back().view();
-        for_each(b, p.body_count, StartVelocity<Real>{p, *view});
-      }
+    ApgdVelocities<Real>& v = passes_.velocity;
+    for (Span<Twist<Real>>* view : {&v.of_iterate[0], &v.of_iterate[1], &v.of_extrapolated}) {
+      twists_.emplace_back(b, p.body_count);
+      *view = twists_.back().view();
+      for_each(b, p.body_count, StartVelocity<Real>{p, *view});
     }
     passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
     passes_.state = state_.data();

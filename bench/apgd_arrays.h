@@ -71,7 +71,7 @@ class ApgdArrays {
                     StoreResult<Sums<1>>{energy.data});
   }
   /// Trials of the line search, accepted or not, as a solve runs them.
-  void iterate(B& b, int count) { iteration_.run(b, passes(), count); }
+  void iterate(B& b, int count) { iteration_.run(b, passes(), count, -1); }
   /// The same as two passes each.
   void iterate_plainly(B& b, int count) {
     for (int k = 0; k < count; ++k) apgd_trial(b, passes());

@@ -16,7 +16,10 @@ void apgd_trial(B& b, const ApgdPasses<R, Real>& a) {
 /// Trials of one solve after the other; each backend has its own class, with
 ///   ApgdIteration(B&)
 ///   start(B&, const ApgdPasses<R, Real>&)             before the first trial of a solve
-///   run(B&, const ApgdPasses<R, Real>&, int count)    queues trials on the passes of start()
+///   stops(const ApgdPasses<R, Real>&)                 whether run() may end early
+///   run(B&, const ApgdPasses<R, Real>&, int count, double enough)
+///       queues trials on the passes of start(), as many as asked for or, where it may, until the
+///       measure of the state is not above `enough`
 template <class B>
 class ApgdIteration;
 

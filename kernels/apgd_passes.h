@@ -21,7 +21,9 @@ struct ApgdState {
   double next_beta = 0;
   double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
-  Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
+  double measure = 0;       ///< L |gamma+ - y|_H of the trial: goes with the residual
+  Index trials = 0;
+  Index accepted = 0;  ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
 
   /// Takes the momentum of the point in use, and works out that of the next one.
@@ -203,6 +205,8 @@ struct ApgdBodyFinish {
   ApgdState* state;
   SCREE_HD void operator()(const Sums<1>& energy) const {
     ApgdState& s = *state;
+    ++s.trials;
+    s.measure = s.lipschitz * std::sqrt(s.step_squares);
     const double allowed = s.lipschitz * s.step_squares;
     const double enough = kAbove * energy.value[0] / s.step_squares;
     const bool at_bound = s.lipschitz >= s.lipschitz_max;

@@ -7,16 +7,21 @@
 // Steps and projections are taken in a diagonal metric by default; the Euclidean one of the paper
 // is the other choice. Memory passes per iteration: one over contacts (112 B in float, 48 of them
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
-// every residual check, at least each `check_every` iterations. A rejected trial, which is rare,
-// costs one more of both passes; `applications` counts all of them. Spheres take the tuned twins of
-// kernels/tuned.
+// every residual check. L |gamma+ - y|_H of a trial goes with the residual, so that iterations end
+// by themselves where it should be small enough; a check follows, two or three in a solve. Where
+// that is not known yet, or iterations cannot end by themselves (on a GPU those of doubles and of
+// general layouts), there is one at least each `check_every` iterations. A rejected trial, which is
+// rare, costs one more of both passes; `applications` counts all of them. Spheres take the tuned
+// twins of kernels/tuned.
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "kernels/apgd_iteration.h"
 #include "solvers/check_schedule.h"
 #include "solvers/residual.h"
+#include "solvers/residual_gauge.h"
 
 namespace scree {
 
@@ -30,8 +35,11 @@ class Apgd final : public Solver<B, Real> {
     return with_rows<Real>(p.layout,
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
-  std::vector<double> memory() const override { return {lipschitz_}; }
-  void restore_memory(const std::vector<double>& m) override { lipschitz_ = m.empty() ? 0 : m[0]; }
+  std::vector<double> memory() const override { return {lipschitz_, gauge_.carried()}; }
+  void restore_memory(const std::vector<double>& m) override {
+    lipschitz_ = m.empty() ? 0 : m[0];
+    gauge_.carry(m.size() < 2 ? 0 : m[1]);
+  }
 
  private:
   /// Bytes: 48 a body and 16 a contact (radial layout of alike bodies in float); 12 more a contact
@@ -92,11 +100,15 @@ class Apgd final : public Solver<B, Real> {
                           ApgdStart{state, lipschitz_});
     const ApgdPasses<R, Real> passes{p, impulses, velocities, metric, state};
     w.iteration.start(b, passes);
+    gauge_.start_solve();
 
     SolveStats stats;
+    const double root_count = std::sqrt(p.contact_count);
     double best = -1;
     bool is_guess = true, is_best = true;
-    CheckSchedule schedule(params_.check_every, tolerance);
+    const bool stops = w.iteration.stops(passes);
+    CheckSchedule schedule(stops ? kPatience * params_.check_every : params_.check_every,
+                           tolerance);
     for (;;) {
       // The residual is looked at on the host, the only synchronization of the loop.
       reduce<ResidualSums>(b, p.contact_count,
@@ -118,6 +130,8 @@ class Apgd final : public Solver<B, Real> {
         }
       }
       stats.iterations = check.state.accepted;
+      stats.applications = check.state.trials;
+      gauge_.note(check.state.measure / root_count, residual.rms);
       lipschitz_ = check.state.lipschitz;
       this->add_to_curve(stats.iterations, stats.applications, residual.rms);
       stats.converged = residual.rms <= tolerance;
@@ -139,10 +153,18 @@ class Apgd final : public Solver<B, Real> {
       }
       if (is_last) break;
 
-      const int block = std::min(schedule.next(stats.applications, residual.rms),
-                                 params_.max_iterations - stats.applications);
-      w.iteration.run(b, passes, block);
-      stats.applications += block;
+      const int wait = schedule.next(stats.applications, residual.rms);
+      // The best iterate is looked for in the second half.
+      const bool often = this->is_recorded() || 2 * stats.applications >= params_.max_iterations;
+      int most = wait;
+      double enough = -1;
+      if (stops) {
+        enough = root_count * gauge_.level(tolerance);
+        // With a level to stop at, a check is due only if that is not met for long.
+        most = often || !(enough > 0) ? std::min(wait, params_.check_every) : wait + wait / 4 + 1;
+      }
+      w.iteration.run(b, passes, std::min(most, params_.max_iterations - stats.applications),
+                      enough);
     }
     if (is_best) {  // the last iterate, whose velocities and residual are at hand
       const Span<const Twist<Real>> last = velocities.iterate(stats.iterations);
@@ -163,8 +185,12 @@ class Apgd final : public Solver<B, Real> {
     return energy > 0 ? std::clamp(1 - work / (2 * energy), 0.0, 1.0) : 1;
   }
 
+  /// Iterations between residual checks, over check_every, where trials stop by themselves.
+  static constexpr int kPatience = 5;
+
   SolverParams params_;
   double lipschitz_ = 0;
+  ResidualGauge gauge_;
 };
 
 template <class B, class Real>

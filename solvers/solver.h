@@ -27,7 +27,7 @@ enum class ApgdMetricKind {
 
 struct SolverParams {
   int max_iterations = 400;  ///< [-], > 0
-  int check_every = 10;      ///< most iterations between residual checks (host reads), > 0
+  int check_every = 10;      ///< iterations between residual checks (host reads), see each solver
   double relaxation = 1.0;   ///< over-relaxation of Gauss-Seidel, Jacobi and Schwarz, in (0, 2)
   ApgdMetricKind metric = ApgdMetricKind::diagonal;
 };
@@ -104,6 +104,7 @@ class Solver {
   void record_curve(std::vector<CurvePoint>* curve) { curve_ = curve; }
 
  protected:
+  bool is_recorded() const { return curve_ != nullptr; }
   void add_to_curve(int iterations, int applications, double rms) {
     if (curve_ != nullptr) curve_->push_back({iterations, applications, rms});
   }

@@ -115,16 +115,28 @@ class ApgdIteration<Cpu> {
   void start(Cpu&, const ApgdPasses<R, Real>&) {}
 
   template <class R, class Real>
-  void run(Cpu& cpu, const ApgdPasses<R, Real>& a, int count) {
-    for (int k = 0; k < count; ++k) apgd_trial(cpu, a);
+  bool stops(const ApgdPasses<R, Real>&) const {
+    return true;
+  }
+
+  template <class R, class Real>
+  void run(Cpu& cpu, const ApgdPasses<R, Real>& a, int count, double enough) {
+    for (int k = 0; k < count; ++k) {
+      trial(cpu, a);
+      if (!(a.state->measure > enough)) break;
+    }
+  }
+
+ private:
+  template <class R, class Real>
+  static void trial(Cpu& cpu, const ApgdPasses<R, Real>& a) {
+    apgd_trial(cpu, a);
   }
   template <class Real>
-  void run(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a, int count) {
+  static void trial(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a) {
     const Index blocks = ApgdContactBlock<Real>::count(a.p.contact_count);
-    for (int k = 0; k < count; ++k) {
-      reduce<Sums<2>>(cpu, blocks, ApgdContactBlock<Real>{a}, ApgdContactFinish{a.state});
-      reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state});
-    }
+    reduce<Sums<2>>(cpu, blocks, ApgdContactBlock<Real>{a}, ApgdContactFinish{a.state});
+    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state});
   }
 };
 

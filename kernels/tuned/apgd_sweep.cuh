@@ -118,12 +118,15 @@ __device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsign
 template <class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
-               unsigned first_trial, int count) {
+               int count, double enough) {
   extern __shared__ __align__(16) unsigned char bytes[];
   TileMemory<Real>& memory = *reinterpret_cast<TileMemory<Real>*>(bytes);
   const auto blocks = static_cast<Index>(gridDim.x);
   const auto local = static_cast<Index>(threadIdx.x);
-  for (unsigned number = first_trial; number < first_trial + count; ++number) {
+  __shared__ unsigned number;  // of the trial, for thread 0
+  for (int left = count; left > 0; --left) {
+    // No block ends a trial before all have begun it, so all read the same.
+    if (local == 0) number = DeviceCounter(*shared.trials).load(cuda::memory_order_relaxed);
     const Trial<Real> trial(a);
     const Gather<Real> gather(a, trial);
     Sums<3> sums;
@@ -169,6 +172,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       step_body(a, trial, i, is_before, before, extrapolated, sums);
     }
     decide(a, shared, number, sums);
+    if (!(a.state->measure > enough)) break;
   }
 }
 
@@ -190,22 +194,26 @@ class ApgdIteration<Cuda> {
     partial_.reserve_discard(blocks_);
     fill(cuda, counters_.view(counters), 0u);
     shared_ = {counters_.data() + 2, counters_.data(), counters_.data() + 1, partial_.data()};
-    trials_ = 0;
   }
 
   template <class R, class Real>
-  void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count) {
+  bool stops(const ApgdPasses<R, Real>&) const {
+    return false;
+  }
+  bool stops(const sweep::RadialPasses<float>&) const { return true; }
+
+  template <class R, class Real>
+  void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double) {
     for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
   }
 
-  void run(Cuda& cuda, const sweep::RadialPasses<float>& a, int count) {
+  void run(Cuda& cuda, const sweep::RadialPasses<float>& a, int count, double enough) {
     sweep::RadialPasses<float> passes = a;
-    void* arguments[] = {&passes, &shared_, &tiles_, &trials_, &count};
+    void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
     check_cuda(cudaLaunchCooperativeKernel(kernel(), blocks_, sweep::kThreads, arguments, kBytes,
                                            cuda.stream()),
                "apgd_sweep");
     cuda.check_launch("apgd_sweep");
-    trials_ += static_cast<unsigned>(count);
   }
 
  private:
@@ -224,7 +232,6 @@ class ApgdIteration<Cuda> {
   sweep::Shared shared_{};
   Index tiles_ = 0;
   unsigned blocks_ = 0;
-  unsigned trials_ = 0;
 };
 
 }  // namespace scree

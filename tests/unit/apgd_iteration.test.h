@@ -1,4 +1,5 @@
 // Iterations of APGD as the backend runs them, against its two plain passes.
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -69,7 +70,7 @@ class ApgdIterationTest : public BackendTest<Real> {
     for (Arrays<Real>* arrays : {&tuned, &again}) {
       ApgdIteration<TestBackend> iteration(b);
       iteration.start(b, arrays->passes());
-      for (const int count : {1, 12, 7}) iteration.run(b, arrays->passes(), count);
+      for (const int count : {1, 12, 7}) iteration.run(b, arrays->passes(), count, -1);
     }
     const ApgdState expected = plain.state(b), found = tuned.state(b);
     EXPECT_EQ(found.accepted, expected.accepted);
@@ -117,6 +118,38 @@ TYPED_TEST(ApgdIterationTest, MatchesOverManyRounds) {
   EXPECT_GT(this->expect_match(buffers.problem()), 10);
 }
 
+/// Where the tuned twin may end early, it does at the first trial that measures little enough, and
+/// goes on from there as if nothing had been.
+TYPED_TEST(ApgdIterationTest, StopsWhereTheMeasureIsSmallEnough) {
+  TestBackend& b = this->backend();
+  const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 3});
+  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  const ContactProblem<TypeParam> p = buffers.problem();
+  constexpr int kTrials = 20;
+
+  Arrays<TypeParam> all(b, p), some(b, p);
+  ApgdIteration<TestBackend> steady(b), stopping(b);
+  steady.start(b, all.passes());
+  std::vector<double> measure;
+  for (int k = 0; k < kTrials; ++k) {
+    steady.run(b, all.passes(), 1, -1);
+    measure.push_back(all.state(b).measure);
+    EXPECT_GT(measure.back(), 0);
+    EXPECT_EQ(all.state(b).trials, k + 1);
+  }
+  const double level = measure[kTrials / 2];
+  const auto first =
+      std::find_if(measure.begin(), measure.end(), [&](double value) { return value <= level; });
+
+  stopping.start(b, some.passes());
+  stopping.run(b, some.passes(), kTrials, level);
+  const Index stopped = some.state(b).trials;
+  EXPECT_EQ(stopped, stopping.stops(some.passes()) ? first - measure.begin() + 1 : kTrials);
+  if (stopped < kTrials) stopping.run(b, some.passes(), kTrials - stopped, -1);
+  EXPECT_EQ(some.state(b).trials, kTrials);
+  EXPECT_EQ(some.impulses(b), all.impulses(b));
+}
+
 /// L after a trial that met the curvature rho, from L = 1.
 TEST(ApgdStepRule, FollowsTheCurvature) {
   const auto after = [](double rho, double bound) {
@@ -128,6 +161,8 @@ TEST(ApgdStepRule, FollowsTheCurvature) {
     ApgdBodyFinish{&s}({{4 * rho}});
     return s;
   };
+  EXPECT_EQ(after(0.3, 10).trials, 1);
+  EXPECT_DOUBLE_EQ(after(3, 10).measure, 2);  // of the step that was taken
   EXPECT_EQ(after(0.3, 10).accepted, 1);
   EXPECT_DOUBLE_EQ(after(0.3, 10).lipschitz, 0.95);
   EXPECT_GT(after(0.3, 10).beta, 0.6);    // momentum from the first iteration on

@@ -121,7 +121,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   }
 
   /// Of the tolerance that an inner solve may leave; many end just below theirs.
-  static constexpr double kShareOfTolerance = 0.15;
+  static constexpr double kShareOfTolerance = 0.1;
   static constexpr double kShareOfResidual = 0.02;  ///< of the last exact residual
 
   std::unique_ptr<Solver<B, Real>> inner_;

@@ -9,10 +9,10 @@
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
 // every residual check. L |gamma+ - y|_H of a trial goes with the residual, so that iterations end
 // by themselves where it should be small enough; a check follows, two or three in a solve. Where
-// that is not known yet, or iterations cannot end by themselves (on a GPU those of doubles and of
-// general layouts), there is one at least each `check_every` iterations. A rejected trial, which is
-// rare, costs one more of both passes; `applications` counts all of them. Spheres take the tuned
-// twins of kernels/tuned.
+// that is not known yet, or iterations cannot end by themselves (those of doubles and of general
+// layouts), there is one at least each `check_every` iterations. A rejected trial, which is rare,
+// costs one more of both passes; `applications` counts all of them. Spheres take the tuned twins of
+// kernels/tuned.
 
 #include <algorithm>
 #include <cmath>

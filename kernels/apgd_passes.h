@@ -22,8 +22,8 @@ struct ApgdState {
   double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
   double measure = 0;       ///< L |gamma+ - y|_H of the trial: goes with the residual
-  Index trials = 0;
-  Index accepted = 0;  ///< accepted iterations: selects the roles of the buffers
+  Index trials = 0;         ///< so far, rejected ones included
+  Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
 
   /// Takes the momentum of the point in use, and works out that of the next one.

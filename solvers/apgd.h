@@ -106,9 +106,7 @@ class Apgd final : public Solver<B, Real> {
     const double root_count = std::sqrt(p.contact_count);
     double best = -1;
     bool is_guess = true, is_best = true;
-    const bool stops = w.iteration.stops(passes);
-    CheckSchedule schedule(stops ? kPatience * params_.check_every : params_.check_every,
-                           tolerance);
+    CheckSchedule schedule(kPatience * params_.check_every, tolerance);
     for (;;) {
       // The residual is looked at on the host, the only synchronization of the loop.
       reduce<ResidualSums>(b, p.contact_count,
@@ -154,15 +152,12 @@ class Apgd final : public Solver<B, Real> {
       if (is_last) break;
 
       const int wait = schedule.next(stats.applications, residual.rms);
-      // The best iterate is looked for in the second half.
-      const bool often = this->is_recorded() || 2 * stats.applications >= params_.max_iterations;
-      int most = wait;
-      double enough = -1;
-      if (stops) {
-        enough = root_count * gauge_.level(tolerance);
-        // With a level to stop at, a check is due only if that is not met for long.
-        most = often || !(enough > 0) ? std::min(wait, params_.check_every) : wait + wait / 4 + 1;
-      }
+      const double enough = w.iteration.stops(passes) ? root_count * gauge_.level(tolerance) : -1;
+      // With a level to stop at, a check is due only if that is not met for long. In the second
+      // half the best iterate is looked for.
+      const bool often =
+          enough < 0 || this->is_recorded() || 2 * stats.applications >= params_.max_iterations;
+      const int most = often ? std::min(wait, params_.check_every) : wait + wait / 4 + 1;
       w.iteration.run(b, passes, std::min(most, params_.max_iterations - stats.applications),
                       enough);
     }

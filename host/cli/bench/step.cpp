@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "host/cli/bench/bandwidth.h"
 #include "host/cli/bench/bed_bench.h"
@@ -14,8 +16,8 @@
 namespace scree {
 namespace {
 
-void print_rows(Table& table, const char* level, const StepFigures& f, const Bandwidth& moved,
-                const std::string& hash) {
+void print_rows(Table& table, const std::string& level, const StepFigures& f,
+                const Bandwidth& moved, const std::string& hash) {
   const auto times = [&](double Spread::*kind) {
     std::vector<std::string> cells;
     for (const StageSpread& stage : f.stages) cells.push_back(fixed(stage.ms.*kind, 3));
@@ -36,6 +38,15 @@ void print_rows(Table& table, const char* level, const StepFigures& f, const Ban
   cells = {"", "", "", "", "", "", "mean"};
   for (const std::string& cell : times(&Spread::mean)) cells.push_back(cell);
   table.row(cells);
+}
+
+/// The level of --set solver.stop, else those that runs know by name.
+std::vector<std::string> levels_of(const BedBench& bench) {
+  const std::string key = "solver.stop=";
+  std::vector<std::string> levels{"quality", "preview"};
+  for (const std::string& setting : bench.settings())
+    if (setting.rfind(key, 0) == 0) levels = {setting.substr(key.size())};
+  return levels;
 }
 
 }  // namespace
@@ -67,15 +78,16 @@ int bench_step(const StepBenchOptions& options) {
                {"body-s/s", 9},
                {"of copy", 8},
                {"state", 16}});
+  const std::vector<std::string> levels = levels_of(bench);
   for (const int size : bench.sizes()) {
     const BedParams bed = bench.bed(size, walls);
-    std::optional<BedRun> run(settled_bed(bench, bed, {"solver.stop=quality"}));
+    std::optional<BedRun> run(settled_bed(bench, bed, {"solver.stop=" + levels.front()}));
     const WorldState state = run->world.save();
     const Json start = run->start;
-    for (const char* level : {"quality", "preview"}) {
-      if (std::string(level) == "preview") {
+    for (const std::string& level : levels) {
+      if (level != levels.front()) {
         run.reset();  // one bed in memory at a time
-        Scene scene = bench.scene(bed, {"solver.stop=preview"});
+        Scene scene = bench.scene(bed, {"solver.stop=" + level});
         const double h = scene.stepping.time_step;
         const SolverSettings solver = scene.solver;
         run.emplace(BedRun{World(std::move(scene), bench.world_options()), h, solver, start});

@@ -103,9 +103,12 @@ Bytes solver(const Sizes& s) {
   const double weights = 3 * s.real;
   Bytes bytes{s.twist, weights};  // Jacobi, Gauss-Seidel
   if (s.scene.solver.name == "apgd") {
-    // The other iterate and, once half of the iterations allowed are done, the best one.
+    // The other iterate and, once half of the iterations allowed are done, the best one; velocities
+    // of both and, without the tuned program, of the extrapolated point.
     const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
-    bytes = {3 * s.twist, 2 * s.impulse + (s.scene.solver.diagonal_metric ? metric : 0)};
+    const bool is_tuned = s.device_spheres && s.real == 4;
+    bytes = {(is_tuned ? 2 : 3) * s.twist,
+             2 * s.impulse + (is_tuned ? 1 : 0) + (s.scene.solver.diagonal_metric ? metric : 0)};
   } else if (s.scene.solver.name == "gauss_seidel_colored") {
     // Contacts in the order of colors, and the memory of their coloring.
     const double ordered = 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;

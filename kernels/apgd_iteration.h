@@ -17,6 +17,8 @@ void apgd_trial(B& b, const ApgdPasses<R, Real>& a) {
 ///   ApgdIteration(B&)
 ///   start(B&, const ApgdPasses<R, Real>&)             before the first trial of a solve
 ///   stops(const ApgdPasses<R, Real>&)                 whether run() may end early
+///   stores_extrapolated(const ApgdPasses<R, Real>&)   whether V_y is kept in memory; else it is
+///       worked out from both iterates, which have to be the same at the start of a solve
 ///   run(B&, const ApgdPasses<R, Real>&, int count, double enough)
 ///       queues trials on the passes of start(), as many as asked for or, where it may, until the
 ///       measure of the state is not above `enough`

@@ -50,9 +50,10 @@ struct ApgdImpulses {
   SCREE_HD Span<Vec3<Real>> next(Index k) const { return current(k + 1); }
 };
 
-/// V of the current iterate, with room for the trial's, and V_y of the extrapolated point. The next
-/// V_y of a body takes the place of the one in use, which no contact needs by then: after a
-/// rejected trial the next one starts from the iterate itself.
+/// V of the current iterate, V of the one before or room for the trial's, and V_y of the
+/// extrapolated point, which tuned twins may leave out. The next V_y of a body takes the place of
+/// the one in use, which no contact needs by then: after a rejected trial the next one starts from
+/// the iterate itself.
 template <class Real>
 struct ApgdVelocities {
   Span<Twist<Real>> of_iterate[2];

@@ -77,10 +77,14 @@ struct ContactBias {
   requires(std::is_same_v<std::remove_const_t<U>, Real>) SCREE_HD
       constexpr ContactBias(const Span<U>& all)
       : values(all) {}
-  SCREE_HD Real operator[](Index c) const {
-    if (!values.empty()) return values[c];
-    const Real value = inv_time_step * gap[c];
-    return select(value <= least, least, value);  // NaN stays
+  SCREE_HD Real operator[](Index c) const { return value(read(c)); }
+  /// What is stored of a contact, and its bias: in two steps where other loads should not wait for
+  /// this one.
+  SCREE_HD Real read(Index c) const { return values.empty() ? gap[c] : values[c]; }
+  SCREE_HD Real value(const Real& stored) const {
+    if (!values.empty()) return stored;
+    const Real speed = inv_time_step * stored;
+    return select(speed <= least, least, speed);  // NaN stays
   }
 };
 

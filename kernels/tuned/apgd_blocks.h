@@ -12,6 +12,7 @@
 #include "kernels/apgd_iteration.h"
 #include "kernels/backend/cpu.h"
 #include "kernels/tuned/lanes.h"
+#include "kernels/tuned/one_contact.h"
 
 namespace scree {
 
@@ -50,22 +51,16 @@ struct ApgdContactBlock {
     }
     for (int j = present; j < kContacts; ++j) in.lane[kMetric][j] = in.lane[kMetric + 1][j] = 1;
 
-    // A problem of one contact whose numbers are lanes.
-    const Vec3<L> gamma = in.vector(kGamma), before = in.vector(kBefore);
-    const Vec3<L> normal = in.vector(kNormal);
-    const L bias = L::load(in.lane[kBias]), friction = L::load(in.lane[kFriction]),
-            adhesion = L::load(in.lane[kAdhesion]);
-    L weights[2] = {L::load(in.lane[kMetric]), L::load(in.lane[kMetric + 1])};
+    OneContact<L> lanes{in.vector(kGamma),
+                        in.vector(kBefore),
+                        in.vector(kNormal),
+                        L::load(in.lane[kBias]),
+                        L::load(in.lane[kFriction]),
+                        L::load(in.lane[kAdhesion]),
+                        {L::load(in.lane[kMetric]), L::load(in.lane[kMetric + 1])}};
     Vec3<L> next;
-    ContactProblem<L> p;
-    p.normal = {&normal, 1};
-    p.bias.values = {&bias, 1};
-    p.friction.values = {&friction, 1};
-    p.adhesion.values = {&adhesion, 1};
-    const StoredMetric<RadialRows<L>, L> metric{{weights, 2}};
-    const ApgdContactStep<RadialRows<L>, L> in_lanes{{&gamma, 1}, {&before, 1}, {&next, 1},
-                                                     {},          L(step.beta), L(step.step)};
-    const Sums<2> sums = in_lanes(p, metric, 0, in.twist(kTwistA), in.twist(kTwistB));
+    const Sums<2> sums =
+        lanes.step(L(step.beta), L(step.step), in.twist(kTwistA), in.twist(kTwistB), next);
 
     Records out;
     next.x.store(out.lane[0]), next.y.store(out.lane[1]), next.z.store(out.lane[2]);
@@ -120,6 +115,11 @@ class ApgdIteration<Cpu> {
     return false;
   }
   bool stops(const ApgdPasses<RadialRows<float>, float>&) const { return true; }
+
+  template <class R, class Real>
+  bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
+    return true;
+  }
 
   template <class R, class Real>
   void run(Cpu& cpu, const ApgdPasses<R, Real>& a, int count, double enough) {

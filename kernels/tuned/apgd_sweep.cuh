@@ -2,8 +2,8 @@
 // Tuned twin of the two APGD passes for the radial layout: one cooperative launch runs many trials.
 //
 // A block takes tiles of bodies that are neighbors in space (Morton order), one in each round. It
-// fetches their V_y into shared memory while the tile before is at work, steps their contacts,
-// keeps the new impulses in shared memory too, and sums up there what contacts within the tile
+// brings their V_y into shared memory while the tile before is at work, steps their contacts, keeps
+// what the new impulses exert in shared memory too, and sums up there what contacts within the tile
 // exert. Only contacts with bodies outside the tile go through global memory: as B of a lower body,
 // whose tile has its contact step in the same round or an earlier one. So the body pass of a round
 // runs after the contact step of the next one, when that of its own round is done everywhere, and
@@ -11,17 +11,21 @@
 // warp sum up. At the end of a trial the blocks meet, one adds up the sums in block order and
 // decides, and the next trial begins without a launch.
 //
-// Bytes from memory per contact (float, alike bodies): normal and bias 16, ids 8, two impulses 24,
-// metric 4, list 4 read, impulse 12 written. Per body: V_y, v*, V 72, inertia 8, starts 8 read, V
-// and V_y 48 written: 340 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427.
-// What bounds it on an H200 is the link between the two halves of the second-level cache, which
-// half of all sectors cross: busy 79 % of the time (bench/results/h200). Shared memory is dear:
-// with less than 60 KB left to the first-level cache, records of 12 bytes are fetched more than
-// once. Sums are those of the plain passes in another order: the same bits on every run of one
-// device. Doubles take the plain passes, which are faster for them.
+// The warps of a block meet nowhere within a trial: barriers are in halves, with other work between
+// (SplitBarrier). One warp speaks with other blocks; it has the fewest contacts and bodies.
+//
+// Bytes from memory per contact (float, alike bodies): normal and bias 16, B 4, A within its tile
+// 1, two impulses 24, metric 4, list 4 read, impulse 12 written. Per body: v*, two V 72, inertia 8,
+// starts 8 read, V 24 written: 307 MB for 1e6 bodies with 3e6 contacts, where the plain passes take
+// 427. At 1e7 bodies the link between the two halves of the second-level cache, which half of all
+// sectors cross, is about as busy as in a copy (bench/results/h200). Shared memory is dear: with
+// less than 60 KB left to the first-level cache, records of 12 bytes are fetched more than once.
+// Sums are those of the plain passes in another order: the same bits on every run of one device.
+// Doubles take the plain passes, which are faster for them.
 
 #include "kernels/tuned/apgd_tile.cuh"
 #include "kernels/tuned/device_counter.cuh"
+#include "kernels/tuned/split_barrier.cuh"
 
 namespace scree {
 namespace sweep {
@@ -30,10 +34,11 @@ inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
 
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
-  unsigned* round_done;  ///< [rounds] contact steps done, over all trials
-  unsigned* arrived;     ///< blocks at the end of a trial, over all trials
-  unsigned* trials;      ///< trials decided
-  Sums<3>* partial;      ///< [blocks]
+  unsigned* round_done;          ///< [rounds] contact steps done, over all trials
+  unsigned* arrived;             ///< blocks at the end of a trial, over all trials
+  unsigned* trials;              ///< trials decided
+  Sums<3>* partial;              ///< [blocks]
+  const unsigned char* local_a;  ///< [contacts]
 };
 
 /// Body pass of the thread's body of a tile: what other tiles exert, then its new velocity. A body
@@ -42,7 +47,6 @@ template <class Real>
 __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial, Index i,
                           bool is_there, HalfDone<Real>& body, const Twist<Real>& extrapolated,
                           Sums<3>& sums) {
-  using R = RadialRows<Real>;
   const Gather<Real> gather(a, trial);
   const bool is_long = is_there && body.is_long();
   if (is_there) gather.add_far(body);
@@ -53,14 +57,12 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
     if (lane == of) body.wrench = sum;
   }
   if (!is_there) return;
+  const RadialInertia<Real> inertia = a.p.radial_inertia[i];
   const Twist<Real> next =
       a.p.free_velocity[i] +
-      R::apply_inverse_mass(a.p, i, Twist<Real>{body.wrench.force, body.wrench.torque});
-  const Twist<Real> momentum = trial.next_beta * (next - trial.velocity[i]);
+      Twist<Real>{inertia.inv_mass * body.wrench.force, inertia.inv_spin * body.wrench.torque};
   trial.next_velocity[i] = next;
-  trial.next_extrapolated[i] = next + momentum;
   const Twist<Real> change = next - extrapolated;
-  const RadialInertia<Real> inertia = a.p.radial_inertia[i];
   Real energy = 0;
   if (inertia.inv_mass > Real(0)) energy += norm2(change.linear) * inverse(inertia.inv_mass);
   if (inertia.inv_spin > Real(0)) energy += norm2(change.angular) * inverse(inertia.inv_spin);
@@ -101,12 +103,15 @@ __device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsign
   }
   __syncthreads();
   if (is_last) {
+    // Read at once and ahead: the formulas would ask for one number after the other.
+    ApgdState state = *a.state;
     Sums<3> rest;
     for (unsigned k = threadIdx.x; k < gridDim.x; k += kThreads) rest.combine(shared.partial[k]);
     const Sums<3> total = block_sum(rest);
     if (threadIdx.x == 0) {
-      ApgdContactFinish{a.state}({{total.value[0], total.value[1]}});
-      ApgdBodyFinish{a.state}({{total.value[2]}});
+      ApgdContactFinish{&state}({{total.value[0], total.value[1]}});
+      ApgdBodyFinish{&state}({{total.value[2]}});
+      *a.state = state;
       DeviceCounter(*shared.trials).store(trial + 1, cuda::memory_order_release);
     }
   } else if (threadIdx.x == 0) {
@@ -115,64 +120,96 @@ __device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsign
   __syncthreads();
 }
 
-template <class Real>
+template <int kWeights, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                int count, double enough) {
   extern __shared__ __align__(16) unsigned char bytes[];
   TileMemory<Real>& memory = *reinterpret_cast<TileMemory<Real>*>(bytes);
+  __shared__ SplitBarrier ready;  // V_y of a tile is there, the pulls of the one before are summed
+  __shared__ SplitBarrier stepped;  // the contact step of a tile is done
+  __shared__ SplitBarrier reached;  // other blocks are done with the round before
+  __shared__ unsigned trials;       // before this launch
   const auto blocks = static_cast<Index>(gridDim.x);
   const auto local = static_cast<Index>(threadIdx.x);
-  __shared__ unsigned number;  // of the trial, for thread 0
-  for (int left = count; left > 0; --left) {
-    // No block ends a trial before all have begun it, so all read the same.
-    if (local == 0) number = DeviceCounter(*shared.trials).load(cuda::memory_order_relaxed);
-    const Trial<Real> trial(a);
+  const bool is_first_lane = local % 32 == 0;
+  const bool is_speaker = local == kThreads - 32;
+  if (local == 0) {
+    ready.init(kWarps);
+    stepped.init(kWarps);
+    reached.init(1);
+    trials = *shared.trials;
+  }
+  __syncthreads();
+  const auto arrive = [&](SplitBarrier& barrier) {
+    __syncwarp();
+    if (is_first_lane) barrier.arrive();
+  };
+  unsigned turn = 0;  // tiles so far: phases of `stepped`
+  for (unsigned k = 0; k < static_cast<unsigned>(count); ++k) {
+    const unsigned number = trials + k;
+    const Trial<Real> trial(a, shared.local_a);
+    if (k > 0 && !(trial.measure > enough)) break;
     const Gather<Real> gather(a, trial);
     Sums<3> sums;
     auto t = static_cast<Index>(blockIdx.x);
-    fetch_bodies(a, trial, t * kBodies, memory.bodies[0]);
-    for (Index round = 0; t < tiles + blocks; t += blocks, ++round) {
-      __pipeline_wait_prior(0);
-      __syncthreads();
+    {
+      BodyFetch<Real> fetch(a, trial, t * kBodies);
+      fetch.start(a, memory.bodies[0]);
+      fetch.read_previous();
+      fetch.finish(memory.bodies[0]);
+      arrive(ready);
+    }
+    for (Index round = 0;; t += blocks, ++round) {
       const TileBodies<Real>& here = memory.bodies[round % 2];
       TileBodies<Real>& other = memory.bodies[(round + 1) % 2];
-      HalfDone<Real> now;
-      bool is_now = false;
-      if (t < tiles) {
-        TileRange range;
+      const bool has_tile = t < tiles;
+      ready.wait((turn + k) % 2);  // one more than tiles in each trial
+      // Every warp has begun the body pass before: it no longer waits for `reached`.
+      if (is_speaker && round > 0) {
+        const Index done = min(blocks, tiles - (round - 1) * blocks);
+        wait_for(shared.round_done[round - 1], (number + 1) * static_cast<unsigned>(done));
+        reached.arrive();
+      }
+      __syncwarp();
+      TileRange range;
+      if (has_tile) {
         range.begin = t * kBodies;
         range.count = min(kBodies, a.p.free_count - range.begin);
         range.first = here.a_start[0];
         range.last = here.a_start[range.count];
-        step_contacts(a, trial, range, here, memory.pull, sums);
-        __syncthreads();
-        if (local == 0)
-          DeviceCounter(shared.round_done[round]).fetch_add(1, cuda::memory_order_release);
-        is_now = local < range.count;
-        if (is_now) now = gather.within(range, here, memory.pull);
+        step_contacts<kWeights>(a, trial, range, here, memory.pull, sums);
+        arrive(stepped);
       }
-      // What this round found takes the place of what the round before left.
       const Index i = (t - blocks) * kBodies + local;
       const bool is_before = round > 0 && local < kBodies && i < a.p.free_count;
-      HalfDone<Real> before;
       Twist<Real> extrapolated;
-      if (is_before) {
-        before = memory.half_done[local];
-        extrapolated = other.extrapolated[local];
+      if (is_before) extrapolated = other.extrapolated[local];
+      BodyFetch<Real> fetch(a, trial, (t + blocks) * kBodies);
+      const bool has_next = t + blocks < tiles;
+      if (has_next) fetch.start(a, other);
+      if (is_speaker && has_tile) {
+        stepped.wait(turn % 2);
+        DeviceCounter(shared.round_done[round]).fetch_add(1, cuda::memory_order_release);
       }
-      if (is_now) memory.half_done[local] = now;
-      if (t + blocks < tiles) fetch_bodies(a, trial, (t + blocks) * kBodies, other);
-      if (round == 0) continue;
-      if (local == 0) {
-        const Index done = min(blocks, tiles - (round - 1) * blocks);
-        wait_for(shared.round_done[round - 1], (number + 1) * static_cast<unsigned>(done));
+      __syncwarp();
+      if (round > 0) {
+        reached.wait((turn - 1) % 2);
+        HalfDone<Real> body;
+        if (is_before) body = memory.half_done[local];
+        step_body(a, trial, i, is_before, body, extrapolated, sums);
       }
-      __syncthreads();
-      step_body(a, trial, i, is_before, before, extrapolated, sums);
+      if (has_next) fetch.read_previous();
+      if (has_tile) {
+        stepped.wait(turn % 2);
+        if (local < range.count) memory.half_done[local] = gather.within(range, here, memory.pull);
+      }
+      if (has_next) fetch.finish(other);
+      if (!has_tile) break;
+      ++turn;
+      arrive(ready);
     }
     decide(a, shared, number, sums);
-    if (!(a.state->measure > enough)) break;
   }
 }
 
@@ -181,19 +218,24 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
 template <>
 class ApgdIteration<Cuda> {
  public:
-  explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda) {}
+  explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda), local_a_(cuda) {}
 
   template <class R, class Real>
   void start(Cuda&, const ApgdPasses<R, Real>&) {}
 
   void start(Cuda& cuda, const sweep::RadialPasses<float>& a) {
     tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
+    kernel_ = kernel_for(a.metric);
     blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
     const Offset counters = Offset{tiles_} / blocks_ + 3;
     counters_.reserve_discard(counters);
     partial_.reserve_discard(blocks_);
     fill(cuda, counters_.view(counters), 0u);
-    shared_ = {counters_.data() + 2, counters_.data(), counters_.data() + 1, partial_.data()};
+    local_a_.reserve_discard(a.p.contact_count);
+    for_each(cuda, a.p.contact_count,
+             sweep::LocalBodies<float>{a.p, local_a_.view(a.p.contact_count)});
+    shared_ = {counters_.data() + 2, counters_.data(), counters_.data() + 1, partial_.data(),
+               local_a_.data()};
   }
 
   template <class R, class Real>
@@ -203,6 +245,12 @@ class ApgdIteration<Cuda> {
   bool stops(const sweep::RadialPasses<float>&) const { return true; }
 
   template <class R, class Real>
+  bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
+    return true;
+  }
+  bool stores_extrapolated(const sweep::RadialPasses<float>&) const { return false; }
+
+  template <class R, class Real>
   void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double) {
     for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
   }
@@ -210,7 +258,7 @@ class ApgdIteration<Cuda> {
   void run(Cuda& cuda, const sweep::RadialPasses<float>& a, int count, double enough) {
     sweep::RadialPasses<float> passes = a;
     void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
-    check_cuda(cudaLaunchCooperativeKernel(kernel(), blocks_, sweep::kThreads, arguments, kBytes,
+    check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, sweep::kThreads, arguments, kBytes,
                                            cuda.stream()),
                "apgd_sweep");
     cuda.check_launch("apgd_sweep");
@@ -219,17 +267,24 @@ class ApgdIteration<Cuda> {
  private:
   static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
 
-  static const void* kernel() { return reinterpret_cast<const void*>(&sweep::run_trials<float>); }
+  /// Loads behind a branch would start late, so there is a program for each way to store weights.
+  static const void* kernel_for(const StoredMetric<RadialRows<float>, float>& metric) {
+    const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
+    if (metric.values.empty()) return of(&sweep::run_trials<0, float>);
+    return metric.one_each ? of(&sweep::run_trials<1, float>) : of(&sweep::run_trials<2, float>);
+  }
   /// Blocks wait for each other, so all must be on the device at once.
-  static unsigned resident_blocks(const Cuda& cuda) {
-    check_cuda(cudaFuncSetAttribute(kernel(), cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes),
+  unsigned resident_blocks(const Cuda& cuda) const {
+    check_cuda(cudaFuncSetAttribute(kernel_, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes),
                "shared memory of apgd_sweep");
-    return cuda.resident_blocks(kernel(), "occupancy of apgd_sweep", kBytes);
+    return cuda.resident_blocks(kernel_, "occupancy of apgd_sweep", kBytes);
   }
 
   Buffer<Cuda, unsigned> counters_;  ///< arrived, trials, round_done
   Buffer<Cuda, Sums<3>> partial_;
+  Buffer<Cuda, unsigned char> local_a_;
   sweep::Shared shared_{};
+  const void* kernel_ = nullptr;
   Index tiles_ = 0;
   unsigned blocks_ = 0;
 };

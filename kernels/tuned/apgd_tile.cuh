@@ -5,13 +5,16 @@
 
 #include "kernels/apgd_iteration.h"
 #include "kernels/backend/cuda.cuh"
+#include "kernels/tuned/one_contact.h"
 
 namespace scree {
 namespace sweep {
 
 inline constexpr int kThreads = Cuda::kBlock;  ///< of a block
-inline constexpr int kBodies = 240;            ///< of a tile
+inline constexpr int kWarps = kThreads / 32;
+inline constexpr int kBodies = 240;  ///< of a tile
 static_assert(kBodies < kThreads, "a thread for each start of a list");
+static_assert(kBodies <= 256, "a body of a tile is named by a byte");
 inline constexpr int kStaged = 800;     ///< contacts of a tile kept in shared memory
 inline constexpr int kAtOnce = 4;       ///< contacts of a body that are fetched together
 inline constexpr Index kLongList = 96;  ///< contacts of a body that one thread sums up, at most
@@ -19,11 +22,15 @@ inline constexpr Index kLongList = 96;  ///< contacts of a body that one thread 
 template <class Real>
 using RadialPasses = ApgdPasses<RadialRows<Real>, Real>;
 
-/// What a contact exerts on its bodies.
+/// What a contact exerts on its bodies: B's force, and the torque on both.
 template <class Real>
 struct Pull {
   Vec3<Real> impulse;
-  Vec3<Real> normal;
+  Vec3<Real> torque;
+
+  Pull() = default;
+  __device__ Pull(const Vec3<Real>& g, const Vec3<Real>& normal)
+      : impulse(g), torque(cross(g, normal)) {}
 };
 
 /// Sum of a body's contacts: force and torque.
@@ -33,11 +40,11 @@ struct Wrench {
 
   __device__ void add_as_a(const Pull<Real>& pull) {
     force -= pull.impulse;
-    torque += cross(pull.impulse, pull.normal);
+    torque += pull.torque;
   }
   __device__ void add_as_b(const Pull<Real>& pull) {
     force += pull.impulse;
-    torque += cross(pull.impulse, pull.normal);
+    torque += pull.torque;
   }
   /// Sum over the warp, the same bits in every lane.
   __device__ void add_over_warp() {
@@ -52,10 +59,10 @@ struct Wrench {
   }
 };
 
-/// What comes from memory for the bodies of a tile before its contact step.
+/// The bodies of a tile as its contact step needs them.
 template <class Real>
 struct TileBodies {
-  Twist<Real> extrapolated[kBodies];
+  Twist<Real> extrapolated[kBodies];  ///< V from memory, then V_y in its place
   Index a_start[kBodies + 1];
   Index b_start[kBodies + 1];
 };
@@ -84,68 +91,139 @@ struct TileRange {
   Index first, last;
 };
 
-/// Values of a trial that all threads need, in registers.
+/// Which body of its tile A of a contact is.
 template <class Real>
-struct Trial {
-  ApgdContactStep<RadialRows<Real>, Real> step;
-  Span<const Twist<Real>> velocity;  ///< V of the accepted iterate
-  Span<Twist<Real>> next_velocity, next_extrapolated;
-  Real next_beta;
-
-  __device__ explicit Trial(const RadialPasses<Real>& a)
-      : step(a.contact_pass().step()),
-        velocity(a.velocity.current(*a.state)),
-        next_velocity(a.velocity.iterate(a.state->accepted + 1)),
-        next_extrapolated(a.velocity.of_extrapolated),
-        next_beta(static_cast<Real>(a.state->next_beta)) {
-    // A pointer picked from two is no longer known to be one into device memory.
-    __builtin_assume(__isGlobal(step.current.data));
-    __builtin_assume(__isGlobal(step.previous.data));
-    __builtin_assume(__isGlobal(step.next.data));
-    __builtin_assume(__isGlobal(step.extrapolated.data));
-    __builtin_assume(__isGlobal(velocity.data));
-    __builtin_assume(__isGlobal(next_velocity.data));
-    __builtin_assume(__isGlobal(next_extrapolated.data));
-    // Else the compiler keeps the doubles and converts them at every contact.
-    asm volatile("" : "+f"(step.beta), "+f"(step.step), "+f"(next_beta));
+struct LocalBodies {
+  static constexpr const char* name = "apgd_local_bodies";
+  ContactProblem<Real> p;
+  Span<unsigned char> local_a;
+  __device__ void operator()(Index c) const {
+    local_a[c] = static_cast<unsigned char>(p.body_a[c] % kBodies);
   }
 };
 
-/// Begins to fetch the bodies of a tile, each thread one. Wait with __pipeline_wait_prior.
+/// Values of a trial that all threads need, in registers. V_y is never stored: it is worked out
+/// from two iterates where it is needed, and the next iterate takes the place of the older one.
 template <class Real>
-__device__ void fetch_bodies(const RadialPasses<Real>& a, const Trial<Real>& trial, Index begin,
-                             TileBodies<Real>& to) {
-  const auto local = static_cast<Index>(threadIdx.x);
-  const Index i = begin + local;
-  const Index count = min(kBodies, a.p.free_count - begin);
-  if (local < count) {
-    static_assert(sizeof(Twist<Real>) == 3 * sizeof(float2));
-    const auto* from = reinterpret_cast<const float2*>(trial.step.extrapolated.data + i);
-    auto* into = reinterpret_cast<float2*>(to.extrapolated + local);
-#pragma unroll
-    for (int k = 0; k < 3; ++k) __pipeline_memcpy_async(into + k, from + k, sizeof(float2));
-  }
-  if (local <= count) {
-    __pipeline_memcpy_async(to.a_start + local, a.p.a_start.data + i, sizeof(Index));
-    __pipeline_memcpy_async(to.b_start + local, a.p.b_start.data + i, sizeof(Index));
-  }
-  __pipeline_commit();
-}
+struct Trial {
+  const unsigned char* local_a;
+  Span<const Vec3<Real>> gamma, previous_gamma;
+  Span<Vec3<Real>> next_gamma;
+  Span<const Twist<Real>> velocity, previous_velocity;
+  Span<Twist<Real>> next_velocity;
+  Real beta, length;
+  double measure;  ///< of the trial before
 
-/// Contact step of a tile: new impulses to memory, and what they exert to shared memory.
+  __device__ Trial(const RadialPasses<Real>& a, const unsigned char* locals)
+      : local_a(locals),
+        gamma(a.gamma.current(a.state->accepted)),
+        previous_gamma(a.gamma.previous(a.state->accepted)),
+        next_gamma(a.gamma.next(a.state->accepted)),
+        velocity(a.velocity.current(*a.state)),
+        previous_velocity(a.velocity.iterate(a.state->accepted + 1)),
+        next_velocity(a.velocity.iterate(a.state->accepted + 1)),
+        beta(static_cast<Real>(a.state->beta)),
+        length(static_cast<Real>(a.state->step)),
+        measure(a.state->measure) {
+    // A pointer picked from two is no longer known to be one into device memory.
+    __builtin_assume(__isGlobal(gamma.data));
+    __builtin_assume(__isGlobal(previous_gamma.data));
+    __builtin_assume(__isGlobal(next_gamma.data));
+    __builtin_assume(__isGlobal(velocity.data));
+    __builtin_assume(__isGlobal(previous_velocity.data));
+    __builtin_assume(__isGlobal(next_velocity.data));
+    // Else the compiler keeps the doubles and converts them at every contact.
+    asm volatile("" : "+f"(beta), "+f"(length));
+  }
+  __device__ Twist<Real> extrapolated(const Twist<Real>& v, const Twist<Real>& previous) const {
+    return v + beta * (v - previous);
+  }
+};
+
+/// V_y of a tile on its way to shared memory, a body to a thread: V comes by itself, its older
+/// value waits in registers.
 template <class Real>
+class BodyFetch {
+ public:
+  __device__ BodyFetch(const RadialPasses<Real>& a, const Trial<Real>& trial, Index begin)
+      : trial_(trial), i_(begin + static_cast<Index>(threadIdx.x)) {
+    const auto local = static_cast<Index>(threadIdx.x);
+    const Index count = min(kBodies, a.p.free_count - begin);
+    is_body_ = local < count;
+    is_start_ = local <= count;
+  }
+  /// Begins to copy V and the starts of lists.
+  __device__ void start(const RadialPasses<Real>& a, TileBodies<Real>& to) const {
+    const auto local = static_cast<Index>(threadIdx.x);
+    if (is_body_) {
+      static_assert(sizeof(Twist<Real>) == 3 * sizeof(float2));
+      const auto* from = reinterpret_cast<const float2*>(trial_.velocity.data + i_);
+      auto* into = reinterpret_cast<float2*>(to.extrapolated + local);
+#pragma unroll
+      for (int k = 0; k < 3; ++k) __pipeline_memcpy_async(into + k, from + k, sizeof(float2));
+    }
+    if (is_start_) {
+      __pipeline_memcpy_async(to.a_start + local, a.p.a_start.data + i_, sizeof(Index));
+      __pipeline_memcpy_async(to.b_start + local, a.p.b_start.data + i_, sizeof(Index));
+    }
+    __pipeline_commit();
+  }
+  /// Reads the older velocity; some work should come before finish().
+  __device__ void read_previous() {
+    if (is_body_) previous_ = trial_.previous_velocity[i_];
+  }
+  /// Puts V_y in the place of V. Other threads may read it after a barrier.
+  __device__ void finish(TileBodies<Real>& to) const {
+    __pipeline_wait_prior(0);
+    if (is_body_) {
+      Twist<Real>& v = to.extrapolated[threadIdx.x];
+      v = trial_.extrapolated(v, previous_);
+    }
+  }
+
+ private:
+  const Trial<Real>& trial_;
+  Index i_;
+  bool is_body_, is_start_;
+  Twist<Real> previous_;
+};
+
+/// Contact step of a tile: new impulses to memory, and what they exert to shared memory. Each warp
+/// takes whole turns of contacts that follow each other, the last one what is left.
+/// @tparam kWeights  stored weights of the metric: none (Euclidean), one or two
+template <int kWeights, class Real>
 __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& trial,
                               const TileRange& range, const TileBodies<Real>& bodies,
                               Pull<Real>* pull, Sums<3>& sums) {
-  for (Index c = range.first + static_cast<Index>(threadIdx.x); c < range.last; c += kThreads) {
-    const Index b = a.p.body_b[c] - range.begin;
-    const Twist<Real> v_b =
-        b < range.count ? bodies.extrapolated[b] : trial.step.extrapolated[b + range.begin];
-    // Read before the step writes: the compiler does not know that a normal stays as it is.
-    const Vec3<Real> normal = a.p.normal[c];
+  const Index share = (range.last - range.first + kThreads - 1) / kThreads * 32;
+  const Index begin = range.first + static_cast<Index>(threadIdx.x / 32) * share;
+  const Index end = min(begin + share, range.last);
+  for (Index c = begin + static_cast<Index>(threadIdx.x % 32); c < end; c += 32) {
+    const Index id_b = a.p.body_b[c];
+    const unsigned local_a = trial.local_a[static_cast<unsigned>(c)];
+    OneContact<Real> contact{trial.gamma[c],    trial.previous_gamma[c], a.p.normal[c],
+                             a.p.bias.read(c),  a.p.friction[c],         a.p.adhesion[c],
+                             {Real(1), Real(1)}};
+#pragma unroll
+    for (int j = 0; j < kWeights; ++j)
+      contact.weights[j] = a.metric.values[static_cast<Offset>(c) * kWeights + j];
+    // All of that is asked for before the first of it is used.
+    asm volatile("" ::: "memory");
+    const Index b = id_b - range.begin;
+    Twist<Real> v_b;
+    if (b < range.count) {
+      v_b = bodies.extrapolated[b];
+    } else {
+      const Twist<Real> v = trial.velocity[id_b], previous = trial.previous_velocity[id_b];
+      v_b = trial.extrapolated(v, previous);
+    }
+    contact.bias = a.p.bias.value(contact.bias);
+    if (kWeights == 1) contact.weights[1] = a.metric.tangential_ratio * contact.weights[0];
+    Vec3<Real> next;
     const Sums<2> mine =
-        trial.step(a.p, a.metric, c, bodies.extrapolated[a.p.body_a[c] - range.begin], v_b);
-    if (c - range.first < kStaged) pull[c - range.first] = {trial.step.next[c], normal};
+        contact.step(trial.beta, trial.length, bodies.extrapolated[local_a], v_b, next);
+    trial.next_gamma[c] = next;
+    if (c - range.first < kStaged) pull[c - range.first] = {next, contact.normal};
     sums.value[0] += mine.value[0];
     sums.value[1] += mine.value[1];
   }
@@ -156,7 +234,7 @@ template <class Real>
 class Gather {
  public:
   __device__ Gather(const RadialPasses<Real>& a, const Trial<Real>& trial)
-      : p_(a.p), gamma_(trial.step.next.data) {}
+      : p_(a.p), gamma_(trial.next_gamma.data) {}
 
   /// Contacts within the tile of the thread's body, when the tile's contact step is done.
   __device__ HalfDone<Real> within(const TileRange& range, const TileBodies<Real>& bodies,
@@ -208,14 +286,18 @@ class Gather {
       ++body.more;
       return body;
     }
-#pragma unroll 1
-    for (Index c = a_begin; c < a_end; ++c) body.wrench.add_as_a(pull_of(c));
-    // Several at a time: a list of three or four would wait for memory at each. Contacts with
-    // bodies of tiles before come first.
-    for (Index at = b_begin; at < b_end; at += kAtOnce) {
-      Index c[kAtOnce];
+    // Several at a time: a list of three or four would wait for memory at each.
+    Index c[kAtOnce];
+    const auto read_list = [&](Index at) {
 #pragma unroll
       for (int j = 0; j < kAtOnce; ++j) c[j] = at + j < b_end ? p_.b_contact[at + j] : -1;
+    };
+    read_list(b_begin);
+#pragma unroll 1
+    for (Index k = a_begin; k < a_end; ++k) body.wrench.add_as_a(pull_of(k));
+    // Contacts with bodies of tiles before come first.
+    for (Index at = b_begin; at < b_end; at += kAtOnce) {
+      if (at > b_begin) read_list(at);
 #pragma unroll
       for (int j = 0; j < kAtOnce; ++j) {
         if (c[j] >= range.first) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "kernels/apgd_iteration.h"
+#include "solvers/solver.h"
 #include "tests/problem_builder.h"
 #include "tests/unit/backend_fixture.h"
 
@@ -16,13 +17,14 @@ using fixtures::ProblemBuffers;
 using fixtures::random_problem;
 using fixtures::relative_distance;
 
-/// The arrays of a solve from zero impulses, in the diagonal metric.
+/// The arrays of a solve from zero impulses.
 template <class Real>
 class Arrays {
  public:
   using R = RadialRows<Real>;
 
-  Arrays(TestBackend& b, const ContactProblem<Real>& p)
+  Arrays(TestBackend& b, const ContactProblem<Real>& p,
+         ApgdMetricKind kind = ApgdMetricKind::diagonal)
       : metric_(b, StoredMetric<R, Real>::per_contact(p) * Offset{p.contact_count}), state_(b, 1) {
     passes_.p = p;
     for (int k = 0; k < 2; ++k) {
@@ -36,7 +38,8 @@ class Arrays {
       *view = twists_.back().view();
       for_each(b, p.body_count, StartVelocity<Real>{p, *view});
     }
-    passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
+    if (kind == ApgdMetricKind::diagonal)
+      passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
     passes_.state = state_.data();
     reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, passes_.metric},
                           ApgdStart{state_.data(), 0});
@@ -63,9 +66,10 @@ template <class Real>
 class ApgdIterationTest : public BackendTest<Real> {
  protected:
   /// Trials in blocks of several sizes against plain ones; returns how many were accepted.
-  Index expect_match(const ContactProblem<Real>& p) {
+  Index expect_match(const ContactProblem<Real>& p,
+                     ApgdMetricKind kind = ApgdMetricKind::diagonal) {
     TestBackend& b = this->backend();
-    Arrays<Real> plain(b, p), tuned(b, p), again(b, p);
+    Arrays<Real> plain(b, p, kind), tuned(b, p, kind), again(b, p, kind);
     for (int k = 0; k < 20; ++k) apgd_trial(b, plain.passes());
     for (Arrays<Real>* arrays : {&tuned, &again}) {
       ApgdIteration<TestBackend> iteration(b);
@@ -91,6 +95,17 @@ TYPED_TEST(ApgdIterationTest, MatchesThePlainPasses) {
   const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 3});
   ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
   EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// Two weights a contact, as above, one where bodies are alike, or none.
+TYPED_TEST(ApgdIterationTest, MatchesInEveryMetric) {
+  const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 7});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  ContactProblem<TypeParam> p = buffers.problem();
+  EXPECT_GT(this->expect_match(p, ApgdMetricKind::euclidean), 10);
+  p.radial_inertia.spin_ratio = TypeParam(2.5);
+  ASSERT_EQ((StoredMetric<RadialRows<TypeParam>, TypeParam>::per_contact(p)), 1);
+  EXPECT_GT(this->expect_match(p), 10);
 }
 
 /// More contacts than a tile keeps in fast memory.

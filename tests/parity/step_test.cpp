@@ -53,8 +53,10 @@ TEST_F(ParityStep, SinglePrecision) {
               one_step(BackendKind::cuda, scene, Precision::single_precision), 1e-6, 1e-4);
 }
 
+/// To 1e-7 m/s the minimum is reached to some 1e-6 only, in double too: solves that end an
+/// iteration apart differ by more than rounding.
 TEST_F(ParityStep, SingleAgainstDoublePrecision) {
-  const Scene scene = standing_column(1e-7);
+  const Scene scene = standing_column(1e-8);
   expect_same(one_step(BackendKind::cpu, scene, Precision::double_precision),
               one_step(BackendKind::cuda, scene, Precision::single_precision), 1e-6, 1e-4);
 }

@@ -79,7 +79,9 @@ class ApgdIterationTest : public BackendTest<Real> {
     const ApgdState expected = plain.state(b), found = tuned.state(b);
     EXPECT_EQ(found.accepted, expected.accepted);
     EXPECT_EQ(found.restarts, expected.restarts);
-    EXPECT_NEAR(found.lipschitz, expected.lipschitz, 1e-6 * expected.lipschitz);
+    // A quotient of sums over small differences: rounding of velocities shows in it enlarged.
+    EXPECT_NEAR(found.lipschitz, expected.lipschitz,
+                this->tolerance(1e-12, 1e-4) * expected.lipschitz);
     EXPECT_NEAR(found.beta, expected.beta, 1e-12);
     const double tolerance = this->tolerance(1e-13, 2e-5);
     EXPECT_LE(relative_distance(plain.impulses(b), tuned.impulses(b)), tolerance);

@@ -1,17 +1,12 @@
 #pragma once
-// Contact problems for tests: as plain arrays for the dense oracle, and the same numbers in backend
-// buffers.
+// Contact problems for tests in backend buffers, with the numbers of plain ones.
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <random>
 #include <vector>
 
 #include "kernels/backend/backend.h"
-#include "kernels/contact_problem.h"
-#include "tests/reference/dense_oracle.h"
+#include "tests/plain_problem.h"
 
 namespace scree::fixtures {
 
@@ -19,168 +14,6 @@ inline Eigen::Vector3d to_eigen(const Vec3<double>& v) { return {v.x, v.y, v.z};
 template <class Real>
 Vec3<Real> to_vec3(const Eigen::Vector3d& v) {
   return {static_cast<Real>(v.x()), static_cast<Real>(v.y()), static_cast<Real>(v.z())};
-}
-
-/// A problem in double. In the radial layout the arms are +radius[a] * n and -radius[b] * n,
-/// inertia is isotropic and fixed bodies do not rotate.
-struct PlainProblem {
-  ContactLayout layout = ContactLayout::radial;
-  oracle::Problem data;
-  std::vector<double> radius;            ///< [m] per body
-  std::vector<double> mass;              ///< [kg] per body
-  std::vector<Eigen::Matrix3d> inertia;  ///< [kg m^2] per body, not in the radial layout
-
-  Index contact_count() const { return static_cast<Index>(data.contacts.size()); }
-
-  /// Adds a sphere (or, with spin_factor 0, a block that does not turn).
-  /// @param spin_factor  r^2 m / I: 2.5 for a solid sphere
-  int add_sphere(double m, double r, double spin_factor = 2.5) {
-    oracle::Body body;
-    body.inv_mass.setConstant(1 / m);
-    body.inv_inertia = Eigen::Matrix3d::Identity() * (spin_factor / (m * r * r));
-    return add(body, m, r,
-               Eigen::Matrix3d::Identity() * (spin_factor > 0 ? m * r * r / spin_factor : 0));
-  }
-  int add_general(double m, const Eigen::Matrix3d& body_inertia) {
-    oracle::Body body;
-    body.inv_mass.setConstant(1 / m);
-    body.inv_inertia = body_inertia.inverse();
-    return add(body, m, 1, body_inertia);
-  }
-  int add_fixed() { return add(oracle::Body{}, 0, 1, Eigen::Matrix3d::Zero()); }
-
-  /// A contact whose arms lie along the normal, as in the radial layout.
-  oracle::Contact& add_radial_contact(int a, int b, const Eigen::Vector3d& n, double mu) {
-    oracle::Contact c;
-    c.a = a;
-    c.b = b;
-    c.normal = n;
-    c.arm_a = radius[a] * n;
-    c.arm_b = -radius[b] * n;
-    c.mu = mu;
-    data.contacts.push_back(c);
-    return data.contacts.back();
-  }
-
- private:
-  int add(const oracle::Body& body, double m, double r, const Eigen::Matrix3d& body_inertia) {
-    data.bodies.push_back(body);
-    mass.push_back(m);
-    radius.push_back(r);
-    inertia.push_back(body_inertia);
-    return static_cast<int>(data.bodies.size()) - 1;
-  }
-};
-
-struct RandomProblem {
-  ContactLayout layout = ContactLayout::radial;
-  int free_count = 10;
-  int fixed_count = 2;
-  int contact_count = 20;
-  unsigned seed = 1;
-  bool has_adhesion = false;
-  double mu_max = 1.0;
-  int hub_contacts = 0;  ///< so many of them are with one free body
-};
-
-/// Random bodies and contacts. A velocity strictly inside all dual cones exists by construction, so
-/// the minimum is finite; v* is pushed away from it, so that many contacts are active.
-inline PlainProblem random_problem(const RandomProblem& options) {
-  std::mt19937 generator(options.seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  std::normal_distribution<double> normal;
-  const auto vector = [&] {
-    return Eigen::Vector3d(normal(generator), normal(generator), normal(generator));
-  };
-
-  PlainProblem p;
-  p.layout = options.layout;
-  p.data.has_moments = options.layout == ContactLayout::rolling;
-  p.data.free_count = options.free_count;
-  const bool radial = options.layout == ContactLayout::radial;
-  for (int i = 0; i < options.free_count; ++i) {
-    const double m = 0.5 + 2 * unit(generator);
-    if (radial) {
-      p.add_sphere(m, 0.5 + unit(generator), i % 7 == 3 ? 0.0 : 2.5);
-    } else {
-      const Eigen::Matrix3d turn = Eigen::Quaterniond(normal(generator), normal(generator),
-                                                      normal(generator), normal(generator))
-                                       .normalized()
-                                       .toRotationMatrix();
-      const Eigen::Vector3d moments =
-          m * (Eigen::Vector3d(0.3, 0.3, 0.3) + 0.5 * vector().cwiseAbs());
-      p.add_general(m, turn * moments.asDiagonal() * turn.transpose());
-    }
-  }
-  for (int i = 0; i < options.fixed_count; ++i) p.add_fixed();
-  const int body_count = options.free_count + options.fixed_count;
-
-  // The feasible velocity; fixed bodies may move along a prescribed way.
-  std::vector<oracle::Body>& bodies = p.data.bodies;
-  for (int i = 0; i < body_count; ++i) {
-    bodies[i].velocity = 0.5 * vector();
-    if (!radial || i < options.free_count) bodies[i].angular_velocity = 0.5 * vector();
-  }
-  while (p.contact_count() < options.contact_count) {
-    int a = static_cast<int>(unit(generator) * options.free_count);
-    int b = static_cast<int>(unit(generator) * body_count);
-    const int hub = options.free_count / 2;
-    if (p.contact_count() < options.hub_contacts) (a < hub ? b : a) = hub;
-    if (a >= b) continue;
-    oracle::Contact& c =
-        p.add_radial_contact(a, b, vector().normalized(), options.mu_max * unit(generator));
-    if (p.contact_count() % 9 == 0) c.mu = 0;
-    if (!radial) {
-      c.arm_a += 0.5 * vector();
-      c.arm_b += 0.5 * vector();
-    }
-    if (options.has_adhesion) c.adhesion = 0.2 * unit(generator);
-    if (p.data.has_moments) {
-      c.length = 0.5 + unit(generator);
-      c.rolling = p.contact_count() % 5 == 0 ? 0 : 0.3 * unit(generator);
-      c.spinning = p.contact_count() % 7 == 0 ? 0 : 0.2 * unit(generator);
-    }
-  }
-  std::stable_sort(
-      p.data.contacts.begin(), p.data.contacts.end(),
-      [](const auto& x, const auto& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
-
-  for (oracle::Contact& c : p.data.contacts) {
-    const oracle::Body &a = bodies[c.a], &b = bodies[c.b];
-    const Eigen::Vector3d u = b.velocity + b.angular_velocity.cross(c.arm_b) - a.velocity -
-                              a.angular_velocity.cross(c.arm_a);
-    const Eigen::Vector3d turn = c.length * (b.angular_velocity - a.angular_velocity);
-    const double needed = c.mu * (u - u.dot(c.normal) * c.normal).norm() +
-                          c.rolling * (turn - turn.dot(c.normal) * c.normal).norm() +
-                          c.spinning * std::abs(turn.dot(c.normal));
-    c.bias = needed - u.dot(c.normal) + 0.02 + 0.2 * unit(generator) * unit(generator);
-  }
-  for (int i = 0; i < options.free_count; ++i) {
-    bodies[i].velocity += 2 * vector();
-    // What cannot turn keeps the feasible rate.
-    if (bodies[i].inv_inertia.trace() > 0) bodies[i].angular_velocity += vector();
-  }
-  return p;
-}
-
-/// Rounds every number to Real, so that oracle and solver see the same problem.
-template <class Real>
-void round_to(PlainProblem& p) {
-  const auto scalar = [](double& x) { x = static_cast<Real>(x); };
-  const auto each = [](auto& m) { m = m.template cast<Real>().template cast<double>(); };
-  for (std::size_t i = 0; i < p.data.bodies.size(); ++i) {
-    oracle::Body& body = p.data.bodies[i];
-    each(body.velocity);
-    each(body.inv_mass);
-    each(body.inv_inertia);
-    each(body.angular_velocity);
-  }
-  for (oracle::Contact& c : p.data.contacts) {
-    each(c.normal);
-    each(c.arm_a);
-    each(c.arm_b);
-    for (double* x : {&c.mu, &c.bias, &c.adhesion, &c.length, &c.rolling, &c.spinning}) scalar(*x);
-  }
 }
 
 template <class Real>
@@ -191,38 +24,6 @@ Sym3<Real> to_sym3(const Eigen::Matrix3d& m) {
   s.xy = static_cast<Real>(m(0, 1)), s.xz = static_cast<Real>(m(0, 2)),
   s.yz = static_cast<Real>(m(1, 2));
   return s;
-}
-
-/// Spheres on a face-centered lattice of 4 n^3 sites; a share of the neighbors touches.
-inline PlainProblem lattice_problem(int n, double share, unsigned seed) {
-  PlainProblem p;
-  std::vector<std::array<int, 3>> sites;
-  for (int x = 0; x < 2 * n; ++x)
-    for (int y = 0; y < 2 * n; ++y)
-      for (int z = 0; z < 2 * n; ++z)
-        if ((x + y + z) % 2 == 0) sites.push_back({x, y, z});
-  for (std::size_t i = 0; i < sites.size(); ++i) p.add_sphere(1, 0.5);
-  p.data.free_count = static_cast<int>(sites.size());
-  const auto site = [&](int x, int y, int z) {
-    return (x * 2 * n * 2 * n + y * 2 * n + z) / 2;  // every other cell holds a site, in this order
-  };
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> unit(0, 1);
-  const int steps[6][3] = {{1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}};
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    for (const auto& s : steps) {
-      const int x = sites[i][0] + s[0], y = sites[i][1] + s[1], z = sites[i][2] + s[2];
-      if (x < 0 || y < 0 || z < 0 || x >= 2 * n || y >= 2 * n || z >= 2 * n) continue;
-      if (unit(generator) > share) continue;
-      const int other = site(x, y, z);
-      const int a = static_cast<int>(i);
-      p.add_radial_contact(std::min(a, other), std::max(a, other),
-                           Eigen::Vector3d(s[0], s[1], s[2]).normalized(), 0.5);
-    }
-  }
-  std::stable_sort(p.data.contacts.begin(), p.data.contacts.end(),
-                   [](const auto& x, const auto& y) { return x.a < y.a; });
-  return p;
 }
 
 /// |a - b| / |a| over all vectors.

@@ -2,6 +2,7 @@
 // Stored contact problems for tests, and the same ones as the dense oracle takes them.
 
 #include <algorithm>
+#include <random>
 
 #include "host/problems/stored_problem.h"
 #include "tests/problem_builder.h"

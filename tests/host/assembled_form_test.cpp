@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "host/error.h"
 #include "host/problems/matrix_form.h"
 #include "host/solve/solve_problem.h"

@@ -1,6 +1,8 @@
 // The contact problem that a step hands out: it is the one that the step solves.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "kernels/backend/cpu.h"
 // After the backend.
 #include "host/problems/matrix_form.h"

@@ -1,5 +1,7 @@
 // Every registered solver against the dense oracle: VALIDATION A04 and A05, and exact Coulomb
 // friction.
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 

@@ -2,6 +2,8 @@
 // minima that the host's interior point knows.
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <random>
 #include <string>
 
 #include "host/problems/matrix_form.h"

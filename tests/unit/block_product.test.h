@@ -1,5 +1,7 @@
 // Products with the assembled operator: by the backend's own way and by the element program,
 // against the host's and the matrix-free operator's.
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 

@@ -1,4 +1,5 @@
 // Contact coloring against a serial greedy reference, which also proves that backends agree.
+#include <algorithm>
 #include <chrono>
 #include <numeric>
 #include <random>

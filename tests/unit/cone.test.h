@@ -1,5 +1,7 @@
 // Cone projections: VALIDATION A01 and A02, and the conditions of optimality for every layout and
 // metric.
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 

@@ -1,4 +1,5 @@
 // The matrix-free operator against its adjoint and against dense matrices from the equations.
+#include <cmath>
 #include <random>
 #include <vector>
 

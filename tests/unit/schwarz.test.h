@@ -1,5 +1,7 @@
 // Accelerated Schwarz: passes as the backend runs them against plain ones, and whole solves.
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "solvers/schwarz.h"

@@ -1,4 +1,5 @@
 // One-contact problems with closed forms: VALIDATION A30 to A33, A45, A46.
+#include <cmath>
 #include <string>
 #include <vector>
 

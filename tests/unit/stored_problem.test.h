@@ -1,5 +1,6 @@
 // A stored problem in backend memory: the matrix-free operator against the matrices that are
 // exported, and a step's own solve repeated from what the step handed out.
+#include <algorithm>
 #include <random>
 #include <vector>
 

@@ -134,7 +134,10 @@ struct RadialRows : ForceRowsBase<Real> {
   }
   static SCREE_HD Twist<Real> apply_inverse_mass(const ContactProblem<Real>& p, Index i,
                                                  const Twist<Real>& w) {
-    const RadialInertia<Real> inertia = p.radial_inertia[i];
+    return apply_inverse_mass(p.radial_inertia[i], w);
+  }
+  static SCREE_HD Twist<Real> apply_inverse_mass(const RadialInertia<Real>& inertia,
+                                                 const Twist<Real>& w) {
     return {inertia.inv_mass * w.linear, inertia.inv_spin * w.angular};
   }
   /// dV^T M dV [J]

@@ -60,7 +60,7 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
   const RadialInertia<Real> inertia = a.p.radial_inertia[i];
   const Twist<Real> next =
       a.p.free_velocity[i] +
-      Twist<Real>{inertia.inv_mass * body.wrench.force, inertia.inv_spin * body.wrench.torque};
+      RadialRows<Real>::apply_inverse_mass(inertia, {body.wrench.force, body.wrench.torque});
   trial.next_velocity[i] = next;
   const Twist<Real> change = next - extrapolated;
   Real energy = 0;
@@ -71,7 +71,7 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
 
 /// Sum over the block in a fixed order, in thread 0.
 __device__ inline Sums<3> block_sum(Sums<3> mine) {
-  __shared__ Sums<3> of_warp[kThreads / 32];
+  __shared__ Sums<3> of_warp[kWarps];
   const auto over_warp = [](Sums<3>& x) {
 #pragma unroll
     for (int step = 16; step > 0; step /= 2) {
@@ -84,7 +84,7 @@ __device__ inline Sums<3> block_sum(Sums<3> mine) {
   if (threadIdx.x % 32 == 0) of_warp[threadIdx.x / 32] = mine;
   __syncthreads();
   if (threadIdx.x < 32) {
-    mine = threadIdx.x < kThreads / 32 ? of_warp[threadIdx.x] : Sums<3>{};
+    mine = threadIdx.x < kWarps ? of_warp[threadIdx.x] : Sums<3>{};
     over_warp(mine);
   }
   return mine;
@@ -165,7 +165,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       TileBodies<Real>& other = memory.bodies[(round + 1) % 2];
       const bool has_tile = t < tiles;
       ready.wait((turn + k) % 2);  // one more than tiles in each trial
-      // Every warp has begun the body pass before: it no longer waits for `reached`.
+      // Now that no warp waits for `reached` of the round before, its next phase may end.
       if (is_speaker && round > 0) {
         const Index done = min(blocks, tiles - (round - 1) * blocks);
         wait_for(shared.round_done[round - 1], (number + 1) * static_cast<unsigned>(done));

@@ -200,6 +200,7 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
   const Index end = min(begin + share, range.last);
   for (Index c = begin + static_cast<Index>(threadIdx.x % 32); c < end; c += 32) {
     const Index id_b = a.p.body_b[c];
+    // Unsigned: the compiler would work out all addresses anew from a sign that it extends.
     const unsigned local_a = trial.local_a[static_cast<unsigned>(c)];
     OneContact<Real> contact{trial.gamma[c],    trial.previous_gamma[c], a.p.normal[c],
                              a.p.bias.read(c),  a.p.friction[c],         a.p.adhesion[c],

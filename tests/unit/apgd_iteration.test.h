@@ -81,7 +81,7 @@ class ApgdIterationTest : public BackendTest<Real> {
     EXPECT_EQ(found.restarts, expected.restarts);
     // A quotient of sums over small differences: rounding of velocities shows in it enlarged.
     EXPECT_NEAR(found.lipschitz, expected.lipschitz,
-                this->tolerance(1e-12, 1e-4) * expected.lipschitz);
+                this->tolerance(1e-12, 2e-5) * expected.lipschitz);
     EXPECT_NEAR(found.beta, expected.beta, 1e-12);
     const double tolerance = this->tolerance(1e-13, 2e-5);
     EXPECT_LE(relative_distance(plain.impulses(b), tuned.impulses(b)), tolerance);

@@ -44,7 +44,7 @@ void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, Apgd
       residual_rms(b, bed.problem(), Span<const Vec3<Real>>(arrays.gamma.current(0)));
   double applications = 0;
   const Traffic traffic =
-      kCheckEvery * (is_fused<B, Real>() && !plain ? apgd_fused_iteration_traffic<Real>(kind)
+      kCheckEvery * (is_fused<B, Real>() && !plain ? apgd_fused_iteration_traffic()
                                                    : apgd_iteration_traffic<Real>(kind));
   Work work = Suite<B>::contact_work(bed, traffic);
   work.items *= kCheckEvery;
@@ -99,9 +99,9 @@ void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetr
     state.SetIterationTime(std::max(seconds.back(), 0.0));
   }
   state.counters["runs_per_batch"] = runs;
-  const Traffic traffic = (is_fused<B, Real>() ? apgd_fused_iteration_traffic<Real>(kind)
-                                               : apgd_iteration_traffic<Real>(kind)) +
-                          (1.0 / kCheckEvery) * residual_traffic<Real>();
+  const Traffic traffic =
+      (is_fused<B, Real>() ? apgd_fused_iteration_traffic() : apgd_iteration_traffic<Real>(kind)) +
+      (1.0 / kCheckEvery) * residual_traffic<Real>();
   suite.report(state, Suite<B>::contact_work(bed, traffic), seconds);
   Suite<B>::report_size(state, bed);
   state.counters["applications"] = reached.applications;

@@ -108,7 +108,7 @@ Bytes solver(const Sizes& s) {
     const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
     const bool is_tuned = s.device_spheres && s.real == 4;
     bytes = {(is_tuned ? 2 : 3) * s.twist,
-             2 * s.impulse + (is_tuned ? 1 : 0) + (s.scene.solver.diagonal_metric ? metric : 0)};
+             2 * s.impulse + (is_tuned ? 8 : 0) + (s.scene.solver.diagonal_metric ? metric : 0)};
   } else if (s.scene.solver.name == "gauss_seidel_colored") {
     // Contacts in the order of colors, and the memory of their coloring.
     const double ordered = 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;

@@ -6,6 +6,7 @@
 
 #include "kernels/contact_operator.h"
 #include "kernels/momentum.h"
+#include "kernels/packed_contact.h"
 
 namespace scree {
 
@@ -296,8 +297,8 @@ struct ApgdMetric {
       const Real trace = R::block_trace(p, c);
       const ContactMetric<Real> block = floor_metric(R::block_metric(p, c), trace);
       const ContactMetric<Real> above = floor_metric(split, trace);
-      h = {weight(above.normal, block.normal), weight(above.tangential, block.tangential),
-           R::kVectors == 2 ? weight(above.moment, block.moment) : Real(1)};
+      h = scaled({weight(above.normal, block.normal), weight(above.tangential, block.tangential),
+                  R::kVectors == 2 ? weight(above.moment, block.moment) : Real(1)});
       metric.store(c, h);
       h = metric.load(c);
     }
@@ -309,6 +310,18 @@ struct ApgdMetric {
 
  private:
   static SCREE_HD Real weight(Real split, Real block) { return block * std::cbrt(split / block); }
+
+  /// All weights enlarged by the same few percent, so that the normal one can be packed. Any metric
+  /// will do, and a larger one is still a bound.
+  static SCREE_HD ContactMetric<Real> scaled(const ContactMetric<Real>& h) {
+    if constexpr (std::is_same_v<Real, float>) {
+      const float normal = PackedContact::round_weight(h.normal);
+      const float scale = normal / h.normal;
+      return {normal, scale * h.tangential, scale * h.moment};
+    } else {
+      return h;
+    }
+  }
 };
 
 /// gamma *= scale, vector by vector.

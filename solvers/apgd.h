@@ -10,9 +10,10 @@
 // every residual check. L |gamma+ - y|_H of a trial goes with the residual, so that iterations end
 // by themselves where it should be small enough; a check follows, two or three in a solve. Where
 // that is not known yet, or iterations cannot end by themselves (those of doubles and of general
-// layouts), there is one at least each `check_every` iterations. A rejected trial, which is rare,
-// costs one more of both passes; `applications` counts all of them. Spheres take the tuned twins of
-// kernels/tuned.
+// layouts), there is one at least each `check_every` iterations. In the second half of the
+// iterations allowed there is also one where the best iterate so far should be beaten by a fifth. A
+// rejected trial, which is rare, costs one more of both passes; `applications` counts all of them.
+// Spheres take the tuned twins of kernels/tuned.
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +44,7 @@ class Apgd final : public Solver<B, Real> {
 
  private:
   /// Bytes: 48 a body and 16 a contact (radial layout of alike bodies in float; by the tuned twin
-  /// of a GPU 24 and 17); 12 more a contact in the second half of the iterations allowed.
+  /// of a GPU 24 and 24); 12 more a contact in the second half of the iterations allowed.
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
         : impulses(b, vectors),
@@ -152,14 +153,23 @@ class Apgd final : public Solver<B, Real> {
       if (is_last) break;
 
       const int wait = schedule.next(stats.applications, residual.rms);
-      const double enough = w.iteration.stops(passes) ? root_count * gauge_.level(tolerance) : -1;
-      // With a level to stop at, a check is due only if that is not met for long. In the second
-      // half the best iterate is looked for.
-      const bool often =
-          enough < 0 || this->is_recorded() || 2 * stats.applications >= params_.max_iterations;
-      const int most = often ? std::min(wait, params_.check_every) : wait + wait / 4 + 1;
-      w.iteration.run(b, passes, std::min(most, params_.max_iterations - stats.applications),
-                      enough);
+      const int left = params_.max_iterations - stats.applications;
+      const int to_half = (params_.max_iterations + 1) / 2 - stats.applications;
+      const bool is_late = to_half <= 0;
+      // Trials end where the tolerance should be reached, and in the second half where an iterate
+      // is worth to be put aside. A look is due otherwise if that is not met for long. Where trials
+      // cannot end or their level is not known yet, looks are frequent.
+      const double aim =
+          is_late && !this->is_recorded() ? std::max(tolerance, kWorth * best) : tolerance;
+      const bool stops = w.iteration.stops(passes);
+      const double enough = stops ? root_count * gauge_.level(aim) : -1;
+      int most = wait + wait / 4 + 1;
+      if (this->is_recorded() || !stops || (enough < 0 && aim > 0)) {
+        most = std::min(wait, params_.check_every);
+      } else if (!is_late) {
+        most = std::min(most, to_half);
+      }
+      w.iteration.run(b, passes, std::min(most, left), enough);
     }
     if (is_best) {  // the last iterate, whose velocities and residual are at hand
       const Span<const Twist<Real>> last = velocities.iterate(stats.iterations);
@@ -182,6 +192,8 @@ class Apgd final : public Solver<B, Real> {
 
   /// Iterations between residual checks, over check_every, where trials stop by themselves.
   static constexpr int kPatience = 5;
+  /// Residual of an iterate that is worth a check, over that of the best one so far.
+  static constexpr double kWorth = 0.8;
 
   SolverParams params_;
   double lipschitz_ = 0;

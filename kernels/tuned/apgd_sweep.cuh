@@ -8,18 +8,19 @@
 // whose tile has its contact step in the same round or an earlier one. So the body pass of a round
 // runs after the contact step of the next one, when that of its own round is done everywhere, and
 // seldom waits. A large body among small ones has thousands of contacts, which all threads of a
-// warp sum up. At the end of a trial the blocks meet, one adds up the sums in block order and
-// decides, and the next trial begins without a launch.
+// warp sum up. At the end of a trial the blocks meet, each adds up the sums of all in block order
+// and decides, and the next trial begins without a launch.
 //
 // The warps of a block meet nowhere within a trial: barriers are in halves, with other work between
 // (SplitBarrier). One warp speaks with other blocks; it has the fewest contacts and bodies.
 //
-// Bytes from memory per contact (float, alike bodies): normal and bias 16, B 4, A within its tile
-// 1, two impulses 24, metric 4, list 4 read, impulse 12 written. Per body: v*, two V 72, inertia 8,
-// starts 8 read, V 24 written: 307 MB for 1e6 bodies with 3e6 contacts, where the plain passes take
-// 427. At 1e7 bodies the link between the two halves of the second-level cache, which half of all
-// sectors cross, is about as busy as in a copy (bench/results/h200). Shared memory is dear: with
-// less than 60 KB left to the first-level cache, records of 12 bytes are fetched more than once.
+// Bytes from memory per contact (float, alike bodies): normal, metric and A packed 8, bias 4, B 4,
+// two impulses 24, list 4 read, impulse 12 written. Per body: v*, two V 72, inertia 8, starts 8
+// read, V 24 written: 280 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427. Far
+// contacts and sectors read in part make that 410 MB between the cache levels, and the link between
+// the two halves of the second-level cache, which half of it crosses, is as busy as in a copy
+// (bench/results/h200). The first-level cache is short: an array in local memory, even one of 32
+// bytes a thread, costs a tenth of the time, and shared memory is dear too.
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
 
@@ -34,11 +35,10 @@ inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
 
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
-  unsigned* round_done;          ///< [rounds] contact steps done, over all trials
-  unsigned* arrived;             ///< blocks at the end of a trial, over all trials
-  unsigned* trials;              ///< trials decided
-  Sums<3>* partial;              ///< [blocks]
-  const unsigned char* local_a;  ///< [contacts]
+  unsigned* round_done;         ///< [rounds] contact steps done, over all trials
+  unsigned* arrived;            ///< blocks at the end of a trial, over all trials
+  Sums<3>* partial;             ///< [blocks]
+  const PackedContact* packed;  ///< [contacts]
 };
 
 /// Body pass of the thread's body of a tile: what other tiles exert, then its new velocity. A body
@@ -90,32 +90,27 @@ __device__ inline Sums<3> block_sum(Sums<3> mine) {
   return mine;
 }
 
-/// Ends a trial: adds up the sums of all blocks and decides; returns when that is visible to all.
-template <class Real>
-__device__ void decide(const RadialPasses<Real>& a, const Shared& shared, unsigned trial,
-                       const Sums<3>& sums) {
-  __shared__ bool is_last;
+/// Ends a trial: adds up the sums of all blocks and decides. Each block does so by itself, sooner
+/// than the word of one would reach it, and finds the same bits.
+/// @param meanwhile  to be done while other blocks finish
+template <class Meanwhile>
+__device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums, ApgdState& state,
+                       const Meanwhile& meanwhile) {
   const Sums<3> mine = block_sum(sums);
   if (threadIdx.x == 0) {
     shared.partial[blockIdx.x] = mine;
-    is_last = DeviceCounter(*shared.arrived).fetch_add(1, cuda::memory_order_acq_rel) ==
-              (trial + 1) * gridDim.x - 1;
+    DeviceCounter(*shared.arrived).fetch_add(1, cuda::memory_order_release);
   }
+  meanwhile();
+  if (threadIdx.x == 0) wait_for(*shared.arrived, (trial + 1) * gridDim.x);
   __syncthreads();
-  if (is_last) {
-    // Read at once and ahead: the formulas would ask for one number after the other.
-    ApgdState state = *a.state;
-    Sums<3> rest;
-    for (unsigned k = threadIdx.x; k < gridDim.x; k += kThreads) rest.combine(shared.partial[k]);
-    const Sums<3> total = block_sum(rest);
-    if (threadIdx.x == 0) {
-      ApgdContactFinish{&state}({{total.value[0], total.value[1]}});
-      ApgdBodyFinish{&state}({{total.value[2]}});
-      *a.state = state;
-      DeviceCounter(*shared.trials).store(trial + 1, cuda::memory_order_release);
-    }
-  } else if (threadIdx.x == 0) {
-    wait_for(*shared.trials, trial + 1);
+  // A block writes its next sums when all have read these: before, it waits for their first round.
+  Sums<3> all;
+  for (unsigned k = threadIdx.x; k < gridDim.x; k += kThreads) all.combine(shared.partial[k]);
+  all = block_sum(all);
+  if (threadIdx.x == 0) {
+    ApgdContactFinish{&state}({{all.value[0], all.value[1]}});
+    ApgdBodyFinish{&state}({{all.value[2]}});
   }
   __syncthreads();
 }
@@ -129,37 +124,35 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   __shared__ SplitBarrier ready;  // V_y of a tile is there, the pulls of the one before are summed
   __shared__ SplitBarrier stepped;  // the contact step of a tile is done
   __shared__ SplitBarrier reached;  // other blocks are done with the round before
-  __shared__ unsigned trials;       // before this launch
+  __shared__ ApgdState state;       // the same in all blocks
+  __shared__ unsigned trials;       // before this launch: no block arrives before all know
   const auto blocks = static_cast<Index>(gridDim.x);
   const auto local = static_cast<Index>(threadIdx.x);
-  const bool is_first_lane = local % 32 == 0;
   const bool is_speaker = local == kThreads - 32;
   if (local == 0) {
-    ready.init(kWarps);
-    stepped.init(kWarps);
+    ready.init(kThreads);
+    stepped.init(kThreads);
     reached.init(1);
-    trials = *shared.trials;
+    state = *a.state;
+    trials = *shared.arrived / gridDim.x;
   }
   __syncthreads();
-  const auto arrive = [&](SplitBarrier& barrier) {
-    __syncwarp();
-    if (is_first_lane) barrier.arrive();
-  };
+  const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x));
+  {
+    const Trial<Real> trial(a, state, shared.packed);
+    first.start(trial.velocity, trial.previous_velocity, memory.bodies);
+  }
   unsigned turn = 0;  // tiles so far: phases of `stepped`
   for (unsigned k = 0; k < static_cast<unsigned>(count); ++k) {
+    if (k > 0 && !(state.measure > enough)) break;
+    const Trial<Real> trial(a, state, shared.packed);
     const unsigned number = trials + k;
-    const Trial<Real> trial(a, shared.local_a);
-    if (k > 0 && !(trial.measure > enough)) break;
+    const Index accepted = state.accepted;
     const Gather<Real> gather(a, trial);
     Sums<3> sums;
     auto t = static_cast<Index>(blockIdx.x);
-    {
-      BodyFetch<Real> fetch(a, trial, t * kBodies);
-      fetch.start(a, memory.bodies[0]);
-      fetch.read_previous();
-      fetch.finish(memory.bodies[0]);
-      arrive(ready);
-    }
+    first.finish(trial, memory.bodies);
+    ready.arrive();
     for (Index round = 0;; t += blocks, ++round) {
       const TileBodies<Real>& here = memory.bodies[round % 2];
       TileBodies<Real>& other = memory.bodies[(round + 1) % 2];
@@ -179,7 +172,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
         range.first = here.a_start[0];
         range.last = here.a_start[range.count];
         step_contacts<kWeights>(a, trial, range, here, memory.pull, sums);
-        arrive(stepped);
+        stepped.arrive();
       }
       const Index i = (t - blocks) * kBodies + local;
       const bool is_before = round > 0 && local < kBodies && i < a.p.free_count;
@@ -207,10 +200,15 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       if (has_next) fetch.finish(other);
       if (!has_tile) break;
       ++turn;
-      arrive(ready);
+      ready.arrive();
     }
-    decide(a, shared, number, sums);
+    // Nearly all trials are accepted.
+    decide(shared, number, sums, state,
+           [&] { first.start(trial.next_velocity, trial.velocity, memory.bodies); });
+    if (state.accepted == accepted) first.restart(trial.velocity, trial.velocity, memory.bodies);
   }
+  __pipeline_wait_prior(0);
+  if (blockIdx.x == 0 && local == 0) *a.state = state;
 }
 
 }  // namespace sweep
@@ -218,7 +216,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
 template <>
 class ApgdIteration<Cuda> {
  public:
-  explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda), local_a_(cuda) {}
+  explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda), packed_(cuda) {}
 
   template <class R, class Real>
   void start(Cuda&, const ApgdPasses<R, Real>&) {}
@@ -227,15 +225,14 @@ class ApgdIteration<Cuda> {
     tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
     kernel_ = kernel_for(a.metric);
     blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
-    const Offset counters = Offset{tiles_} / blocks_ + 3;
+    const Offset counters = Offset{tiles_} / blocks_ + 2;
     counters_.reserve_discard(counters);
     partial_.reserve_discard(blocks_);
     fill(cuda, counters_.view(counters), 0u);
-    local_a_.reserve_discard(a.p.contact_count);
+    packed_.reserve_discard(a.p.contact_count);
     for_each(cuda, a.p.contact_count,
-             sweep::LocalBodies<float>{a.p, local_a_.view(a.p.contact_count)});
-    shared_ = {counters_.data() + 2, counters_.data(), counters_.data() + 1, partial_.data(),
-               local_a_.data()};
+             sweep::PackContacts<float>{a.p, a.metric, packed_.view(a.p.contact_count)});
+    shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data()};
   }
 
   template <class R, class Real>
@@ -280,9 +277,9 @@ class ApgdIteration<Cuda> {
     return cuda.resident_blocks(kernel_, "occupancy of apgd_sweep", kBytes);
   }
 
-  Buffer<Cuda, unsigned> counters_;  ///< arrived, trials, round_done
+  Buffer<Cuda, unsigned> counters_;  ///< arrived, round_done
   Buffer<Cuda, Sums<3>> partial_;
-  Buffer<Cuda, unsigned char> local_a_;
+  Buffer<Cuda, PackedContact> packed_;
   sweep::Shared shared_{};
   const void* kernel_ = nullptr;
   Index tiles_ = 0;

@@ -5,6 +5,7 @@
 
 #include "kernels/apgd_iteration.h"
 #include "kernels/backend/cuda.cuh"
+#include "kernels/packed_contact.h"
 #include "kernels/tuned/one_contact.h"
 
 namespace scree {
@@ -14,7 +15,7 @@ inline constexpr int kThreads = Cuda::kBlock;  ///< of a block
 inline constexpr int kWarps = kThreads / 32;
 inline constexpr int kBodies = 240;  ///< of a tile
 static_assert(kBodies < kThreads, "a thread for each start of a list");
-static_assert(kBodies <= 256, "a body of a tile is named by a byte");
+static_assert(kBodies <= 256, "a packed contact names a body of its tile by a byte");
 inline constexpr int kStaged = 800;     ///< contacts of a tile kept in shared memory
 inline constexpr int kAtOnce = 4;       ///< contacts of a body that are fetched together
 inline constexpr Index kLongList = 96;  ///< contacts of a body that one thread sums up, at most
@@ -91,40 +92,47 @@ struct TileRange {
   Index first, last;
 };
 
-/// Which body of its tile A of a contact is.
+/// Packs what contacts keep through a solve.
 template <class Real>
-struct LocalBodies {
-  static constexpr const char* name = "apgd_local_bodies";
+struct PackContacts {
+  static constexpr const char* name = "apgd_pack_contacts";
   ContactProblem<Real> p;
-  Span<unsigned char> local_a;
+  StoredMetric<RadialRows<Real>, Real> metric;
+  Span<PackedContact> packed;
   __device__ void operator()(Index c) const {
-    local_a[c] = static_cast<unsigned char>(p.body_a[c] % kBodies);
+    const auto local = static_cast<std::uint32_t>(p.body_a[c] % kBodies);
+    packed[c] = {p.normal[c], metric.load(c).normal, local};
   }
 };
+
+/// A number that is the same in all lanes, in a register that they share.
+__device__ inline unsigned shared_by_warp(unsigned x) { return __reduce_max_sync(0xffffffffu, x); }
+__device__ inline float shared_by_warp(double x) {
+  return __uint_as_float(shared_by_warp(__float_as_uint(static_cast<float>(x))));
+}
 
 /// Values of a trial that all threads need, in registers. V_y is never stored: it is worked out
 /// from two iterates where it is needed, and the next iterate takes the place of the older one.
 template <class Real>
 struct Trial {
-  const unsigned char* local_a;
+  const PackedContact* packed;
   Span<const Vec3<Real>> gamma, previous_gamma;
   Span<Vec3<Real>> next_gamma;
   Span<const Twist<Real>> velocity, previous_velocity;
   Span<Twist<Real>> next_velocity;
   Real beta, length;
-  double measure;  ///< of the trial before
 
-  __device__ Trial(const RadialPasses<Real>& a, const unsigned char* locals)
-      : local_a(locals),
-        gamma(a.gamma.current(a.state->accepted)),
-        previous_gamma(a.gamma.previous(a.state->accepted)),
-        next_gamma(a.gamma.next(a.state->accepted)),
-        velocity(a.velocity.current(*a.state)),
-        previous_velocity(a.velocity.iterate(a.state->accepted + 1)),
-        next_velocity(a.velocity.iterate(a.state->accepted + 1)),
-        beta(static_cast<Real>(a.state->beta)),
-        length(static_cast<Real>(a.state->step)),
-        measure(a.state->measure) {
+  /// @param state  the same in all threads
+  __device__ Trial(const RadialPasses<Real>& a, const ApgdState& state,
+                   const PackedContact* contacts)
+      : packed(contacts), beta(shared_by_warp(state.beta)), length(shared_by_warp(state.step)) {
+    const auto k = static_cast<Index>(shared_by_warp(static_cast<unsigned>(state.accepted)));
+    gamma = a.gamma.current(k);
+    previous_gamma = a.gamma.previous(k);
+    next_gamma = a.gamma.next(k);
+    velocity = a.velocity.iterate(k);
+    previous_velocity = a.velocity.iterate(k + 1);
+    next_velocity = a.velocity.iterate(k + 1);
     // A pointer picked from two is no longer known to be one into device memory.
     __builtin_assume(__isGlobal(gamma.data));
     __builtin_assume(__isGlobal(previous_gamma.data));
@@ -132,13 +140,29 @@ struct Trial {
     __builtin_assume(__isGlobal(velocity.data));
     __builtin_assume(__isGlobal(previous_velocity.data));
     __builtin_assume(__isGlobal(next_velocity.data));
-    // Else the compiler keeps the doubles and converts them at every contact.
-    asm volatile("" : "+f"(beta), "+f"(length));
   }
   __device__ Twist<Real> extrapolated(const Twist<Real>& v, const Twist<Real>& previous) const {
     return v + beta * (v - previous);
   }
 };
+
+/// Begins to copy the twist of a body to shared memory.
+template <class Real>
+__device__ void fetch_twist(const Twist<Real>* from, Twist<Real>* to) {
+  static_assert(sizeof(Twist<Real>) == 3 * sizeof(float2));
+#pragma unroll
+  for (int k = 0; k < 3; ++k) {
+    __pipeline_memcpy_async(reinterpret_cast<float2*>(to) + k,
+                            reinterpret_cast<const float2*>(from) + k, sizeof(float2));
+  }
+}
+
+/// Begins to copy where the lists of the thread's body start.
+template <class Real>
+__device__ void fetch_starts(const ContactProblem<Real>& p, Index body, TileBodies<Real>& to) {
+  __pipeline_memcpy_async(to.a_start + threadIdx.x, p.a_start.data + body, sizeof(Index));
+  __pipeline_memcpy_async(to.b_start + threadIdx.x, p.b_start.data + body, sizeof(Index));
+}
 
 /// V_y of a tile on its way to shared memory, a body to a thread: V comes by itself, its older
 /// value waits in registers.
@@ -154,18 +178,8 @@ class BodyFetch {
   }
   /// Begins to copy V and the starts of lists.
   __device__ void start(const RadialPasses<Real>& a, TileBodies<Real>& to) const {
-    const auto local = static_cast<Index>(threadIdx.x);
-    if (is_body_) {
-      static_assert(sizeof(Twist<Real>) == 3 * sizeof(float2));
-      const auto* from = reinterpret_cast<const float2*>(trial_.velocity.data + i_);
-      auto* into = reinterpret_cast<float2*>(to.extrapolated + local);
-#pragma unroll
-      for (int k = 0; k < 3; ++k) __pipeline_memcpy_async(into + k, from + k, sizeof(float2));
-    }
-    if (is_start_) {
-      __pipeline_memcpy_async(to.a_start + local, a.p.a_start.data + i_, sizeof(Index));
-      __pipeline_memcpy_async(to.b_start + local, a.p.b_start.data + i_, sizeof(Index));
-    }
+    if (is_body_) fetch_twist(trial_.velocity.data + i_, to.extrapolated + threadIdx.x);
+    if (is_start_) fetch_starts(a.p, i_, to);
     __pipeline_commit();
   }
   /// Reads the older velocity; some work should come before finish().
@@ -188,6 +202,46 @@ class BodyFetch {
   Twist<Real> previous_;
 };
 
+/// V_y of the first tile of a trial, the room of both tiles at hand: it is on its way while the
+/// trial before is decided, so which velocities are needed is only foretold.
+template <class Real>
+class FirstFetch {
+ public:
+  __device__ FirstFetch(const RadialPasses<Real>& a, Index tile)
+      : p_(a.p),
+        i_(tile * kBodies + static_cast<Index>(threadIdx.x)),
+        count_(min(kBodies, a.p.free_count - tile * kBodies)) {}
+
+  __device__ void start(const Span<const Twist<Real>>& velocity,
+                        const Span<const Twist<Real>>& previous, TileBodies<Real>* tiles) const {
+    const auto local = static_cast<Index>(threadIdx.x);
+    if (local < count_) {
+      fetch_twist(velocity.data + i_, tiles[0].extrapolated + local);
+      fetch_twist(previous.data + i_, tiles[1].extrapolated + local);
+    }
+    if (local <= count_) fetch_starts(p_, i_, tiles[0]);
+    __pipeline_commit();
+  }
+  /// Starts again, from other velocities.
+  __device__ void restart(const Span<const Twist<Real>>& velocity,
+                          const Span<const Twist<Real>>& previous, TileBodies<Real>* tiles) const {
+    __pipeline_wait_prior(0);
+    start(velocity, previous, tiles);
+  }
+  /// Other threads may read V_y after a barrier.
+  __device__ void finish(const Trial<Real>& trial, TileBodies<Real>* tiles) const {
+    __pipeline_wait_prior(0);
+    const auto local = static_cast<Index>(threadIdx.x);
+    if (local >= count_) return;
+    Twist<Real>& v = tiles[0].extrapolated[local];
+    v = trial.extrapolated(v, tiles[1].extrapolated[local]);
+  }
+
+ private:
+  const ContactProblem<Real>& p_;
+  Index i_, count_;
+};
+
 /// Contact step of a tile: new impulses to memory, and what they exert to shared memory. Each warp
 /// takes whole turns of contacts that follow each other, the last one what is left.
 /// @tparam kWeights  stored weights of the metric: none (Euclidean), one or two
@@ -200,14 +254,15 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
   const Index end = min(begin + share, range.last);
   for (Index c = begin + static_cast<Index>(threadIdx.x % 32); c < end; c += 32) {
     const Index id_b = a.p.body_b[c];
-    // Unsigned: the compiler would work out all addresses anew from a sign that it extends.
-    const unsigned local_a = trial.local_a[static_cast<unsigned>(c)];
-    OneContact<Real> contact{trial.gamma[c],    trial.previous_gamma[c], a.p.normal[c],
+    const PackedContact packed = trial.packed[c];
+    OneContact<Real> contact{trial.gamma[c],    trial.previous_gamma[c], {},
                              a.p.bias.read(c),  a.p.friction[c],         a.p.adhesion[c],
                              {Real(1), Real(1)}};
+    if (kWeights == 2) {
 #pragma unroll
-    for (int j = 0; j < kWeights; ++j)
-      contact.weights[j] = a.metric.values[static_cast<Offset>(c) * kWeights + j];
+      for (int j = 0; j < 2; ++j)
+        contact.weights[j] = a.metric.values[static_cast<Offset>(c) * 2 + j];
+    }
     // All of that is asked for before the first of it is used.
     asm volatile("" ::: "memory");
     const Index b = id_b - range.begin;
@@ -219,10 +274,14 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
       v_b = trial.extrapolated(v, previous);
     }
     contact.bias = a.p.bias.value(contact.bias);
-    if (kWeights == 1) contact.weights[1] = a.metric.tangential_ratio * contact.weights[0];
+    contact.normal = packed.normal();
+    if (kWeights == 1) {
+      contact.weights[0] = packed.weight();
+      contact.weights[1] = a.metric.tangential_ratio * contact.weights[0];
+    }
     Vec3<Real> next;
     const Sums<2> mine =
-        contact.step(trial.beta, trial.length, bodies.extrapolated[local_a], v_b, next);
+        contact.step(trial.beta, trial.length, bodies.extrapolated[packed.local()], v_b, next);
     trial.next_gamma[c] = next;
     if (c - range.first < kStaged) pull[c - range.first] = {next, contact.normal};
     sums.value[0] += mine.value[0];
@@ -235,7 +294,7 @@ template <class Real>
 class Gather {
  public:
   __device__ Gather(const RadialPasses<Real>& a, const Trial<Real>& trial)
-      : p_(a.p), gamma_(trial.next_gamma.data) {}
+      : p_(a.p), gamma_(trial.next_gamma.data), packed_(trial.packed) {}
 
   /// Contacts within the tile of the thread's body, when the tile's contact step is done.
   __device__ HalfDone<Real> within(const TileRange& range, const TileBodies<Real>& bodies,
@@ -271,7 +330,7 @@ class Gather {
   }
 
  private:
-  __device__ Pull<Real> of(Index c) const { return {gamma_[c], p_.normal[c]}; }
+  __device__ Pull<Real> of(Index c) const { return {gamma_[c], packed_[c].normal()}; }
 
   template <class PullOf>
   __device__ HalfDone<Real> sum_within(const TileRange& range, const TileBodies<Real>& bodies,
@@ -315,17 +374,22 @@ class Gather {
 
   /// Contacts whose B is the body; those below zero are none.
   __device__ void add(const Index (&c)[kAtOnce], Wrench<Real>& sum) const {
-    Pull<Real> pull[kAtOnce];
+    Vec3<Real> gamma[kAtOnce];
+    PackedContact packed[kAtOnce];
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j) {
-      if (c[j] >= 0) pull[j] = of(c[j]);
+      const bool is_there = c[j] >= 0;
+      if (is_there) gamma[j] = gamma_[c[j]];
+      packed[j] = is_there ? packed_[c[j]] : PackedContact({1, 0, 0}, 0, 0);
     }
+    asm volatile("" ::: "memory");  // as above: no contact waits for the one before
 #pragma unroll
-    for (int j = 0; j < kAtOnce; ++j) sum.add_as_b(pull[j]);
+    for (int j = 0; j < kAtOnce; ++j) sum.add_as_b({gamma[j], packed[j].normal()});
   }
 
   const ContactProblem<Real>& p_;
   const Vec3<Real>* const gamma_;
+  const PackedContact* const packed_;
 };
 
 }  // namespace sweep

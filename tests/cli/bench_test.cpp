@@ -66,7 +66,7 @@ TEST(CliBench, Iteration) {
     expect_sound_steps(result);
     EXPECT_EQ(result.at("applications"), 30.0);
     const double least =
-        65 * result.at("contacts").get<double>() + 112 * result.at("bodies").get<double>();
+        56 * result.at("contacts").get<double>() + 112 * result.at("bodies").get<double>();
     EXPECT_NEAR(result.at("least_bytes_per_iteration").get<double>(), least, 1e-6 * least);
     EXPECT_GT(result.at("of_copy_bandwidth"), 0.0);
     EXPECT_LT(result.at("start_rms_speed_relative"), 10.0) << "the bed has not settled";

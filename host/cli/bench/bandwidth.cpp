@@ -1,5 +1,7 @@
 #include "host/cli/bench/bandwidth.h"
 
+#include <type_traits>
+
 #include "solvers/traffic.h"
 
 namespace scree {
@@ -10,9 +12,11 @@ namespace {
 template <class Real>
 Traffic traffic_of(const SolverSettings& solver) {
   if (solver.exact_coulomb) return {};
-  if (solver.name == "apgd")
-    return apgd_fused_iteration_traffic<Real>(solver.diagonal_metric ? ApgdMetricKind::diagonal
-                                                                     : ApgdMetricKind::euclidean);
+  if (solver.name == "apgd") {
+    if constexpr (std::is_same_v<Real, float>) return apgd_fused_iteration_traffic();
+    return apgd_iteration_traffic<Real>(solver.diagonal_metric ? ApgdMetricKind::diagonal
+                                                               : ApgdMetricKind::euclidean);
+  }
   if (solver.name == "schwarz") return schwarz_pass_traffic<Real>();
   if (solver.name == "jacobi") return jacobi_iteration_traffic<Real>();
   if (solver.name == "gauss_seidel" || solver.name == "gauss_seidel_colored")

@@ -11,9 +11,9 @@
 // by themselves where it should be small enough; a check follows, two or three in a solve. Where
 // that is not known yet, or iterations cannot end by themselves (those of doubles and of general
 // layouts), there is one at least each `check_every` iterations. In the second half of the
-// iterations allowed there is also one where the best iterate so far should be beaten by a fifth. A
-// rejected trial, which is rare, costs one more of both passes; `applications` counts all of them.
-// Spheres take the tuned twins of kernels/tuned.
+// iterations allowed there is also one where the residual should be half that of the best iterate.
+// A rejected trial, which is rare, costs one more of both passes; `applications` counts all of
+// them. Spheres take the tuned twins of kernels/tuned.
 
 #include <algorithm>
 #include <cmath>
@@ -193,7 +193,7 @@ class Apgd final : public Solver<B, Real> {
   /// Iterations between residual checks, over check_every, where trials stop by themselves.
   static constexpr int kPatience = 5;
   /// Residual of an iterate that is worth a check, over that of the best one so far.
-  static constexpr double kWorth = 0.8;
+  static constexpr double kWorth = 0.5;
 
   SolverParams params_;
   double lipschitz_ = 0;

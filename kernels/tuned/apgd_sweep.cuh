@@ -18,9 +18,9 @@
 // two impulses 24, list 4 read, impulse 12 written. Per body: v*, two V 72, inertia 8, starts 8
 // read, V 24 written: 280 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427. Far
 // contacts and sectors read in part make that 410 MB between the cache levels, and the link between
-// the two halves of the second-level cache, which half of it crosses, is as busy as in a copy
-// (bench/results/h200). The first-level cache is short: an array in local memory, even one of 32
-// bytes a thread, costs a tenth of the time, and shared memory is dear too.
+// the two halves of the second-level cache, which half of it crosses, is nearly as busy as in a
+// copy (bench/results/h200). The first-level cache is short: a stack of 32 bytes a thread, for
+// registers that were spilled, cost a tenth of the time, and shared memory is dear too.
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
 

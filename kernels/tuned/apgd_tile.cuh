@@ -105,8 +105,14 @@ struct PackContacts {
   }
 };
 
-/// A number that is the same in all lanes, in a register that they share.
-__device__ inline unsigned shared_by_warp(unsigned x) { return __reduce_max_sync(0xffffffffu, x); }
+/// A number that is the same in all lanes, in a register that they share where there are such.
+__device__ inline unsigned shared_by_warp(unsigned x) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 800
+  return __reduce_max_sync(0xffffffffu, x);
+#else
+  return x;
+#endif
+}
 __device__ inline float shared_by_warp(double x) {
   return __uint_as_float(shared_by_warp(__float_as_uint(static_cast<float>(x))));
 }

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <exception>
 #include <new>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "host/cli/bench_command.h"
@@ -15,12 +17,13 @@
 #include "host/cli/run_command.h"
 #include "host/cli/solve_command.h"
 #include "host/error.h"
+#include "host/io/streams.h"
 #include "host/version.h"
 
 namespace {
 
-int fail(const char* what, int code) {
-  fmt::print(stderr, "scree: {}\n", what);
+int fail(const std::string& what, int code) {
+  scree::say("scree: " + what);
   return code;
 }
 
@@ -46,6 +49,7 @@ std::string usage_fault(const CLI::App& app, const CLI::ParseError& error, int a
 }  // namespace
 
 int main(int argc, char** argv) {
+  scree::prepare_streams();
   CLI::App app("scree: rigid bodies in frictional contact, by the million");
   app.set_version_flag("--version",
                        fmt::format("scree {} ({})", scree::version(), scree::commit()));
@@ -65,25 +69,34 @@ int main(int argc, char** argv) {
   const CLI::App* convert_command = scree::add_convert_command(app, convert);
   const CLI::App* info_command = scree::add_info_command(app, info);
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return fail(usage_fault(app, error, argc, argv).c_str(), 2);
-  }
-  try {
+  const auto run_command_line = [&]() -> int {
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+      if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+      return fail(usage_fault(app, error, argc, argv), 2);
+    }
     if (*run_command) return scree::run_scene(run);
     if (*check_command) return scree::check_scene(check);
     if (*bench_command) return scree::run_bench(*bench_command, bench);
     if (*solve_command) return scree::solve_problems(solve);
     if (*convert_command) return scree::convert_problem(convert);
     if (*info_command) return scree::print_info(info);
+    return 0;
+  };
+  try {
+    const int code = run_command_line();
+    scree::finish_output();
+    return code;
   } catch (const scree::InputError& error) {
     return fail(error.what(), 2);
   } catch (const std::bad_alloc&) {
     return fail("host memory exhausted", 1);
+  } catch (const std::system_error& error) {
+    // The formatting library reports only a reason when standard output cannot be written.
+    if (std::ferror(stdout) == 0) return fail(error.what(), 1);
+    return fail("cannot write standard output: " + error.code().message(), 1);
   } catch (const std::exception& error) {
     return fail(error.what(), 1);
   }
-  return 0;
 }

@@ -17,6 +17,7 @@
 #include "host/io/run_record.h"
 #include "host/io/signals.h"
 #include "host/io/steps_csv.h"
+#include "host/io/streams.h"
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
 #include "host/scene_reader.h"
@@ -71,18 +72,17 @@ class Run {
     if (checkpoint) require_same_arithmetic(*checkpoint);
     if (checkpoint && checkpoint->state.step >= target_) {
       if (!options_.quiet) {
-        fmt::print(stderr,
-                   "nothing to do: the run in {} is at step {}, the end is step {}; go on with a "
-                   "larger duration "
-                   "or --steps\n",
-                   directory_.path().string(), checkpoint->state.step, target_);
+        say(fmt::format(
+            "nothing to do: the run in {} is at step {}, the end is step {}; go on with a larger "
+            "duration or --steps",
+            directory_.path().string(), checkpoint->state.step, target_));
       }
       return 0;
     }
     require_steps_to_dump(checkpoint ? checkpoint->state.step : 0);
     require_memory(scene_, world_options_);
     directory_.prepare();
-    if (!notice_.empty() && !options_.quiet) fmt::print(stderr, "{}\n", notice_);
+    if (!notice_.empty() && !options_.quiet) say(notice_);
     start_clock_ = std::chrono::steady_clock::now();
     std::optional<std::int64_t> resumed_step;
     std::optional<double> resumed_time;
@@ -97,13 +97,19 @@ class Run {
     if (checkpoint) world.restore(checkpoint->state);
     checkpoint.reset();  // it is as large as the world
     record_.body_count = static_cast<int>(world.constants().size());
+    const SignalGuard signals;
     start_record(resumed_step);
     try {
-      simulate(world, frames, resumed_step);
+      simulate(world, frames, signals, resumed_step);
     } catch (const std::exception& error) {
       record_.status = RunStatus::failed;
       record_.message = error.what();
-      finish_record(world);
+      directory_.require_present();  // when it is gone, that is what to tell
+      try {
+        finish_record(world);
+      } catch (const std::exception&) {
+        // The first failure is the one to tell, and often the reason of this one.
+      }
       throw;
     }
     finish_record(world);
@@ -139,6 +145,15 @@ class Run {
                                      first + 1, target_));
   }
 
+  /// Queues a task that writes into the output directory.
+  template <class Task>
+  void post(WriterThread& writer, Task task) const {
+    writer.post([this, task = std::move(task)] {
+      directory_.require_present();
+      task();
+    });
+  }
+
   /// The next step; its contact problem goes to a file when that was asked for.
   StepReport advance(World& world, WriterThread& writer, Progress& progress) const {
     const std::int64_t step = world.steps_done() + 1;
@@ -150,7 +165,7 @@ class Run {
       progress.note(fmt::format("step {} has no contacts: {} is not written", step,
                                 directory_.problem(step).filename().string()));
     } else {
-      writer.post([problem, path = directory_.problem(step)] { write_problem(path, *problem); });
+      post(writer, [problem, path = directory_.problem(step)] { write_problem(path, *problem); });
     }
     return report;
   }
@@ -165,13 +180,19 @@ class Run {
     return report;
   }
 
-  void simulate(World& world, FrameWriter& frames, std::optional<std::int64_t> resumed_step) {
+  void simulate(World& world, FrameWriter& frames, const SignalGuard& signals,
+                std::optional<std::int64_t> resumed_step) {
     const double h = scene_.stepping.time_step;
     StepsCsv steps(directory_.steps_csv(), resumed_step);
     WriterThread writer;
-    SignalGuard signals;
     Progress progress(progress_options(options_.quiet), world.time(),
                       static_cast<double>(target_) * h);
+    if (steps.missing_steps() > 0) {
+      record_.message =
+          fmt::format("{} has no lines of {} of the {} steps before this run",
+                      directory_.steps_csv().string(), steps.missing_steps(), *resumed_step);
+      progress.note("warning: " + record_.message);
+    }
     const Schedule frame_schedule(scene_.output.frame_interval, h);
     const Schedule picture_schedule(scene_.output.picture.interval, h);
     const Schedule checkpoint_schedule(scene_.output.checkpoint_interval, h);
@@ -180,22 +201,22 @@ class Run {
     const auto write_frame = [&] {
       writer.finish();
       auto states = std::make_shared<BodyStates>(world.states());
-      writer.post([&frames, states, t = world.time()] { frames.append(t, *states); });
+      post(writer, [&frames, states, t = world.time()] { frames.append(t, *states); });
     };
     // Numbers count the pictures that were due: a resumed run goes on where the first one stopped.
     int picture_number = picture_schedule.count(world.time());
     double picture_time = -1;
     const auto write_picture = [&] {
       auto image = std::make_shared<Image>(world.render(scene_.output.picture));
-      writer.post(
-          [image, path = directory_.picture(picture_number++)] { write_png(path, *image); });
+      post(writer,
+           [image, path = directory_.picture(picture_number++)] { write_png(path, *image); });
       picture_time = world.time();
     };
     const auto save_checkpoint = [&] {
       writer.finish();
       steps.flush();
       auto state = std::make_shared<WorldState>(world.save());
-      writer.post([this, state, &constants = world.constants()] {
+      post(writer, [this, state, &constants = world.constants()] {
         write_checkpoint(directory_.checkpoint_file(), *state, constants, scene_text_,
                          world_options_.backend, world_options_.precision);
       });
@@ -224,25 +245,36 @@ class Run {
     if (signals.received() != 0)
       progress.note("interrupted: checkpoint written, continue with --resume");
     if (!options_.quiet) progress.note(summary());
+    const std::string unsolved = steps_not_converged();
+    if (unsolved.empty()) return;
+    if (options_.require_convergence) throw RunError(unsolved);
+    progress.note("warning: " + unsolved);
+  }
+
+  /// How many steps ended at the iteration cap, as a sentence; empty when none did.
+  std::string steps_not_converged() const {
+    const RunTotals& t = record_.totals;
+    if (t.steps_not_converged() == 0) return {};
+    const SolverSettings& solver = scene_.solver;
+    const std::string cap =
+        solver.exact_coulomb
+            ? fmt::format("solver.max_iterations {}, solver.max_outer_iterations {}",
+                          solver.max_iterations, solver.max_outer_iterations)
+            : fmt::format("solver.max_iterations {}", solver.max_iterations);
+    return fmt::format("{} of {} steps ended at the iteration cap ({}) above the tolerance",
+                       t.steps_not_converged(), t.steps(), cap);
   }
 
   std::string summary() const {
     const RunTotals& t = record_.totals;
     const StageTimes ms = t.mean_ms();
-    std::string text = fmt::format(
+    return fmt::format(
         "{} steps, {:.1f} iterations a step; ms a step: collision {:.2f}, setup {:.2f}, solve "
         "{:.2f}, integrate "
         "{:.2f}, total {:.2f}\nlargest penetration {:.3g} m, worst residual {:.3g} m/s; results in "
         "{}",
         t.steps(), t.mean_iterations(), ms.collision, ms.setup, ms.solve, ms.integrate, ms.total,
         t.max_penetration(), t.max_residual_rms(), directory_.path().string());
-    if (t.steps_not_converged() > 0) {
-      text += fmt::format(
-          "\n{} of {} steps ended at the iteration cap (solver.max_iterations {}) above the "
-          "tolerance",
-          t.steps_not_converged(), t.steps(), scene_.solver.max_iterations);
-    }
-    return text;
   }
 
   void start_record(std::optional<std::int64_t> resumed_from) {
@@ -260,7 +292,9 @@ class Run {
     write_run_record(directory_.run_json(), record_);
   }
 
+  /// @throws RunError when the directory is no longer that of this run
   void finish_record(const World& world) {
+    directory_.require_present();
     record_.end_time = utc_now();
     record_.peak_memory_bytes = world.peak_memory();
     record_.wall_seconds =
@@ -299,7 +333,9 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   command->add_flag("--resume", options.resume,
                     "continue from the checkpoint in the output directory");
   command->add_flag("--force", options.force, "replace the results in the output directory");
-  command->add_flag("--quiet", options.quiet, "no progress line and no summary");
+  command->add_flag("--quiet", options.quiet, "no progress line and no summary; warnings stay");
+  command->add_flag("--require-convergence", options.require_convergence,
+                    "exit with 1 when steps ended at the iteration cap; results are kept");
   return command;
 }
 

@@ -13,13 +13,14 @@ struct RunOptions {
   bool resume = false;
   bool force = false;
   bool quiet = false;
+  bool require_convergence = false;
   std::vector<std::string> command_line;
 };
 
 CLI::App* add_run_command(CLI::App& app, RunOptions& options);
 
 /// @return exit code: 0 done, or ended cleanly after an interrupt
-/// @throws InputError, RunError
+/// @throws InputError, RunError; also when steps did not converge that were required to
 int run_scene(const RunOptions& options);
 
 }  // namespace scree

@@ -15,6 +15,7 @@
 #include "host/error.h"
 #include "host/io/directory_checks.h"
 #include "host/io/problem_file.h"
+#include "host/io/streams.h"
 #include "host/solve/matrix_free.h"
 #include "host/solve/solve_charts.h"
 #include "host/solve/solve_report.h"
@@ -61,7 +62,7 @@ AssembledOptions solver_options(const SolveOptions& options) {
   return o;
 }
 
-void note(const std::string& text) { fmt::print(stderr, "scree: {}\n", text); }
+void note(const std::string& text) { say("scree: " + text); }
 
 /// The file, or the problem files of the folder by name. HDF5 files of something else, which a run
 /// leaves beside its problems, are noted and skipped.

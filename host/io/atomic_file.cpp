@@ -27,6 +27,7 @@ std::string io_message(std::string_view what, const std::filesystem::path& path,
   std::string message =
       fmt::format("{} {}: {}", what, path.string(), std::generic_category().message(error_number));
   if (error_number == ENOSPC || error_number == EDQUOT) message += " (the disk is full)";
+  if (error_number == EFBIG) message += " (a limit of this system or account on file sizes)";
   if (!kept.empty()) message += fmt::format("; {}", kept);
   return message;
 }

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -151,6 +152,16 @@ void OutputDirectory::load_checkpoint(const std::string& scene_text,
   const std::string found = difference(checkpoint_->scene_text, scene_text, may_differ);
   if (!found.empty())
     refuse(path_, fmt::format("its checkpoint.h5 is of another scene: {}", found));
+}
+
+void OutputDirectory::require_present() const {
+  struct stat locked {
+  }, found{};
+  if (::fstat(lock_, &locked) == 0 && ::stat(path_.c_str(), &found) == 0 &&
+      locked.st_dev == found.st_dev && locked.st_ino == found.st_ino)
+    return;
+  throw RunError(fmt::format("output directory {}: it was removed or replaced during the run",
+                             path_.string()));
 }
 
 void OutputDirectory::prepare() {

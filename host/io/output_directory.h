@@ -44,6 +44,10 @@ class OutputDirectory {
   /// @throws InputError when another run came first, @throws RunError when the system refuses
   void prepare();
 
+  /// Files that are written now are files of this run. Call it before and after writing.
+  /// @throws RunError when the directory was removed or replaced since prepare()
+  void require_present() const;
+
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path run_json() const { return path_ / "run.json"; }
   std::filesystem::path steps_csv() const { return path_ / "steps.csv"; }

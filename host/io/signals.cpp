@@ -11,8 +11,11 @@ static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void note_signal(int number) {
   received_signal = number;
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  for (const int request : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction now {};
+    if (sigaction(request, nullptr, &now) == 0 && now.sa_handler == note_signal)
+      std::signal(request, request == SIGHUP ? SIG_IGN : SIG_DFL);
+  }
 }
 
 }  // namespace
@@ -23,13 +26,15 @@ SignalGuard::SignalGuard() {
   action.sa_handler = note_signal;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, &old_interrupt_);
-  sigaction(SIGTERM, &action, &old_terminate_);
+  for (const int request : requests) sigaddset(&action.sa_mask, request);
+  for (std::size_t k = 0; k < requests.size(); ++k) {
+    sigaction(requests[k], nullptr, &old_[k]);
+    if (old_[k].sa_handler != SIG_IGN) sigaction(requests[k], &action, nullptr);
+  }
 }
 
 SignalGuard::~SignalGuard() {
-  sigaction(SIGINT, &old_interrupt_, nullptr);
-  sigaction(SIGTERM, &old_terminate_, nullptr);
+  for (std::size_t k = 0; k < requests.size(); ++k) sigaction(requests[k], &old_[k], nullptr);
 }
 
 int SignalGuard::received() const { return received_signal; }

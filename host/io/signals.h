@@ -1,12 +1,17 @@
 #pragma once
-// Ctrl-C and termination as a polite request first.
+// Ctrl-C, termination and a closed terminal as a polite request first.
 
+#include <array>
 #include <csignal>
+#include <cstddef>
 
 namespace scree {
 
-/// While one exists, the first SIGINT or SIGTERM only sets a flag, which the stepping loop looks at
-/// to end the run cleanly; the second one kills the process as usual. At most one at a time.
+/// While one exists, the first SIGINT, SIGTERM or SIGHUP only sets a flag, which the stepping loop
+/// looks at to end the run cleanly. A second SIGINT or SIGTERM kills the process as usual; a second
+/// SIGHUP does not, since shell and system each send one when a terminal closes. A signal that the
+/// process was started to ignore (nohup, a job in the background) stays ignored. At most one guard
+/// at a time.
 class SignalGuard {
  public:
   SignalGuard();
@@ -18,8 +23,8 @@ class SignalGuard {
   int received() const;
 
  private:
-  struct sigaction old_interrupt_ {};
-  struct sigaction old_terminate_ {};
+  static constexpr std::array requests{SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, requests.size()> old_{};
 };
 
 }  // namespace scree

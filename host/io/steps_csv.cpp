@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -126,11 +127,17 @@ void for_each_line(const std::filesystem::path& path, Visit visit) {
 StepsCsv::StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resume_step)
     : path_(std::move(path)), last_flush_(std::chrono::steady_clock::now()) {
   std::uint64_t kept_bytes = 0;
+  missing_steps_ = resume_step.value_or(0);
   if (resume_step && std::filesystem::exists(path_)) {
+    std::int64_t last = 0;
     for_each_line(path_, [&](std::size_t number, std::uint64_t end, std::string_view line) {
       std::int64_t step = 0;
       if (!parse(take_field(line), &step)) refuse(path_, number, "expected the number of a step");
+      if (step <= last)
+        refuse(path_, number, fmt::format("step {} comes after step {}", step, last));
       if (step > *resume_step) return false;
+      last = step;
+      missing_steps_ -= 1;
       kept_bytes = end;
       return true;
     });
@@ -176,6 +183,9 @@ void StepsCsv::flush() {
   const std::string lines = std::exchange(pending_, {});
   if (lines.empty()) return;
   for (std::string_view rest = lines; !rest.empty();) write_line(take_line(rest));
+  struct stat state {};
+  if (::fstat(descriptor_, &state) == 0 && state.st_nlink == 0)
+    throw RunError(fmt::format("{} was removed during the run", path_.string()));
 }
 
 void StepsCsv::write_line(std::string_view line) {

@@ -23,18 +23,23 @@ class StepsCsv {
   /// @param resume_step  number of steps done by the checkpoint: later lines, and a torn last one,
   /// are
   ///                     cut off. Not set, or no file there: a new file
-  /// @throws InputError when the file to continue has other columns, @throws RunError when the file
-  ///         cannot be written
+  /// @throws InputError when the file to continue has other columns or its steps do not rise,
+  /// @throws RunError when the file cannot be written
   explicit StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resume_step = {});
   ~StepsCsv();  ///< flushes; errors are lost, call flush() to see them
   StepsCsv(const StepsCsv&) = delete;
   StepsCsv& operator=(const StepsCsv&) = delete;
 
+  /// Steps before the checkpoint that the continued file has no lines of: it was cut or removed.
+  std::int64_t missing_steps() const { return missing_steps_; }
+
   /// @throws RunError when a flush is due and the file cannot be written
   void append(const StepReport& report);
 
   /// Writes the lines held back. Call it before a checkpoint is written, so that no step of the
-  /// checkpoint can be missing here. @throws RunError; the file then ends after a whole line
+  /// checkpoint can be missing here.
+  /// @throws RunError when the file cannot be written, and then ends after a whole line, or when it
+  ///         was removed
   void flush();
 
  private:
@@ -42,6 +47,7 @@ class StepsCsv {
 
   std::filesystem::path path_;
   int descriptor_ = -1;
+  std::int64_t missing_steps_ = 0;
   std::string pending_;
   int pending_lines_ = 0;
   std::chrono::steady_clock::time_point last_flush_;

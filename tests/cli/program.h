@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -67,7 +68,9 @@ struct Result {
 class Program {
  public:
   /// @param file_limit  largest file it may write [bytes]; 0: no limit
-  Program(const fs::path& folder, const Arguments& arguments, rlim_t file_limit = 0)
+  /// @param prepare     called in the process that becomes the program, just before it does
+  Program(const fs::path& folder, const Arguments& arguments, rlim_t file_limit = 0,
+          const std::function<void()>& prepare = {})
       : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
     Arguments all{SCREE_PROGRAM};
     all.insert(all.end(), arguments.begin(), arguments.end());
@@ -81,11 +84,14 @@ class Program {
     redirect(STDERR_FILENO, err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC);
     ::setenv("OMP_WAIT_POLICY", "passive", 1);
     if (::chdir(folder.c_str()) != 0) ::_exit(126);
+    // As from a shell, whatever the tests were started by.
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ})
+      std::signal(signal, SIG_DFL);
     if (file_limit > 0) {
-      std::signal(SIGXFSZ, SIG_IGN);  // writes past the limit fail, as on a full disk
       const rlimit limit{file_limit, file_limit};
       ::setrlimit(RLIMIT_FSIZE, &limit);
     }
+    if (prepare) prepare();
     ::execv(argv[0], argv.data());
     ::_exit(127);
   }
@@ -111,13 +117,13 @@ class Program {
     return result;
   }
 
- private:
   static void redirect(int stream, const char* path, int flags) {
     const int descriptor = ::open(path, flags, 0666);
     if (descriptor < 0 || ::dup2(descriptor, stream) < 0) ::_exit(125);
     ::close(descriptor);
   }
 
+ private:
   fs::path out_, err_;
   pid_t child_ = -1;
 };

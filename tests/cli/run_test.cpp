@@ -280,6 +280,87 @@ TEST_F(CliRun, TwoRunsInOneFolderAreRefused) {
   EXPECT_TRUE(fs::exists(out / "steps.csv"));
 }
 
+/// Each step may take one iteration and must be solved to the last bit.
+Arguments never_converges() {
+  return {"--set", "solver.max_iterations=1", "--set", "solver.stop=1e-30"};
+}
+
+TEST_F(CliRun, StepsThatDidNotConvergeAreToldEvenWhenQuiet) {
+  Arguments more = never_converges();
+  more.push_back("--quiet");
+  const Result result = scree(scratch, run_arguments(scene, scratch / "a", more));
+  EXPECT_EQ(result.code, 0);
+  const nlohmann::json totals = json_file(scratch / "a/run.json").at("totals");
+  const int count = totals.at("steps_not_converged");
+  EXPECT_GT(count, 10);
+  EXPECT_EQ(result.err, "warning: " + std::to_string(count) +
+                            " of 20 steps ended at the iteration cap (solver.max_iterations 1) "
+                            "above the tolerance\n");
+}
+
+TEST_F(CliRun, RequiredConvergenceMakesThemAFailureThatKeepsTheResults) {
+  Arguments more = never_converges();
+  more.insert(more.end(), {"--quiet", "--require-convergence"});
+  const Result result = scree(scratch, run_arguments(scene, scratch / "a", more));
+  EXPECT_EQ(result.code, 1);
+  EXPECT_EQ(line_count(result.err), 1u) << result.err;
+  EXPECT_NE(result.err.find("of 20 steps ended at the iteration cap"), std::string::npos);
+  const nlohmann::json record = json_file(scratch / "a/run.json");
+  EXPECT_EQ(record.at("status"), "failed");
+  EXPECT_NE(result.err.find(record.at("message").get<std::string>()), std::string::npos);
+  EXPECT_EQ(read_checkpoint(scratch / "a/checkpoint.h5").state.step, 20);
+  must_run("b", {"--require-convergence"});
+}
+
+TEST_F(CliRun, ResumeTellsWhichStepsTheTableLacks) {
+  must_run("a", {"--steps", "10"});
+  const std::string table = contents(scratch / "a/steps.csv");
+  const auto resumed = [&](const std::string& kept) {
+    fs::remove_all(scratch / "b");
+    fs::copy(scratch / "a", scratch / "b");
+    if (kept.empty())
+      fs::remove(scratch / "b/steps.csv");
+    else
+      put(scratch / "b/steps.csv", kept);
+    const Result result = scree(
+        scratch, run_arguments(scene, scratch / "b", {"--steps", "12", "--resume", "--quiet"}));
+    EXPECT_EQ(result.code, 0);
+    return result.err;
+  };
+  EXPECT_EQ(resumed(table), "");
+  EXPECT_EQ(json_file(scratch / "b/run.json").count("message"), 0u);
+  const auto warning = [&](int missing) {
+    return "warning: " + (scratch / "b/steps.csv").string() + " has no lines of " +
+           std::to_string(missing) + " of the 10 steps before this run\n";
+  };
+  EXPECT_EQ(resumed(""), warning(10));
+  EXPECT_NE(json_file(scratch / "b/run.json").at("message").get<std::string>().find("no lines of"),
+            std::string::npos);
+  std::size_t end = 0;
+  for (int line = 0; line < 8; ++line) end = table.find('\n', end) + 1;
+  EXPECT_EQ(resumed(table.substr(0, end)), warning(3));
+  EXPECT_EQ(resumed(table.substr(0, end + 9)), warning(3));  // a torn line
+}
+
+/// A folder of the same name is not the folder that the run began in.
+TEST_F(CliRun, AFolderThatIsRemovedOrReplacedFailsTheRun) {
+  for (const bool replaced : {false, true}) {
+    const fs::path out = scratch / (replaced ? "replaced" : "removed");
+    Program program(scratch.path(),
+                    run_arguments(scene, out, {"--set", "duration=1000", "--quiet"}));
+    ASSERT_TRUE(eventually([&] { return line_count(contents(out / "steps.csv")) > 1; }));
+    fs::rename(out, scratch / "aside");
+    if (replaced) fs::create_directory(out);
+    program.send(SIGINT);
+    const Result result = program.wait();
+    EXPECT_EQ(result.code, 1) << result.err;
+    EXPECT_NE(result.err.find("it was removed or replaced during the run"), std::string::npos)
+        << result.err;
+    EXPECT_TRUE(!replaced || fs::is_empty(out));
+    fs::remove_all(scratch / "aside");
+  }
+}
+
 /// A full disk, by a limit on the size of files: the run fails with one message, what was written
 /// stays.
 TEST_F(CliRun, FullDiskFailsCleanly) {

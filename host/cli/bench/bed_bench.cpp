@@ -9,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/expected_memory.h"
+#include "host/io/streams.h"
 
 namespace scree {
 namespace {
@@ -25,7 +26,7 @@ double mass_of(const Scene& scene) {
 }
 
 void tell(const std::string& text) {
-  if (isatty(STDERR_FILENO)) fmt::print(stderr, "{}\n", text);
+  if (isatty(STDERR_FILENO)) say(text);
 }
 
 }  // namespace
@@ -43,7 +44,7 @@ BedBench::BedBench(const BedOptions& options, const BedDefaults& defaults)
   layers_ = whole_numbers("--layers", options.layers, kMostLayers, "numbers of layers");
   std::string notice;
   world_options_ = resolve_options(options.target, bed_scene({.count = 1}, settings_), &notice);
-  if (!notice.empty()) fmt::print(stderr, "{}\n", notice);
+  if (!notice.empty()) say(notice);
   if (sizes_.empty()) {
     sizes_ = world_options_.backend == BackendKind::cuda ? defaults.cuda_sizes : defaults.cpu_sizes;
   }

@@ -7,6 +7,7 @@
 #include "host/error.h"
 #include "host/io/atomic_file.h"
 #include "host/io/checkpoint.h"
+#include "host/io/streams.h"
 #include "host/scene_reader.h"
 
 namespace scree {
@@ -35,7 +36,7 @@ int bench_scene(const SceneBenchOptions& options) {
   scene.particles = {};
   scene.insertions = {};
   if (!options.from.empty()) world.restore(read_checkpoint(options.from).state);
-  if (!notice.empty() && !prints_json) fmt::print(stderr, "{}\n", notice);
+  if (!notice.empty() && !prints_json) say(notice);
   for (int k = 0; k < options.warmup; ++k) world.step();
   std::vector<StepReport> reports;
   reports.reserve(static_cast<std::size_t>(options.steps));

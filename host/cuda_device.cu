@@ -1,22 +1,30 @@
 #include <cuda_runtime.h>
 
 #include <cstdint>
+#include <string>
 
 #include "host/cuda_device.h"
 
 namespace scree {
 
-bool cuda_available(std::string* reason) {
-  int count = 0;
-  const cudaError_t error = cudaGetDeviceCount(&count);
-  if (error == cudaSuccess && count > 0) return true;
-  if (reason != nullptr) {
-    *reason = error == cudaSuccess ? "no CUDA device found" : cudaGetErrorString(error);
-  }
-  return false;
-}
-
 namespace {
+
+__global__ void probe_kernel() {}
+
+/// Why the device cannot run the kernels of this build; empty when it can.
+std::string missing_code(int device) {
+  cudaFuncAttributes attributes{};
+  const cudaError_t error = cudaFuncGetAttributes(&attributes, probe_kernel);
+  if (error == cudaSuccess) return {};
+  cudaGetLastError();  // clear it
+  cudaDeviceProp properties{};
+  if (cudaGetDeviceProperties(&properties, device) != cudaSuccess) return cudaGetErrorString(error);
+  const std::string wanted = std::to_string(properties.major) + std::to_string(properties.minor);
+  return std::string(properties.name) + " needs code for architecture " + wanted +
+         ", this program has code for " SCREE_CUDA_ARCHITECTURES
+         " only; configure with -DSCREE_CUDA_ARCHITECTURES=" +
+         wanted;
+}
 
 /// Memory that allocations can still get: what the driver has left, and blocks that the pool of
 /// the backends keeps but does not use.
@@ -33,6 +41,21 @@ std::size_t free_device_memory() {
 }
 
 }  // namespace
+
+bool cuda_available(std::string* reason) {
+  int count = 0;
+  const cudaError_t error = cudaGetDeviceCount(&count);
+  std::string why;
+  if (error != cudaSuccess) {
+    why = cudaGetErrorString(error);
+  } else if (count == 0) {
+    why = "no CUDA device found";
+  } else {
+    why = missing_code(0);
+  }
+  if (reason != nullptr) *reason = why;
+  return why.empty();
+}
 
 DeviceInfo cuda_device_info() {
   DeviceInfo info;

@@ -1,6 +1,5 @@
-# Installs headers, libraries, program and scenes, and exports the targets for find_package(scree).
+# Installs public headers, libraries, program and scenes, and exports the targets for find_package(scree).
 
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/scree")
 
@@ -9,11 +8,9 @@ install(TARGETS ${libraries} EXPORT screeTargets ARCHIVE DESTINATION "${CMAKE_IN
 if(TARGET scree)
   install(TARGETS scree RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
 endif()
-install(DIRECTORY kernels collision solvers host scenes DESTINATION include/scree
-  FILES_MATCHING PATTERN "*.h" PATTERN "*.cuh" PATTERN "*.inc"
-  PATTERN "*.inst.h" EXCLUDE PATTERN "host/cli" EXCLUDE PATTERN "host/python" EXCLUDE)
-install(FILES "${SCREE_GENERATED_DIR}/solver_registry.inc" DESTINATION include/scree)
-install(DIRECTORY scenes DESTINATION "${CMAKE_INSTALL_DATADIR}/scree" FILES_MATCHING PATTERN "*.json")
+install(DIRECTORY "${SCREE_PUBLIC_INCLUDE_DIR}/scree" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+install(DIRECTORY scenes DESTINATION "${CMAKE_INSTALL_DATADIR}/scree"
+  PATTERN "CMakeLists.txt" EXCLUDE PATTERN "*.cpp" EXCLUDE PATTERN "*.h" EXCLUDE)
 install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/scree")
 
 install(EXPORT screeTargets NAMESPACE scree:: DESTINATION "${package_dir}")

@@ -74,7 +74,8 @@ function(scree_add_library folder)
   endif()
   target_compile_features(${target} ${scope} cxx_std_20)
   target_include_directories(${target} ${scope} "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>"
-    "$<BUILD_INTERFACE:${SCREE_GENERATED_DIR}>" "$<INSTALL_INTERFACE:include/scree>")
+    "$<BUILD_INTERFACE:${SCREE_GENERATED_DIR}>" "$<BUILD_INTERFACE:${SCREE_PUBLIC_INCLUDE_DIR}>"
+    "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
   target_link_libraries(${target} ${scope} ${arg_LINK})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${folder})
   add_library(scree::${folder} ALIAS ${target})

@@ -44,11 +44,22 @@ void add_target_options(CLI::App& command, RunTarget& target) {
   add_backend_options(command, target, "what the scene says", "what the scene says");
 }
 
+namespace {
+
+/// The folder of the scenes that come with the program.
+fs::path scene_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return (program.parent_path() / SCREE_SCENES_FROM_PROGRAM).lexically_normal();
+}
+
+}  // namespace
+
 fs::path find_scene(const std::string& name_or_path) {
   const bool is_directory =
       fs::is_directory(name_or_path);  // may be the output of the scene of that name
   if (fs::exists(name_or_path) && !is_directory) return name_or_path;
-  const fs::path folder = SCREE_SCENE_DIR;
+  const fs::path folder = scene_folder();
   fs::path by_name = folder / (name_or_path + ".json");
   if (name_or_path.find('/') == std::string::npos && fs::exists(by_name)) return by_name;
   if (is_directory)

@@ -1,20 +1,49 @@
 #!/usr/bin/env bash
-# run.sh CMAKE BUILD_DIR CXX VERSION: installs the build to a temporary prefix, then configures,
-# builds and runs the consumer project against it.
+# run.sh CMAKE BUILD_DIR CXX VERSION SOURCE_DIR: installs the build to a temporary prefix, runs the installed program,
+# then configures, builds and runs the consumer project against the prefix. Where the system lets us, all of that
+# happens with an empty folder in place of the source tree.
 set -euo pipefail
-cmake=$1 build_dir=$2 cxx=$3 version=$4
+cmake=$1 build_dir=$2 cxx=$3 version=$4 source_dir=$5
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 temporary=$(mktemp -d)
 trap 'rm -rf "$temporary"' EXIT
+prefix=$temporary/prefix
 
-"$cmake" --install "$build_dir" --prefix "$temporary/prefix" >"$temporary/install.log" ||
-  { cat "$temporary/install.log"; exit 1; }
-"$cmake" -S "$here" -B "$temporary/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$cxx" \
-  -DCMAKE_PREFIX_PATH="$temporary/prefix;${CMAKE_PREFIX_PATH:-}"
-"$cmake" --build "$temporary/build"
-printed=$("$temporary/build/consumer")
-echo "$printed"
-if [ "$printed" != "scree $version" ]; then
-  echo "expected 'scree $version'"
+fail() {
+  echo "install test: $*"
   exit 1
+}
+"$cmake" --install "$build_dir" --prefix "$prefix" >"$temporary/install.log" || fail "$(cat "$temporary/install.log")"
+cp -r "$here" "$temporary/project"
+
+# Only public headers, all of them below scree/, each complete in itself.
+[ "$(ls "$prefix/include")" = scree ] || fail "include/ holds more than scree/: $(ls "$prefix/include")"
+for internal in kernels/tuned kernels/backend collision cli engine.h; do
+  [ ! -e "$prefix/include/scree/$internal" ] || fail "include/scree/$internal is not public"
+done
+(cd "$prefix/include" && find scree -name '*.h' -print0 | while IFS= read -r -d '' header; do
+  "$cxx" -std=c++20 -fsyntax-only -I. $(pkg-config --cflags eigen3 2>/dev/null) -include "$header" -x c++ /dev/null ||
+    fail "<$header> does not compile on its own"
+done)
+
+cat >"$temporary/use.sh" <<'END'
+set -euo pipefail
+prefix=$1 temporary=$2 cmake=$3 cxx=$4
+"$prefix/bin/scree" check drum >/dev/null # its mesh is a file of its own
+"$prefix/bin/scree" run incline --steps 2 --quiet --out "$temporary/incline"
+"$cmake" -S "$temporary/project" -B "$temporary/build" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$cxx" \
+  -DCMAKE_PREFIX_PATH="$prefix;${CMAKE_PREFIX_PATH:-}" >"$temporary/consumer.log" 2>&1 &&
+  "$cmake" --build "$temporary/build" >>"$temporary/consumer.log" 2>&1 || { cat "$temporary/consumer.log"; exit 1; }
+"$temporary/build/consumer" "$prefix/share/scree/scenes/incline.json"
+END
+use=(bash "$temporary/use.sh" "$prefix" "$temporary" "$cmake" "$cxx")
+cd "$temporary"
+if unshare --mount true 2>/dev/null; then
+  printed=$(unshare --mount bash -c 'mkdir "$1/empty" && mount --bind "$1/empty" "$2" && shift 2 && "$@"' hide \
+    "$temporary" "$source_dir" "${use[@]}") || fail "without the source tree: $printed"
+else
+  echo "install test: the source tree is there: this user may not hide it"
+  printed=$("${use[@]}") || fail "$printed"
 fi
+echo "$printed"
+[[ $printed == "scree $version: "*" bodies, z = "* ]] || fail "expected 'scree $version: ... bodies, z = ...'"

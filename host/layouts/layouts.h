@@ -40,7 +40,11 @@ struct RadiusLaw {
   std::vector<double> weights;  ///< discrete: relative numbers of spheres, one per value
 
   double draw(RandomNumbers& random) const;
+  double smallest() const;
   double largest() const;
+
+ private:
+  double draw_normal(RandomNumbers& random) const;
 };
 
 struct PlacedSpheres {
@@ -53,6 +57,13 @@ struct DoesNotFit : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Positions are numbers of 53 bits: so far from the origin they must still tell a small fraction
+/// of a sphere. @throws DoesNotFit
+void require_resolution(const Region& region, double smallest_radius);
+
+/// @throws DoesNotFit when so many spheres would not fit in the memory that is free
+void require_host_memory(long long count, const RadiusLaw& radius);
+
 /// A cubic lattice, filled from the bottom (lowest z) up.
 struct LatticeLayout {
   Region region;
@@ -60,6 +71,7 @@ struct LatticeLayout {
   double jitter = 0;   ///< random displacement, 1: up to touching the neighbor's cell [-], 0 to 1
 };
 
+/// Takes time and memory by the spheres placed, however wide the region is.
 /// @param count  spheres; -1: as many as the region holds. @throws DoesNotFit
 PlacedSpheres place_on_lattice(const LatticeLayout& layout, const RadiusLaw& radius,
                                long long count, RandomNumbers& random);

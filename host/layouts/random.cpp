@@ -116,6 +116,8 @@ bool can_hold(const Region& region, const Vec3d& low, const Vec3d& high, double 
 
 PlacedSpheres place_at_random(const Region& region, const RadiusLaw& radius, long long count,
                               RandomNumbers& random) {
+  require_resolution(region, radius.smallest());
+  require_host_memory(count, radius);
   std::vector<double> radii(static_cast<std::size_t>(count));
   for (double& r : radii) r = radius.draw(random);
   std::sort(radii.begin(), radii.end(), std::greater<>());

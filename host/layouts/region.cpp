@@ -1,7 +1,11 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/layouts/layouts.h"
+#include "host/world.h"
 
 namespace scree {
 
@@ -35,10 +39,7 @@ double RadiusLaw::draw(RandomNumbers& random) const {
     case Kind::uniform:
       return random.uniform(low, high);
     case Kind::normal:
-      for (;;) {
-        const double r = std::fma(deviation, random.normal(), mean);
-        if (r >= low && r <= high) return r;
-      }
+      return draw_normal(random);
     case Kind::discrete:
       break;
   }
@@ -52,10 +53,60 @@ double RadiusLaw::draw(RandomNumbers& random) const {
   return values.back();
 }
 
+/// Redraws what lies outside. From a range so narrow that few draws would hit it, draws evenly and
+/// keeps by density, which gives the same distribution and always ends.
+double RadiusLaw::draw_normal(RandomNumbers& random) const {
+  constexpr double kNarrow = 0.1;  // of the deviation: one draw in 25 still hits a wider range
+  if (high - low < kNarrow * deviation) {
+    for (;;) {
+      const double r = random.uniform(low, high);
+      const double away = (r - mean) / deviation;
+      if (random.unit() < std::exp(-0.5 * away * away)) return r;
+    }
+  }
+  for (;;) {
+    const double r = std::fma(deviation, random.normal(), mean);
+    if (r >= low && r <= high) return r;
+  }
+}
+
+double RadiusLaw::smallest() const {
+  if (kind == Kind::discrete) return *std::min_element(values.begin(), values.end());
+  return low;
+}
+
 double RadiusLaw::largest() const {
   if (kind == Kind::constant) return low;
   if (kind == Kind::discrete) return *std::max_element(values.begin(), values.end());
   return high;
+}
+
+void require_resolution(const Region& region, double smallest_radius) {
+  constexpr double kParts = 1e6;  // of a radius that coordinates must tell
+  Vec3d low;
+  Vec3d high;
+  region.bounds(low, high);
+  double farthest = 0;
+  for (int k = 0; k < 3; ++k) farthest = std::max({farthest, std::abs(low[k]), std::abs(high[k])});
+  const double most = smallest_radius / (kParts * std::numeric_limits<double>::epsilon());
+  if (!(farthest <= most))
+    throw DoesNotFit(fmt::format(
+        "the region reaches {:.3g} m from the origin, where positions cannot tell spheres of "
+        "radius {:.3g} m apart; must stay within {:.3g} m",
+        farthest, smallest_radius, most));
+}
+
+void require_host_memory(long long count, const RadiusLaw& radius) {
+  const double bytes = static_cast<double>(count) * (radius.kind == RadiusLaw::Kind::constant
+                                                         ? sizeof(Vec3d)
+                                                         : sizeof(Vec3d) + 2 * sizeof(double));
+  constexpr double kSmall = 1 << 26;  // not worth asking for
+  if (bytes < kSmall) return;
+  const auto free = static_cast<double>(device_info(BackendKind::cpu).free_bytes);
+  constexpr double mib = 1024.0 * 1024.0;
+  if (bytes > free)
+    throw DoesNotFit(fmt::format("{} spheres take {:.0f} MiB of host memory, {:.0f} MiB are free",
+                                 count, bytes / mib, free / mib));
 }
 
 }  // namespace scree

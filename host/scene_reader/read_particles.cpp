@@ -63,7 +63,8 @@ RadiusLaw read_radius(const Node& node) {
       double sum = 0;
       for (std::size_t i = 0; i < entries.size(); ++i)
         sum += law.weights[i] = entries[i].number(kNonNegative, "");
-      if (!(sum > 0)) weights->refuse("must have a positive sum");
+      if (!(sum > 0 && sum < kInfinity))
+        weights->refuse("must have a positive sum, and a finite one");
     }
     return law;
   }
@@ -83,7 +84,7 @@ RadiusLaw read_radius(const Node& node) {
   const Node max = ends.at("max", "must be positive [m]");
   law.high = max.number(kPositive, "m");
   if (law.high < law.low) max.refuse("must not be below min [m]");
-  // Values outside are drawn again: the range must be likely enough for that to end.
+  // A range that holds the mean is likely enough for draws to hit it, or narrow.
   if (normal && !(law.low <= law.mean && law.mean <= law.high))
     normal->at("mean", "").refuse("must be from min to max [m]");
   return law;
@@ -166,12 +167,20 @@ void read_rain(const Node& node, const ParticleSet& common, const LatticeLayout&
     if (const auto both = node.find("layers")) both->fail("give either layers or rate");
     const double batch = rate->number(kPositive, "spheres/s") * interval;
     if (!(batch >= 1)) rate->refuse("must give one sphere or more per interval [spheres/s]");
-    layers = static_cast<long long>(std::ceil(static_cast<double>(count) / std::floor(batch)));
+    const double most_of_batch = std::min(std::floor(batch), static_cast<double>(count));
+    layers = static_cast<long long>(std::ceil(static_cast<double>(count) / most_of_batch));
   } else {
     layers =
         node.at("layers", "the number of batches; give it, or a rate [spheres/s]").integer(1, most);
     if (layers > count) node.at("layers", "").refuse("must not be above count");
   }
+  const double last = start + static_cast<double>(layers - 1) * interval;
+  if (layers > 1 && !(last - interval < last && last < kInfinity))
+    node.at("interval", "")
+        .refuse(fmt::format(
+            "must be longer: the last batch would enter at {:g} s, where times cannot tell "
+            "it from the one before [s]",
+            last));
   double tallest = 0;
   for (long long k = 0, placed = 0; k < layers; ++k) {
     // Equal shares, with the remainder spread over the batches.

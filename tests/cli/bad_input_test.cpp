@@ -113,6 +113,18 @@ const std::vector<BadScene>& bad_scenes() {
          s["particles"].push_back(wall(R"({"layout": "file", "file": "bad.csv", "density": 1})"));
        },
        {"bad.csv", "line 3", "\"x\""}},
+      {"RegionBeyondAllNumbers",
+       [](json& s) { s["particles"][0]["region"]["min"][0] = -1e30; },
+       {"particles[0].count", "reaches 1e+30 m from the origin"}},
+      {"RandomRegionBeyondAllNumbers",
+       [](json& s) {
+         s["particles"].push_back(wall(R"({"layout": "random", "count": 9, "radius": 0.01,
+           "density": 1, "region": {"min": [-1e308, 0, 0], "max": [1e308, 1, 1]}})"));
+       },
+       {"particles[2].count", "reaches 1e+308 m from the origin"}},
+      {"RainThatTimesCannotTell",
+       [](json& s) { s["particles"][1]["start"] = 1e300; },
+       {"particles[1].interval", "must be longer", "1e+300 s"}},
       {"MotionOnAFreeBody",
        [](json& s) {
          s["bodies"][1]["kind"] = "free";

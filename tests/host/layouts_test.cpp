@@ -103,6 +103,40 @@ TEST(RadiusLaw, DrawsWithinItsRange) {
   EXPECT_EQ(normal.largest(), 1.3);
 }
 
+TEST(RadiusLaw, DrawsFromANarrowRangeOfAWideLaw) {
+  RandomNumbers random(1, 0);
+  RadiusLaw law = uniform(0.999, 1.001);
+  law.kind = RadiusLaw::Kind::normal;
+  law.mean = 1;
+  law.deviation = 1e12;
+  double sum = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const double r = law.draw(random);
+    ASSERT_TRUE(r >= 0.999 && r <= 1.001);
+    sum += r;
+  }
+  EXPECT_NEAR(sum / 10000, 1, 3e-5);  // five times the error of the mean
+  law.low = law.high = 1;
+  EXPECT_EQ(law.draw(random), 1);
+}
+
+/// On both sides of the width from which draws are made another way, the share of the lower half
+/// is that of the normal distribution.
+TEST(RadiusLaw, NarrowAndWideRangesFollowTheSameLaw) {
+  constexpr int count = 200000;
+  for (const double width : {0.0999, 0.1001}) {
+    RandomNumbers random(5, 0);
+    RadiusLaw law = uniform(1.0, 1.0 + width);
+    law.kind = RadiusLaw::Kind::normal;
+    law.mean = 1;
+    law.deviation = 1;
+    int lower = 0;
+    for (int i = 0; i < count; ++i) lower += law.draw(random) < 1 + width / 2;
+    const double share = std::erf(width / 2 / std::sqrt(2.0)) / std::erf(width / std::sqrt(2.0));
+    EXPECT_NEAR(static_cast<double>(lower) / count, share, 5 * std::sqrt(0.25 / count)) << width;
+  }
+}
+
 TEST(Region, BoundsOfATiltedCylinderAreTight) {
   Region region;
   region.kind = Region::Kind::cylinder;
@@ -145,6 +179,113 @@ TEST(Lattice, SaysHowManyFit) {
   } catch (const DoesNotFit& fault) {
     EXPECT_STREQ(fault.what(), "the region holds 8 spheres at a spacing of 0.5 m");
   }
+}
+
+/// All sites of the box around a region, tried one after the other.
+std::vector<Vec3d> sites_by_brute_force(const Region& region, double spacing, double reach) {
+  Vec3d low;
+  Vec3d high;
+  region.bounds(low, high);
+  long long cells[3];
+  Vec3d first;
+  for (int k = 0; k < 3; ++k) {
+    cells[k] = static_cast<long long>((high[k] - low[k]) / spacing);
+    first[k] = low[k] + spacing / 2;
+    if (k < 2) first[k] += (high[k] - low[k] - static_cast<double>(cells[k]) * spacing) / 2;
+  }
+  std::vector<Vec3d> sites;
+  for (long long z = 0; z < cells[2]; ++z)
+    for (long long y = 0; y < cells[1]; ++y)
+      for (long long x = 0; x < cells[0]; ++x) {
+        const Vec3d site = first + spacing * Vec3d{static_cast<double>(x), static_cast<double>(y),
+                                                   static_cast<double>(z)};
+        if (region.contains(site, reach)) sites.push_back(site);
+      }
+  return sites;
+}
+
+TEST(Lattice, VisitsEverySiteOfACylinderInOrder) {
+  for (const Vec3d& axis : {Vec3d{0, 0, 1}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{1, 2, 3},
+                            Vec3d{1, -1, 0}, Vec3d{1, 0, 1e-13}, Vec3d{-0.2, 1e-10, 1}})
+    for (const double radius : {0.06, 0.3, 0.9}) {
+      Region region = tilted_cylinder();
+      region.axis = normalized(axis);
+      region.center = {0.017, -1.013, 2.007};
+      region.radius = radius;
+      const auto expected = sites_by_brute_force(region, 0.1013, 0.05);
+      RandomNumbers random(1, 0);
+      const auto found = place_on_lattice({region, 0.1013, 0}, constant(0.05), -1, random).center;
+      ASSERT_EQ(found.size(), expected.size()) << axis.x << " " << axis.y << " " << radius;
+      for (std::size_t i = 0; i < found.size(); ++i)
+        ASSERT_LT(norm(found[i] - expected[i]), kRounding) << i;
+    }
+}
+
+/// Time and memory follow the spheres: each of these regions has 10^9 sites or more.
+TEST(Layouts, CostNothingForTheWidthOfTheRegion) {
+  Region wide;
+  wide.lower = {-1e6, -1e6, -1e6};
+  wide.upper = {1e6, 1e6, 1e6};
+  Region tall = unit_box();
+  tall.upper.z = 3e7;
+  Region disc = tilted_cylinder();
+  disc.axis = {0, 0, 1};
+  disc.radius = 1e4;
+  Region pole = tilted_cylinder();
+  pole.length = 1e7;
+  for (const Region& region : {wide, tall, disc, pole}) {
+    RandomNumbers random(1, 0);
+    const LatticeLayout layout{region, 0.02, 0.5};
+    double thickness = 0;
+    expect_clear(place_on_lattice(layout, constant(0.008), 20, random), region);
+    const auto rain = place_rain_batch(layout, constant(0.008), 20, random, thickness);
+    EXPECT_EQ(rain.center.size(), 20u);
+    expect_clear(rain, region);
+    expect_clear(place_at_random(region, constant(0.008), 20, random), region);
+  }
+}
+
+TEST(Layouts, RefuseRegionsWithTheNumber) {
+  const auto refusal = [](auto place) -> std::string {
+    try {
+      RandomNumbers random(1, 0);
+      place(random);
+    } catch (const DoesNotFit& fault) {
+      return fault.what();
+    }
+    return "no error";
+  };
+  Region far = unit_box();
+  far.lower.x = -1e30;
+  const std::string message =
+      "the region reaches 1e+30 m from the origin, where positions cannot tell spheres of radius "
+      "0.05 m apart; must stay within 2.25e+08 m";
+  EXPECT_EQ(refusal([&](RandomNumbers& r) { place_at_random(far, constant(0.05), 9, r); }),
+            message);
+  EXPECT_EQ(refusal([&](RandomNumbers& r) {
+              place_on_lattice({far, 0.1, 0}, constant(0.05), 9, r);
+            }),
+            message);
+  double thickness = 0;
+  EXPECT_EQ(refusal([&](RandomNumbers& r) {
+              place_rain_batch({far, 0.1, 0}, constant(0.05), 9, r, thickness);
+            }),
+            message);
+  far.lower.x = -1e308;
+  far.upper.x = 1e308;
+  EXPECT_THAT(refusal([&](RandomNumbers& r) { place_at_random(far, constant(0.05), 9, r); }),
+              testing::StartsWith("the region reaches 1e+308 m"));
+  Region needle = tilted_cylinder();  // no site lies in it but by chance
+  needle.radius = 0.0500001;
+  needle.length = 1e7;
+  EXPECT_THAT(refusal([&](RandomNumbers& r) {
+                place_on_lattice({needle, 0.1, 0}, constant(0.05), 100000, r);
+              }),
+              testing::StartsWith("the region is too large or too thin for a spacing of 0.1 m"));
+  EXPECT_THAT(refusal([&](RandomNumbers& r) {
+                place_at_random(unit_box(), constant(1e-6), 2'000'000'000'000, r);
+              }),
+              testing::ContainsRegex("^2000000000000 spheres take .* MiB of host memory"));
 }
 
 TEST(RandomLayout, PlacesWithoutOverlap) {

@@ -149,40 +149,32 @@ TYPED_TEST(SolverBasicsTest, RecordsItsConvergenceCurve) {
 }
 
 /// Where no tolerance is met, the answer is nearly the best iterate of the second half, though few
-/// are looked at: one is worth it that halves the residual. Tried where iterations end at their
-/// worst, when momentum has carried them far from that best one.
+/// are looked at: one is worth it that seems to halve the residual, and seeming is off by a tenth.
+/// Wherever the iterations end, so that nothing rests on where rounding lets the residual rise: it
+/// triples in places.
 TYPED_TEST(SolverBasicsTest, ApgdAnswersWithNearlyTheBestOfItsSecondHalf) {
   TestBackend& b = this->backend();
-  const PlainProblem plain = random_problem({.free_count = 500, .contact_count = 2500, .seed = 3});
-  std::vector<CurvePoint> curve;
-  {
+  for (unsigned seed : {2U, 3U}) {
+    const PlainProblem plain =
+        random_problem({.free_count = 500, .contact_count = 2500, .seed = seed});
     ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
-    const auto solver =
-        make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = 120, .check_every = 1});
-    solver->record_curve(&curve);
-    solver->solve(b, buffers.problem(), buffers.gamma(), 0);
+    const auto solve = [&](const SolverParams& params, std::vector<CurvePoint>* curve) {
+      buffers.clear_impulses();
+      const auto solver = make_solver<TestBackend, TypeParam>("apgd", params);
+      solver->record_curve(curve);
+      return solver->solve(b, buffers.problem(), buffers.gamma(), 0);
+    };
+    std::vector<CurvePoint> curve;
+    solve({.max_iterations = 120, .check_every = 1}, &curve);
+    ASSERT_EQ(curve.size(), 121U);
+    for (int limit = 20; limit <= 120; limit += 2) {
+      double best = curve[limit].residual_rms;
+      for (int k = (limit + 1) / 2; k < limit; ++k) best = std::min(best, curve[k].residual_rms);
+      const SolveStats stats = solve({.max_iterations = limit}, nullptr);
+      EXPECT_EQ(stats.applications, limit) << seed;
+      EXPECT_LE(stats.residual.rms, 2.2 * best) << limit << ' ' << seed;
+    }
   }
-  ASSERT_EQ(curve.size(), 121U);
-  const auto best_until = [&](std::size_t last) {
-    double best = curve[last].residual_rms;
-    for (std::size_t k = (last + 1) / 2; k < last; ++k)
-      best = std::min(best, curve[k].residual_rms);
-    return best;
-  };
-  std::size_t worst = 10;
-  for (std::size_t k = worst; k < curve.size(); ++k) {
-    if (curve[k].residual_rms / best_until(k) > curve[worst].residual_rms / best_until(worst))
-      worst = k;
-  }
-  ASSERT_GT(curve[worst].residual_rms, 2.5 * best_until(worst)) << "the last would do";
-
-  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
-  const int limit = static_cast<int>(worst);
-  const auto solver =
-      make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = limit, .check_every = 1});
-  const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 0);
-  EXPECT_EQ(stats.applications, limit);
-  EXPECT_LE(stats.residual.rms, 2 * best_until(worst)) << limit;
 }
 
 TYPED_TEST(SolverBasicsTest, WarmStartIsDoneAtOnce) {

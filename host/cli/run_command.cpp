@@ -18,6 +18,7 @@
 #include "host/io/signals.h"
 #include "host/io/steps_csv.h"
 #include "host/io/streams.h"
+#include "host/io/wall_frames.h"
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
 #include "host/scene_reader.h"
@@ -90,7 +91,8 @@ class Run {
       resumed_step = checkpoint->state.step;
       resumed_time = checkpoint->state.time;
     }
-    FrameWriter frames(directory_.frames(), scene_, resumed_time);
+    FrameWriter frames(directory_.frames(), scene_, world_options_.precision, resumed_time);
+    WallFrameWriter wall_frames(directory_.wall_frames(), scene_, resumed_time);
     if (!checkpoint) write_walls(directory_.walls(), scene_);
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
     World world(std::move(loaded), world_options_);
@@ -100,7 +102,7 @@ class Run {
     const SignalGuard signals;
     start_record(resumed_step);
     try {
-      simulate(world, frames, signals, resumed_step);
+      simulate(world, frames, wall_frames, signals, resumed_step);
     } catch (const std::exception& error) {
       record_.status = RunStatus::failed;
       record_.message = error.what();
@@ -180,8 +182,8 @@ class Run {
     return report;
   }
 
-  void simulate(World& world, FrameWriter& frames, const SignalGuard& signals,
-                std::optional<std::int64_t> resumed_step) {
+  void simulate(World& world, FrameWriter& frames, WallFrameWriter& wall_frames,
+                const SignalGuard& signals, std::optional<std::int64_t> resumed_step) {
     const double h = scene_.stepping.time_step;
     StepsCsv steps(directory_.steps_csv(), resumed_step);
     WriterThread writer;
@@ -201,7 +203,10 @@ class Run {
     const auto write_frame = [&] {
       writer.finish();
       auto states = std::make_shared<BodyStates>(world.states());
-      post(writer, [&frames, states, t = world.time()] { frames.append(t, *states); });
+      post(writer, [&frames, &wall_frames, states, t = world.time()] {
+        frames.append(t, *states);
+        wall_frames.append(t, *states);
+      });
     };
     // Numbers count the pictures that were due: a resumed run goes on where the first one stopped.
     int picture_number = picture_schedule.count(world.time());

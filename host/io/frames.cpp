@@ -1,19 +1,16 @@
 #include "host/io/frames.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <numeric>
 #include <span>
-#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "host/bodies_by_id.h"
 #include "host/error.h"
-#include "host/io/atomic_file.h"
 #include "host/io/h5.h"
 #include "host/io/values.h"
 #include "host/scene_summary.h"
@@ -26,13 +23,7 @@ constexpr std::array constant_data{"id",    "radius", "half_extents", "mass",
                                    "group", "kind",   "shape"};
 constexpr std::array moving_data{"velocity", "angular_velocity", "orientation", "speed"};
 
-/// A dataset that grows, and the rows it has when the file is filled so far.
-struct Growing {
-  std::string name;
-  std::uint64_t rows;
-};
-
-std::vector<Growing> growing_datasets(const FrameExtent& extent) {
+Filled filled(const FrameExtent& extent) {
   const auto frames = static_cast<std::uint64_t>(extent.frames);
   const auto parts = static_cast<std::uint64_t>(extent.parts);
   std::vector<Growing> all{
@@ -53,7 +44,8 @@ std::vector<Growing> growing_datasets(const FrameExtent& extent) {
     all.push_back(
         {fmt::format("{}/Offsets", name), cells + parts});  // one more than cells per part
   }
-  return all;
+  for (Growing& dataset : all) dataset.name = "VTKHDF/" + dataset.name;
+  return {extent.frames, std::move(all)};
 }
 
 std::vector<std::int64_t> counting(std::uint64_t count) {
@@ -77,26 +69,28 @@ void write_constant(h5::Group& data, const std::string& name, const BodyConstant
 }
 
 /// Half edge lengths of boxes and containers; zero for other bodies.
-std::vector<float> half_extents(const Scene& scene, std::size_t count) {
-  std::vector<float> column(3 * count, 0.0f);
+template <class Real>
+std::vector<Real> half_extents(const Scene& scene, std::size_t count) {
+  std::vector<Real> column(3 * count, Real(0));
   for_each_by_id(
       scene,
       [&](std::size_t id, const BodyDescription& body) {
         const Shape& s = body.shape;
         if (s.kind != Shape::Kind::box && s.kind != Shape::Kind::container) return;
         for (std::size_t k = 0; k < 3; ++k)
-          column[3 * id + k] = static_cast<float>(s.half_extents[static_cast<int>(k)]);
+          column[3 * id + k] = static_cast<Real>(s.half_extents[static_cast<int>(k)]);
       },
       [](std::size_t, const ParticleSet&) {});
   return column;
 }
 
+template <class Real>
 void write_constants(h5::Group& data, const Scene& scene, const BodyConstants& bodies) {
   write_values(data, "id", counting(bodies.size()));
-  write_constant<float>(data, "radius", bodies, [](const BodyConstant& b) {
+  write_constant<Real>(data, "radius", bodies, [](const BodyConstant& b) {
     return b.shape == Shape::Kind::sphere ? b.radius : 0.0;
   });
-  write_values(data, "half_extents", half_extents(scene, bodies.size()), 3);
+  write_values(data, "half_extents", half_extents<Real>(scene, bodies.size()), 3);
   write_constant<double>(data, "mass", bodies, [](const BodyConstant& b) { return b.mass; });
   write_constant<std::int32_t>(data, "group", bodies,
                                [](const BodyConstant& b) { return b.group; });
@@ -105,7 +99,8 @@ void write_constants(h5::Group& data, const Scene& scene, const BodyConstants& b
                                [](const BodyConstant& b) { return b.shape; });
 }
 
-/// Everything of the file but frames.
+/// Everything of the file but frames. @tparam Real  number type of the run
+template <class Real>
 void write_empty(h5::Group root, const Scene& scene) {
   const BodyConstants bodies(scene);
   const std::uint64_t count = bodies.size();
@@ -131,11 +126,11 @@ void write_empty(h5::Group root, const Scene& scene) {
   }
 
   h5::Group data = vtk.create_group("PointData");
-  write_constants(data, scene, bodies);
-  data.create_growing<float>("velocity", 3, point_chunk);
-  data.create_growing<float>("angular_velocity", 3, point_chunk);
-  data.create_growing<float>("orientation", 4, point_chunk);
-  data.create_growing<float>("speed", 0, point_chunk);
+  write_constants<Real>(data, scene, bodies);
+  data.create_growing<Real>("velocity", 3, point_chunk);
+  data.create_growing<Real>("angular_velocity", 3, point_chunk);
+  data.create_growing<Real>("orientation", 4, point_chunk);
+  data.create_growing<Real>("speed", 0, point_chunk);
 
   h5::Group steps = vtk.create_group("Steps");
   steps.write_attribute<std::int64_t>("NSteps", 0);
@@ -153,21 +148,33 @@ void append_number(h5::Group& group, const std::string& name, std::int64_t value
   group.append(name, std::span<const std::int64_t>(&value, 1));
 }
 
-/// Three floats per vector, four per quaternion.
-template <class T>
-std::vector<float> to_float(const std::vector<T>& data) {
+/// Three numbers per vector, four per quaternion.
+template <class Real, class T>
+std::vector<Real> numbers(const std::vector<T>& data) {
   const std::span<const double> from = values(data);
-  std::vector<float> to(from.size());
+  std::vector<Real> to(from.size());
   std::transform(from.begin(), from.end(), to.begin(),
-                 [](double x) { return static_cast<float>(x); });
+                 [](double x) { return static_cast<Real>(x); });
   return to;
 }
 
-std::vector<float> speeds(const std::vector<Vec3d>& velocity) {
-  std::vector<float> to(velocity.size());
+template <class Real>
+std::vector<Real> speeds(const std::vector<Vec3d>& velocity) {
+  std::vector<Real> to(velocity.size());
   std::transform(velocity.begin(), velocity.end(), to.begin(),
-                 [](const Vec3d& v) { return static_cast<float>(norm(v)); });
+                 [](const Vec3d& v) { return static_cast<Real>(norm(v)); });
   return to;
+}
+
+template <class Real>
+void append_states(h5::Group& data, const BodyStates& states) {
+  const auto append = [&](const char* name, const std::vector<Real>& column) {
+    data.append(name, std::span<const Real>(column));
+  };
+  append("velocity", numbers<Real>(states.velocity));
+  append("angular_velocity", numbers<Real>(states.angular_velocity));
+  append("orientation", numbers<Real>(states.orientation));
+  append("speed", speeds<Real>(states.velocity));
 }
 
 /// Cells for a number of bodies that no earlier frame had. Readers find the offsets of a part
@@ -196,15 +203,16 @@ FrameExtent extended(const FrameExtent& before, std::uint64_t bodies) {
   return after;
 }
 
-void write_frame(h5::Group vtk, const FrameExtent& before, double time, const BodyStates& states) {
+void write_frame(h5::Group vtk, const FrameExtent& before, double time, const BodyStates& states,
+                 Precision precision) {
   const FrameExtent after = extended(before, states.position.size());
   if (after.parts > before.parts) write_part(vtk, after.last_bodies);
   vtk.append("Points", values(states.position));
   h5::Group data = vtk.open_group("PointData");
-  data.append("velocity", std::span<const float>(to_float(states.velocity)));
-  data.append("angular_velocity", std::span<const float>(to_float(states.angular_velocity)));
-  data.append("orientation", std::span<const float>(to_float(states.orientation)));
-  data.append("speed", std::span<const float>(speeds(states.velocity)));
+  if (precision == Precision::double_precision)
+    append_states<double>(data, states);
+  else
+    append_states<float>(data, states);
 
   h5::Group steps = vtk.open_group("Steps");
   const auto first_point = static_cast<std::int64_t>(before.points);
@@ -251,88 +259,61 @@ FrameExtent read_extent(const h5::Group& vtk, const std::filesystem::path& path,
   return extent;
 }
 
-std::string write_failure(const std::filesystem::path& path, const std::string& reason,
-                          std::int64_t frames) {
-  return fmt::format("cannot write frames {}: {}; the {} earlier frames are kept", path.string(),
-                     reason, frames);
-}
-
-void remove_file(const std::filesystem::path& path) noexcept { ::unlink(path.c_str()); }
-
 }  // namespace
 
-FrameWriter::FrameWriter(std::filesystem::path path, const Scene& scene,
+FrameWriter::FrameWriter(std::filesystem::path path, const Scene& scene, Precision precision,
                          std::optional<double> resume_time)
-    : path_(std::move(path)), spare_(path_), previous_(path_) {
-  spare_ += ".next";
-  previous_ += ".previous";
-  remove_file(spare_);
-  remove_file(previous_);
+    : file_(std::move(path)), precision_(precision) {
   if (resume_time) resume(scene, *resume_time);
   if (extent_.frames == 0) start(scene);
 }
 
-FrameWriter::~FrameWriter() { finish(); }
-
-void FrameWriter::finish() noexcept {
-  remove_file(spare_);
-  remove_file(previous_);
-}
-
 void FrameWriter::start(const Scene& scene) {
-  remove_file(path_);
   extent_ = FrameExtent{};
   extent_.body_capacity = count_bodies(scene).all();
-  try {
-    h5::File file = h5::File::create(spare_);
-    write_empty(file.root(), scene);
-    file.close();
-  } catch (const h5::Error& error) {
-    remove_file(spare_);
-    throw RunError(write_failure(path_, error.what(), 0));
-  }
+  file_.start([&](h5::Group root) {
+    if (precision_ == Precision::double_precision)
+      write_empty<double>(std::move(root), scene);
+    else
+      write_empty<float>(std::move(root), scene);
+  });
 }
 
 void FrameWriter::resume(const Scene& scene, double time) {
-  if (!std::filesystem::exists(path_)) return;
+  const std::filesystem::path& path = file_.path();
+  if (!std::filesystem::exists(path)) return;
   const std::uint64_t bodies = count_bodies(scene).all();
   std::int64_t frames_found = 0;
   FrameExtent kept;
   try {
-    const h5::File file = h5::File::open(path_);
-    const h5::Group vtk = file.root().open_group("VTKHDF");
-    kept = read_extent(vtk, path_, time, &frames_found, &last_time_);
-    for (const Growing& dataset : growing_datasets(kept))
-      if (vtk.shape(dataset.name).rows < dataset.rows)
+    const h5::File file = h5::File::open(path);
+    const h5::Group root = file.root();
+    const h5::Group vtk = root.open_group("VTKHDF");
+    kept = read_extent(vtk, path, time, &frames_found, &last_time_);
+    for (const Growing& dataset : filled(kept).datasets)
+      if (root.shape(dataset.name).rows < dataset.rows)
         throw InputError(
             fmt::format("cannot continue {}: dataset {} has {} rows, expected {} or more",
-                        path_.string(), dataset.name, vtk.shape(dataset.name).rows, dataset.rows));
+                        path.string(), dataset.name, root.shape(dataset.name).rows, dataset.rows));
+    // Reading nothing checks the type.
+    for (const char* name : moving_data) {
+      const std::string dataset = fmt::format("PointData/{}", name);
+      if (precision_ == Precision::double_precision)
+        vtk.read(dataset, std::span<double>());
+      else
+        vtk.read(dataset, std::span<float>());
+    }
   } catch (const h5::Error& error) {
     throw InputError(fmt::format("cannot continue {}", error.what()));
   }
   if (kept.body_capacity != bodies)
     throw InputError(fmt::format("cannot continue {}: its scene has {} bodies, this one {}",
-                                 path_.string(), kept.body_capacity, bodies));
+                                 path.string(), kept.body_capacity, bodies));
   extent_ = kept;
-  if (kept.frames > 0 && kept.frames < frames_found) drop_frames_beyond(kept);
-}
-
-void FrameWriter::drop_frames_beyond(const FrameExtent& kept) {
-  try {
-    prepare_spare();
-    h5::File file = h5::File::open_for_append(spare_);
-    {
-      h5::Group vtk = file.root().open_group("VTKHDF");
-      for (const Growing& dataset : growing_datasets(kept))
-        vtk.truncate(dataset.name, dataset.rows);
-      vtk.open_group("Steps").write_attribute<std::int64_t>("NSteps", kept.frames);
-    }
-    file.close();
-  } catch (const h5::Error& error) {
-    remove_file(spare_);
-    throw RunError(write_failure(path_, error.what(), kept.frames));
-  }
-  publish(/*keep_previous=*/false);
+  if (kept.frames == 0 || kept.frames == frames_found) return;
+  file_.cut(filled(kept), [&](h5::Group root) {
+    root.open_group("VTKHDF/Steps").write_attribute<std::int64_t>("NSteps", kept.frames);
+  });
 }
 
 void FrameWriter::append(double time, const BodyStates& states) {
@@ -348,60 +329,11 @@ void FrameWriter::append(double time, const BodyStates& states) {
         fmt::format("a frame of {} bodies does not fit the {} of the last frame and the {} "
                     "of the scene",
                     bodies, extent_.last_bodies, extent_.body_capacity));
-  try {
-    prepare_spare();
-    h5::File file = h5::File::open_for_append(spare_);
-    write_frame(file.root().open_group("VTKHDF"), extent_, time, states);
-    file.close();
-  } catch (const h5::Error& error) {
-    remove_file(spare_);
-    throw RunError(write_failure(path_, error.what(), extent_.frames));
-  }
-  publish(/*keep_previous=*/true);
+  file_.append(filled(extent_), [&](h5::Group root) {
+    write_frame(root.open_group("VTKHDF"), extent_, time, states, precision_);
+  });
   extent_ = extended(extent_, bodies);
   last_time_ = time;
-}
-
-/// Makes the spare a complete copy of the published file, by what it lacks where it can.
-void FrameWriter::prepare_spare() {
-  if (extent_.frames == 0) return;  // start() wrote it
-  if (std::filesystem::exists(spare_)) {
-    try {
-      h5::File spare = h5::File::open_for_append(spare_);
-      {
-        const h5::File published = h5::File::open(path_);
-        const h5::Group from = published.root().open_group("VTKHDF");
-        h5::Group to = spare.root().open_group("VTKHDF");
-        for (const Growing& dataset : growing_datasets(extent_))
-          to.append_missing_rows(from, dataset.name);
-      }
-      spare.close();
-      return;
-    } catch (const h5::Error&) {
-      // Somebody still reads this copy, which was the published one (HDF5 locks it), or it is
-      // damaged. It stays theirs; a new one is made.
-      remove_file(spare_);
-    }
-  }
-  try {
-    copy_file_atomically(path_, spare_);
-  } catch (const RunError& error) {
-    throw RunError(write_failure(path_, error.what(), extent_.frames));
-  }
-}
-
-/// Gives the spare the published name, and the published file the spare's when it is kept.
-void FrameWriter::publish(bool keep_previous) {
-  sync_file(spare_);
-  // A second name keeps the old file. Where links do not exist, the next append copies the file.
-  const bool kept = keep_previous && ::link(path_.c_str(), previous_.c_str()) == 0;
-  if (::rename(spare_.c_str(), path_.c_str()) != 0) {
-    const int reason = errno;
-    finish();
-    throw RunError(io_message("cannot replace frames", path_, reason));
-  }
-  sync_directory_of(path_);
-  if (kept && ::rename(previous_.c_str(), spare_.c_str()) != 0) remove_file(previous_);
 }
 
 }  // namespace scree

@@ -53,6 +53,7 @@ class OutputDirectory {
   std::filesystem::path steps_csv() const { return path_ / "steps.csv"; }
   std::filesystem::path frames() const { return path_ / "frames.vtkhdf"; }
   std::filesystem::path checkpoint_file() const { return path_ / "checkpoint.h5"; }
+  std::filesystem::path wall_frames() const { return path_ / "walls.vtkhdf"; }
   std::filesystem::path walls() const { return path_ / "walls.obj"; }
   std::filesystem::path picture(int number) const;         ///< picture_00042.png
   std::filesystem::path problem(std::int64_t step) const;  ///< problem_42.hdf5

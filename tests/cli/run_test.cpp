@@ -1,5 +1,6 @@
 // scree run: files, options and interrupts.
 
+#include <cmath>
 #include <cstring>
 
 #include "host/io/checkpoint.h"
@@ -91,12 +92,13 @@ TEST_F(CliRun, WritesAllFiles) {
   EXPECT_EQ(record.at("backend"), "cpu");
   EXPECT_EQ(record.at("threads"), 1);
 
+  EXPECT_EQ(frame_count(scratch / "a/walls.vtkhdf"), 5);
   EXPECT_TRUE(contents(scratch / "a/walls.obj").starts_with("# Fixed"));
   for (const char* name : {"a/picture_00000.png", "a/picture_00001.png"})
     EXPECT_TRUE(contents(scratch / name).starts_with(png_signature)) << name;
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(scratch / "a")) ++files;
-  EXPECT_EQ(files, 7u) << "no temporary file is left, and the last picture is not there twice";
+  EXPECT_EQ(files, 8u) << "no temporary file is left, and the last picture is not there twice";
 }
 
 TEST_F(CliRun, StepsAndOverridesAreRecorded) {
@@ -112,6 +114,29 @@ TEST_F(CliRun, StepsAndOverridesAreRecorded) {
 TEST_F(CliRun, DoublePrecision) {
   must_run("a", {"--steps", "3", "--precision", "double"});
   EXPECT_EQ(read_checkpoint(scratch / "a/checkpoint.h5").precision, Precision::double_precision);
+}
+
+/// The corners of a box that turns by 5 rad/s about the z axis through its middle at (0.04, 0).
+TEST_F(CliRun, MovingWallsMoveInTheFrames) {
+  must_run("a", {"--precision", "double"});
+  must_run("b", {"--precision", "double", "--steps", "7"});
+  must_run("b", {"--precision", "double", "--resume"});
+  for (const char* run : {"a", "b"}) {
+    const h5::File file = h5::File::open(scratch / run / "walls.vtkhdf");
+    const h5::Group vtk = file.root().open_group("VTKHDF");
+    const auto times = vtk.read<double>("Steps/Values");
+    const auto first = vtk.read<std::int64_t>("Steps/PointOffsets");
+    const auto points = vtk.read<double>("Points");
+    ASSERT_EQ(times.size(), run[0] == 'a' ? 5u : 6u);  // the first part of b ends at 7 ms
+    for (std::size_t frame = 0; frame < times.size(); ++frame) {
+      const double c = std::cos(5 * times[frame]), s = std::sin(5 * times[frame]);
+      // Container, first box, second box: eight corners each, the lowest signs first.
+      const std::size_t corner = 3 * (static_cast<std::size_t>(first[frame]) + 16);
+      EXPECT_NEAR(points[corner], 0.04 - 0.025 * c + 0.025 * s, 1e-12) << times[frame];
+      EXPECT_NEAR(points[corner + 1], -0.025 * s - 0.025 * c, 1e-12) << times[frame];
+      EXPECT_NEAR(points[corner + 2], 0, 1e-12);
+    }
+  }
 }
 
 TEST_F(CliRun, QuietPrintsNothing) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <random>
 #include <thread>
@@ -19,6 +20,8 @@ using test::scene_with;
 using test::ScratchDirectory;
 using test::states_of;
 using testing::HasSubstr;
+
+constexpr Precision single = Precision::single_precision;
 
 /// One frame as a reader of the format finds it.
 struct Frame {
@@ -118,7 +121,7 @@ class FramesTest : public testing::Test {
 };
 
 TEST_F(FramesTest, ReadBackWithGrowingBodyCounts) {
-  FrameWriter writer(file, scene);
+  FrameWriter writer(file, scene, single);
   for (int frame = 0; frame < 9; ++frame) append(writer, frame);
   const std::vector<Frame> frames = read_frames(file);  // while the writer lives
   ASSERT_EQ(frames.size(), 9u);
@@ -130,7 +133,7 @@ TEST_F(FramesTest, ReadBackWithGrowingBodyCounts) {
 
 TEST_F(FramesTest, OneBodyAndManyBodies) {
   for (const int bodies : {1, 33, 200000}) {  // the last spans several chunks
-    FrameWriter writer(file, scene_with(bodies, 0, 0));
+    FrameWriter writer(file, scene_with(bodies, 0, 0), single);
     for (int frame = 0; frame < 3; ++frame) writer.append(frame * 0.5, states_of(frame, bodies));
     const std::vector<Frame> frames = read_frames(file);
     ASSERT_EQ(frames.size(), 3u);
@@ -140,14 +143,39 @@ TEST_F(FramesTest, OneBodyAndManyBodies) {
 }
 
 TEST_F(FramesTest, TopologyIsStoredOncePerBodyCount) {
-  FrameWriter writer(file, scene_with(100, 0, 0));
+  FrameWriter writer(file, scene_with(100, 0, 0), single);
   for (int frame = 0; frame < 20; ++frame) writer.append(frame, states_of(frame, 100));
   const h5::File h5 = h5::File::open(file);
   EXPECT_EQ(h5.root().shape("VTKHDF/Vertices/Offsets").rows, 101u);
 }
 
+TEST_F(FramesTest, DoubleRunsKeepAllDigits) {
+  BodyStates states = states_of(1, 5);
+  const double third = 1.0 / 3;
+  states.velocity[2] = {third, 0, 0};
+  states.angular_velocity[2] = {0, third, 0};
+  states.orientation[2] = {third, 0, 0, std::sqrt(1 - third * third)};
+  Scene spheres = scene_with(5, 0, 0);
+  spheres.bodies[2].shape.radius = third;
+  {
+    FrameWriter writer(file, spheres, Precision::double_precision);
+    writer.append(0.5, states);
+  }
+  {
+    const h5::File h5 = h5::File::open(file);
+    const h5::Group data = h5.root().open_group("VTKHDF/PointData");
+    EXPECT_EQ(data.read<double>("velocity").at(6), third);
+    EXPECT_EQ(data.read<double>("angular_velocity").at(7), third);
+    EXPECT_EQ(data.read<double>("orientation").at(8), third);
+    EXPECT_EQ(data.read<double>("speed").at(2), third);
+    EXPECT_EQ(data.read<double>("radius").at(2), third);
+  }
+  EXPECT_NO_THROW(FrameWriter(file, spheres, Precision::double_precision, 1.0));
+  EXPECT_THROW(FrameWriter(file, spheres, single, 1.0), InputError);
+}
+
 TEST_F(FramesTest, NothingIsPublishedBeforeTheFirstFrame) {
-  FrameWriter writer(file, scene);
+  FrameWriter writer(file, scene, single);
   EXPECT_FALSE(std::filesystem::exists(file));
   writer.append(0, {});  // a frame without bodies is left out
   EXPECT_FALSE(std::filesystem::exists(file));
@@ -155,7 +183,7 @@ TEST_F(FramesTest, NothingIsPublishedBeforeTheFirstFrame) {
 }
 
 TEST_F(FramesTest, AFrameAtTheSameTimeIsNotRepeated) {
-  FrameWriter writer(file, scene);
+  FrameWriter writer(file, scene, single);
   append(writer, 0);
   append(writer, 0);
   append(writer, 1);
@@ -170,10 +198,10 @@ TEST_F(FramesTest, AFrameAtTheSameTimeIsNotRepeated) {
 TEST_F(FramesTest, ResumeDropsFramesAfterTheCheckpointAndGoesOn) {
   for (const double time : {-1.0, 0.0, 1.9, 2.0, 3.0, 100.0}) {
     {
-      FrameWriter writer(file, scene);
+      FrameWriter writer(file, scene, single);
       for (int frame = 0; frame < 7; ++frame) append(writer, frame);
     }
-    FrameWriter writer(file, scene, time);
+    FrameWriter writer(file, scene, single, time);
     const int kept = time < 0 ? 0 : std::min(7, static_cast<int>(time / 0.5) + 1);
     EXPECT_EQ(writer.frame_count(), kept);
     if (kept > 0) {
@@ -189,7 +217,7 @@ TEST_F(FramesTest, ResumeDropsFramesAfterTheCheckpointAndGoesOn) {
 }
 
 TEST_F(FramesTest, ResumeWithoutAFileStartsOne) {
-  FrameWriter writer(file, scene, 3.0);
+  FrameWriter writer(file, scene, single, 3.0);
   EXPECT_EQ(writer.frame_count(), 0);
   append(writer, 7);
   EXPECT_EQ(read_frames(file).size(), 1u);
@@ -198,7 +226,7 @@ TEST_F(FramesTest, ResumeWithoutAFileStartsOne) {
 TEST_F(FramesTest, ResumeRefusesOtherFiles) {
   const auto refusal = [&](const Scene& other) -> std::string {
     try {
-      FrameWriter writer(file, other, 1.0);
+      FrameWriter writer(file, other, single, 1.0);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -209,14 +237,14 @@ TEST_F(FramesTest, ResumeRefusesOtherFiles) {
   h5::File::create(file).close();
   EXPECT_THAT(refusal(scene), HasSubstr("VTKHDF"));
   {
-    FrameWriter writer(file, scene);
+    FrameWriter writer(file, scene, single);
     append(writer, 0);
   }
   EXPECT_THAT(refusal(scene_with(6, 0, 0)), HasSubstr("35 bodies, this one 6"));
 }
 
 TEST_F(FramesTest, AFileInUseByAReaderStaysAsItIs) {
-  FrameWriter writer(file, scene);
+  FrameWriter writer(file, scene, single);
   append(writer, 0);
   append(writer, 1);
   const h5::File reader = h5::File::open(file);  // takes a lock on what is published now
@@ -228,7 +256,7 @@ TEST_F(FramesTest, AFileInUseByAReaderStaysAsItIs) {
 }
 
 TEST_F(FramesTest, ADamagedSpareIsReplaced) {
-  FrameWriter writer(file, scene);
+  FrameWriter writer(file, scene, single);
   append(writer, 0);
   append(writer, 1);
   test::put(file.string() + ".next", "damaged");
@@ -249,7 +277,7 @@ TEST_F(FramesTest, ReadableAfterAKillAtAnyMoment) {
       int frame = known_frames - (known_frames > 1 ? round % 2 : 0);
       const std::optional<double> resume =
           frame > 0 ? std::optional((frame - 1) * 0.5) : std::nullopt;
-      FrameWriter writer(file, scene_with(bodies, 0, 0), resume);
+      FrameWriter writer(file, scene_with(bodies, 0, 0), single, resume);
       for (;; ++frame) writer.append(frame * 0.5, states_of(frame, bodies));
     }
     std::this_thread::sleep_for(std::chrono::microseconds(delay_us(random)));
@@ -276,7 +304,7 @@ TEST_F(FramesTest, AFullDiskLeavesTheEarlierFrames) {
   const int code = test::with_full_disk(400000, [&] {
     std::int64_t frames = 0;
     try {
-      FrameWriter writer(file, scene_with(bodies, 0, 0));
+      FrameWriter writer(file, scene_with(bodies, 0, 0), single);
       for (int frame = 0; frame < 100; ++frame) {
         writer.append(frame * 0.5, states_of(frame, bodies));
         frames = writer.frame_count();

@@ -1,6 +1,8 @@
 #!/usr/bin/env bash
 # Everything a GPU machine has to show, in one call: build, GPU tests, sanitizers, benchmarks.
-#   bench/device.sh OUTPUT_DIR [stage...]     stages: build ctest tests sanitize micro scenes
+#   bench/device.sh OUTPUT_DIR [stage...]     stages: build ctest tests sanitize micro scenes record
+# `record` writes OUTPUT_DIR/record.json, all results of scree bench that figures.py draws. A copy of the sources without
+# history is told its commit by the environment variable SCREE_COMMIT.
 # Each stage has its own log in OUTPUT_DIR and a time limit; a summary is printed last.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -24,7 +26,7 @@ stage() { # stage NAME SECONDS COMMAND...: runs it with a limit and notes how it
 }
 wants() { [[ " $stages " == *" $1 "* ]]; }
 
-note "commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown), $(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader)"
+note "commit $(git rev-parse --short HEAD 2>/dev/null || echo "${SCREE_COMMIT:-unknown}"), $(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader)"
 if wants build; then
   stage build 400 ./bootstrap build || { tail -n 40 "$out/build.log"; exit 1; }
 fi
@@ -62,6 +64,25 @@ if wants scenes; then
       --precision $precision --json
     cat "$out/million_$precision.log"
   done
+fi
+if wants record; then
+  parts=$(mktemp -d)
+  bench() { # bench NAME ARGUMENT...
+    stage "record_$1" 150 $bin/scree bench "${@:2}" --backend cuda --json "$parts/$1.json"
+    tail -n 12 "$out/record_$1.log"
+  }
+  bench step step --sizes 1e6
+  bench step_small step --sizes 1e5
+  bench exact step --sizes 1e5 --set solver.model=exact
+  bench column step --sizes 1e6 --kind column
+  bench iteration iteration --sizes 1e5,3e5,1e6,3e6,1e7
+  bench collision collision --sizes 1e5,1e6
+  bench capacity capacity --sizes 1e6,1e7
+  bench solvers solvers --sizes 1e6 --layers 20 --levels 1e-1,3e-2,1e-2,1e-3,1e-4 --limit 2
+  python3 - "$parts" >"$out/record.json" <<'END'
+import json, pathlib, sys
+print(json.dumps([json.loads(p.read_text()) for p in sorted(pathlib.Path(sys.argv[1]).glob("*.json"))], indent=1))
+END
 fi
 logs=$(mktemp) # one archive instead of many files
 (cd "$out" && tar -czf "$logs" ./*.log && rm ./*.log && cp "$logs" logs.tar.gz)

@@ -32,7 +32,7 @@ double bed_height(const BedParams& bed);
 /// Number of layers that makes the bed about as high as wide.
 int layers_of_cube(int count, bool polydisperse = false);
 
-/// Time after which a bed has settled, or a column is in the middle of its collapse [s].
+/// Time in which a bed sinks upon itself, or a column is in the middle of its collapse [s].
 double warmup_time(const BedParams& bed);
 
 }  // namespace scree

@@ -17,6 +17,8 @@ namespace {
 constexpr int kMostBodies = 2'000'000'000;
 constexpr int kMostLayers = 1'000'000;
 constexpr int kDefaultLayers = 20;
+constexpr double kRestSpeed = 0.3;  // of v*: RMS speed below which a bed counts as settled
+constexpr int kMostWarmups = 20;    // times the steps in which a bed sinks, until we give up
 
 double mass_of(const Scene& scene) {
   double mass = 0;
@@ -113,14 +115,29 @@ BedRun settled_bed(const BedBench& bench, const BedParams& bed,
   const double v_star = h * norm(scene.gravity);
   const SolverSettings solver = scene.solver;
   const int warmup = bench.warmup(bed, h);
-  Json start = {{"scene", scene.name},   {"layers", bed.layers}, {"polydisperse", bed.polydisperse},
-                {"solver", solver.name}, {"time_step_s", h},     {"warmup_steps", warmup}};
-  tell(fmt::format("{} of {} bodies: {} steps of warm-up", scene.name, bed.count, warmup));
+  const bool to_rest = bench.warms_up_to_rest(bed) && v_star > 0;
+  Json start = {{"scene", scene.name},
+                {"layers", bed.layers},
+                {"polydisperse", bed.polydisperse},
+                {"solver", solver.name},
+                {"time_step_s", h}};
+  tell(fmt::format("{} of {} bodies: {}{} steps of warm-up", scene.name, bed.count,
+                   to_rest ? "at least " : "", warmup));
   BedRun run{World(std::move(scene), bench.world_options()), h, solver, std::move(start)};
-  StepReport last;
-  for (int k = 0; k < warmup; ++k) last = run.world.step();
-  if (warmup > 0 && v_star > 0)
-    run.start["start_rms_speed_relative"] = std::sqrt(2 * last.kinetic_energy / mass) / v_star;
+  double speed = 0;  // RMS over v*
+  int done = 0;
+  const auto goes_on = [&] {
+    return done < warmup || (to_rest && speed > kRestSpeed && done < kMostWarmups * warmup);
+  };
+  for (; goes_on(); ++done) {
+    const double energy = run.world.step().kinetic_energy;
+    if (v_star > 0) speed = std::sqrt(2 * energy / mass) / v_star;
+  }
+  run.start["warmup_steps"] = done;
+  if (done > 0 && v_star > 0) run.start["start_rms_speed_relative"] = speed;
+  if (to_rest && speed > kRestSpeed)
+    say(fmt::format("{} of {} bodies still moves at {:.2g} v* after {} steps of warm-up",
+                    run.start["scene"].get<std::string>(), bed.count, speed, done));
   return run;
 }
 

@@ -36,8 +36,11 @@ class BedBench {
   BedParams bed(int count, bool walls = true) const;
   Scene scene(const BedParams& bed, const std::vector<std::string>& more_settings = {}) const;
 
-  /// Steps until a bed has settled, or what --warmup says.
+  /// Steps in which a bed sinks or a column collapses by half, or what --warmup says.
   int warmup(const BedParams& bed, double time_step) const;
+
+  /// Whether the warm-up goes on until the bed is at rest: a bed between walls, without --warmup.
+  bool warms_up_to_rest(const BedParams& bed) const { return warmup_ < 0 && bed.walls; }
 
   /// File for the results; checked when made. @param more  goes into its header
   BenchRecord record(const Json& more = {}) const;

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
-"""Draws the results of scree bench as PNG files.
+"""Makes the pictures of docs/ and the table of measured speeds in README.md from the results of scree bench.
 
-    bench/plot.py FILE.json... [--out DIR]
+    bench/figures.py FILE.json... [--out DIR] [--readme FILE]
 
-FILE is what `scree bench MODE --json FILE` wrote, of any mode and machine; files of the same mode are drawn in
-one picture. The pictures go to DIR, by default docs/:
+FILE is what `scree bench MODE --json FILE` wrote, of any mode, or a list of such (`bench/device.sh OUT record` writes
+one for all modes). All must be of one commit of the program, so that no two figures disagree. The pictures go to
+DIR, by default docs/:
 
     bench_iteration.png   contact-iterations per second over bodies        (iteration)
     bench_steps.png       milliseconds a step over bodies                   (collision, step)
     bench_solvers.png     time to residual, solver by solver                (solvers)
     bench_memory.png      bytes a body over bodies                          (capacity)
 
+With --readme the table between the two comments "measured" of that file is replaced (step, iteration, solvers).
 Needs matplotlib, and nothing else beside Python 3.8.
 """
 import argparse
@@ -24,20 +26,23 @@ try:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 except ImportError:
-    sys.exit("plot.py needs matplotlib, which is not installed: pip install matplotlib, "
+    sys.exit("figures.py needs matplotlib, which is not installed: pip install matplotlib, "
              "or on Debian and Ubuntu apt install python3-matplotlib")
 
 
 def read(path):
+    """The documents of a file: one of scree bench, or a list of them."""
     try:
-        document = json.loads(path.read_text())
-        if not isinstance(document["results"], list) or not isinstance(document["benchmark"], str):
-            raise TypeError
+        content = json.loads(path.read_text())
+        documents = content if isinstance(content, list) else [content]
+        for d in documents:
+            if not isinstance(d["results"], list) or not isinstance(d["benchmark"], str):
+                raise TypeError
     except (OSError, ValueError) as error:
         sys.exit(f"{path}: cannot be read: {error}")
     except (KeyError, TypeError):
         sys.exit(f"{path}: is not a result of scree bench (written with --json FILE)")
-    return document
+    return documents
 
 
 def machine(document):
@@ -93,22 +98,26 @@ def draw_steps(documents):
 
 
 def draw_solvers(documents):
+    """Time over the residual that was reached: a level that the first iterations pass by is the same point as the next."""
     cases = defaultdict(list)
     for d in documents:
         for r in d["results"]:
             cases[machine(d), r["bodies"], r["layers"]].append(r)
     figure, columns = new_axes("", "residual reached / v*", "solve, ms", len(cases))
+    solvers = list(dict.fromkeys(r["solver"] for d in documents for r in d["results"]))
     for axes, ((name, bodies, layers), results) in zip(columns, cases.items()):
-        axes.set_title(f"{bodies} spheres in {layers} layers; {name}", fontsize=10)
-        solvers = list(dict.fromkeys(r["solver"] for r in results))
-        for start, line in (("warm", "-"), ("cold", "--")):
-            for k, solver in enumerate(solvers):
+        axes.set_title(f"{bodies:,} spheres in {layers} layers; {name}", fontsize=10)
+        for k, solver in enumerate(solvers):
+            for start, style in (("warm", {"linestyle": "-", "fillstyle": "full"}),
+                                 ("cold", {"linestyle": (0, (4, 3)), "fillstyle": "none"})):
                 mine = [r for r in results if r["solver"] == solver and r["start"] == start]
-                reached = [(r["level"], r["solve_ms"]) for r in mine if r["reached"]]
-                curve(axes, reached, f"{solver}, {start}", color=f"C{k}", linestyle=line)
+                reached = {(r["residual_relative"], r["solve_ms"]) for r in mine if r["reached"]}
+                curve(axes, reached, f"{solver}, {start}", color=f"C{k}", linewidth=1.4, **style)
                 ends = [(r["residual_relative"], r["solve_ms"]) for r in mine if not r["reached"]]
-                if ends:  # where the time limit stopped it
-                    axes.plot(*ends[0], marker="x", color=f"C{k}")
+                if ends:
+                    axes.plot(*ends[0], marker="x", color=f"C{k}", linestyle="none")
+        if any(not r["reached"] for r in results):
+            axes.plot([], [], marker="x", color="gray", linestyle="none", label="time limit, not reached")
         axes.invert_xaxis()
     return figure
 
@@ -131,12 +140,50 @@ PICTURES = [("bench_iteration.png", ("iteration",), draw_iteration),
             ("bench_memory.png", ("capacity",), draw_memory)]
 
 
+def one_row(what, r, levels=True):
+    collision = f", of which collision {r['ms']['collision']['median']:.2g} ms" if levels else ""
+    total = r["ms"]["total"]["median"] if levels else r["solve_ms"]
+    return (f"| {what} | {r['bodies']:,} | {r['contacts']:.3g} | {r['solver']} | {r['applications']:.0f} | "
+            f"{r['residual_relative']:.1e} v* | {total:.3g} ms{collision} | {r['contact_iterations_per_s']:.3g} |")
+
+
+def table(documents):
+    """Rows of README.md, for whole steps and for single solves to tight residuals."""
+    rows = ["| what | bodies | contacts | solver | applications | residual | time | contact-iterations/s |",
+            "|---|---|---|---|---|---|---|---|"]
+    for d in documents:
+        exact = ", exact friction" if any("model=exact" in s for s in d.get("settings", [])) else ""
+        for r in d["results"]:
+            if d["benchmark"] == "step":
+                bed = "column in mid-collapse" if r["scene"] == "column" else "settled bed of 20 layers"
+                rows.append(one_row(f"{bed}, a step to `{r['stop']}`{exact}", r))
+            elif d["benchmark"] == "solvers" and r["start"] == "warm" and r["reached"] and r["level"] <= 1e-3 \
+                    and r["layers"] == 20 and r["solver"] in ("apgd", "schwarz"):
+                rows.append(one_row(f"one solve on such a bed to {r['level']:g} v*, warm", r, levels=False))
+    return rows
+
+
+def write_table(path, documents, commit):
+    text = path.read_text()
+    begin, end = "<!-- measured: begin -->", "<!-- measured: end -->"
+    if text.count(begin) != 1 or text.count(end) != 1:
+        sys.exit(f'{path}: has no place for the table: expected the lines "{begin}" and "{end}" once each')
+    devices = ", ".join(sorted({machine(d) for d in documents}))
+    lines = [f"{devices}; medians of 20 steps; commit {commit}.", ""] + table(documents)
+    before, after = text.split(begin)[0], text.split(end)[1]
+    path.write_text(before + begin + "\n" + "\n".join(lines) + "\n" + end + after)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE.json")
     parser.add_argument("--out", type=Path, metavar="DIR", default=Path(__file__).resolve().parent.parent / "docs")
+    parser.add_argument("--readme", type=Path, metavar="FILE")
     options = parser.parse_args()
-    documents = [read(path) for path in options.files]
+    documents = [d for path in options.files for d in read(path)]
+    commits = sorted({d["commit"] for d in documents})
+    if len(commits) != 1:
+        sys.exit(f"the results are of several commits ({', '.join(commits)}): expected one")
     options.out.mkdir(parents=True, exist_ok=True)
     written = 0
     for name, benchmarks, draw in PICTURES:
@@ -146,9 +193,8 @@ def main():
         figure = draw(mine)
         for axes in figure.axes:
             if axes.get_legend_handles_labels()[0]:
-                axes.legend(fontsize=7)
-        commits = ", ".join(sorted({d["commit"] for d in mine}))
-        figure.text(0.99, 0.01, f"scree {commits}", ha="right", fontsize=6)
+                axes.legend(fontsize=7, handlelength=4)
+        figure.text(0.99, 0.01, f"scree {commits[0]}", ha="right", fontsize=6)
         figure.tight_layout()
         figure.savefig(options.out / name, dpi=120)
         pyplot.close(figure)
@@ -156,6 +202,9 @@ def main():
         written += 1
     if written == 0:
         sys.exit("nothing to draw: expected results of iteration, collision, step, solvers or capacity")
+    if options.readme:
+        write_table(options.readme, documents, commits[0])
+        print(options.readme)
 
 
 if __name__ == "__main__":

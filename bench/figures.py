@@ -140,11 +140,16 @@ PICTURES = [("bench_iteration.png", ("iteration",), draw_iteration),
             ("bench_memory.png", ("capacity",), draw_memory)]
 
 
-def one_row(what, r, levels=True):
-    collision = f", of which collision {r['ms']['collision']['median']:.2g} ms" if levels else ""
-    total = r["ms"]["total"]["median"] if levels else r["solve_ms"]
-    return (f"| {what} | {r['bodies']:,} | {r['contacts']:.3g} | {r['solver']} | {r['applications']:.0f} | "
-            f"{r['residual_relative']:.1e} v* | {total:.3g} ms{collision} | {r['contact_iterations_per_s']:.3g} |")
+def short(value):
+    """Three digits: 8.86, 205, 3.30e6."""
+    return f"{value:#.3g}".rstrip(".") if value < 1e5 else f"{value:.2e}".replace("e+0", "e").replace("e+", "e")
+
+
+def one_row(what, r, whole_step=True):
+    collision = f", of which collision {short(r['ms']['collision']['median'])} ms" if whole_step else ""
+    total = r["ms"]["total"]["median"] if whole_step else r["solve_ms"]
+    return (f"| {what} | {r['bodies']:,} | {short(r['contacts'])} | `{r['solver']}` | {r['applications']:.0f} | "
+            f"{r['residual_relative']:.2g} v* | {short(total)} ms{collision} | {short(r['contact_iterations_per_s'])} |")
 
 
 def table(documents):
@@ -159,7 +164,7 @@ def table(documents):
                 rows.append(one_row(f"{bed}, a step to `{r['stop']}`{exact}", r))
             elif d["benchmark"] == "solvers" and r["start"] == "warm" and r["reached"] and r["level"] <= 1e-3 \
                     and r["layers"] == 20 and r["solver"] in ("apgd", "schwarz"):
-                rows.append(one_row(f"one solve on such a bed to {r['level']:g} v*, warm", r, levels=False))
+                rows.append(one_row(f"one solve on such a bed to {r['level']:g} v*, warm", r, whole_step=False))
     return rows
 
 

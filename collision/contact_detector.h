@@ -38,8 +38,11 @@ class ContactDetector {
   ContactDetector(B& b, const CollisionSettings& settings, const ObstacleData<Real>& obstacles);
 
   /// Lists the contacts of all bodies. A contact is listed when its gap is at most the envelope, or
-  /// will be within the time step at the present speed of the two surfaces, so that fast bodies do
-  /// not tunnel. Contacts through a periodic side are those with the nearest image.
+  /// will be within the time step at the speed of the two surfaces after loads, so that fast bodies
+  /// do not tunnel, nor those that fall far in a step. Where gravity moves bodies by more than half
+  /// the envelope in a step, pairs are listed by as much farther, to a quarter of a diameter each:
+  /// one may be held up and the other fall. Contacts through a periodic side are those with the
+  /// nearest image.
   ///
   /// A body that is hit within the step moves where it was not expected. So when a contact may push
   /// its bodies farther than half the envelope, bodies get margins, see ImpactMargins, by which all
@@ -69,11 +72,12 @@ class ContactDetector {
   /// diameters 1 : 10, none for equal spheres), or 9 + 8 m to extend one; 28 + 4 m a body and 8 a
   /// contact to pick contacts.
   ///
-  /// @param h  time step [s]
+  /// @param h             time step [s]
+  /// @param gravity_step  what loads add to the velocity of free bodies in the step, h g [m/s]
   /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than an
   /// Index can number, or more bodies and
   ///         wall features than fit a contact key
-  void detect(B& b, const BodyView<Real>& bodies, double h);
+  void detect(B& b, const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step);
 
   /// The contacts found by the last detect(); valid until the next one.
   ContactView<Real> contacts() const;
@@ -132,6 +136,7 @@ class ContactDetector {
   std::int64_t list_extensions() const { return candidates_.extension_count(); }
 
  private:
+  ContactRange range_of(double h, const Vec3<double>& gravity_step) const;
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
   /// in a loose bed, more than two change little.
   static constexpr int kMaxWidenings = 2;
@@ -191,15 +196,26 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
 }
 
 template <class B, class Real>
-void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double h) {
+void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double h,
+                                      const Vec3<double>& gravity_step) {
   release_contacts();
   needed_.release();
   name_elements(bodies);
   if (bodies.free_count == 0) return;
-  obstacles_.refresh(b, bodies, keys_);
-  list_with_margins(b, bodies, {settings_.envelope, h, settings_.period, {}});
+  const ContactRange range = range_of(h, gravity_step);
+  obstacles_.refresh(b, bodies, range, keys_);
+  list_with_margins(b, bodies, range);
   needed_.release();
   if (!settings_.keep_candidates) candidates_.release();
+}
+
+template <class B, class Real>
+ContactRange ContactDetector<B, Real>::range_of(double h, const Vec3<double>& gravity_step) const {
+  const double fall = h * norm(gravity_step);
+  ContactRange range{settings_.envelope, h, settings_.period, {}, gravity_step};
+  range.fall = fall > 0.5 * settings_.envelope ? 0.5 * fall : 0;
+  range.margin_limit = settings_.margin_limit;
+  return range;
 }
 
 template <class B, class Real>
@@ -211,8 +227,7 @@ void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bod
   const double least = 0.5 * settings_.envelope;
   for (int k = 0; k < kMaxWidenings; ++k) {
     const Index before = contact_count_;
-    const ImpactGraph<Real> graph{bodies, contacts(), range.h, settings_.lift,
-                                  settings_.margin_limit};
+    const ImpactGraph<Real> graph{bodies, contacts(), range, settings_.lift};
     const double largest_push = margins.start(b, graph);
     if (k == 0 && !(largest_push > least)) return;
     range.margin = margins.spread(b, graph);

@@ -73,11 +73,13 @@ class ObstacleBuffers {
   Span<const ShapeRecord<Real>> shapes() const { return whole(shapes_); }
 
   /// Takes over the poses and motions of the wall bodies.
-  void refresh(B& b, const BodyView<Real>& bodies, const ContactKeys& keys) {
-    for_each(b, plane_count_,
-             RefreshPlanes<Real>{bodies, shapes(), whole(sources_), planes_.view(plane_count_)});
+  void refresh(B& b, const BodyView<Real>& bodies, const ContactRange& range,
+               const ContactKeys& keys) {
+    for_each(
+        b, plane_count_,
+        RefreshPlanes<Real>{bodies, range, shapes(), whole(sources_), planes_.view(plane_count_)});
     for_each(b, solid_count_,
-             RefreshSolids<Real>{bodies, keys.solid_begin, solids_.view(solid_count_)});
+             RefreshSolids<Real>{bodies, range, keys.solid_begin, solids_.view(solid_count_)});
   }
 
   WallView<Real> walls() const {

@@ -71,7 +71,7 @@ class EngineOf final : public Engine {
     set_motion(time_);
     if (step_ % kReorderEvery == 0) reorder();
     const BodyView<Real> bodies = store_.view();
-    detector_.detect(b, bodies, h);
+    detector_.detect(b, bodies, h, Vec3d(gravity_step()));
     const ContactView<Real> contacts = detector_.contacts();
     const Offset vectors =
         static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);

@@ -3,21 +3,9 @@
 
 #include "kernels/backend/atomic.h"
 #include "kernels/bin_plan.h"
-#include "kernels/body_view.h"
+#include "kernels/contact_range.h"
 
 namespace scree {
-
-/// How far contacts are looked for.
-struct ContactRange {
-  double envelope = 0;  ///< contacts are listed up to this gap [m]
-  double h = 0;         ///< time step [s]; approaching surfaces are listed when they meet within it
-  Vec3<double> period;  ///< [m]; zero: not periodic
-  Span<const float> margin;  ///< how far a free body may leave its course [m]; empty: not at all
-
-  SCREE_HD double margin_of(Index i) const {
-    return i < margin.size ? static_cast<double>(margin[i]) : 0;
-  }
-};
 
 /// Bodies that are binned: free ones, and fixed or kinematic spheres. Other bodies in
 /// [fixed_begin, count) are walls.
@@ -30,30 +18,6 @@ struct BinnedRange {
   SCREE_HD Index body(Index m) const { return m < free_count ? m : m - free_count + fixed_begin; }
   bool operator==(const BinnedRange&) const = default;
 };
-
-/// Fastest that a point of the body can move [m/s]; for spheres that of the center, since turning
-/// does not move their surface.
-template <class Real>
-SCREE_HD double surface_speed(const BodyView<Real>& bodies, Index i) {
-  double speed = norm(Vec3<double>(bodies.velocity[i]));
-  if (bodies.shape[i] >= 0) {
-    speed += static_cast<double>(bodies.radius[i]) * norm(Vec3<double>(bodies.angular_velocity[i]));
-  }
-  return speed;
-}
-
-/// Radius of a body about its center that covers all it may touch within the step, walls included.
-/// Zero for bodies that are not binned.
-template <class Real>
-SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange& range, Index i) {
-  const bool is_sphere = bodies.shape[i] < 0;
-  if (i >= bodies.fixed_begin && !is_sphere) return 0;
-  const double inflated = static_cast<double>(bodies.radius[i]) + 0.5 * range.envelope +
-                          range.h * surface_speed(bodies, i) + range.margin_of(i);
-  // A state that is not finite has no contacts; the integration pass names it.
-  if (!(inflated > 0 && inflated < 1e30) || !is_finite(bodies.position[i])) return 0;
-  return static_cast<float>(inflated) * (1.0f + 2.4e-7f);
-}
 
 /// How much farther bodies reach in a list of pairs than the present step needs, so that the list
 /// serves the steps to come as well.
@@ -79,10 +43,11 @@ struct SpareReach {
 /// The balls of binned bodies: two bodies can have a contact in a step only when their balls of
 /// that step overlap.
 ///
-/// The ball of one step is about the middle of the body's way, x + h v / 2, and its radius is that
-/// of the body, half the envelope, the margin, and half the way, h |v| / 2. Let D be what leads
-/// from one surface to the other at the contact, gap times the normal n, u the relative velocity of
-/// the surfaces there, and E the envelope with both margins. A contact is listed when gap <= E, or
+/// The ball of one step is about the middle of the body's way, x + h v / 2, with v its course
+/// velocity, see course_velocity(), and its radius is that of the body, half the envelope, the
+/// margin, and half the way, h |v| / 2. Let D be what leads from one surface to the other at the
+/// contact, gap times the normal n, u the relative velocity of the surfaces there, which is that of
+/// their courses, and E the envelope with both margins. A contact is listed when gap <= E, or
 /// when u_n < 0 and gap + h u_n <= E. Half a step on
 ///
 ///     |D + h u / 2|^2 = (gap + h u_n / 2)^2 + (h u_t / 2)^2,   |gap + h u_n / 2| <= E + h |u_n| /
@@ -103,7 +68,7 @@ struct BodyBalls {
   SpareReach spare;  ///< {}: balls of the present step
 
   SCREE_HD Vec3<double> center(Index i) const {
-    const Vec3<double> v(bodies.velocity[i]);
+    const Vec3<double> v = course_velocity(bodies, range, i);
     return bodies.position[i] + (0.5 * range.h * steps(i, norm(v))) * v;
   }
   /// Zero for bodies that are not binned [m].
@@ -111,9 +76,9 @@ struct BodyBalls {
     const bool is_sphere = bodies.shape[i] < 0;
     if (i >= bodies.fixed_begin && !is_sphere) return 0;
     const double own = bodies.radius[i];
-    const double speed = norm(Vec3<double>(bodies.velocity[i]));
+    const double speed = norm(course_velocity(bodies, range, i));
     double radius = own + 0.5 * (range.envelope + spare.skin) + range.margin_of(i) +
-                    0.5 * range.h * steps(i, speed) * speed;
+                    range.fall_of(own) + 0.5 * range.h * steps(i, speed) * speed;
     if (!is_sphere) radius += range.h * own * norm(Vec3<double>(bodies.angular_velocity[i]));
     // A state that is not finite has no contacts; the integration pass names it.
     if (!(radius > 0 && radius < 1e30) || !is_finite(bodies.position[i])) return 0;

@@ -1,7 +1,7 @@
 #pragma once
 // The table of pair functions for two binned bodies, by shape kinds.
 
-#include "kernels/body_view.h"
+#include "kernels/contact_range.h"
 #include "kernels/pairs/sphere_box.h"
 #include "kernels/pairs/sphere_sphere.h"
 #include "kernels/walls.h"
@@ -21,7 +21,7 @@ struct BodySample {
   ShapeKind kind = ShapeKind::sphere;
   Vec3d position;
   double radius = 0;
-  RigidMotion motion;
+  RigidMotion motion;  ///< on its course, see course_velocity()
   Quatd orientation;   ///< boxes only
   Vec3d half_extents;  ///< boxes only
 };
@@ -29,11 +29,11 @@ struct BodySample {
 /// @tparam kMix  without `any` no binned body has a shape record, so none is looked up
 template <ShapeMix kMix, class Real>
 SCREE_HD BodySample load_body(const BodyView<Real>& bodies, Span<const ShapeRecord<Real>> shapes,
-                              Index i) {
+                              const ContactRange& range, Index i) {
   BodySample s;
   s.position = bodies.position[i];
   s.radius = bodies.radius[i];
-  s.motion.linear = Vec3d(bodies.velocity[i]);
+  s.motion.linear = course_velocity(bodies, range, i);
   if constexpr (kMix == ShapeMix::any) {
     s.motion.angular = Vec3d(bodies.angular_velocity[i]);
     if (bodies.shape[i] >= 0) {

@@ -19,6 +19,8 @@ struct ContactTest {
   ContactRange range;
   ContactKeys keys;
 
+  SCREE_HD BodySample load(Index a) const { return load_body<kMix>(bodies, shapes, range, a); }
+
   /// Gap up to which contacts of the two bodies are listed [m].
   SCREE_HD double envelope(Index a, Index j) const {
     return range.envelope + range.margin_of(a) + range.margin_of(j);
@@ -29,10 +31,11 @@ struct ContactTest {
   SCREE_HD double needed(const BodySample& body, Index j) const {
     const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
     const double distance = norm(d);
-    const double gap = distance - (body.radius + static_cast<double>(bodies.radius[j]));
+    const auto radius_j = static_cast<double>(bodies.radius[j]);
+    const double gap = distance - (body.radius + radius_j);
     if (gap <= range.envelope) return gap;
-    const double speed = dot(Vec3d(bodies.velocity[j]) - body.motion.linear, d) / distance;
-    return needed_envelope(gap, speed, range.h);
+    const Vec3d u = course_velocity(bodies, range, j) - body.motion.linear;
+    return needed_envelope(gap, dot(u, d) / distance, range.h) - falls(body.radius, radius_j);
   }
 
   /// Calls emit(feature) for each contact of body a with the higher body j.
@@ -42,15 +45,21 @@ struct ContactTest {
       if (needed(body, j) <= envelope(a, j)) emit(0u);
     } else {
       const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
-      const BodySample other = load_body<kMix>(bodies, shapes, j);
+      const BodySample other = load_body<kMix>(bodies, shapes, range, j);
       const int features = pair_features(body.kind, other.kind);
       for (int k = 0; k < features; ++k) {
         const auto feature = static_cast<std::uint32_t>(k);
         const ContactGeometry g = body_pair<kMix>(body, other, d, feature);
         const double speed = separation_speed(g, body.motion, other.motion);
-        if (is_listed(g.gap, speed, envelope(a, j), range.h)) emit(feature);
+        const double reach = envelope(a, j) + falls(body.radius, other.radius);
+        if (is_listed(g.gap, speed, reach, range.h)) emit(feature);
       }
     }
+  }
+
+  /// How far two bodies may come nearer because gravity acts on one of them only [m].
+  SCREE_HD double falls(double radius_a, double radius_b) const {
+    return range.fall > 0 ? range.fall_of(radius_a) + range.fall_of(radius_b) : 0;
   }
 
   /// Calls emit(element) for each contact of body a with the walls, elements ascending.
@@ -58,8 +67,8 @@ struct ContactTest {
   SCREE_HD void with_walls(Index a, const BodySample& body, Emit&& emit) const {
     const float inflated = inflated_radius(bodies, range, a);
     if (!(inflated > 0)) return;
-    visit_walls<kMix>(walls, range, keys, body, range.envelope + range.margin_of(a), inflated,
-                      emit);
+    const double reach = range.envelope + range.margin_of(a) + range.fall_of(body.radius);
+    visit_walls<kMix>(walls, range, keys, body, reach, inflated, emit);
   }
 };
 
@@ -90,7 +99,7 @@ struct CountContacts {
   SCREE_HD void operator()(Index p) const {
     const CandidateView& list = test.candidates;
     const Index a = list.body[p];
-    const BodySample body = load_body<kMix>(test.bodies, test.shapes, a);
+    const BodySample body = test.load(a);
     const Index first = list.begin[p], end = list.begin[p + 1];
     std::uint32_t found = 0;
     Index n = 0;
@@ -138,7 +147,7 @@ struct RecountContacts {
       ++n;
     }
     if (list.is_last_of_body(p)) {
-      test.with_walls(a, load_body<kMix>(test.bodies, test.shapes, a), [&](std::uint32_t) { ++n; });
+      test.with_walls(a, test.load(a), [&](std::uint32_t) { ++n; });
     }
     count[p] = n;
     touching[p] = found;
@@ -150,7 +159,7 @@ struct RecountContacts {
     const double envelope = test.envelope(a, j);
     const float note = needed[k];
     if (note_decides(note, envelope)) return static_cast<double>(note) < envelope;
-    const double least = test.needed(load_body<kMix>(test.bodies, test.shapes, a), j);
+    const double least = test.needed(test.load(a), j);
     needed[k] = note_needed(least);
     return least <= envelope;
   }
@@ -179,7 +188,7 @@ struct WriteContactKeys {
     }
     if (next == end) return;
     // What is left are walls, whose elements are above those of all bodies.
-    test.with_walls(a, load_body<kMix>(test.bodies, test.shapes, a),
+    test.with_walls(a, test.load(a),
                     [&](std::uint32_t element) { key[next++] = make_key(a, element); });
   }
   SCREE_HD void write_pair(Index a, Index j, Offset& next) const {
@@ -188,7 +197,7 @@ struct WriteContactKeys {
       key[next++] = make_key(a, keys.body_element(j, 0));
       return;
     }
-    test.pair(a, load_body<kMix>(test.bodies, test.shapes, a), j, [&](std::uint32_t feature) {
+    test.pair(a, test.load(a), j, [&](std::uint32_t feature) {
       key[next++] = make_key(a, keys.body_element(j, feature));
     });
   }
@@ -215,12 +224,12 @@ struct FillContacts {
   SCREE_HD void operator()(Index c) const {
     const Index a = key_body(key[c]);
     const std::uint32_t element = key_element(key[c]);
-    const BodySample body = load_body<kMix>(bodies, shapes, a);
+    const BodySample body = load_body<kMix>(bodies, shapes, range, a);
     ContactGeometry g;
     Index b;
     if (keys.is_body(element)) {
       b = keys.body(element);
-      const BodySample other = load_body<kMix>(bodies, shapes, b);
+      const BodySample other = load_body<kMix>(bodies, shapes, range, b);
       const Vec3d d = minimum_image(other.position - body.position, range.period);
       g = body_pair<kMix>(body, other, d, keys.feature(element));
     } else {

@@ -3,7 +3,7 @@
 // speed that it did not have when contacts were listed, and so do the bodies behind it.
 
 #include "kernels/backend/atomic.h"
-#include "kernels/body_view.h"
+#include "kernels/contact_range.h"
 #include "kernels/contact_view.h"
 
 namespace scree {
@@ -13,9 +13,8 @@ template <class Real>
 struct ImpactGraph {
   BodyView<Real> bodies;
   ContactView<Real> contacts;
-  double h = 0;      ///< time step [s]
-  double lift = 0;   ///< separation speed the contact law asks for, per sliding speed [-]
-  double limit = 0;  ///< largest margin, as a fraction of the diameter [-]
+  ContactRange range;
+  double lift = 0;  ///< separation speed the contact law asks for, per sliding speed [-]
 
   /// Velocity of body B relative to body A at contact c [m/s].
   SCREE_HD Vec3<Real> relative_velocity(Index c) const {
@@ -38,22 +37,32 @@ struct ImpactGraph {
     const Vec3<Real> u = relative_velocity(c);
     const double u_n = dot(u, n);
     const double gap = contacts.gap[c] > 0 ? contacts.gap[c] : Real(0);
+    const double h = range.h;
     const double lifted = h * (lift * norm(u - Real(u_n) * n) - u_n) - gap;
-    const double closing = gap + h * u_n < 0 ? -h * u_n : 0.0;
+    const double closing = gap + h * (u_n + loaded(c)) < 0 ? -h * u_n : 0.0;
     return lifted > closing ? lifted : closing;
+  }
+
+  /// What loads add to the separation speed of contact c [m/s]. They decide whether surfaces meet,
+  /// not how far bodies are pushed: the envelope, or ContactRange::fall, is enough for their way.
+  SCREE_HD double loaded(Index c) const {
+    const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    const Vec3<double> of_a = course_velocity(bodies, range, a) - Vec3<double>(bodies.velocity[a]);
+    const Vec3<double> of_b = course_velocity(bodies, range, b) - Vec3<double>(bodies.velocity[b]);
+    return dot(of_b - of_a, Vec3<double>(contacts.normal[c]));
   }
 
   /// How far one body of contact c can be pushed toward the other before that is pushed too [m]:
   /// the gap at the end of the step on their present course.
   SCREE_HD double room(Index c) const {
-    const double way = h * dot(relative_velocity(c), contacts.normal[c]);
+    const double way = range.h * dot(relative_velocity(c), contacts.normal[c]);
     const double gap = contacts.gap[c];
     const double end = way < 0 ? gap + way : gap;
     return end > 0 ? end : 0.0;
   }
 
   SCREE_HD float limited(Index i, double margin) const {
-    const double most = 2 * limit * static_cast<double>(bodies.radius[i]);
+    const double most = 2 * range.margin_limit * static_cast<double>(bodies.radius[i]);
     return static_cast<float>(margin < most ? margin : most);
   }
 };

@@ -5,6 +5,7 @@
 #include "kernels/backend/backend.h"
 #include "kernels/body_view.h"
 #include "kernels/contact_problem.h"
+#include "kernels/locks.h"
 
 namespace scree {
 
@@ -27,16 +28,6 @@ struct LawTable {
     return laws[a * material_count + b];
   }
 };
-
-/// Free axes of a body, three bits: world axes that are not locked.
-SCREE_HD inline unsigned free_linear_axes(unsigned locks) { return ~locks & 7u; }
-SCREE_HD inline unsigned free_angular_axes(unsigned locks) { return ~(locks >> 3) & 7u; }
-
-/// v with the components of locked axes set to zero.
-template <class Real>
-SCREE_HD Vec3<Real> on_axes(const Vec3<Real>& v, unsigned free) {
-  return {free & 1u ? v.x : Real(0), free & 2u ? v.y : Real(0), free & 4u ? v.z : Real(0)};
-}
 
 /// v* = v + h g, and the inverse mass, of one body in the radial layout (angular part: r w).
 /// Solid spheres need no such pass: see FreeVelocity and RadialInertias.

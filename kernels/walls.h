@@ -3,7 +3,7 @@
 // planes, boxes and meshes stay solids. Their world geometry is refreshed each step, since
 // kinematic bodies move.
 
-#include "kernels/body_view.h"
+#include "kernels/contact_range.h"
 #include "kernels/pairs/contact_geometry.h"
 #include "kernels/pairs/container.h"
 
@@ -20,7 +20,7 @@ struct WallPlane {
   Vec3d point;         ///< on the plane [m]
   Vec3d normal;        ///< unit; bodies are on this side
   Vec3d center;        ///< position of the wall body [m]
-  RigidMotion motion;  ///< of the wall body
+  RigidMotion motion;  ///< of the wall body, on its course: see course_velocity()
   Index body = 0;
   bool moves = false;  ///< the wall body has a velocity
 };
@@ -35,12 +35,12 @@ struct WallSolid {
   Vec3d half_extents;
   Vec3d center;  ///< position of the wall body [m]
   Quatd orientation;
-  RigidMotion motion;
+  RigidMotion motion;  ///< on its course, see course_velocity()
 };
 
 template <class Real>
-SCREE_HD RigidMotion load_motion(const BodyView<Real>& bodies, Index i) {
-  return {Vec3d(bodies.velocity[i]), Vec3d(bodies.angular_velocity[i])};
+SCREE_HD RigidMotion load_motion(const BodyView<Real>& bodies, const ContactRange& range, Index i) {
+  return {course_velocity(bodies, range, i), Vec3d(bodies.angular_velocity[i])};
 }
 
 /// Orientation in double. Normalized again: the length error of float would act over large walls.
@@ -53,6 +53,7 @@ template <class Real>
 struct RefreshPlanes {
   static constexpr const char* name = "refresh_planes";
   BodyView<Real> bodies;
+  ContactRange range;
   Span<const ShapeRecord<Real>> shapes;
   Span<const PlaneSource> source;
   Span<WallPlane> plane;
@@ -67,8 +68,8 @@ struct RefreshPlanes {
     w.center = bodies.position[shape.body];
     w.point = w.center + rotate(q, local.point);
     w.normal = normalized(rotate(q, local.normal));
-    w.motion = load_motion(bodies, shape.body);
-    w.moves = norm2(w.motion.linear) + norm2(w.motion.angular) > 0;
+    w.motion = load_motion(bodies, range, shape.body);
+    w.moves = norm2(bodies.velocity[shape.body]) + norm2(bodies.angular_velocity[shape.body]) > 0;
     plane[p] = w;
   }
 };
@@ -77,6 +78,7 @@ template <class Real>
 struct RefreshSolids {
   static constexpr const char* name = "refresh_solids";
   BodyView<Real> bodies;
+  ContactRange range;
   std::uint32_t solid_begin;  ///< first element of all solids
   Span<WallSolid> solid;
 
@@ -85,7 +87,7 @@ struct RefreshSolids {
     w.first_element = solid_begin + w.element_offset;
     w.center = bodies.position[w.body];
     w.orientation = load_orientation(bodies, w.body);
-    w.motion = load_motion(bodies, w.body);
+    w.motion = load_motion(bodies, range, w.body);
   }
 };
 

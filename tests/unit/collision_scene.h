@@ -23,6 +23,8 @@ struct CollisionScene {
   ObstacleData<Real> obstacles;
   CollisionSettings settings;
   double h = 1e-3;
+  Vec3<double> gravity;             ///< [m/s^2]
+  std::vector<std::uint8_t> locks;  ///< of the first bodies; the others have none
 
   Index add(Vec3<double> x, double r, Vec3<double> v = {}) {
     position.push_back(x);
@@ -106,6 +108,7 @@ class CollisionRun {
         angular_velocity_(b),
         radius_(b),
         shape_(b),
+        locks_(b),
         detector_(b, scene.settings, scene.obstacles) {
     load();
   }
@@ -121,6 +124,9 @@ class CollisionRun {
     put(scene_.angular_velocity, angular_velocity_);
     put(scene_.radius, radius_);
     put(scene_.shape, shape_);
+    std::vector<std::uint8_t> locks = scene_.locks;
+    locks.resize(scene_.position.size());
+    put(locks, locks_);
   }
 
   BodyView<Real> bodies() {
@@ -135,13 +141,14 @@ class CollisionRun {
     v.angular_velocity = angular_velocity_.view(n);
     v.radius = radius_.view(n);
     v.shape = shape_.view(n);
+    v.locks = locks_.view(n);
     return v;
   }
 
   Span<Real> radius() { return radius_.view(static_cast<Offset>(scene_.radius.size())); }
 
   std::vector<HostContact> detect() {
-    detector_.detect(*b_, bodies(), scene_.h);
+    detector_.detect(*b_, bodies(), scene_.h, scene_.h * scene_.gravity);
     const ContactView<Real> view = detector_.contacts();
     const auto key = download(*b_, view.key);
     const auto a = download(*b_, view.body_a), b = download(*b_, view.body_b);
@@ -173,6 +180,7 @@ class CollisionRun {
   Buffer<B, Vec3<Real>> velocity_, angular_velocity_;
   Buffer<B, Real> radius_;
   Buffer<B, Index> shape_;
+  Buffer<B, std::uint8_t> locks_;
   ContactDetector<B, Real> detector_;
 };
 

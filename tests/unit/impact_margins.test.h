@@ -138,6 +138,22 @@ TYPED_TEST(ImpactMarginTest, LiftOfSlidingContactsPushes) {
   EXPECT_EQ(this->pairs(s), (typename TestFixture::Pairs{{0, 1}}));
 }
 
+TYPED_TEST(ImpactMarginTest, BodiesThatFallOntoOthersWhichAreHeldUpAreListed) {
+  auto s = this->unit_scene();  // the envelope is 0.01
+  s.gravity = {0, 0, -9.81};
+  s.add_free({0, 0, 0.5}, 0.5);
+  s.add_free({0, 0, 1.55}, 0.5);
+  s.add_half_space({0, 0, 0}, {0, 0, 1});
+  const auto are_listed = [&] { return this->pairs(s).contains({0, 1}); };
+  s.h = 0.02;  // 4 mm: half the envelope is enough
+  EXPECT_FALSE(are_listed());
+  s.h = 0.07;  // 48 mm
+  EXPECT_TRUE(are_listed());
+  s.h = 10;
+  s.position[1].z = 2.02;  // farther than the envelope and two margins of a quarter
+  EXPECT_FALSE(are_listed());
+}
+
 TYPED_TEST(ImpactMarginTest, BoxesGetMargins) {
   auto s = this->unit_scene();
   s.add_free({0, 0, 1.62}, 0.5, {0, 0, -0.2});

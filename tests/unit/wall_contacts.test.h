@@ -54,6 +54,38 @@ TYPED_TEST(WallTest, FastSphereIsListedAheadOfTheWall) {
   EXPECT_EQ(c[0].a, 0);
 }
 
+TYPED_TEST(WallTest, SphereThatFallsOntoAWallWithinTheStepIsListed) {
+  CollisionScene<TypeParam> s;
+  s.h = 0.1;
+  s.gravity = {0, 0, -10};  // 0.1 m in a step
+  s.add_free({0, 0, 1.59}, 0.5);
+  s.add_free({0, 1.2, 1.61}, 0.5);
+  s.add_free({0, -1.2, 1.55}, 0.5);
+  s.locks = {0, 0, 1 << 2};  // the last one is held up
+  const auto only_first = [&] {
+    const auto c = this->contacts(s);
+    EXPECT_EQ(c.size(), 1u);
+    for (const auto& contact : c) EXPECT_EQ(contact.a, 0);
+  };
+  s.settings.envelope = 0;
+  s.add_half_space({0, 0, 1}, {0, 0, 1});
+  only_first();
+  s.position.back().z = 0.9;
+  s.velocity.back() = {0, 0, 1};  // meets it half way
+  only_first();
+  s = {};
+  s.h = 0.1;
+  s.gravity = {0, 0, -10};
+  s.add_free({0, 0, 1.59}, 0.5);
+  s.add_free({0, 1.2, 1.61}, 0.5);
+  const auto with_wall = s;
+  s.add_box_wall({0, 0, 0.5}, {3, 3, 0.5});
+  only_first();
+  s = with_wall;
+  s.add_mesh_wall({0, 0, 1}, flat_floor(4, 1));
+  only_first();
+}
+
 TYPED_TEST(WallTest, MovingAndTurningWallComesToTheSphere) {
   CollisionScene<TypeParam> s;
   s.h = 0.1;
@@ -199,10 +231,10 @@ TYPED_TEST(WallTest, BodiesOutsideTheCountAreNotSeen) {
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
   auto view = run.bodies();
   view.fixed_begin = 1;
-  run.detector().detect(this->backend(), view, 1e-3);
+  run.detector().detect(this->backend(), view, 1e-3, {});
   EXPECT_EQ(run.detector().contacts().count, 0);
   view.free_count = 1;
-  run.detector().detect(this->backend(), view, 1e-3);
+  run.detector().detect(this->backend(), view, 1e-3, {});
   EXPECT_EQ(run.detector().contacts().count, 1);
 }
 

@@ -55,7 +55,7 @@ class ContactDetector {
   /// have, see PairCandidates. The contacts do not depend on it.
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
-  /// one more to extend the list and two more for a new one; up to five more for each detection
+  /// one more to extend the list and three more for a new one; up to five more for each detection
   /// with margins.
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every

@@ -70,7 +70,7 @@ class PairCandidates {
     build(b, bodies, range, spare);
   }
 
-  /// Makes the list for the range and some way beyond; two host reads, one of them by the bins.
+  /// Makes the list for the range and some way beyond; three host reads, one of them by the bins.
   /// Bytes per body besides the bins, m candidates each, every array counted once: 60 for the
   /// balls, 44 + 12 m to search, 48 + 28 m to put into order (m is about 5 in a dense bed).
   /// @param spare  without skin the list serves only one listing
@@ -92,22 +92,23 @@ class PairCandidates {
     Buffer<B, Index> slot(b, static_cast<Offset>(elements) * kPairSlots);
     const Index chunks = chunks_for(bins.view.slice_count);
     Buffer<B, Index> chunk(b, static_cast<Offset>(chunks) * kPairSlots), chunk_body(b, chunks);
-    Buffer<B, Index> chunk_count(b, 1), count(b, n);
+    Buffer<B, Index> chunk_count(b, 1), counters(b, n + 1);
+    const Span<Index> count = counters.view(n);
     Buffer<B, Offset> first(b, static_cast<Offset>(n) + 1);
-    fill(b, count.view(), Index(0));
+    fill(b, counters.view(), Index(0));
     fill(b, chunk_count.view(), Index(0));
     const FoundPairs found{elements, slot.view(), chunk_count.data(), chunk_body.view(),
                            chunk.view()};
-    for_each(b, elements, CountCandidates<Real>{search, count.view(), found});
-    exclusive_scan(b, Span<const Index>(count.view()), first.view());
+    for_each(b, elements, CountCandidates<Real>{search, count, found});
+    exclusive_scan(b, Span<const Index>(count), first.view());
     const Offset total = fetch(b, first.data() + n);
     checked_index(total, can_number(n, total), "pairs of near bodies");
     Buffer<B, Index> lower(b, total), other(b, total);
-    const PairPlaces places{first.view(), count.view(), lower.view(), other.view()};
+    const PairPlaces places{first.view(), count, lower.view(), other.view()};
     for_each(b, elements, WriteCandidates<Real>{search, found, places});
     for_each(b, chunks, WriteChunks{found, places});
     slot.release(), chunk.release(), chunk_body.release();
-    put_into_order(b, n, places);
+    put_into_order(b, n, places, counters.data() + n);
     left_.resize_discard(most_renewed(binned_.size()));
     is_kept_ = spare.skin > 0;
     age_ = extensions_ = 0;
@@ -243,12 +244,13 @@ class PairCandidates {
   /// Elements that find more than their slots hold are large bodies, which search in slices.
   static Index chunks_for(Index slices) { return slices / 16 + 64; }
 
-  /// The list, from pairs that are together for each lower body.
-  void put_into_order(B& b, Index free_count, const PairPlaces& pairs) {
+  /// The list, from pairs that are together for each lower body; one host read.
+  /// @param long_elements  see order_lists()
+  void put_into_order(B& b, Index free_count, const PairPlaces& pairs, Index* long_elements) {
     const Offset total = pairs.lower.size;
     cut(b, free_count, pairs.begin, total);
-    for_each(b, static_cast<Index>(total),
-             OrderCandidates{pairs.lower, pairs.other, pairs.begin, other_.resize_discard(total)});
+    const UnorderedLists<LowerBodyOf> lists{{pairs.lower}, pairs.other, pairs.begin};
+    order_lists(b, static_cast<Index>(total), lists, other_.resize_discard(total), long_elements);
   }
 
   /// Makes the pieces. @param begin  [free_count + 1] where the candidates of each body begin

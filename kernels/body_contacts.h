@@ -50,25 +50,10 @@ struct PutAsB {
   }
 };
 
-/// Puts the contacts of each body B in ascending order: each goes where as many are lower. The
-/// order before does not matter, so the list is the same on every run.
-/// Bytes per contact: 4 read and 4 of its body B gathered, 4 written; the others of its body from
-/// the caches.
-struct OrderAsB {
-  static constexpr const char* name = "order_as_b";
+/// The list of a contact among those of bodies B. Bytes: 4 gathered.
+struct BodyBOf {
   Span<const Index> body_b;
-  Index free_count;
-  Span<const Offset> start;   ///< [free_count + 1]
-  Span<const Index> contact;  ///< [start[free_count]] in any order within a body
-  Span<Index> ordered;        ///< out
-  SCREE_HD void operator()(Index k) const {
-    if (k >= start[free_count]) return;  // contacts of bodies that do not move
-    const Index c = contact[k], b = body_b[c];
-    const Offset first = start[b];
-    Offset before = 0;
-    for (Offset q = first; q < start[b + 1]; ++q) before += contact[q] < c;
-    ordered[first + before] = c;
-  }
+  SCREE_HD Index operator()(Index, Index c) const { return body_b[c]; }
 };
 
 /// Starts in the width that solvers read. Bytes per body: 8 read, 4 written.

@@ -6,27 +6,13 @@
 // all pairs whose balls overlap are listed. As long as the ball of every body in the present step
 // stays within that, no contact between bodies lies outside the list.
 
-#include "kernels/backend/atomic.h"
+#include "kernels/ordered_lists.h"
 #include "kernels/pair_search.h"
 
 namespace scree {
 
 /// Candidates of one piece at most: as many as an Index has bits for, see CountContacts.
 inline constexpr Index kPieceLength = 32;
-
-/// First of the ascending elements [from, to) that is not below the value; `to` when all are.
-template <class T>
-SCREE_HD Index first_not_below(Span<const T> sorted, Index from, Index to, T value) {
-  while (from < to) {
-    const Index middle = from + (to - from) / 2;
-    if (sorted[middle] < value) {
-      from = middle + 1;
-    } else {
-      to = middle;
-    }
-  }
-  return from;
-}
 
 /// Pairs sorted by (body a, other body), a being the free body with the lower storage index. They
 /// are cut into pieces, so that one large body among many small ones does not hold up all others:
@@ -308,23 +294,10 @@ struct CutPieces {
   }
 };
 
-/// Puts the candidates of each body in ascending order: each goes where as many are lower. The
-/// order before does not matter, so the list is the same on every run. Bytes per candidate: 8 read,
-/// the others of its body from the caches, 4 written.
-struct OrderCandidates {
-  static constexpr const char* name = "order_candidates";
-  Span<const Index> lower;   ///< the lower body of each pair
-  Span<const Index> other;   ///< the higher one, in any order within a body
-  Span<const Offset> begin;  ///< [free_count + 1]
-  Span<Index> ordered;       ///< out
-
-  SCREE_HD void operator()(Index k) const {
-    const Index a = lower[k], j = other[k];
-    const auto first = static_cast<Index>(begin[a]), end = static_cast<Index>(begin[a + 1]);
-    Index before = 0;
-    for (Index q = first; q < end; ++q) before += other[q] < j;
-    ordered[first + before] = j;
-  }
+/// The list of a candidate among those of lower bodies. Bytes: 4.
+struct LowerBodyOf {
+  Span<const Index> lower;  ///< of each pair
+  SCREE_HD Index operator()(Index k, Index) const { return lower[k]; }
 };
 
 }  // namespace scree

@@ -5,6 +5,7 @@
 #include "kernels/backend/backend.h"
 #include "kernels/body_contacts.h"
 #include "kernels/contact_problem.h"
+#include "kernels/ordered_lists.h"
 
 namespace scree {
 
@@ -13,9 +14,10 @@ class BodyContacts {
  public:
   explicit BodyContacts(B& b) : a_start_(b), b_start_(b), b_contact_(b) {}
 
-  /// Builds the lists and points the problem at them.
+  /// Builds the lists and points the problem at them; one host read.
   /// Bytes, see body_contacts_traffic(): 32 a contact and 32 a body.
-  /// Memory: 8 bytes a body and 4 a contact, and 12 a body and 4 a contact more while it works.
+  /// Memory: 8 bytes a body and 4 a contact, and 12 a body and 4 a contact more while it works; see
+  /// order_lists() for bodies with very many contacts.
   /// @param p  with contact_count, free_count, body_a (sorted) and body_b set
   template <class Real>
   void build(B& b, ContactProblem<Real>& p) {
@@ -28,13 +30,15 @@ class BodyContacts {
     for_each(b, n + 1, RunStarts<Index>{p.body_a.first(n), n, bodies, a_start});
 
     const Span<const Index> body_b = p.body_b.first(n);
-    Buffer<B, Index> count(b, bodies), unordered(b, n);
+    Buffer<B, Index> counters(b, bodies + 1), unordered(b, n);
+    const Span<Index> count = counters.view(bodies);
     Buffer<B, Offset> start(b, static_cast<Offset>(bodies) + 1);
-    fill(b, count.view(), Index(0));
-    for_each(b, n, CountAsB{body_b, bodies, count.view()});
-    exclusive_scan(b, Span<const Index>(count.view()), start.view());
-    for_each(b, n, PutAsB{body_b, bodies, start.view(), count.view(), unordered.view()});
-    for_each(b, n, OrderAsB{body_b, bodies, start.view(), unordered.view(), contact});
+    fill(b, counters.view(), Index(0));
+    for_each(b, n, CountAsB{body_b, bodies, count});
+    exclusive_scan(b, Span<const Index>(count), start.view());
+    for_each(b, n, PutAsB{body_b, bodies, start.view(), count, unordered.view()});
+    const UnorderedLists<BodyBOf> lists{{body_b}, unordered.view(), start.view()};
+    order_lists(b, n, lists, contact, counters.data() + bodies);
     for_each(b, bodies + 1, NarrowStarts{start.view(), b_start});
     p.a_start = a_start;
     p.b_start = b_start;

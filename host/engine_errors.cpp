@@ -36,4 +36,17 @@ void throw_unknown_body(int id) {
   throw InputError(fmt::format("checkpoint: body {} is not a free body of the scene", id));
 }
 
+void require_contacts(const WorldState& state, int vectors_per_contact, std::size_t free_count) {
+  const std::size_t contacts = state.contact_key.size();
+  const std::size_t vectors = contacts * static_cast<std::size_t>(vectors_per_contact);
+  if (state.contact_impulse.size() != vectors)
+    throw InputError(fmt::format("checkpoint: {} contact impulses, expected {} of {} contacts",
+                                 state.contact_impulse.size(), vectors, contacts));
+  for (std::size_t c = 0; c < contacts; ++c)
+    if (state.contact_key[c] >> 32 >= free_count)
+      throw InputError(
+          fmt::format("checkpoint: contact {} is of storage place {}, expected 0 to {}", c,
+                      state.contact_key[c] >> 32, static_cast<std::int64_t>(free_count) - 1));
+}
+
 }  // namespace scree

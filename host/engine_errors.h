@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "host/scene.h"
+#include "host/world.h"
 
 namespace scree {
 
@@ -19,5 +20,8 @@ namespace scree {
 [[noreturn]] void throw_wrong_body_count(std::size_t found, std::size_t expected);
 /// @throws InputError
 [[noreturn]] void throw_unknown_body(int id);
+/// Checks that remembered contacts fit a scene: their vectors are counted and their keys name
+/// bodies that can move. @throws InputError
+void require_contacts(const WorldState& state, int vectors_per_contact, std::size_t free_count);
 
 }  // namespace scree

@@ -172,6 +172,7 @@ class EngineOf final : public Engine {
     while (insertions_done_ < s.insertions_done) insert_next();
     const auto n = static_cast<std::size_t>(store_.free_count());
     if (s.id.size() != n) throw_wrong_body_count(s.id.size(), n);
+    require_contacts(s, vectors_per_contact(summary_.layout), n);
     store_.arrange(s.id);
     store_.restore_free(s);
     detector_.restore(*backend_, s.contact_key, s.contact_impulse);

@@ -64,8 +64,7 @@ AssembledOptions solver_options(const SolveOptions& options) {
 
 void note(const std::string& text) { say("scree: " + text); }
 
-/// The file, or the problem files of the folder by name. HDF5 files of something else, which a run
-/// leaves beside its problems, are noted and skipped.
+/// The file, or the HDF5 files of the folder by name.
 std::vector<fs::path> problem_files(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return {path};
@@ -80,16 +79,6 @@ std::vector<fs::path> problem_files(const fs::path& path) {
     throw InputError(
         fmt::format("{}: holds no problem files, expected *.hdf5 or *.h5", path.string()));
   std::sort(files.begin(), files.end());
-  std::vector<std::string> others;
-  std::erase_if(files, [&](const fs::path& file) {
-    if (may_hold_problem(file)) return false;
-    others.push_back(file.filename().string());
-    return true;
-  });
-  if (files.empty())
-    throw InputError(fmt::format("{}: holds no problem files: none is in {}", path.string(),
-                                 fmt::join(others, ", ")));
-  if (!others.empty()) note(fmt::format("skipped, no problems: {}", fmt::join(others, ", ")));
   return files;
 }
 
@@ -234,8 +223,17 @@ int solve_problems(const SolveOptions& options) {
   std::vector<ProblemReport> reports;
   std::vector<ReadyProblem> problems;
   std::vector<BodyProblem> bodies;  // of matrix-free solvers
+  std::vector<std::string> others;
   for (const fs::path& file : problem_files(options.problem)) {
-    const StoredProblem stored = read_problem(file);
+    StoredProblem stored;
+    try {
+      stored = read_problem(file);
+    } catch (const NoProblemInFile&) {
+      // A run leaves other HDF5 files beside its problems.
+      if (file == options.problem) throw;
+      others.push_back(file.filename().string());
+      continue;
+    }
     try {
       problems.push_back((matrix_free ? ready_matrix_free : ready)(file.stem().string(), stored));
     } catch (const InputError& error) {
@@ -254,6 +252,10 @@ int solve_problems(const SolveOptions& options) {
     reports.push_back(
         {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}, {}});
   }
+  if (problems.empty())
+    throw InputError(fmt::format("{}: holds no problem files: none is in {}",
+                                 options.problem.string(), fmt::join(others, ", ")));
+  if (!others.empty()) note(fmt::format("skipped, no problems: {}", fmt::join(others, ", ")));
   if (!options.json && cuda && !matrix_free && options.solver == "all")
     fmt::print("not on cuda: {}\n\n", fmt::join(without_cuda_form(assembled_solver_names()), ", "));
   for (std::size_t k = 0; k < problems.size(); ++k) {

@@ -13,8 +13,6 @@
 namespace scree {
 namespace {
 
-constexpr const char* format_name = "scree contact problem";
-
 // Rows of arrays are these types, read and written as they lie in memory.
 static_assert(sizeof(Twist<double>) == 6 * sizeof(double));
 static_assert(sizeof(RollingRow<double>) == 3 * sizeof(double));
@@ -123,7 +121,7 @@ ProblemSource read_source(const h5::Group& root) {
 }  // namespace
 
 bool is_body_problem(const h5::Group& root) {
-  return root.has_attribute("format") && root.text_attribute("format") == format_name;
+  return root.has_attribute("format") && root.text_attribute("format") == problem_format_name;
 }
 
 BodyProblem read_body_problem(const h5::Group& root) {
@@ -170,7 +168,7 @@ BodyProblem read_body_problem(const h5::Group& root) {
 }
 
 void write_body_problem(h5::Group& root, const BodyProblem& p) {
-  root.write_text_attribute("format", format_name);
+  root.write_text_attribute("format", problem_format_name);
   root.write_attribute<std::int64_t>("format_version", problem_format_version);
   root.write_text_attribute("layout", to_string(p.layout));
   root.write_attribute<std::int64_t>("free_count", p.free_count);

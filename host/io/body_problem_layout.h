@@ -9,6 +9,9 @@ namespace scree {
 /// Number of the layout; files of another version are refused.
 inline constexpr int problem_format_version = 1;
 
+/// What files in this layout say they are, in the attribute `format` and in their seal.
+inline constexpr const char* problem_format_name = "scree contact problem";
+
 /// Whether a file says that it is in this layout.
 bool is_body_problem(const h5::Group& root);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 #include <span>
 #include <stdexcept>
@@ -21,6 +22,9 @@ namespace scree {
 namespace {
 
 constexpr const char* format_name = "scree checkpoint";
+
+/// Beyond this, step numbers are no longer exact where they are doubles.
+constexpr std::int64_t most_steps = std::int64_t{1} << 53;
 
 /// All of a checkpoint, borrowed.
 struct Contents {
@@ -50,7 +54,7 @@ class Reader {
   T opened(T (Reader::*read)(const h5::Group&) const) const try {
     const std::string fault = check_seal(path_, format_name, checkpoint_format_version);
     if (!fault.empty()) refuse(fault);
-    return (this->*read)(h5::File::open(path_).root());
+    return (this->*read)(h5::File::open_foreign(path_).root());
   } catch (const h5::Error& error) {
     refuse(error.what());
   } catch (const std::bad_alloc&) {
@@ -138,6 +142,10 @@ class Reader {
     s.step = root.attribute<std::int64_t>("step");
     s.time = root.attribute<double>("time");
     s.insertions_done = root.attribute<std::uint64_t>("insertions_done");
+    if (s.step < 0 || s.step > most_steps)
+      refuse(fmt::format("attribute step is {}, expected 0 to {}", s.step, most_steps));
+    if (!(std::isfinite(s.time) && s.time >= 0))
+      refuse(fmt::format("attribute time is {}, expected a time from 0 on", s.time));
     const std::uint64_t bodies = root.shape("body/id").rows;
     s.id = array<std::int32_t>(root, "body/id", bodies);
     s.position = array<Vec3d>(root, "body/position", bodies, 3);
@@ -149,15 +157,25 @@ class Reader {
 
     const std::uint64_t contacts = root.shape("contact/key").rows;
     const std::uint64_t impulses = root.shape("contact/impulse").rows;
-    if (contacts == 0 ? impulses != 0 : impulses % contacts != 0)
-      refuse(
-          fmt::format("dataset contact/impulse has {} rows, expected a multiple of the {} of "
-                      "contact/key",
-                      impulses, contacts));
+    if (impulses != contacts && impulses != 2 * contacts)
+      refuse(fmt::format("dataset contact/impulse has {} rows, expected {}, or {} with moments",
+                         impulses, contacts, 2 * contacts));
     s.contact_key = array<std::uint64_t>(root, "contact/key", contacts);
     s.contact_impulse = array<Vec3d>(root, "contact/impulse", impulses, 3);
     s.solver_memory = array<double>(root, "solver/memory", root.shape("solver/memory").rows);
+    require_finite("body/position", values(s.position));
+    require_finite("body/orientation", values(s.orientation));
+    require_finite("body/velocity", values(s.velocity));
+    require_finite("body/angular_velocity", values(s.angular_velocity));
+    require_finite("contact/impulse", values(s.contact_impulse));
+    require_finite("solver/memory", s.solver_memory);
     return c;
+  }
+
+  void require_finite(const char* name, std::span<const double> numbers) const {
+    for (const double x : numbers)
+      if (!std::isfinite(x))
+        refuse(fmt::format("dataset {} holds {}, expected finite numbers", name, x));
   }
 
   template <class Enum>

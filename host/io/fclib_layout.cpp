@@ -33,12 +33,14 @@ std::vector<double> read_vector(const h5::Group& group, const std::string& name)
 /// Text up to the zero byte that ends it; empty when it is not there or not of a fixed length.
 /// Those of variable length lie in a heap that HDF5 reads unchecked: a damaged one would end the
 /// program.
-std::string read_text(const h5::Group& group, const std::string& name) try {
+std::string read_text(const h5::Group& group, const std::string& name) {
   if (!group.has(name)) return {};
-  const std::string text = group.read_text(name);
-  return text.substr(0, text.find('\0'));
-} catch (const h5::Error&) {
-  return {};
+  try {
+    const std::string text = group.read_text(name);
+    return text.substr(0, text.find('\0'));
+  } catch (const h5::Error&) {
+    return {};
+  }
 }
 
 /// Decodes one matrix of a known size.

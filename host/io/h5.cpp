@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <mutex>
 #include <string_view>
 #include <type_traits>
 #include <utility>
+
+#include "host/io/h5_bounds.h"
 
 namespace scree::h5 {
 namespace {
@@ -123,6 +126,8 @@ bool get_shape(hid_t dataset, Shape* shape) {
   if (rank < 1 || rank > 2) return false;
   std::array<hsize_t, 2> size{0, 0};
   if (H5Sget_simple_extent_dims(space.id(), size.data(), nullptr) < 0) return false;
+  if (rank == 2 && size[1] > 0 && size[0] > std::numeric_limits<hsize_t>::max() / size[1])
+    return false;
   *shape = {size[0], rank == 2 ? size[1] : 0};
   return true;
 }
@@ -160,8 +165,11 @@ void Handle::reset() noexcept {
 
 Handle::Id Handle::release() noexcept { return std::exchange(id_, -1); }
 
-Group::Group(Handle handle, std::string file, std::string path)
-    : handle_(std::move(handle)), file_(std::move(file)), path_(std::move(path)) {}
+Group::Group(Handle handle, std::string file, std::string path, std::shared_ptr<Bounds> bounds)
+    : handle_(std::move(handle)),
+      file_(std::move(file)),
+      path_(std::move(path)),
+      bounds_(std::move(bounds)) {}
 
 void Group::fail(const std::string& name, const std::string& what) const {
   const std::string reason = what.empty() ? last_reason() : what;
@@ -185,32 +193,38 @@ Group Group::create_group(const std::string& name) {
   Handle group(H5Gcreate2(handle_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                H5Gclose);
   if (group.id() < 0) fail(name, "");
-  return {std::move(group), file_, path_ + "/" + name};
+  return {std::move(group), file_, path_ + "/" + name, bounds_};
 }
 
 Group Group::open_group(const std::string& name) const {
   const Guard guard;
   if (!has(name)) fail(name, "no such group");
-  Handle group(H5Gopen2(handle_.id(), name.c_str(), H5P_DEFAULT), H5Gclose);
+  const Handle access = access_within_file(H5P_GROUP_ACCESS);
+  Handle group(H5Gopen2(handle_.id(), name.c_str(), access.id()), H5Gclose);
   if (group.id() < 0) fail(name, "");
-  return {std::move(group), file_, path_ + "/" + name};
+  return {std::move(group), file_, path_ + "/" + name, bounds_};
 }
 
 bool Group::has(const std::string& name) const {
   const Guard guard;
-  // H5Lexists wants every intermediate group of the path to exist.
-  for (std::size_t end = 0; end != std::string::npos;) {
-    end = name.find('/', end + 1);
-    if (H5Lexists(handle_.id(), name.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
-  }
-  return true;
+  const Search result = search(handle_.id(), name);
+  if (!result.fault.empty()) fail(name, result.fault);
+  return result.found;
 }
 
 Handle Group::open_array(const std::string& name) const {
   if (!has(name)) fail(name, "no such dataset");
-  Handle dataset(H5Dopen2(handle_.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+  const Handle access = access_within_file(H5P_DATASET_ACCESS);
+  Handle dataset(H5Dopen2(handle_.id(), name.c_str(), access.id()), H5Dclose);
   if (dataset.id() < 0) fail(name, "");
+  const std::string fault = storage_fault(dataset.id(), bounds_ ? bounds_->file_bytes : 0);
+  if (!fault.empty()) fail(name, fault);
   return dataset;
+}
+
+void Group::count_bytes(const std::string& name, const Handle& dataset, std::uint64_t bytes) const {
+  const std::string fault = bounds_ ? bounds_->add(dataset.id(), bytes) : "";
+  if (!fault.empty()) fail(name, fault);
 }
 
 void Group::write_array(const std::string& name, Type type, const void* values, Shape shape) {
@@ -314,6 +328,7 @@ void Group::read_array(const std::string& name, Type type, void* out, std::uint6
   if (first > shape.rows || rows > shape.rows - first)
     fail(name, fmt::format("expected at least {} rows, found {}", first + rows, shape.rows));
   if (rows == 0) return;
+  count_bytes(name, dataset, count * H5Tget_size(native(type)));
   const Handle file_space(H5Dget_space(dataset.id()), H5Sclose);
   const Handle memory_space = space_of({rows, shape.columns});
   if (!select_rows(file_space.id(), shape, first, rows)) fail(name, "");
@@ -340,6 +355,7 @@ void Group::read_converted_array(const std::string& name, Type type, void* out,
                                                          : "expected floating-point numbers");
   if (value_count(name) != count) fail(name, "the number of values changed");
   if (count == 0) return;
+  count_bytes(name, dataset, count * H5Tget_size(stored.id()));
   if (H5Dread(dataset.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, out) < 0) fail(name, "");
 }
 
@@ -363,6 +379,7 @@ std::string Group::read_text(const std::string& name) const {
   if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 ||
       H5Sget_simple_extent_npoints(space.id()) != 1)
     fail(name, "expected a text");
+  count_bytes(name, dataset, H5Tget_size(type.id()));
   std::string text(H5Tget_size(type.id()), '\0');
   if (H5Dread(dataset.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
     fail(name, "");
@@ -422,18 +439,37 @@ std::string Group::text_attribute(const std::string& name) const {
   if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0 ||
       H5Sget_simple_extent_npoints(space.id()) != 1)
     fail_attribute(name, "expected a text");
+  if (bounds_ && H5Tget_size(type.id()) > bounds_->file_bytes)
+    fail_attribute(name, fmt::format("declares a text of {} bytes, more than the file has",
+                                     H5Tget_size(type.id())));
   std::string text(H5Tget_size(type.id()), '\0');
   if (H5Aread(attribute.id(), type.id(), text.data()) < 0) fail_attribute(name, "");
   strip_padding(&text);
   return text;
 }
 
-bool is_hdf5(const std::filesystem::path& path) {
-  const Guard guard;
-  return H5Fis_hdf5(path.c_str()) > 0;
+namespace {
+
+/// Others than regular files may wait forever, as pipes do.
+bool is_regular(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
 }
 
-File::File(Handle handle, std::string path) : handle_(std::move(handle)), path_(std::move(path)) {}
+void require_regular(const std::filesystem::path& path) {
+  if (std::filesystem::exists(path) && !is_regular(path))
+    throw Error(fmt::format("{}: it is not a regular file", path.string()));
+}
+
+}  // namespace
+
+bool is_hdf5(const std::filesystem::path& path) {
+  const Guard guard;
+  return is_regular(path) && H5Fis_hdf5(path.c_str()) > 0;
+}
+
+File::File(Handle handle, std::string path, std::shared_ptr<Bounds> bounds)
+    : handle_(std::move(handle)), path_(std::move(path)), bounds_(std::move(bounds)) {}
 
 File File::create(const std::filesystem::path& path, std::uint64_t user_block) {
   const Guard guard;
@@ -447,13 +483,24 @@ File File::create(const std::filesystem::path& path, std::uint64_t user_block) {
 
 File File::open(const std::filesystem::path& path) {
   const Guard guard;
+  require_regular(path);
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (file.id() < 0) throw Error(fmt::format("{}: {}", path.string(), last_reason()));
   return {std::move(file), path.string()};
 }
 
+File File::open_foreign(const std::filesystem::path& path) {
+  File file = open(path);
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error) throw Error(fmt::format("{}: {}", path.string(), error.message()));
+  file.bounds_ = std::make_shared<Bounds>(Bounds{bytes, 0});
+  return file;
+}
+
 File File::open_for_append(const std::filesystem::path& path) {
   const Guard guard;
+  require_regular(path);
   Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose);
   if (file.id() < 0) throw Error(fmt::format("{}: {}", path.string(), last_reason()));
   return {std::move(file), path.string()};
@@ -463,7 +510,7 @@ Group File::root() const {
   const Guard guard;
   Handle group(H5Gopen2(handle_.id(), "/", H5P_DEFAULT), H5Gclose);
   if (group.id() < 0) throw Error(fmt::format("{}: {}", path_, last_reason()));
-  return {std::move(group), path_, ""};
+  return {std::move(group), path_, "", bounds_};
 }
 
 void File::close() {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -77,7 +78,10 @@ class Handle {
   Close close_ = nullptr;
 };
 
+struct Bounds;
+
 /// A group of an open file. All names are relative to the group and may contain slashes.
+/// Nothing leaves the file: links to others, external storage and virtual datasets are errors.
 /// Every function throws Error.
 class Group {
  public:
@@ -153,12 +157,13 @@ class Group {
 
  private:
   friend class File;
-  Group(Handle handle, std::string file, std::string path);
+  Group(Handle handle, std::string file, std::string path, std::shared_ptr<Bounds> bounds);
 
   [[noreturn]] void fail(const std::string& name, const std::string& what) const;
   [[noreturn]] void fail_attribute(const std::string& name, const std::string& what) const;
   Shape shape_for(const std::string& name, std::uint64_t count, std::uint64_t columns) const;
   Handle open_array(const std::string& name) const;
+  void count_bytes(const std::string& name, const Handle& dataset, std::uint64_t bytes) const;
   void write_array(const std::string&, Type, const void*, Shape);
   void create_growing_array(const std::string&, Type, std::uint64_t columns, std::uint64_t rows);
   void append_array(const std::string&, Type, const void*, std::uint64_t count);
@@ -169,11 +174,12 @@ class Group {
   void read_attribute_array(const std::string&, Type, void*, std::uint64_t) const;
 
   Handle handle_;
-  std::string file_;  // for messages
-  std::string path_;  // within the file, for messages; "" for the root group
+  std::string file_;                // for messages
+  std::string path_;                // within the file, for messages; "" for the root group
+  std::shared_ptr<Bounds> bounds_;  // what reading is held to; null: the program's own file
 };
 
-/// Whether a file begins as HDF5 files do.
+/// Whether it is a regular file that begins as HDF5 files do.
 bool is_hdf5(const std::filesystem::path& path);
 
 /// An open file. Groups and arrays of it must be gone before close().
@@ -184,6 +190,9 @@ class File {
   /// on
   static File create(const std::filesystem::path& path, std::uint64_t user_block = 0);
   static File open(const std::filesystem::path& path);
+  /// A file that anybody may have made: sizes that it declares are compared with its own before
+  /// memory is taken for them.
+  static File open_foreign(const std::filesystem::path& path);
   static File open_for_append(const std::filesystem::path& path);
 
   Group root() const;
@@ -193,9 +202,10 @@ class File {
   void close();
 
  private:
-  File(Handle handle, std::string path);
+  File(Handle handle, std::string path, std::shared_ptr<Bounds> bounds = nullptr);
   Handle handle_;
   std::string path_;
+  std::shared_ptr<Bounds> bounds_;
 };
 
 }  // namespace scree::h5

@@ -9,31 +9,56 @@
 #include <string>
 #include <system_error>
 
-#include "host/error.h"
 #include "host/io/atomic_file.h"
 #include "host/io/body_problem_layout.h"
+#include "host/io/seal.h"
+#include "host/io/trial.h"
 
 namespace scree {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& path, std::string what) {
+std::string message_of(const fs::path& path, std::string what) {
   const std::string prefix = path.string() + ": ";  // of messages about the file's contents
   if (what.starts_with(prefix)) what.erase(0, prefix.size());
-  throw InputError(fmt::format("cannot read contact problem {}: {}", path.string(), what));
+  return fmt::format("cannot read contact problem {}: {}", path.string(), what);
 }
 
-StoredProblem read_root(const h5::Group& root) {
+[[noreturn]] void refuse(const fs::path& path, const std::string& what) {
+  throw InputError(message_of(path, what));
+}
+
+StoredProblem read_contents(const fs::path& path) {
+  const h5::File file = h5::File::open_foreign(path);
+  const h5::Group root = file.root();
   if (is_body_problem(root)) {
     StoredProblem problem;
     problem.form = read_body_problem(root);
     return problem;
   }
   if (is_fclib(root)) return read_fclib(root);
-  throw InputError(
+  throw NoProblemInFile(
       "it holds no contact problem, expected the attribute format (scree) or one of the groups "
       "fclib_local and fclib_global (FCLIB)");
+}
+
+/// Seconds that reading a file may take: many times what it does take.
+unsigned seconds_for(const fs::path& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  return 20 + static_cast<unsigned>(error ? 0 : bytes / 5'000'000);
+}
+
+/// Refuses what a file that HDF5 cannot be trusted with is found to be.
+void require_harmless(const fs::path& path) {
+  if (has_seal(path, problem_format_name)) {
+    const std::string fault = check_seal(path, problem_format_name, problem_format_version);
+    if (!fault.empty()) refuse(path, fault);
+    return;
+  }
+  const std::string end = trial([&] { read_contents(path); }, seconds_for(path));
+  if (!end.empty()) refuse(path, fmt::format("it is damaged: reading it was tried, and {}", end));
 }
 
 }  // namespace
@@ -46,11 +71,13 @@ StoredProblem read_problem(const fs::path& path) try {
   if (::access(path.c_str(), R_OK) != 0)
     refuse(path, "it cannot be read: " + std::generic_category().message(errno));
   if (!h5::is_hdf5(path)) refuse(path, "it is not an HDF5 file");
+  require_harmless(path);
   try {
-    const h5::File file = h5::File::open(path);
-    StoredProblem problem = read_root(file.root());
+    StoredProblem problem = read_contents(path);
     validate(problem);
     return problem;
+  } catch (const NoProblemInFile& fault) {
+    throw NoProblemInFile(message_of(path, fault.what()));
   } catch (const InputError& fault) {
     refuse(path, fault.what());
   } catch (const h5::Error& fault) {
@@ -62,17 +89,6 @@ StoredProblem read_problem(const fs::path& path) try {
   refuse(path, "its arrays do not fit in memory");
 }
 
-bool may_hold_problem(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_regular_file(path, error) || !h5::is_hdf5(path)) return true;
-  try {
-    const h5::File file = h5::File::open(path);
-    return is_body_problem(file.root()) || is_fclib(file.root());
-  } catch (const h5::Error&) {
-    return true;
-  }
-}
-
 void write_problem(const fs::path& path, const StoredProblem& problem) {
   const bool is_global = std::holds_alternative<GlobalProblem>(problem.form);
   write_problem(path, problem, is_global ? FclibStorage::triplets : FclibStorage::rows);
@@ -81,11 +97,12 @@ void write_problem(const fs::path& path, const StoredProblem& problem) {
 void write_problem(const fs::path& path, const StoredProblem& problem, FclibStorage storage) {
   validate(problem);
   AtomicFile target(path);
+  const auto* bodies = std::get_if<BodyProblem>(&problem.form);
   try {
-    h5::File file = h5::File::create(target.temporary());
+    h5::File file = h5::File::create(target.temporary(), bodies != nullptr ? seal_bytes : 0);
     {
       h5::Group root = file.root();
-      if (const auto* bodies = std::get_if<BodyProblem>(&problem.form)) {
+      if (bodies != nullptr) {
         write_body_problem(root, *bodies);
       } else {
         write_fclib(root, problem, storage);
@@ -95,6 +112,8 @@ void write_problem(const fs::path& path, const StoredProblem& problem, FclibStor
   } catch (const h5::Error& error) {
     throw RunError(fmt::format("cannot write contact problem {}: {}", path.string(), error.what()));
   }
+  if (bodies != nullptr)
+    write_seal(target.temporary(), problem_format_name, problem_format_version);
   target.commit();
 }
 

@@ -4,20 +4,25 @@
 
 #include <filesystem>
 
+#include "host/error.h"
 #include "host/io/fclib_layout.h"
 #include "host/problems/stored_problem.h"
 
 namespace scree {
 
-/// Reads and checks a problem in whichever layout the file has.
+/// Reads and checks a problem in whichever layout the file has. One without a seal (seal.h) is read
+/// in a child process first, so that what crashes HDF5 is an error here.
 /// @throws InputError naming the file, the dataset or value that is wrong and what was expected:
 ///         no such file, not HDF5, no problem in it, missing groups, sizes that disagree, indices
-///         out of range, values that are not finite or have the wrong sign, no contacts
+///         out of range, values that are not finite or have the wrong sign, no contacts, data in
+///         other files, more data than the file can hold; NoProblemInFile
 StoredProblem read_problem(const std::filesystem::path& path);
 
-/// Whether a file is one that read_problem is for. False for HDF5 files of something else, as
-/// checkpoints are; true for what cannot be read, of which read_problem says why.
-bool may_hold_problem(const std::filesystem::path& path);
+/// A readable HDF5 file that holds something else, as checkpoints are.
+class NoProblemInFile : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// Checks and writes a problem: with bodies in scree's layout, else in FCLIB's, matrices stored as
 /// that library's collection has them (local: rows, global: triplets) or as told. Replaces the file

@@ -58,6 +58,14 @@ void write_seal(const std::filesystem::path& path, const std::string& kind, int 
   if (!file) throw RunError(io_message("cannot write", path, errno));
 }
 
+bool has_seal(const std::filesystem::path& path, const std::string& kind) {
+  const std::string start = kind + "\nversion ";
+  std::string found(start.size(), '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(found.data(), static_cast<std::streamsize>(found.size()));
+  return found == start;
+}
+
 std::string check_seal(const std::filesystem::path& path, const std::string& kind, int version) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::generic_category().message(errno);

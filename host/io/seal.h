@@ -17,6 +17,9 @@ inline constexpr std::uint64_t seal_bytes = 512;
 /// Writes the seal of a finished file. @throws RunError naming the file and the reason
 void write_seal(const std::filesystem::path& path, const std::string& kind, int version);
 
+/// Whether the file begins with the seal of a kind; whether it is whole is for check_seal to say.
+bool has_seal(const std::filesystem::path& path, const std::string& kind);
+
 /// What is wrong with the file, as half a sentence; empty when it is whole and of that kind and
 /// version.
 std::string check_seal(const std::filesystem::path& path, const std::string& kind, int version);

@@ -1,6 +1,9 @@
 #include "host/problems/assembled_form.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
+#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -9,6 +12,9 @@
 
 namespace scree {
 namespace {
+
+/// A full matrix of so many rows takes 2 GB.
+constexpr std::size_t most_dense_rows = 16'384;
 
 Eigen::MatrixXd dense(const SparseMatrix& a) {
   Eigen::MatrixXd d = Eigen::MatrixXd::Zero(a.row_count, a.column_count);
@@ -19,6 +25,12 @@ Eigen::MatrixXd dense(const SparseMatrix& a) {
 
 /// The problem without its bilateral constraints. They are few where there are any: dense.
 LocalProblem eliminated(const LocalProblem& p) {
+  const std::size_t largest = std::max(p.q.size(), p.s.size());
+  if (largest > most_dense_rows)
+    throw InputError(
+        fmt::format("{} rows with bilateral constraints, which are eliminated by full matrices, "
+                    "expected at most {}",
+                    largest, most_dense_rows));
   const Eigen::MatrixXd V = dense(p.V);
   const Eigen::FullPivLU<Eigen::MatrixXd> R(dense(p.R));
   if (!R.isInvertible())

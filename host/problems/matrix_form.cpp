@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 #include "host/error.h"
 #include "host/problems/contact_frame.h"
@@ -193,6 +195,12 @@ Parts parts_of(const BodyProblem& p) {
   return parts;
 }
 
+[[noreturn]] void refuse_large_operator(int contacts, double entries) {
+  throw InputError(fmt::format(
+      "W of {} contacts could hold {:.3g} entries, expected at most 2^31; take the global form",
+      contacts, entries));
+}
+
 /// @throws InputError when W would not fit 32-bit indices: a body couples all its contacts
 void require_room(const BodyProblem& p) {
   std::vector<double> contacts(static_cast<std::size_t>(p.body_count()), 0);
@@ -203,10 +211,49 @@ void require_room(const BodyProblem& p) {
   double entries = 0;
   for (int i = 0; i < p.free_count; ++i)
     entries += 9 * contacts[static_cast<std::size_t>(i)] * contacts[static_cast<std::size_t>(i)];
-  if (entries > max_entries)
-    throw InputError(fmt::format(
-        "W of {} contacts could hold {:.3g} entries, expected at most 2^31; take the global form",
-        p.contact_count(), entries));
+  if (entries > max_entries) refuse_large_operator(p.contact_count(), entries);
+}
+
+/// The parts of M that nothing couples, by row: [n] a number below n.
+std::vector<std::int32_t> parts_of_mass(const SparseMatrix& mass) {
+  std::vector<std::int32_t> part(static_cast<std::size_t>(mass.row_count));
+  std::iota(part.begin(), part.end(), 0);
+  const auto root = [&](std::int32_t i) {
+    for (; part[i] != i; i = part[i]) part[i] = part[part[i]];
+    return i;
+  };
+  for (std::int32_t row = 0; row < mass.row_count; ++row)
+    for (std::int32_t k = mass.row_start[row]; k < mass.row_start[row + 1]; ++k)
+      part[root(mass.column[k])] = root(row);
+  for (std::int32_t row = 0; row < mass.row_count; ++row) part[row] = root(row);
+  return part;
+}
+
+/// The same of a global problem: a part of M couples all rows of contacts that touch it.
+void require_room(const GlobalProblem& p) {
+  const std::vector<std::int32_t> part = parts_of_mass(p.M);
+  std::vector<double> rows(part.size(), 0);
+  std::vector<std::int32_t> last(part.size(), -1);
+  const SparseMatrix by_contact = transpose(p.H);
+  for (std::int32_t row = 0; row < by_contact.row_count; ++row)
+    for (std::int32_t k = by_contact.row_start[row]; k < by_contact.row_start[row + 1]; ++k) {
+      const auto at = static_cast<std::size_t>(part[by_contact.column[k]]);
+      if (std::exchange(last[at], row) != row) ++rows[at];
+    }
+  double entries = 0;
+  for (const double n : rows) entries += n * n;
+  if (entries > max_entries) refuse_large_operator(p.contact_count(), entries);
+}
+
+/// An empty row or column makes a matrix singular; a factorization may not come back from many.
+void require_entries(const SparseMatrix& mass) {
+  std::vector<bool> has_column(static_cast<std::size_t>(mass.column_count), false);
+  for (const std::int32_t column : mass.column) has_column[column] = true;
+  for (std::int32_t k = 0; k < mass.row_count; ++k) {
+    const bool has_row = mass.row_start[k] < mass.row_start[k + 1];
+    if (!has_row || !has_column[k])
+      throw InputError(fmt::format("M is singular: {} {} is empty", has_row ? "column" : "row", k));
+  }
 }
 
 LocalProblem local_of(const BodyProblem& p, const Parts& parts) {
@@ -255,6 +302,8 @@ LocalProblem local_form(const BodyProblem& problem) {
 
 LocalProblem local_form(const GlobalProblem& problem) {
   validate(problem);
+  require_entries(problem.M);
+  require_room(problem);
   const Matrix M = matrix_of(problem.M), H = matrix_of(problem.H);
   Eigen::SparseLU<Matrix> factors(M);
   if (factors.info() != Eigen::Success) throw InputError("M is singular");

@@ -1,4 +1,6 @@
 // scree convert: contact problems as FCLIB files.
+#include <hdf5.h>
+
 #include <cmath>
 
 #include "host/io/h5.h"
@@ -91,6 +93,25 @@ TEST(CliConvert, AFileThatIsThereIsReplacedWhenTold) {
   EXPECT_EQ(contents(out), "mine");
   EXPECT_EQ(scree(scratch, {"convert", dump, out.string(), "--force"}).code, 0);
   EXPECT_GT(std::get<LocalProblem>(read_problem(out).form).contact_count(), 0);
+}
+
+TEST(CliConvert, NothingOfAnotherFileGetsIntoTheOutput) {
+  const Scratch scratch;
+  const fs::path dump = put_dump(scratch);
+  const std::string secret = (scratch / "secret.hdf5").string();
+  const std::string link = (scratch / "link.hdf5").string();
+  ASSERT_EQ(scree(scratch, {"convert", dump.string(), secret}).code, 0);
+  const hid_t file = H5Fcreate(link.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  H5Lcreate_external("secret.hdf5", "fclib_local", file, "fclib_local", H5P_DEFAULT, H5P_DEFAULT);
+  H5Fclose(file);
+  for (const Arguments& arguments :
+       {Arguments{"convert", link, "out.hdf5"}, Arguments{"solve", link}}) {
+    const Result result = scree(scratch, arguments);
+    EXPECT_EQ(result.code, 2) << result.out;
+    EXPECT_NE(result.err.find("external link to the file \"secret.hdf5\""), std::string::npos)
+        << result.err;
+  }
+  EXPECT_FALSE(fs::exists(scratch / "out.hdf5"));
 }
 
 TEST(CliConvert, BadUseIsOneLineAndLeavesNothing) {

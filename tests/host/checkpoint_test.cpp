@@ -234,6 +234,29 @@ TEST_F(CheckpointTest, RefusesArraysThatDisagree) {
   }
 }
 
+TEST_F(CheckpointTest, RefusesNumbersThatNoRunWrites) {
+  const auto refused_with = [&](auto spoil) {
+    WorldState state = state_with(2, 1);
+    spoil(state);
+    write(state);
+    return refusal();
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinite = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refused_with([](WorldState& s) { s.step = std::int64_t{1} << 63; }),
+              HasSubstr("attribute step is -9223372036854775808, expected 0 to"));
+  EXPECT_THAT(refused_with([](WorldState& s) { s.step = INT64_MAX; }), HasSubstr("step"));
+  EXPECT_THAT(refused_with([&](WorldState& s) { s.time = nan; }), HasSubstr("time is nan"));
+  EXPECT_THAT(refused_with([](WorldState& s) { s.contact_impulse.clear(); }),
+              HasSubstr("contact/impulse has 0 rows, expected 2, or 4"));
+  EXPECT_THAT(refused_with([](WorldState& s) { s.contact_impulse.resize(6); }),
+              HasSubstr("contact/impulse has 6 rows"));
+  EXPECT_THAT(refused_with([&](WorldState& s) { s.position[1].y = infinite; }),
+              HasSubstr("body/position holds inf"));
+  EXPECT_THAT(refused_with([&](WorldState& s) { s.solver_memory[0] = nan; }),
+              HasSubstr("solver/memory holds nan"));
+}
+
 TEST_F(CheckpointTest, RefusesAMissingDatasetByName) {
   write_odd([](h5::Group&) {});
   EXPECT_THAT(refusal(), HasSubstr("/scene: no such dataset"));

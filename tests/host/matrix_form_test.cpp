@@ -174,6 +174,49 @@ TEST(MatrixForm, BilateralConstraintsAreReducedToo) {
   EXPECT_EQ(local.s, std::vector<double>{-0.75});
 }
 
+/// A problem of one contact on n degrees of freedom.
+GlobalProblem one_contact_on(int n) {
+  GlobalProblem g;
+  g.H = compress(n, 3, {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}});
+  g.f.assign(static_cast<std::size_t>(n), 0);
+  g.w = {0, 0, 0};
+  g.mu = {0.5};
+  return g;
+}
+
+TEST(MatrixForm, NearlyEmptyMassIsRefusedInsteadOfFactorized) {
+  GlobalProblem g = one_contact_on(100);
+  g.M = compress(100, 100, {});
+  EXPECT_THAT(refusal([&] { local_form(g); }), HasSubstr("M is singular: row 0 is empty"));
+  g.M = compress(100, 100, {{0, 0, 1}});
+  EXPECT_THAT(refusal([&] { local_form(g); }), HasSubstr("M is singular: row 1 is empty"));
+  std::vector<MatrixEntry> one_column;
+  for (int row = 0; row < 100; ++row) one_column.push_back({row, 0, 1});
+  g.M = compress(100, 100, one_column);
+  EXPECT_THAT(refusal([&] { local_form(g); }), HasSubstr("M is singular: column 1 is empty"));
+}
+
+TEST(MatrixForm, AnOperatorBeyondAllMemoryIsRefusedAndOneThatIsOnlyLargeIsNot) {
+  const auto contacts_on = [](int bodies) {
+    const int contacts = 20'000;
+    GlobalProblem g;
+    std::vector<MatrixEntry> mass, h;
+    for (int k = 0; k < 3 * bodies; ++k) mass.push_back({k, k, 1});
+    for (int row = 0; row < 3 * contacts; ++row) h.push_back({row % (3 * bodies), row, 1});
+    g.M = compress(3 * bodies, 3 * bodies, mass);
+    g.H = compress(3 * bodies, 3 * contacts, h);
+    g.f.assign(static_cast<std::size_t>(3 * bodies), 0);
+    g.w.assign(3 * contacts, 0.0);
+    g.mu.assign(contacts, 0.5);
+    return g;
+  };
+  EXPECT_EQ(local_form(contacts_on(10'000)).W.entry_count(), 4 * 3 * 10'000);
+  GlobalProblem coupled = contacts_on(1);
+  coupled.M =
+      compress(3, 3, {{0, 0, 2}, {0, 1, 1}, {1, 0, 1}, {1, 1, 2}, {1, 2, 1}, {2, 1, 1}, {2, 2, 2}});
+  EXPECT_THAT(refusal([&] { local_form(coupled); }), HasSubstr("at most 2^31"));
+}
+
 TEST(MatrixForm, SingularMassIsRefused) {
   GlobalProblem g;
   g.M = compress(3, 3, {{0, 0, 1}, {1, 1, 1}});

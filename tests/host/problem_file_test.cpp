@@ -8,7 +8,9 @@
 #include <functional>
 #include <limits>
 
+#include "host/io/body_problem_layout.h"
 #include "host/io/h5.h"
+#include "host/io/seal.h"
 #include "output_fixtures.h"
 #include "tests/host/input_files.h"
 #include "tests/stored_problem_samples.h"
@@ -60,6 +62,31 @@ TEST_P(ProblemFile, RoundTripKeepsEveryBit) {
   EXPECT_TRUE(same_bits(back.adhesion, p.adhesion));
   EXPECT_TRUE(same_bits(back.rolling, p.rolling));
   EXPECT_TRUE(same_bits(back.impulse, p.impulse));
+}
+
+TEST_P(ProblemFile, DamageAnywhereIsFoundBeforeHdf5ReadsIt) {
+  write_problem(path_, stored(random_body_problem({.layout = GetParam()})));
+  const std::string good = test::contents(path_);
+  EXPECT_TRUE(good.starts_with("scree contact problem\nversion 1\n"));
+  for (std::size_t byte = 30; byte < good.size(); byte += 211) {
+    std::string bad = good;
+    bad[byte] = static_cast<char>(bad[byte] ^ 0x10);
+    test::put(path_, bad);
+    EXPECT_THROW(read_problem(path_), InputError) << "byte " << byte;
+  }
+  test::put(path_, good.substr(0, good.size() - 1));
+  EXPECT_THAT(refusal([&] { read_problem(path_); }), HasSubstr("bytes where"));
+}
+
+TEST_P(ProblemFile, OneWithoutASealAsOtherProgramsWriteItIsRead) {
+  const BodyProblem p = random_body_problem({.layout = GetParam()});
+  h5::File file = h5::File::create(path_);
+  {
+    h5::Group root = file.root();
+    write_body_problem(root, p);
+  }
+  file.close();
+  EXPECT_TRUE(same_bits(std::get<BodyProblem>(read_problem(path_).form).bias, p.bias));
 }
 
 struct BadProblem {
@@ -185,6 +212,7 @@ class ProblemLayout : public ::testing::Test {
       change(root);
     }
     file.close();
+    write_seal(path_, problem_format_name, problem_format_version);
     return refusal([&] { read_problem(path_); });
   }
   ScratchDirectory scratch_;

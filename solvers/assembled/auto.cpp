@@ -14,6 +14,7 @@
 // turns are ours.
 
 #include <algorithm>
+#include <limits>
 
 #include "solvers/assembled/proximal_method.h"
 #include "solvers/assembled/sweep.h"
@@ -24,6 +25,11 @@ namespace {
 /// Contacts from which on nothing is factorized.
 constexpr int many_contacts = 30000;
 constexpr int least_sweeps = 50, most_first_sweeps = 4000, second_sweeps = 2000;
+
+/// Of the next turn. Turns that end at once are soon very many.
+int more_sweeps(int sweeps) {
+  return std::max(second_sweeps, 2 * std::min(sweeps, std::numeric_limits<int>::max() / 2));
+}
 
 /// Outer iterations without half the residual that are worth their time. Factors cost about the
 /// square of the contacts, sweeps only their number, and small problems can wait for luck.
@@ -46,7 +52,7 @@ class Auto final : public AssembledSolver {
     settings.adapts = settings.newton;
     settings.patience = patience_of(p.contact_count);
     for (int sweeps = std::clamp(p.contact_count, least_sweeps, most_first_sweeps);
-         monitor.next_phase(sweeps, 10); sweeps = std::max(second_sweeps, 2 * sweeps)) {
+         monitor.next_phase(sweeps, 10); sweeps = more_sweeps(sweeps)) {
       for (int k = 0; !monitor.look_if_due(k, swept); ++k) {
         sweep(p, o.model, swept);
         monitor.count_applications();

@@ -155,10 +155,18 @@ struct BlockFactors::Fronts {
   bool eliminate(Front& front, const Dense& sum) const {
     const auto own = 3 * static_cast<Eigen::Index>(front.own.size());
     const Eigen::Index rest = sum.rows() - own;
+    // Eigen's factorizations and products take no matrix without rows.
+    if (own == 0) {
+      front.update = sum;
+      front.diagonal.resize(0, 0), front.below.resize(rest, 0), front.right.resize(0, rest);
+      return true;
+    }
     if (kind == Kind::cholesky) {
       front.diagonal = sum.topLeftCorner(own, own);
       Eigen::LLT<Eigen::Ref<Dense>> factors(front.diagonal);
       if (factors.info() != Eigen::Success) return false;
+      front.below.resize(0, own), front.update.resize(0, 0);
+      if (rest == 0) return true;
       front.below = sum.bottomLeftCorner(rest, own);
       front.diagonal.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(
           front.below);
@@ -172,7 +180,9 @@ struct BlockFactors::Fronts {
     }
     front.lu.compute(sum.topLeftCorner(own, own));
     const auto pivots = front.lu.matrixLU().diagonal().cwiseAbs();
-    if (!(own == 0 || pivots.minCoeff() > 0)) return false;
+    if (!(pivots.minCoeff() > 0)) return false;
+    front.below.resize(0, own), front.right.resize(own, 0), front.update.resize(0, 0);
+    if (rest == 0) return true;
     front.below = sum.bottomLeftCorner(rest, own);
     front.right = front.lu.solve(sum.topRightCorner(own, rest));
     front.update = sum.bottomRightCorner(rest, rest);
@@ -183,6 +193,7 @@ struct BlockFactors::Fronts {
   void solve(std::vector<double>& x) const {
     Vector own, border;
     for (const Front& front : fronts) {
+      if (front.own.empty()) continue;
       gather(x, front.own, own);
       if (kind == Kind::cholesky) {
         front.diagonal.triangularView<Eigen::Lower>().solveInPlace(own);
@@ -190,11 +201,13 @@ struct BlockFactors::Fronts {
         own = front.lu.solve(own).eval();
       }
       scatter(own, front.own, x);
+      if (front.border.empty()) continue;
       gather(x, front.border, border);
       border.noalias() -= front.below * own;
       scatter(border, front.border, x);
     }
     for (auto f = fronts.rbegin(); f != fronts.rend(); ++f) {
+      if (f->own.empty()) continue;
       gather(x, f->own, own);
       gather(x, f->border, border);
       if (kind == Kind::cholesky) {

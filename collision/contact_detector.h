@@ -171,7 +171,7 @@ template <class B, class Real>
 ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& settings,
                                           const ObstacleData<Real>& obstacles)
     : settings_(settings),
-      obstacles_(b, obstacles),
+      obstacles_(b, obstacles, settings.period),
       candidates_(b),
       memory_(b),
       needed_(b),

@@ -16,8 +16,10 @@ class ObstacleBuffers {
   /// @throws std::runtime_error for walls of an unknown kind and for boxes that would need a pair
   /// function
   ///         which does not exist: two free boxes, or a free box with a box or mesh wall
-  ObstacleBuffers(B& b, const ObstacleData<Real>& data)
-      : shapes_(b),
+  /// @param period  of the domain, see CollisionSettings
+  ObstacleBuffers(B& b, const ObstacleData<Real>& data, const Vec3d& period)
+      : images_(static_cast<std::uint64_t>(image_count(period))),
+        shapes_(b),
         sources_(b),
         planes_(b),
         solids_(b),
@@ -109,21 +111,33 @@ class ObstacleBuffers {
         return;
       case ShapeKind::box:
         solids.push_back(solid);
-        solid_elements_ += 1;
+        solid_elements_ += images_;
         return;
       case ShapeKind::mesh:
         if (shape.mesh < 0 || shape.mesh >= static_cast<Index>(topology.meshes.size())) {
           throw std::runtime_error("wall names mesh " + std::to_string(shape.mesh) + " of " +
                                    std::to_string(topology.meshes.size()));
         }
+        add_mesh(topology, solid);
         solids.push_back(solid);
-        solid_elements_ += static_cast<std::uint64_t>(
-            topology.meshes[static_cast<std::size_t>(shape.mesh)].triangle_count);
+        solid_elements_ += images_ * solid.slots;
         return;
       case ShapeKind::sphere:
         break;
     }
     throw std::runtime_error("shape " + std::to_string(s) + " is a sphere and cannot be a wall");
+  }
+
+  static void add_mesh(const MeshTopology<Real>& topology, WallSolid& solid) {
+    const MeshInfo& info = topology.meshes[static_cast<std::size_t>(solid.mesh)];
+    solid.slots = static_cast<std::uint32_t>(info.triangle_count);
+    if (info.first_node == info.end_node) return;
+    const MeshNode& all = topology.nodes[static_cast<std::size_t>(info.first_node)];
+    for (int k = 0; k < 3; ++k) {
+      const double low = all.lower[k], high = all.upper[k];
+      solid.local_middle[k] = 0.5 * (low + high);
+      solid.half_extents[k] = 0.5 * (high - low);
+    }
   }
 
   template <class T>
@@ -135,6 +149,7 @@ class ObstacleBuffers {
   Index plane_count_ = 0;
   Index solid_count_ = 0;
   std::uint64_t solid_elements_ = 0;
+  std::uint64_t images_ = 1;  ///< of each box or mesh wall
   Buffer<B, ShapeRecord<Real>> shapes_;
   Buffer<B, PlaneSource> sources_;
   Buffer<B, WallPlane> planes_;

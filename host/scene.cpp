@@ -474,6 +474,11 @@ void check_periodicity(const Scene& scene) {
                          "envelope",
                          needed));
   }
+  for_each_body(scene, [&](const BodyDescription& body, auto path) {
+    if (const auto fault = periodic_wall_fault(scene, body))
+      refuse(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
+             fault->expected);
+  });
 }
 
 }  // namespace

@@ -23,4 +23,7 @@ std::string fault_text(const std::string& path, const std::string& value,
 /// lists that its indices point into.
 std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body);
 
+/// What of a wall does not fit the scene's periodic domain.
+std::optional<Fault> periodic_wall_fault(const Scene& scene, const BodyDescription& body);
+
 }  // namespace scree

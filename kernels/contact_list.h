@@ -8,6 +8,11 @@
 
 namespace scree {
 
+/// Gap up to which contacts of body a with walls are listed [m].
+SCREE_HD inline double wall_envelope(const ContactRange& range, Index a, const BodySample& body) {
+  return range.envelope + range.margin_of(a) + range.fall_of(body.radius);
+}
+
 /// Decides which candidates are contacts, exactly: the list of candidates only says which not to
 /// look at.
 template <ShapeMix kMix, class Real>
@@ -67,8 +72,7 @@ struct ContactTest {
   SCREE_HD void with_walls(Index a, const BodySample& body, Emit&& emit) const {
     const float inflated = inflated_radius(bodies, range, a);
     if (!(inflated > 0)) return;
-    const double reach = range.envelope + range.margin_of(a) + range.fall_of(body.radius);
-    visit_walls<kMix>(walls, range, keys, body, reach, inflated, emit);
+    visit_walls<kMix>(walls, range, keys, body, wall_envelope(range, a, body), inflated, emit);
   }
 };
 
@@ -233,7 +237,7 @@ struct FillContacts {
       const Vec3d d = minimum_image(other.position - body.position, range.period);
       g = body_pair<kMix>(body, other, d, keys.feature(element));
     } else {
-      g = wall_contact<kMix>(walls, range, keys, body, element, b);
+      g = wall_contact<kMix>(walls, range, keys, body, wall_envelope(range, a, body), element, b);
     }
     body_a[c] = a;
     body_b[c] = b;

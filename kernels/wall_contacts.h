@@ -4,10 +4,9 @@
 #include "kernels/binning.h"
 #include "kernels/body_pairs.h"
 #include "kernels/contact_key.h"
+#include "kernels/mesh_way.h"
 #include "kernels/pairs/box_plane.h"
-#include "kernels/pairs/sphere_mesh.h"
 #include "kernels/pairs/sphere_plane.h"
-#include "kernels/periodic.h"
 
 namespace scree {
 
@@ -32,13 +31,221 @@ SCREE_HD ContactGeometry plane_contact(const BodySample& a, const WallPlane& pla
 }
 
 /// Sphere A on a mesh, from the contact point found in the frame of the mesh.
-/// @param offset, normal  see sphere_mesh_triangle
+/// @param d               center of A to the center of the mesh [m]
+/// @param offset, normal  see MeshPoint
 SCREE_HD inline ContactGeometry mesh_contact(const BodySample& a, const WallSolid& solid,
                                              const Vec3d& d, const Vec3d& offset,
                                              const Vec3d& normal) {
   const Vec3d world = rotate(solid.orientation, offset);
   return sphere_surface_point(world, rotate(solid.orientation, normal), -world - d, a.radius);
 }
+
+/// Sphere A and a box or mesh wall, in all images that it can touch.
+template <class Real>
+struct SolidContacts {
+  const MeshView<Real>& meshes;
+  const WallSolid& solid;
+  const ContactRange& range;
+  const BodySample& a;
+  double envelope;  ///< contacts are listed up to this gap [m]
+
+  /// Calls emit(element) for each contact, ascending.
+  template <class Emit>
+  SCREE_HD void visit(Emit& emit) const {
+    const WallImages images(solid, range.period, a.position, farthest_reach());
+    if (solid.kind == ShapeKind::box) {
+      visit_box(images, emit);
+    } else {
+      visit_mesh(images, emit);
+    }
+  }
+
+  /// Geometry of the contact with this element.
+  SCREE_HD ContactGeometry geometry(std::uint32_t element) const {
+    const std::uint32_t slot = element - solid.first_element;
+    const Vec3d d = center_of(slot / solid.slots);
+    if (solid.kind == ShapeKind::box) {
+      return sphere_box(d, a.radius, solid.orientation, solid.half_extents);
+    }
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    const auto t = info.first_triangle + static_cast<Index>(slot % solid.slots);
+    MeshPoint point;
+    const bool is_closest = sphere_mesh_triangle(meshes, info, t, in_mesh(d), point);
+    const ContactGeometry closest = mesh_contact(a, solid, d, point.offset, point.normal);
+    if (is_closest && is_met(closest, is_fast())) return closest;
+    const WallImages images(solid, range.period, a.position, farthest_reach());
+    const WayContacts found = on_way(images, planes(images));
+    for (int k = 0; k < found.count; ++k) {
+      const HoldingPlane& plane = found.contact[k].plane;
+      if (found.contact[k].element != element) continue;
+      return mesh_contact(a, solid, d, plane.height * plane.normal, plane.normal);
+    }
+    return closest;
+  }
+
+ private:
+  SCREE_HD Vec3d center_of(std::uint32_t image) const {
+    return image_of_wall(solid, range.period, a.position, image);
+  }
+  /// Center of the sphere in the frame of the mesh. @param d  center of A to that of the mesh
+  SCREE_HD Vec3d in_mesh(const Vec3d& d) const { return rotate_back(solid.orientation, -d); }
+  SCREE_HD bool is_contact(const ContactGeometry& g) const {
+    return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
+  }
+  /// Along a normal, every point of the wall body approaches the center of A as the point there
+  /// does [m/s].
+  SCREE_HD Vec3d wall_speed(const Vec3d& d) const {
+    return solid.motion.linear - cross(solid.motion.angular, d) - a.motion.linear;
+  }
+  /// How far A may come to touch within the step [m].
+  SCREE_HD double reach(const Vec3d& d) const {
+    return a.radius + envelope + range.h * norm(wall_speed(d));
+  }
+  /// The same whichever image it is that touches.
+  SCREE_HD double farthest_reach() const {
+    const double turn = range.h * norm(solid.motion.angular);
+    const double way = range.h * norm(solid.motion.linear - a.motion.linear) +
+                       turn * norm(solid.middle) + turn * norm(solid.half);
+    return (a.radius + envelope + way) / (1 - (turn < 0.5 ? turn : 0.5));
+  }
+
+  template <class Emit>
+  SCREE_HD void visit_box(const WallImages& images, Emit& emit) const {
+    const auto contact = [&](std::uint32_t image, auto&& found) {
+      const Vec3d d = center_of(image);
+      const ContactGeometry g = sphere_box(d, a.radius, solid.orientation, solid.half_extents);
+      if (is_contact(g)) found(d, g);
+    };
+    HoldingPlanes held;
+    if (!images.is_one()) {
+      images.for_each(range.period, [&](std::uint32_t image) {
+        contact(image, [&](const Vec3d&, const ContactGeometry& g) {
+          held.add({-g.normal, g.gap + a.radius}, image);
+        });
+      });
+    }
+    images.for_each(range.period, [&](std::uint32_t image) {
+      contact(image, [&](const Vec3d& d, const ContactGeometry& g) {
+        const auto covers = [&](const HoldingPlane& plane) {
+          const Vec3d n = rotate_back(solid.orientation, plane.normal);
+          double top = dot(plane.normal, d);
+          for (int k = 0; k < 3; ++k) top += std::abs(n[k]) * solid.half_extents[k];
+          return plane.height + top <= kHiddenRise * a.radius;
+        };
+        if (held.other_image_hides(g.gap + a.radius, image, covers)) return;
+        emit(solid.first_element + image);
+      });
+    });
+  }
+
+  /// Whether a contact with what is closest at the start is listed. Where the step leads farther,
+  /// on_way() finds what is beyond the envelope, and from where it is met.
+  SCREE_HD bool is_met(const ContactGeometry& g, bool is_fast) const {
+    return is_fast ? g.gap <= envelope : is_contact(g);
+  }
+
+  /// Calls found(t, point, g) for the listed contacts with what is closest at the start.
+  template <class Found>
+  SCREE_HD void closest_points(const Vec3d& d, bool is_fast, Found&& found) const {
+    visit_sphere_mesh(
+        meshes, meshes.meshes[solid.mesh], in_mesh(d), is_fast ? a.radius + envelope : reach(d),
+        [&](Index t, const MeshPoint& point) {
+          const ContactGeometry g = mesh_contact(a, solid, d, point.offset, point.normal);
+          if (is_met(g, is_fast)) found(t, point, g);
+        });
+  }
+
+  template <class Emit>
+  SCREE_HD void visit_mesh(const WallImages& images, Emit& emit) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    const bool is_one = images.is_one();
+    HoldingPlanes held;
+    WayContacts found;
+    const bool fast = is_fast();
+    if (!is_one || fast) held = planes(images);
+    if (fast) found = on_way(images, held);
+    int next = 0;
+    const auto emit_found = [&](std::uint32_t before) {
+      for (; next < found.count && found.contact[next].element < before; ++next) {
+        emit(found.contact[next].element);
+      }
+    };
+    images.for_each(range.period, [&](std::uint32_t image) {
+      const Vec3d d = center_of(image);
+      closest_points(d, fast, [&](Index t, const MeshPoint& point, const ContactGeometry& g) {
+        const auto covers = [&](const HoldingPlane& plane) {
+          return is_below(meshes, t, point.feature, point.index, in_mesh(d), plane,
+                          kHiddenRise * a.radius);
+        };
+        if (!is_one && held.other_image_hides(g.gap + a.radius, image, covers)) return;
+        const std::uint32_t element = mesh_element(solid, info, image, t);
+        emit_found(element);
+        if (next < found.count && found.contact[next].element == element) ++next;
+        emit(element);
+      });
+    });
+    emit_found(~0u);
+  }
+
+  /// Whether the step may lead from one part of a mesh to another: within half the envelope it does
+  /// not matter.
+  SCREE_HD bool is_fast() const {
+    return range.h * norm(wall_speed(center_of(nearest_image()))) > 0.5 * range.envelope;
+  }
+  SCREE_HD std::uint32_t nearest_image() const {
+    return static_cast<std::uint32_t>(image_count(range.period) / 2);
+  }
+
+  /// Planes of what is closest at the start, in the frame of the mesh.
+  SCREE_HD HoldingPlanes planes(const WallImages& images) const {
+    HoldingPlanes held;
+    const bool fast = is_fast();
+    images.for_each(range.period, [&](std::uint32_t image) {
+      closest_points(
+          center_of(image), fast, [&](Index, const MeshPoint&, const ContactGeometry& g) {
+            held.add({rotate_back(solid.orientation, -g.normal), g.gap + a.radius}, image);
+          });
+    });
+    return held;
+  }
+
+  /// What the sphere meets on its way.
+  /// @param held  planes()
+  SCREE_HD WayContacts on_way(const WallImages& images, HoldingPlanes held) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    const double rise = kHiddenRise * a.radius;
+    WayContacts found;
+    while (found.count < WayContacts::kMost) {
+      WayTouch first;
+      std::uint32_t first_image = 0;
+      Index first_triangle = 0;
+      images.for_each(range.period, [&](std::uint32_t image) {
+        const Vec3d d = center_of(image);
+        const Vec3d free = rotate_back(solid.orientation, -range.h * wall_speed(d));
+        const SphereWay s{in_mesh(d), held.allowed(free, a.radius), a.radius,
+                          a.radius + range.envelope};
+        visit_near_way(meshes, info, s, [&](Index t) {
+          if (found.contains(mesh_element(solid, info, image, t))) return;
+          const auto is_hidden = [&](TriangleFeature feature, int index) {
+            for (int k = 0; k < held.count; ++k) {
+              if (is_below(meshes, t, feature, index, s.center, held.plane[k], rise)) return true;
+            }
+            return false;
+          };
+          const WayTouch touch = touch_triangle(meshes, info.closed, t, s, is_hidden);
+          if (!(touch.time < first.time)) return;
+          first = touch;
+          first_image = image;
+          first_triangle = t;
+        });
+      });
+      if (first.time > 1) break;
+      found.insert({mesh_element(solid, info, first_image, first_triangle), first.plane});
+      held.add(first.plane, first_image);
+    }
+    return found;
+  }
+};
 
 /// Calls emit(element) for each listed contact of body A with the walls, in ascending order: planes
 /// come before solid walls, and the triangles of a mesh are numbered along its tree.
@@ -67,35 +274,15 @@ SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range
   if constexpr (kMix == ShapeMix::spheres_and_planes) return;
   if (is_box) return;  // a box against a solid wall has no pair function yet
   for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
-    const WallSolid& solid = walls.solids[k];
-    const Vec3d d = minimum_image(solid.center - a.position, range.period);
-    if (solid.kind == ShapeKind::box) {
-      const ContactGeometry g = sphere_box(d, a.radius, solid.orientation, solid.half_extents);
-      if (is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h)) {
-        emit(solid.first_element);
-      }
-      continue;
-    }
-    // Along the normal, every point of the wall body approaches the center of A as the point there
-    // does.
-    const Vec3d u = solid.motion.linear - cross(solid.motion.angular, d) - a.motion.linear;
-    const double reach = a.radius + envelope + range.h * norm(u);
-    const MeshInfo& info = walls.meshes.meshes[solid.mesh];
-    visit_sphere_mesh(
-        walls.meshes, info, rotate_back(solid.orientation, -d), reach,
-        [&](Index t, const Vec3d& offset, const Vec3d& normal) {
-          const ContactGeometry g = mesh_contact(a, solid, d, offset, normal);
-          if (is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h)) {
-            emit(solid.first_element + static_cast<std::uint32_t>(t - info.first_triangle));
-          }
-        });
+    SolidContacts<Real>{walls.meshes, walls.solids[k], range, a, envelope}.visit(emit);
   }
 }
 
 /// Geometry of the wall contact an element names, and the wall body.
+/// @param envelope  as in visit_walls()
 template <ShapeMix kMix, class Real>
 SCREE_HD ContactGeometry wall_contact(const WallView<Real>& walls, const ContactRange& range,
-                                      const ContactKeys& keys, const BodySample& a,
+                                      const ContactKeys& keys, const BodySample& a, double envelope,
                                       std::uint32_t element, Index& body_b) {
   if (kMix == ShapeMix::spheres_and_planes || element < keys.solid_begin) {
     const std::uint32_t slot = element - keys.wall_begin;
@@ -107,15 +294,7 @@ SCREE_HD ContactGeometry wall_contact(const WallView<Real>& walls, const Contact
   while (k > 0 && element < walls.solids[k].first_element) --k;
   const WallSolid& solid = walls.solids[k];
   body_b = solid.body;
-  const Vec3d d = minimum_image(solid.center - a.position, range.period);
-  if (solid.kind == ShapeKind::box) {
-    return sphere_box(d, a.radius, solid.orientation, solid.half_extents);
-  }
-  const MeshInfo& info = walls.meshes.meshes[solid.mesh];
-  const auto t = info.first_triangle + static_cast<Index>(element - solid.first_element);
-  Vec3d offset, normal;
-  sphere_mesh_triangle(walls.meshes, info, t, rotate_back(solid.orientation, -d), offset, normal);
-  return mesh_contact(a, solid, d, offset, normal);
+  return SolidContacts<Real>{walls.meshes, solid, range, a, envelope}.geometry(element);
 }
 
 }  // namespace scree

@@ -32,10 +32,14 @@ struct WallSolid {
   Index body = 0;
   std::uint32_t element_offset = 0;  ///< of its contact elements among those of all solids
   std::uint32_t first_element = 0;   ///< of its contact elements
-  Vec3d half_extents;
-  Vec3d center;  ///< position of the wall body [m]
+  std::uint32_t slots = 1;           ///< contact elements of one image
+  Vec3d half_extents;                ///< of a box, or of one about the mesh, body frame [m]
+  Vec3d center;                      ///< position of the wall body [m]
   Quatd orientation;
   RigidMotion motion;  ///< on its course, see course_velocity()
+  Vec3d local_middle;  ///< middle of the box about it, body frame [m]
+  Vec3d middle;        ///< the same from the center, world axes [m]
+  Vec3d half;          ///< half the edges of a box about it, world axes [m]
 };
 
 template <class Real>
@@ -88,6 +92,16 @@ struct RefreshSolids {
     w.center = bodies.position[w.body];
     w.orientation = load_orientation(bodies, w.body);
     w.motion = load_motion(bodies, range, w.body);
+    w.middle = rotate(w.orientation, w.local_middle);
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3d local;
+      local[axis] = w.half_extents[axis];
+      const Vec3d turned = rotate(w.orientation, local);
+      for (int k = 0; k < 3; ++k) {
+        const double more = std::abs(turned[k]);
+        w.half[k] = axis == 0 ? more : w.half[k] + more;
+      }
+    }
   }
 };
 

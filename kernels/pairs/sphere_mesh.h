@@ -85,22 +85,29 @@ SCREE_HD bool closest_feature(const MeshView<Real>& mesh, double tolerance, Inde
   return edge >= 0 || inside;
 }
 
+/// A contact of a sphere with a mesh, in the frame of the mesh.
+struct MeshPoint {
+  Vec3d offset;  ///< contact point on the mesh to the center [m]
+  Vec3d normal;  ///< unit outward direction of the surface there
+  TriangleFeature feature = TriangleFeature::face;
+  int index = 0;  ///< of the edge or vertex in its triangle
+};
+
 /// The contact of a sphere with what triangle t owns.
 /// @param center  of the sphere, in the frame of the mesh [m]
-/// @param offset  out: contact point on the mesh to the center, in the frame of the mesh [m]
-/// @param normal  out: unit outward direction of the surface there
 /// @return        false: no contact
 template <class Real>
 SCREE_HD bool sphere_mesh_triangle(const MeshView<Real>& mesh, const MeshInfo& info, Index t,
-                                   const Vec3d& center, Vec3d& offset, Vec3d& normal) {
-  TriangleFeature feature;
-  int k;
-  if (!closest_feature(mesh, info.tolerance, t, center, feature, k)) return false;
+                                   const Vec3d& center, MeshPoint& point) {
+  int& k = point.index;
+  if (!closest_feature(mesh, info.tolerance, t, center, point.feature, k)) return false;
   const MeshTriangle& triangle = mesh.triangles[t];
-  if (feature == TriangleFeature::vertex) {
+  Vec3d& offset = point.offset;
+  Vec3d& normal = point.normal;
+  if (point.feature == TriangleFeature::vertex) {
     offset = center - Vec3d(mesh.points[triangle.vertex[k]]);
     normal = Vec3d(mesh.vertex_normal[triangle.vertex[k]]);
-  } else if (feature == TriangleFeature::edge) {
+  } else if (point.feature == TriangleFeature::edge) {
     const MeshEdge& edge = mesh.edges[triangle.edge[k]];
     const Vec3d a(mesh.points[edge.vertex[0]]);
     const Vec3d along = normalized(Vec3d(mesh.points[edge.vertex[1]]) - a);
@@ -115,7 +122,7 @@ SCREE_HD bool sphere_mesh_triangle(const MeshView<Real>& mesh, const MeshInfo& i
   return !info.closed || dot(offset, normal) >= 0;
 }
 
-/// Calls visit(triangle, offset, normal) for each contact within `reach` of the center.
+/// Calls visit(triangle, point) for each contact within `reach` of the center.
 template <class Real, class Visit>
 SCREE_HD void visit_sphere_mesh(const MeshView<Real>& mesh, const MeshInfo& info,
                                 const Vec3d& center, double reach, Visit&& visit) {
@@ -139,8 +146,8 @@ SCREE_HD void visit_sphere_mesh(const MeshView<Real>& mesh, const MeshInfo& info
           center, Vec3d(mesh.points[triangle.vertex[0]]), Vec3d(mesh.points[triangle.vertex[1]]),
           Vec3d(mesh.points[triangle.vertex[2]]));
       if (!(norm2(center - nearest.point) <= reach * reach)) continue;
-      Vec3d offset, normal;
-      if (sphere_mesh_triangle(mesh, info, t, center, offset, normal)) visit(t, offset, normal);
+      MeshPoint point;
+      if (sphere_mesh_triangle(mesh, info, t, center, point)) visit(t, point);
     }
   }
 }

@@ -130,6 +130,23 @@ INSTANTIATE_TEST_SUITE_P(
                 "the same"},
         Refusal{"PeriodTooShort", with_sphere(R"("periodic": {"x": [0, 0.4]})"),
                 "periodic.x: [0, 0.4] is not allowed: must span at least 0.404 m"},
+        Refusal{"HalfSpaceAcrossAPeriod",
+                R"({"time_step": 1, "duration": 1, "periodic": {"x": [0, 1]}, "bodies": [
+                  {"shape": "sphere", "radius": 0.1, "density": 1},
+                  {"shape": "half_space", "normal": [0, 0, 1], "point": [0, 0, 0]},
+                  {"shape": "half_space", "normal": [0.6, 0, 0.8], "point": [0, 0, 0]}]})",
+                "bodies[2].normal: [0.6, 0, 0.8] is not allowed: must have no component along x: "
+                "the domain repeats along x, so no plane can bound x"},
+        Refusal{"ContainerClosedAcrossAPeriod",
+                R"({"time_step": 1, "duration": 1, "periodic": {"y": [0, 1]}, "bodies": [
+                  {"shape": "sphere", "radius": 0.1, "density": 1, "position": [0, 0.5, 0.5]},
+                  {"shape": "container", "min": [-1, 0, 0], "max": [1, 1, 1], "open": ["-y"]}]})",
+                "bodies[1].open: a container closed at +y is not allowed: must name \"+y\""},
+        Refusal{"WallOverManyPeriods",
+                R"({"time_step": 1, "duration": 1, "periodic": {"x": [0, 1]}, "bodies": [
+                  {"shape": "sphere", "radius": 0.1, "density": 1, "position": [0, 0, 1]},
+                  {"shape": "box", "kind": "fixed", "size": [5.5, 1, 1]}]})",
+                "bodies[1]: a wall of 5.5 m along x is not allowed: must span 5 periods at most"},
         Refusal{"PeriodReversed", with_sphere(R"("periodic": {"x": [1, 0]})"),
                 "periodic.x: [1,0] is not allowed: must be two numbers [low, high], low below high "
                 "[m]"},

@@ -2,7 +2,7 @@
 # Everything a GPU machine has to show, in one call: build, GPU tests, sanitizers, benchmarks.
 #   bench/device.sh OUTPUT_DIR [stage...]     stages: build ctest tests sanitize micro scenes record
 # `record` writes OUTPUT_DIR/record.json, all results of scree bench that figures.py draws. A copy of the sources without
-# history is told its commit by the environment variable SCREE_COMMIT.
+# its history is told its commit by the environment variable SCREE_COMMIT.
 # Each stage has its own log in OUTPUT_DIR and a time limit; a summary is printed last.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -26,7 +26,7 @@ stage() { # stage NAME SECONDS COMMAND...: runs it with a limit and notes how it
 }
 wants() { [[ " $stages " == *" $1 "* ]]; }
 
-note "commit $(git rev-parse --short HEAD 2>/dev/null || echo "${SCREE_COMMIT:-unknown}"), $(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader)"
+note "commit ${SCREE_COMMIT:-$(git rev-parse --short HEAD 2>/dev/null || echo unknown)}, $(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader)"
 if wants build; then
   stage build 400 ./bootstrap build || { tail -n 40 "$out/build.log"; exit 1; }
 fi

@@ -118,8 +118,8 @@ TEST_F(OrderedListsTest, TimeIsLinearInTheContactsOfABody) {
     EXPECT_EQ(lists_as_b(body_a, body_b, contacts + 1, &spent), sorted_as_b(body_b, contacts + 1));
     return spent;
   };
-  const double few = seconds(30000), many = seconds(120000);
-  EXPECT_LT(many, 8 * few) << few << " s and " << many << " s; the square of 4 is 16";
+  const double few = seconds(10000), many = seconds(160000);
+  EXPECT_LT(many, 64 * few) << few << " s and " << many << " s; the square of 16 is 256";
 }
 
 TEST_F(OrderedListsTest, TimeIsLinearInTheNearPairsOfABody) {
@@ -132,8 +132,8 @@ TEST_F(OrderedListsTest, TimeIsLinearInTheNearPairsOfABody) {
       EXPECT_GE(contacts.size(), static_cast<std::size_t>(count));
       return quickest([&] { run.detect(); });
     };
-    const double few = seconds(22500), many = seconds(90000);
-    EXPECT_LT(many, 8 * few) << few << " s and " << many << " s; the square of 4 is 16";
+    const double few = seconds(10000), many = seconds(160000);
+    EXPECT_LT(many, 64 * few) << few << " s and " << many << " s; the square of 16 is 256";
   }
 }
 

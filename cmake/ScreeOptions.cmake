@@ -12,6 +12,7 @@ option(SCREE_CHECK_SYNC "Synchronize after each kernel launch, so that a fault n
 option(SCREE_REQUIRE_GPU "A skipped CUDA test fails" OFF)
 option(SCREE_CHARTS "Draw charts, where Cairo is found" ON)
 option(SCREE_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(SCREE_FUZZ "Build libFuzzer targets of the readers, which needs clang and the preset fuzz" OFF)
 option(SCREE_BUILD_BENCH "Build the benchmarks" ${PROJECT_IS_TOP_LEVEL})
 
 if(PROJECT_IS_TOP_LEVEL)

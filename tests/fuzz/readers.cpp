@@ -1,0 +1,170 @@
+#include "tests/fuzz/readers.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "host/error.h"
+#include "host/io/body_problem_layout.h"
+#include "host/io/checkpoint.h"
+#include "host/io/problem_file.h"
+#include "host/io/seal.h"
+#include "host/mesh_reader.h"
+#include "host/motion.h"
+#include "host/particle_table.h"
+#include "host/scene_reader.h"
+#include "host/solve/solve_problem.h"
+#include "host/world.h"
+#include "tests/fuzz/hdf5_edits.h"
+
+namespace scree::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file of this process, gone at the end of the scope.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& extension)
+      : path_(fs::temp_directory_path() /
+              ("scree_fuzz_" + std::to_string(::getpid()) + extension)) {}
+  ~ScratchFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+void put(const fs::path& path, std::string_view bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+/// Whether a scene asks for more than a test has time for: what it may, and others test.
+bool is_large(const nlohmann::json& json) {
+  if (json.is_structured())
+    return std::any_of(json.begin(), json.end(), [](const auto& value) { return is_large(value); });
+  return json.is_number() && !(std::abs(json.get<double>()) <= 3000);
+}
+
+void read_scene_bytes(std::string_view bytes) {
+  const nlohmann::json json =
+      nlohmann::json::parse(bytes, nullptr, /*allow_exceptions=*/false, /*ignore_comments=*/true);
+  if (is_large(json)) return;
+  parse_scene(std::string(bytes), "scene.json", fs::temp_directory_path());
+}
+
+template <class Read>
+void read_as_file(std::string_view bytes, const std::string& extension, Read read) {
+  const ScratchFile file(extension);
+  put(file.path(), bytes);
+  read(file.path());
+}
+
+void read_mesh_bytes(std::string_view bytes) {
+  for (const char* extension : {".obj", ".stl"})
+    for (const bool closed : {true, false}) try {
+        read_as_file(bytes, extension,
+                     [&](const fs::path& path) { read_mesh(path, {.closed = closed}); });
+      } catch (const InputError&) {
+        // The other ways of reading it have their turn.
+      }
+}
+
+void read_motion_bytes(std::string_view bytes) {
+  read_as_file(bytes, ".csv", [](const fs::path& path) {
+    Motion motion;
+    motion.kind = Motion::Kind::sampled;
+    read_motion_csv(path, motion);
+    BodyDescription wall;
+    wall.motion = motion;
+    for (const double t : {0.0, 0.5, 1e9}) pose_at(wall, t);
+  });
+}
+
+void use_problem(const fs::path& path) {
+  const StoredProblem stored = read_problem(path);
+  ready_matrix_free("fuzz", stored);
+  ready("fuzz", stored);
+}
+
+/// All that is done with a checkpoint: another scene takes its spheres, a run goes on from it.
+void use_checkpoint(const fs::path& path) {
+  const Checkpoint c = read_checkpoint(path);
+  try {
+    read_checkpoint_particles(path);
+  } catch (const InputError&) {
+    // It may still be one to go on from.
+  }
+  World world(parse_scene(c.scene_text, "scene.json", fs::temp_directory_path()),
+              {.backend = BackendKind::cpu, .precision = c.precision, .threads = 1});
+  world.restore(c.state);
+  for (int k = 0; k < 2; ++k) world.step();
+}
+
+/// Edits the seed that the first byte picks.
+template <class Use>
+void edit_and_use(const std::string& reader, const char* kind, int version, std::string_view bytes,
+                  Use use) {
+  if (bytes.empty()) return;
+  const std::vector<fs::path> all = seeds(reader);
+  const fs::path& seed = all[static_cast<unsigned char>(bytes.front()) % all.size()];
+  read_as_file(contents(seed), ".hdf5", [&](const fs::path& path) {
+    edit_hdf5(path, bytes.substr(1));
+    if (kind != nullptr) write_seal(path, kind, version);
+    use(path);
+  });
+}
+
+}  // namespace
+
+const std::vector<std::string>& readers() {
+  static const std::vector<std::string> names{"scene",   "particles",  "mesh", "motion",
+                                              "problem", "checkpoint", "fclib"};
+  return names;
+}
+
+std::vector<fs::path> seeds(const std::string& reader) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry :
+       fs::directory_iterator(fs::path(SCREE_SOURCE_DIR) / "tests/fuzz/seeds" / reader))
+    files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::string contents(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void read_bytes(const std::string& reader, std::string_view bytes) try {
+  if (reader == "scene") return read_scene_bytes(bytes);
+  if (reader == "particles")
+    return read_as_file(bytes, ".csv", [](const fs::path& path) { read_particle_csv(path); });
+  if (reader == "mesh") return read_mesh_bytes(bytes);
+  if (reader == "motion") return read_motion_bytes(bytes);
+  if (reader == "problem")
+    return edit_and_use(reader, problem_format_name, problem_format_version, bytes, use_problem);
+  if (reader == "checkpoint")
+    return edit_and_use(reader, "scree checkpoint", checkpoint_format_version, bytes,
+                        use_checkpoint);
+  if (reader == "fclib") return edit_and_use(reader, nullptr, 0, bytes, use_problem);
+  throw std::logic_error("no reader " + reader);
+} catch (const InputError&) {
+  // What it is there for.
+} catch (const RunError&) {
+  // A run from odd numbers may fail, with a message.
+}
+
+}  // namespace scree::fuzz

@@ -10,13 +10,13 @@ namespace scree {
 namespace fs = std::filesystem;
 
 void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
-                        const std::string& precision) {
+                        const std::string& precision, const std::string& threads) {
   command.add_option("--backend", target.backend, "cuda, cpu or auto (default: " + backend + ")")
       ->take_last();
   command
       .add_option("--precision", target.precision, "float or double (default: " + precision + ")")
       ->take_last();
-  command.add_option("--threads", target.threads, "CPU threads (default: all)")
+  command.add_option("--threads", target.threads, "CPU threads (default: " + threads + ")")
       ->check(CLI::Range(0, 4096))
       ->take_last();
 }

@@ -21,9 +21,9 @@ struct RunTarget {
 };
 
 /// Adds --backend, --precision and --threads to a command.
-/// @param backend, precision  what is taken by default, for the help text
+/// @param backend, precision, threads  what is taken by default, for the help text
 void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
-                        const std::string& precision);
+                        const std::string& precision, const std::string& threads = "all");
 
 /// The same, --memory and --set.
 void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,

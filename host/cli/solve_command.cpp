@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -17,6 +19,7 @@
 #include "host/io/problem_file.h"
 #include "host/io/streams.h"
 #include "host/solve/matrix_free.h"
+#include "host/solve/solution_file.h"
 #include "host/solve/solve_charts.h"
 #include "host/solve/solve_report.h"
 #include "solvers/solver.h"
@@ -36,6 +39,15 @@ AssembledOptions solver_options(const SolveOptions& options) {
   } else if (options.model != "exact") {
     throw InputError(
         fmt::format("--model: \"{}\" is not allowed: expected convex or exact", options.model));
+  }
+  if (options.measure == "absolute") {
+    o.measure = AssembledMeasure::absolute;
+  } else if (options.measure == "unit-free") {
+    o.measure = AssembledMeasure::unit_free;
+  } else if (options.measure != "relative") {
+    throw InputError(
+        fmt::format("--measure: \"{}\" is not allowed: expected relative, absolute or unit-free",
+                    options.measure));
   }
   require(std::isfinite(options.tolerance) && options.tolerance >= 0,
           fmt::format("--tolerance: {} is not allowed: expected a number that is not negative",
@@ -172,7 +184,11 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
   command->add_option("--model", options.model, "convex or exact (default: exact)")->take_last();
   command
       ->add_option("--tolerance", options.tolerance,
-                   "on the error |r - P(r - v)| / |q| (default: 1e-8)")
+                   "on the error |r - P(r - v)| / |q|, or the measure (default: 1e-8)")
+      ->take_last();
+  command
+      ->add_option("--measure", options.measure,
+                   "that the tolerance is on: relative, absolute or unit-free (default: relative)")
       ->take_last();
   command
       ->add_option("--max-iterations", options.max_iterations,
@@ -192,10 +208,17 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
       ->take_last();
   command->add_flag("--matrix-free", options.matrix_free,
                     "solvers of simulation steps, for problems with bodies");
-  add_device_options(*command, options.target, "cpu; auto with --matrix-free", "double");
+  add_device_options(*command, options.target, "cpu; auto with --matrix-free", "double",
+                     "1; all with --matrix-free");
   command
       ->add_option("--reference", options.reference,
-                   "solver whose answer velocity errors are measured against (default: none)")
+                   "what velocity errors are measured against: a solver, a solution file, or a "
+                   "folder of them (default: the solution in the problem's file)")
+      ->take_last();
+  command
+      ->add_option("--solution", options.solution,
+                   "file for impulses and velocities of the best solver; a folder for those of "
+                   "several problems (default: none written)")
       ->take_last();
   command->add_flag("--warm-start", options.warm_start, "start from the guess in the file, if any");
   command
@@ -207,74 +230,178 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
   return command;
 }
 
-int solve_problems(const SolveOptions& options) {
-  const AssembledOptions common = solver_options(options);
-  const bool matrix_free = options.matrix_free;
-  const WorldOptions world = target_options(options);
-  const bool cuda = world.backend == BackendKind::cuda;
-  const std::vector<std::string> solvers = solvers_of(options, cuda);
-  check_use(options, solvers, cuda);
-  if (!options.reference.empty()) {
-    if (parse_solver_list(options.reference).size() != 1)
-      throw InputError("--reference: expected one solver");
+namespace {
+
+/// The problems of a command, one after another.
+class Session {
+ public:
+  explicit Session(const SolveOptions& options)
+      : options_(options),
+        common_(solver_options(options)),
+        world_(target_options(options)),
+        cuda_(world_.backend == BackendKind::cuda),
+        solvers_(solvers_of(options, cuda_)),
+        is_folder_(fs::is_directory(options.problem)) {
+    check_use(options, solvers_, cuda_);
+    find_reference_kind();
+    require_free(options.out, options.force);
+    require_place_for_solutions();
   }
-  require_free(options.out, options.force);
-  // All files are read before any is solved: bad input starts nothing.
-  std::vector<ProblemReport> reports;
-  std::vector<ReadyProblem> problems;
-  std::vector<BodyProblem> bodies;  // of matrix-free solvers
-  std::vector<std::string> others;
-  for (const fs::path& file : problem_files(options.problem)) {
-    StoredProblem stored;
-    try {
-      stored = read_problem(file);
-    } catch (const NoProblemInFile&) {
-      // A run leaves other HDF5 files beside its problems.
-      if (file == options.problem) throw;
-      others.push_back(file.filename().string());
-      continue;
+
+  int run() {
+    const std::vector<fs::path> files = problem_files(options_.problem);
+    if (!options_.json && cuda_ && !options_.matrix_free && options_.solver == "all")
+      fmt::print("not on cuda: {}\n\n",
+                 fmt::join(without_cuda_form(assembled_solver_names()), ", "));
+    for (const fs::path& file : files) take(file);
+    if (reports_.empty()) {
+      if (!skipped_.empty()) throw InputError(skipped_.front().reason);
+      throw InputError(fmt::format("{}: holds no problem files: none is in {}",
+                                   options_.problem.string(), fmt::join(others_, ", ")));
     }
+    if (!others_.empty()) note(fmt::format("skipped, no problems: {}", fmt::join(others_, ", ")));
+    if (!options_.json && reports_.size() > 1) fmt::print("\n{}", to_summary(reports_));
+    if (options_.json) fmt::print("{}\n", to_json(reports_, skipped_, common_).dump(2));
+    if (writer_) {
+      writer_->finish(reports_, skipped_, common_);
+      const std::string missing = write_profile_charts(options_.out, reports_);
+      if (!missing.empty()) note(missing);
+    }
+    if (skipped_.empty()) return 0;
+    note(fmt::format("{} of {} problems skipped, as told above", skipped_.size(),
+                     skipped_.size() + reports_.size()));
+    return 1;
+  }
+
+ private:
+  void find_reference_kind() {
+    const std::string& r = options_.reference;
+    if (r.empty()) return;
+    const std::vector<std::string> known = assembled_solver_names();
+    reference_is_solver_ = std::find(known.begin(), known.end(), r) != known.end();
+    if (!reference_is_solver_ && !fs::exists(r))
+      throw InputError(fmt::format(
+          "--reference: \"{}\" is not there: expected a file, a folder, or a solver, one of {}", r,
+          fmt::join(known, ", ")));
+  }
+
+  void require_place_for_solutions() const {
+    const fs::path& path = options_.solution;
+    if (path.empty()) return;
+    const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const fs::path folder = is_folder_ ? path : parent;
+    if (const std::string why = why_not_writable(folder); !why.empty())
+      throw InputError(fmt::format("--solution {}: {}", path.string(), why));
+    const auto refuse = [&](const char* why) {
+      throw InputError(fmt::format("--solution {}: {}", path.string(), why));
+    };
+    if (is_folder_ && fs::is_regular_file(path))
+      refuse("is a file, expected a folder, as the problems may be many");
+    if (is_folder_ && !options_.force && fs::exists(path) && !fs::is_empty(path))
+      refuse("it is not empty; add --force to write into it");
+    if (!is_folder_ && fs::is_directory(path)) refuse("is a folder, expected a file");
+    if (!is_folder_ && !options_.force && fs::exists(path))
+      refuse("is there already; add --force to replace it");
+  }
+
+  /// Reads a file and runs the solvers on it. One of a folder that cannot be is named and skipped.
+  void take(const fs::path& file) try { solve(file); } catch (const NoProblemInFile& error) {
+    // A run leaves other HDF5 files beside its problems.
+    if (!is_folder_) throw;
+    others_.push_back(file.filename().string());
+  } catch (const InputError& error) {
+    if (!is_folder_) throw;
+    skip(file, error.what());
+  } catch (const std::bad_alloc&) {
+    if (!is_folder_) throw;
+    skip(file, fmt::format("{}: it does not fit in memory", file.string()));
+  }
+
+  void skip(const fs::path& file, const std::string& reason) {
+    note(fmt::format("skipped: {}", reason));
+    skipped_.push_back({file, reason});
+  }
+
+  void solve(const fs::path& file) {
+    const StoredProblem stored = read_problem(file);
+    const auto* bodies = std::get_if<BodyProblem>(&stored.form);
+    if (options_.matrix_free && bodies == nullptr)
+      throw InputError(
+          fmt::format("{}: holds matrices, but --matrix-free needs bodies", file.string()));
+    ReadyProblem p;
+    AssembledOptions o = common_;
+    ProblemReport report;
     try {
-      problems.push_back((matrix_free ? ready_matrix_free : ready)(file.stem().string(), stored));
+      p = (options_.matrix_free ? ready_matrix_free : ready)(file.stem().string(), stored);
+      report = {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}, {}};
+      if (options_.warm_start && p.guess.empty())
+        note(fmt::format("--warm-start: {} holds no guess, from zero then", file.string()));
+      if (options_.warm_start) o.guess = p.guess;
+      set_reference(p, o, report);
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", file.string(), error.what()));
     }
-    if (matrix_free) {
-      const auto* with_bodies = std::get_if<BodyProblem>(&stored.form);
-      if (with_bodies == nullptr)
-        throw InputError(
-            fmt::format("{}: holds matrices, but --matrix-free needs bodies", file.string()));
-      bodies.push_back(*with_bodies);
+    report.runs = options_.matrix_free ? run_matrix_free(*bodies, p, solvers_, o, world_)
+                                       : run_solvers(p, solvers_, o, {cuda_, world_.threads});
+    keep(p, std::move(report));
+  }
+
+  void set_reference(ReadyProblem& p, const AssembledOptions& o, ProblemReport& report) const {
+    if (options_.reference.empty()) return;
+    if (reference_is_solver_) {
+      report.reference = find_reference(p, options_.reference, o);
+      return;
     }
-    const ReadyProblem& p = problems.back();
-    if (options.warm_start && p.guess.empty())
-      note(fmt::format("--warm-start: {} holds no guess, from zero then", file.string()));
-    reports.push_back(
-        {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}, {}});
+    const fs::path path = options_.reference;
+    use_reference(p, read_solution(fs::is_directory(path) ? path / (p.name + ".hdf5") : path),
+                  o.model);
   }
-  if (problems.empty())
-    throw InputError(fmt::format("{}: holds no problem files: none is in {}",
-                                 options.problem.string(), fmt::join(others, ", ")));
-  if (!others.empty()) note(fmt::format("skipped, no problems: {}", fmt::join(others, ", ")));
-  if (!options.json && cuda && !matrix_free && options.solver == "all")
-    fmt::print("not on cuda: {}\n\n", fmt::join(without_cuda_form(assembled_solver_names()), ", "));
-  for (std::size_t k = 0; k < problems.size(); ++k) {
-    AssembledOptions o = common;
-    if (options.warm_start) o.guess = problems[k].guess;
-    if (!options.reference.empty())
-      reports[k].reference = find_reference(problems[k], options.reference, o);
-    reports[k].runs = matrix_free ? run_matrix_free(bodies[k], problems[k], solvers, o, world)
-                                  : run_solvers(problems[k], solvers, o, {cuda, world.threads});
-    if (!options.json) fmt::print("{}{}", k > 0 ? "\n" : "", to_table(reports[k]));
+
+  /// Prints and writes what is known of a problem, so that it stays whatever comes.
+  void keep(const ReadyProblem& p, ProblemReport report) {
+    if (!options_.json) {
+      fmt::print("{}{}", reports_.empty() ? "" : "\n", to_table(report));
+      std::fflush(stdout);
+    }
+    if (!options_.solution.empty()) write_best(p, report);
+    if (!options_.out.empty()) {
+      if (!writer_) writer_.emplace(options_.out);
+      writer_->add(report);
+      write_curves_chart(options_.out, report);
+    }
+    for (SolverRun& run : report.runs) {  // of thousands of problems
+      run.result.r = {};
+      run.curve = {};
+    }
+    if (report.reference) report.reference->result.r = {}, report.reference->curve = {};
+    reports_.push_back(std::move(report));
   }
-  if (!options.json && reports.size() > 1) fmt::print("\n{}", to_summary(reports));
-  if (options.json) fmt::print("{}\n", to_json(reports, common).dump(2));
-  if (!options.out.empty()) {
-    write_reports(options.out, reports, common);
-    const std::string missing = write_charts(options.out, reports);
-    if (!missing.empty()) note(missing);
+
+  void write_best(const ReadyProblem& p, const ProblemReport& report) const {
+    if (p.problem.block.empty()) {
+      note(fmt::format("--solution: {} has rolling friction and no rows to write", p.name));
+      return;
+    }
+    if (is_folder_) fs::create_directories(options_.solution);
+    write_solution(is_folder_ ? options_.solution / (p.name + ".hdf5") : options_.solution,
+                   solution_of(p, best_run(report.runs), common_.model));
   }
-  return 0;
-}
+
+  const SolveOptions& options_;
+  AssembledOptions common_;
+  WorldOptions world_;
+  bool cuda_;
+  std::vector<std::string> solvers_;
+  bool is_folder_;
+  bool reference_is_solver_ = false;
+  std::optional<ReportWriter> writer_;
+  std::vector<ProblemReport> reports_;
+  std::vector<SkippedProblem> skipped_;
+  std::vector<std::string> others_;  ///< HDF5 files of something else
+};
+
+}  // namespace
+
+int solve_problems(const SolveOptions& options) { return Session(options).run(); }
 
 }  // namespace scree

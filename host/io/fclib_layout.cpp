@@ -56,6 +56,13 @@ class MatrixReader {
   }
 
   SparseMatrix read() {
+    const bool packed = matrix_.has_attribute("symmetric_packed") &&
+                        matrix_.integer_attribute("symmetric_packed") != 0;
+    return packed ? unpacked(stored()) : stored();
+  }
+
+ private:
+  SparseMatrix stored() {
     const std::int64_t nz = read_integer(matrix_, "nz");
     if (nz >= 0) return triplets(static_cast<std::size_t>(nz));
     if (nz == -1) return transpose(compressed(columns_, "n", rows_));
@@ -63,7 +70,20 @@ class MatrixReader {
     refuse(fmt::format("nz is {}, expected 0 or more (triplets), -1 (columns) or -2 (rows)", nz));
   }
 
- private:
+  /// The whole of a symmetric matrix of which one triangle is stored.
+  SparseMatrix unpacked(const SparseMatrix& triangle) const {
+    bool upper = false, lower = false;
+    for (std::int32_t row = 0; row < triangle.row_count; ++row)
+      for (std::int32_t k = triangle.row_start[row]; k < triangle.row_start[row + 1]; ++k) {
+        upper = upper || triangle.column[k] > row;
+        lower = lower || triangle.column[k] < row;
+      }
+    if (rows_ != columns_ || (upper && lower))
+      refuse(
+          "attribute symmetric_packed is set, expected a square matrix with one triangle stored");
+    return with_both_triangles(triangle);
+  }
+
   [[noreturn]] void refuse(const std::string& what) const {
     throw InputError(fmt::format("{}/{}", name_, what));
   }

@@ -430,6 +430,19 @@ void Group::read_attribute_array(const std::string& name, Type type, void* out,
   if (H5Aread(attribute.id(), native(type), out) < 0) fail_attribute(name, "");
 }
 
+std::int64_t Group::integer_attribute(const std::string& name) const {
+  const Guard guard;
+  if (!has_attribute(name)) fail_attribute(name, "no such attribute");
+  const Handle attribute(H5Aopen(handle_.id(), name.c_str(), H5P_DEFAULT), H5Aclose);
+  const Handle stored(H5Aget_type(attribute.id()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.id()), H5Sclose);
+  if (H5Tget_class(stored.id()) != H5T_INTEGER || H5Sget_simple_extent_npoints(space.id()) != 1)
+    fail_attribute(name, "expected an integer");
+  std::int64_t value = 0;
+  if (H5Aread(attribute.id(), H5T_NATIVE_INT64, &value) < 0) fail_attribute(name, "");
+  return value;
+}
+
 std::string Group::text_attribute(const std::string& name) const {
   const Guard guard;
   if (!has_attribute(name)) fail_attribute(name, "no such attribute");

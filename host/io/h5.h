@@ -153,6 +153,8 @@ class Group {
     read_attribute_array(name, TypeOf<T>::value, &value, 1);
     return value;
   }
+  /// One integer of any width, as std::int64_t.
+  std::int64_t integer_attribute(const std::string& name) const;
   std::string text_attribute(const std::string& name) const;
 
  private:

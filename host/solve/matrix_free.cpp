@@ -30,7 +30,7 @@ int next_limit(int limit, int most) {
 AssembledStatus status_of(const AssembledResidual& residual, const AssembledOptions& options,
                           bool out_of_time) {
   if (!std::isfinite(residual.relative)) return AssembledStatus::diverged;
-  if (residual.relative <= options.tolerance) return AssembledStatus::converged;
+  if (value_of(residual, options.measure) <= options.tolerance) return AssembledStatus::converged;
   return out_of_time ? AssembledStatus::time_limit : AssembledStatus::iteration_limit;
 }
 
@@ -60,8 +60,8 @@ SolverRun run(MatrixFreeProblem& uploaded, const BodyProblem& problem, const Rea
     out.curve.push_back(point);
     const bool out_of_time = options.max_seconds > 0 && spent > options.max_seconds;
     const AssembledStatus status = status_of(point.residual, options, out_of_time);
-    const bool is_best =
-        out.result.r.empty() || point.residual.relative < out.result.residual.relative;
+    const bool is_best = out.result.r.empty() || value_of(point.residual, options.measure) <
+                                                     value_of(out.result.residual, options.measure);
     if (is_best) {
       out.result.r = std::move(r);
       out.result.residual = point.residual;

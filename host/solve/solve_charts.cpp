@@ -95,13 +95,16 @@ Figure profile_figure(const PerformanceProfile& profile, const std::string& cost
   return {"Performance profile", 1, {chart}};
 }
 
-std::string write_charts(const std::filesystem::path& folder,
-                         const std::vector<ProblemReport>& reports) {
+void write_curves_chart(const std::filesystem::path& folder, const ProblemReport& report) {
+  if (can_draw())
+    write_png(folder / ("curves_" + report.name + ".png"), draw(curves_figure(report)));
+}
+
+std::string write_profile_charts(const std::filesystem::path& folder,
+                                 const std::vector<ProblemReport>& reports) {
   if (!can_draw())
     return fmt::format("built without Cairo, which draws charts: the numbers are in {}",
                        (folder / "curves").string());
-  for (const ProblemReport& report : reports)
-    write_png(folder / ("curves_" + report.name + ".png"), draw(curves_figure(report)));
   if (reports.size() < 2) return {};
   write_png(folder / "profile_seconds.png",
             draw(profile_figure(seconds_profile(reports), "seconds")));

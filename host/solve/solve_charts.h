@@ -19,12 +19,14 @@ Figure curves_figure(const ProblemReport& report);
 /// ratios are of, for instance "seconds"
 Figure profile_figure(const PerformanceProfile& profile, const std::string& cost);
 
-/// Writes curves_<problem>.png and, for several problems, profile_seconds.png and
-/// profile_applications.png into a folder.
+/// Writes curves_<problem>.png into a folder; nothing in a build that cannot draw. @throws RunError
+void write_curves_chart(const std::filesystem::path& folder, const ProblemReport& report);
+
+/// Writes profile_seconds.png and profile_applications.png of several problems into a folder.
 /// @return empty; or, in a build that cannot draw, a sentence that says so and where the numbers
 /// are
 /// @throws RunError
-std::string write_charts(const std::filesystem::path& folder,
-                         const std::vector<ProblemReport>& reports);
+std::string write_profile_charts(const std::filesystem::path& folder,
+                                 const std::vector<ProblemReport>& reports);
 
 }  // namespace scree

@@ -33,6 +33,7 @@ SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
                          const AssembledOptions& options) {
   AssembledOptions o = options;
   o.tolerance = 1e-13;
+  o.measure = AssembledMeasure::relative;
   o.max_iterations = 0;
   o.check_every = 0;
   problem.reference_velocity.clear();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -131,7 +132,21 @@ std::string to_summary(const std::vector<ProblemReport>& reports) {
   return text;
 }
 
-nlohmann::json to_json(const std::vector<ProblemReport>& reports, const AssembledOptions& options) {
+const char* to_string(AssembledMeasure measure) {
+  switch (measure) {
+    case AssembledMeasure::absolute:
+      return "absolute";
+    case AssembledMeasure::unit_free:
+      return "unit-free";
+    case AssembledMeasure::relative:
+      break;
+  }
+  return "relative";
+}
+
+nlohmann::json to_json(const std::vector<ProblemReport>& reports,
+                       const std::vector<SkippedProblem>& skipped,
+                       const AssembledOptions& options) {
   nlohmann::json problems = nlohmann::json::array();
   for (const ProblemReport& report : reports) {
     nlohmann::json runs = nlohmann::json::array();
@@ -144,30 +159,36 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports, const Assemble
                         {"runs", runs}});
     if (report.reference.has_value()) problems.back()["reference"] = json_of(*report.reference);
   }
+  nlohmann::json without = nlohmann::json::array();
+  for (const SkippedProblem& s : skipped)
+    without.push_back({{"file", s.file.string()}, {"reason", s.reason}});
   return {{"version", version()},
           {"commit", commit()},
           {"model", name_of(options.model)},
           {"tolerance", options.tolerance},
+          {"measure", to_string(options.measure)},
           {"max_iterations", options.max_iterations},
           {"max_seconds", options.max_seconds},
-          {"problems", problems}};
+          {"problems", problems},
+          {"skipped", without}};
 }
 
-std::string results_csv(const std::vector<ProblemReport>& reports) {
-  std::string text =
-      "problem,contacts,dimension,solver,status,iterations,applications,factorizations,seconds,"
-      "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,friction,note,"
-      "backend\n";
-  for (const ProblemReport& report : reports) {
-    for (const SolverRun& run : report.runs) {
-      const AssembledResult& r = run.result;
-      text += fmt::format(
-          "{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{},{},{}\n",
-          cell(report.name), report.contact_count, report.dimension, run.solver,
-          to_string(r.status), r.iterations, r.applications, r.factorizations, r.seconds,
-          r.residual.relative, r.residual.absolute, r.residual.to_largest, r.residual.unit_free,
-          r.residual.objective, cell(run.friction), cell(r.note), run.backend);
-    }
+std::string results_header() {
+  return "problem,contacts,dimension,solver,status,iterations,applications,factorizations,seconds,"
+         "residual,residual_absolute,residual_to_largest,residual_unit_free,objective,friction,"
+         "note,backend\n";
+}
+
+std::string results_lines(const ProblemReport& report) {
+  std::string text;
+  for (const SolverRun& run : report.runs) {
+    const AssembledResult& r = run.result;
+    text += fmt::format(
+        "{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.15g},{},{},{}\n",
+        cell(report.name), report.contact_count, report.dimension, run.solver, to_string(r.status),
+        r.iterations, r.applications, r.factorizations, r.seconds, r.residual.relative,
+        r.residual.absolute, r.residual.to_largest, r.residual.unit_free, r.residual.objective,
+        cell(run.friction), cell(r.note), run.backend);
   }
   return text;
 }
@@ -189,24 +210,45 @@ std::string curve_csv(const SolverRun& run, double least_objective) {
   return text;
 }
 
-void write_reports(const fs::path& folder, const std::vector<ProblemReport>& reports,
-                   const AssembledOptions& options) {
+ReportWriter::ReportWriter(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
-  fs::create_directories(folder / "curves", error);
+  fs::create_directories(folder_ / "curves", error);
   if (error)
     throw RunError(
-        fmt::format("cannot create {}: {}", (folder / "curves").string(), error.message()));
-  for (const ProblemReport& report : reports) {
-    const double least = least_objective(report);
-    for (const SolverRun& run : report.runs)
-      write_file_atomically(folder / "curves" / (report.name + "_" + run.solver + ".csv"),
-                            curve_csv(run, least));
-  }
-  write_file_atomically(folder / "results.csv", results_csv(reports));
-  write_file_atomically(folder / "results.json", to_json(reports, options).dump(2) + "\n");
+        fmt::format("cannot create {}: {}", (folder_ / "curves").string(), error.message()));
+  const fs::path file = folder_ / "results.csv";
+  results_ = std::fopen(file.c_str(), "w");
+  if (results_ == nullptr) throw RunError(io_message("cannot write", file, errno));
+  append(results_header());
+}
+
+ReportWriter::~ReportWriter() {
+  if (results_ != nullptr) std::fclose(results_);
+}
+
+void ReportWriter::append(const std::string& text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), results_) == text.size();
+  if (!written || std::fflush(results_) != 0)
+    throw RunError(io_message("cannot write", folder_ / "results.csv", errno));
+}
+
+void ReportWriter::add(const ProblemReport& report) {
+  const double least = least_objective(report);
+  for (const SolverRun& run : report.runs)
+    write_file_atomically(folder_ / "curves" / (report.name + "_" + run.solver + ".csv"),
+                          curve_csv(run, least));
+  append(results_lines(report));
+}
+
+void ReportWriter::finish(const std::vector<ProblemReport>& reports,
+                          const std::vector<SkippedProblem>& skipped,
+                          const AssembledOptions& options) {
+  write_file_atomically(folder_ / "results.json",
+                        to_json(reports, skipped, options).dump(2) + "\n");
   if (reports.size() < 2) return;
-  write_file_atomically(folder / "profile_seconds.csv", to_csv(seconds_profile(reports)));
-  write_file_atomically(folder / "profile_applications.csv", to_csv(applications_profile(reports)));
+  write_file_atomically(folder_ / "profile_seconds.csv", to_csv(seconds_profile(reports)));
+  write_file_atomically(folder_ / "profile_applications.csv",
+                        to_csv(applications_profile(reports)));
 }
 
 }  // namespace scree

@@ -1,6 +1,7 @@
 #pragma once
 // What scree solve prints and writes about solver runs.
 
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -24,6 +25,12 @@ struct ProblemReport {
   std::vector<SolverRun> runs;
 };
 
+/// A file of a folder that could not be read or solved.
+struct SkippedProblem {
+  std::filesystem::path file;
+  std::string reason;
+};
+
 /// A table with one line a solver: iterations, applications, seconds, residuals, objective, status.
 std::string to_table(const ProblemReport& report);
 
@@ -31,10 +38,15 @@ std::string to_table(const ProblemReport& report);
 std::string to_summary(const std::vector<ProblemReport>& reports);
 
 /// @param options  what the solvers were given
-nlohmann::json to_json(const std::vector<ProblemReport>& reports, const AssembledOptions& options);
+nlohmann::json to_json(const std::vector<ProblemReport>& reports,
+                       const std::vector<SkippedProblem>& skipped, const AssembledOptions& options);
 
-/// One line a problem and solver.
-std::string results_csv(const std::vector<ProblemReport>& reports);
+/// "relative", "absolute" or "unit-free": the words of the command line.
+const char* to_string(AssembledMeasure measure);
+
+/// Columns of results.csv, and the lines of one problem, one a solver.
+std::string results_header();
+std::string results_lines(const ProblemReport& report);
 
 /// The objective [J] that gaps are measured to: the least that a run on the problem ended with.
 /// Only runs that converged on the cone count, and the reference where it is as accurate as those.
@@ -49,10 +61,30 @@ std::string curve_csv(const SolverRun& run, double least_objective);
 PerformanceProfile seconds_profile(const std::vector<ProblemReport>& reports);
 PerformanceProfile applications_profile(const std::vector<ProblemReport>& reports);
 
-/// Writes results.csv, results.json, curves/<problem>_<solver>.csv and, for several problems,
-/// profile_seconds.csv and profile_applications.csv below a folder.
-/// @throws RunError
-void write_reports(const std::filesystem::path& folder, const std::vector<ProblemReport>& reports,
-                   const AssembledOptions& options);
+/// results.csv, curves and results.json below a folder, problem by problem: what is done stays when
+/// the program ends before its time.
+class ReportWriter {
+ public:
+  /// Starts results.csv. @throws RunError
+  explicit ReportWriter(std::filesystem::path folder);
+  ~ReportWriter();
+  ReportWriter(const ReportWriter&) = delete;
+  ReportWriter& operator=(const ReportWriter&) = delete;
+
+  /// Appends the lines of a problem to results.csv and writes curves/<problem>_<solver>.csv.
+  /// @throws RunError
+  void add(const ProblemReport& report);
+
+  /// Writes results.json and, for several problems, profile_seconds.csv and
+  /// profile_applications.csv. @throws RunError
+  void finish(const std::vector<ProblemReport>& reports, const std::vector<SkippedProblem>& skipped,
+              const AssembledOptions& options);
+
+ private:
+  void append(const std::string& text);
+
+  std::filesystem::path folder_;
+  std::FILE* results_ = nullptr;
+};
 
 }  // namespace scree

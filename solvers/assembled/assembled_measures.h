@@ -25,7 +25,7 @@ enum class ContactState : unsigned char { open, stick, slip };
 struct AssembledResidual {
   double absolute = 0;  ///< |r - P(r - v)|, impulses and velocities as they are (rho = 1)
   double relative =
-      0;  ///< the same over |q|: the error of FCLIB's collection. What tolerances mean
+      0;  ///< the same over |q|: the error of FCLIB's collection. What tolerances mean by default
   double to_largest =
       0;  ///< the same over max(|q|, |r|, |u|), as newer versions of Siconos have it
   /// |x - P(x - w)| / |D^-1/2 q| with x = D^1/2 r, w = D^-1/2 v and D = contact_scales: the same in
@@ -33,6 +33,21 @@ struct AssembledResidual {
   double unit_free = 0;
   double objective = 0;  ///< 1/2 r.W r + q.r [J]
 };
+
+/// Which of the residuals a tolerance is on.
+enum class AssembledMeasure { relative, absolute, unit_free };
+
+inline double value_of(const AssembledResidual& residual, AssembledMeasure measure) {
+  switch (measure) {
+    case AssembledMeasure::absolute:
+      return residual.absolute;
+    case AssembledMeasure::unit_free:
+      return residual.unit_free;
+    case AssembledMeasure::relative:
+      break;
+  }
+  return residual.relative;
+}
 
 /// Euclidean projection of three numbers on the cone, in place.
 SCREE_HD inline void project_on_cone(double mu, double* x) {

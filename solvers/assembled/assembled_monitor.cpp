@@ -83,7 +83,8 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
   for (std::size_t c = 0; c < last_state_.size(); ++c)
     state_changes_ += state_[c] != last_state_[c];
   last_state_ = state_;
-  if (!looked_ || keep_last_ || last_.relative < result_.residual.relative) {
+  if (!looked_ || keep_last_ ||
+      value_of(last_, options_.measure) < value_of(result_.residual, options_.measure)) {
     result_.r = r;
     result_.residual = last_;
   }
@@ -98,7 +99,7 @@ bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
     compare(r, u, point);
     curve_->push_back(point);
   }
-  if (options_.tolerance > 0 && last_.relative <= options_.tolerance) {
+  if (reached(last_)) {
     fail(AssembledStatus::converged);
   } else if (!asked_ && options_.tell_unsolvable && grows(r, u) && fail_if_unsolvable()) {
     return true;
@@ -122,6 +123,11 @@ void AssembledMonitor::compare(const std::vector<double>& r, const std::vector<d
   }
   point.velocity_error = reference_norm_ > 0 ? std::sqrt(square) / reference_norm_ : square;
   if (has_impulse) point.kinetic_error = std::max(0.0, 0.5 * power);
+}
+
+bool AssembledMonitor::reached(const AssembledResidual& residual) const {
+  const double goal = options_.goal > 0 ? options_.goal : options_.tolerance;
+  return goal > 0 && value_of(residual, options_.measure) <= goal;
 }
 
 bool AssembledMonitor::grows(const std::vector<double>& r, const std::vector<double>& u) const {

@@ -12,13 +12,17 @@ namespace scree {
 
 struct AssembledOptions {
   AssembledModel model = AssembledModel::exact;
-  double tolerance = 1e-8;  ///< on AssembledResidual::relative, >= 0; 0 runs all iterations
-  int max_iterations = 0;   ///< of the method, outer ones where there are two kinds; 0: its own
-  int check_every = 0;      ///< iterations between looks; 0: the method's own
-  double max_seconds = 0;   ///< by the clock; 0: no limit
-  double relaxation = 0;    ///< of methods that have one, in (0, 2); 0: the method's own
+  double tolerance = 1e-8;  ///< on the measure below, >= 0; 0 runs all iterations
+  AssembledMeasure measure = AssembledMeasure::relative;
+  int max_iterations = 0;  ///< of the method, outer ones where there are two kinds; 0: its own
+  int check_every = 0;     ///< iterations between looks; 0: the method's own
+  double max_seconds = 0;  ///< by the clock; 0: no limit
+  double relaxation = 0;   ///< of methods that have one, in (0, 2); 0: the method's own
   /// Whether looks tell problems without solution, see infeasibility.h.
   bool tell_unsolvable = true;
+  /// Set by AssembledSolver::solve() where the tolerance is not on the relative residual: what has
+  /// to be reached by that measure. Methods aim at `tolerance`, which is relative for them.
+  double goal = 0;
   std::vector<double> guess;  ///< [3 contact_count], any values; empty: zero
   /// u that curves are compared with [3 contact_count]; empty: none
   std::vector<double> reference_velocity;
@@ -138,6 +142,8 @@ class AssembledMonitor {
   /// Fills in the errors against the reference, if there is one.
   void compare(const std::vector<double>& r, const std::vector<double>& u,
                AssembledCurvePoint& point) const;
+  /// Whether a residual is that of a solution.
+  bool reached(const AssembledResidual& residual) const;
   /// Whether impulses grow as those of a problem without solution do.
   bool grows(const std::vector<double>& r, const std::vector<double>& u) const;
 

@@ -51,6 +51,21 @@ void check(const AssembledProblem& p, const AssembledOptions& o) {
           "relaxation must lie in (0, 2), got " + std::to_string(o.relaxation));
 }
 
+/// Gives methods a relative tolerance to aim at where the one asked for is on another measure.
+void aim(const AssembledProblem& p, AssembledOptions& o) {
+  if (o.measure == AssembledMeasure::relative) return;
+  o.goal = o.tolerance;
+  double square = 0;
+  for (const double x : p.q) square += x * x;
+  if (o.measure == AssembledMeasure::absolute) {
+    if (square > 0) o.tolerance /= std::sqrt(square);
+  } else {
+    // How the two compare is known when the problem is solved. What is too strict only makes
+    // methods go on.
+    o.tolerance *= 1e-3;
+  }
+}
+
 /// Contacts up to which an interior-point solve costs next to nothing.
 constexpr int cheap_contacts = 1000;
 
@@ -87,6 +102,7 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
   if (replace) symmetric = symmetrized(problem);
   const AssembledProblem& p = replace ? symmetric : problem;
 
+  aim(p, o);
   AssembledMonitor monitor(p, o, curve);
   if (replace) {
     char text[80];

@@ -89,6 +89,8 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       return monitor.fail(AssembledStatus::stalled, "the proximal method no longer gains");
     regularize(p, scale, weight, r, inner);
     AssembledOptions inner_options = o;
+    inner_options.measure = AssembledMeasure::relative;
+    inner_options.goal = 0;
     inner_options.reference_velocity.clear();
     // The absolute error asked for is a share of the present one.
     const double wanted = std::max(0.1 * monitor.last().absolute, 0.2 * o.tolerance * norm_of(p.q));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "host/io/h5.h"
 #include "host/io/problem_file.h"
 #include "host/plot/draw.h"
 #include "tests/cli/program.h"
@@ -168,6 +169,137 @@ TEST(CliSolve, MeasuresVelocitiesAgainstAReference) {
   const std::string curve = contents(scratch / "none/curves/a_auto.csv");
   EXPECT_EQ(column(curve, "velocity_error").front(), "");
   EXPECT_EQ(column(curve, "kinetic_error_J").front(), "");
+}
+
+/// What is written is what the solver found, and a reference for others, in the law that it is of.
+TEST(CliSolve, ASolutionFileIsAReferenceInBothModels) {
+  const Scratch scratch;
+  for (const int dimension : {2, 3}) {
+    const std::string file = put_problem(scratch / "a.hdf5", simple_problem(dimension, 4)).string();
+    for (const std::string model : {"convex", "exact"}) {
+      const std::string solution = (scratch / (model + std::to_string(dimension))).string();
+      solve_json(scratch, {file, "--model", model, "--solver", "nlgs", "--tolerance", "1e-13",
+                           "--solution", solution});
+      const h5::File stored = h5::File::open(solution);
+      const auto r = stored.root().read_converted<double>("solution/r"),
+                 u = stored.root().read_converted<double>("solution/u");
+      ASSERT_EQ(r.size(), 4u * dimension);
+      const auto& problem = simple_problem(dimension, 4);
+      const std::vector<double>& q = std::get<LocalProblem>(problem.form).q;
+      for (std::size_t k = 0; k < r.size(); ++k) EXPECT_NEAR(u[k], 2 * r[k] + q[k], 1e-14);
+      EXPECT_GT(r[0], 0.1);
+      const fs::path out = scratch / (model + "_out" + std::to_string(dimension));
+      solve_json(scratch, {file, "--model", model, "--solver", "jacobi", "--reference", solution,
+                           "--out", out.string()});
+      const auto error = column(contents(out / "curves/a_jacobi.csv"), "velocity_error");
+      EXPECT_GT(std::stod(error.front()), 0.01);
+      EXPECT_LE(std::stod(error.back()), 1e-7);
+      const Result other = scree(scratch, {"solve", file, "--reference", solution, "--model",
+                                           model == "exact" ? "convex" : "exact"});
+      EXPECT_EQ(other.code, 2);
+      EXPECT_NE(other.err.find("solution of the " + model + " law"), std::string::npos)
+          << other.err;
+    }
+  }
+}
+
+TEST(CliSolve, ADamagedSolutionIsRefused) {
+  const Scratch scratch;
+  const std::string file = put_problem(scratch / "a.hdf5", simple_problem(3, 4)).string();
+  const fs::path solution = scratch / "s.hdf5";
+  ASSERT_EQ(scree(scratch, {"solve", file, "--solution", solution.string()}).code, 0);
+  std::string bytes = contents(solution);
+  bytes[bytes.size() - 5] = static_cast<char>(bytes[bytes.size() - 5] ^ 1);
+  put(solution, bytes);
+  const Result result = scree(scratch, {"solve", file, "--reference", solution.string()});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("s.hdf5: it is damaged"), std::string::npos) << result.err;
+}
+
+/// Every measure ends the solve at the first look that is below the tolerance by it.
+TEST(CliSolve, TheToleranceIsOnTheMeasureAskedFor) {
+  const Scratch scratch;
+  StoredProblem stored = simple_problem(3, 4);
+  auto& p = std::get<LocalProblem>(stored.form);
+  for (std::size_t k = 0; k < 9; ++k) p.W.value[k] *= 1e4;  // light bodies beside a heavy one
+  for (double& value : p.q) value *= 50;
+  const std::string file = put_problem(scratch / "a.hdf5", stored).string();
+  std::vector<double> iterations;
+  for (const auto& [measure, key] : {std::pair{"relative", "residual"},
+                                     {"absolute", "residual_absolute"},
+                                     {"unit-free", "residual_unit_free"}}) {
+    const Arguments common{file,  "--solver",    "jacobi", "--measure",     measure, "--relaxation",
+                           "0.5", "--tolerance", "1e-6",   "--check-every", "1"};
+    const json out = solve_json(scratch, common);
+    EXPECT_EQ(out.at("measure"), measure);
+    const json run = out.at("problems").at(0).at("runs").at(0);
+    EXPECT_TRUE(run.at("converged")) << run.dump(1);
+    EXPECT_LE(run.at(key), 1e-6) << measure;
+    const int needed = run.at("iterations");
+    Arguments fewer = common;
+    fewer.insert(fewer.end(), {"--max-iterations", std::to_string(needed - 1)});
+    EXPECT_GT(solve_json(scratch, fewer).at("problems").at(0).at("runs").at(0).at(key), 1e-6);
+    iterations.push_back(needed);
+  }
+  EXPECT_NE(iterations[0], iterations[1]);
+  EXPECT_NE(iterations[0], iterations[2]);
+  const Result automatic = scree(scratch, {"solve", file, "--measure", "unit-free", "--json"});
+  const json run = json::parse(automatic.out).at("problems").at(0).at("runs").at(0);
+  EXPECT_LE(run.at("residual_unit_free"), 1e-8) << run.dump(1);
+}
+
+TEST(CliSolve, AFileOfAFolderThatCannotBeReadIsNamedAndSkipped) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "folder");
+  put_problem(scratch / "folder/a.hdf5", simple_problem(3, 3));
+  put(scratch / "folder/b.hdf5", "not a problem");
+  put_problem(scratch / "folder/c.hdf5", simple_problem(3, 3));
+  const Result result = scree(
+      scratch, {"solve", "folder", "--solver", "nlgs", "--out", "out", "--solution", "found"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.out.find("2 problems"), std::string::npos) << result.out;
+  for (const char* words : {"b.hdf5: it is not an HDF5 file", "1 of 3 problems skipped"})
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+  EXPECT_EQ(line_count(contents(scratch / "out/results.csv")), 3u);
+  const json document = json_file(scratch / "out/results.json");
+  EXPECT_EQ(document.at("problems").size(), 2u);
+  EXPECT_EQ(document.at("skipped").at(0).at("file"), "folder/b.hdf5");
+  EXPECT_TRUE(fs::exists(scratch / "found/c.hdf5"));
+  fs::remove(scratch / "folder/a.hdf5");
+  fs::remove(scratch / "folder/c.hdf5");
+  EXPECT_EQ(scree(scratch, {"solve", "folder"}).code, 2);
+}
+
+/// The first problem is done and its results are there while the second never ends.
+TEST(CliSolve, AKilledRunKeepsWhatIsDone) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "folder");
+  put_problem(scratch / "folder/a.hdf5", simple_problem(3, 2));
+  put_problem(scratch / "folder/b.hdf5", simple_problem(3, 300));
+  for (const int signal : {SIGKILL, SIGINT}) {
+    const std::string out = "out" + std::to_string(signal), found = "found" + out;
+    Program program(scratch.path(),
+                    {"solve", "folder", "--solver", "nlgs", "--tolerance", "0", "--max-iterations",
+                     "1000000000", "--max-seconds", "2", "--out", out, "--solution", found});
+    ASSERT_TRUE(eventually([&] {
+      return fs::exists(scratch / (out + "/curves_a.png")) ||
+             (!can_draw() && line_count(contents(scratch / (out + "/results.csv"))) == 2);
+    }));
+    program.send(signal);
+    program.wait();
+    const std::string results = contents(scratch / (out + "/results.csv"));
+    EXPECT_EQ(line_count(results), 2u) << results;
+    EXPECT_NE(results.find("\na,2,3,nlgs,time limit,"), std::string::npos) << results;
+    EXPECT_TRUE(fs::exists(scratch / (out + "/curves/a_nlgs.csv")));
+    EXPECT_TRUE(fs::exists(scratch / (found + "/a.hdf5")));
+  }
+}
+
+TEST(CliSolve, HelpSaysHowManyThreadsThereAre) {
+  const Scratch scratch;
+  const Result help = scree(scratch, {"solve", "--help"});
+  EXPECT_NE(help.out.find("CPU threads (default: 1; all with --matrix-free)"), std::string::npos)
+      << help.out;
 }
 
 TEST(CliSolve, SolvesAProblemOfARun) {
@@ -357,7 +489,6 @@ INSTANTIATE_TEST_SUITE_P(
         BadUse{"NoFile", {"nothing.hdf5"}, {"nothing.hdf5", "no such file"}},
         BadUse{"NotHdf5", {"text.hdf5"}, {"text.hdf5", "not an HDF5 file"}},
         BadUse{"EmptyFolder", {"empty"}, {"empty", "no problem files", "*.hdf5"}},
-        BadUse{"FolderWithABadFile", {"."}, {"text.hdf5", "not an HDF5 file"}},
         BadUse{"Solver", {"good.hdf5", "--solver", "magic"}, {"\"magic\"", "nlgs", "all"}},
         BadUse{
             "Model", {"good.hdf5", "--model", "soft"}, {"--model", "\"soft\"", "convex or exact"}},
@@ -369,6 +500,15 @@ INSTANTIATE_TEST_SUITE_P(
                {"good.hdf5", "--precision", "float"},
                {"--precision float", "--matrix-free"}},
         BadUse{"Backend", {"good.hdf5", "--backend", "tpu"}, {"--backend", "\"tpu\""}},
+        BadUse{"Measure",
+               {"good.hdf5", "--measure", "loose"},
+               {"--measure", "\"loose\"", "relative, absolute or unit-free"}},
+        BadUse{"SolutionIsThere",
+               {"good.hdf5", "--solution", "text.hdf5"},
+               {"--solution text.hdf5", "--force"}},
+        BadUse{"ReferenceIsNoSolution",
+               {"good.hdf5", "--reference", "good.hdf5"},
+               {"good.hdf5", "holds no solution", "solution/u"}},
         BadUse{"Tolerance", {"good.hdf5", "--tolerance", "-1"}, {"--tolerance", "-1"}},
         BadUse{"ToleranceNan", {"good.hdf5", "--tolerance", "nan"}, {"--tolerance", "nan"}},
         BadUse{"Iterations", {"good.hdf5", "--max-iterations", "-3"}, {"--max-iterations", "-3"}},

@@ -90,6 +90,26 @@ class FclibFile : public ::testing::Test {
   std::filesystem::path path_ = scratch_ / "problem.hdf5";
 };
 
+/// The other triangle is not stored where the attribute says so.
+TEST_F(FclibFile, SymmetricPackedMatricesAreWholeOnceRead) {
+  RawLocal raw;
+  raw.W = {4, 4, -1, {0, 2, 3, 4, 5}, {0, 2, 1, 2, 3}, {5, -1, 6, 7, 8}, 5};  // the lower one
+  raw.more = [](h5::Group&, h5::Group& form) {
+    h5::Group W = form.open_group("W");
+    W.write_attribute<std::int32_t>("symmetric_packed", 1);
+  };
+  EXPECT_EQ(read_local(raw).W,
+            compress(4, 4, {{0, 0, 5}, {0, 2, -1}, {1, 1, 6}, {2, 0, -1}, {2, 2, 7}, {3, 3, 8}}));
+  raw.W = {4, 4, 3, {0, 1, 0}, {0, 0, 1}, {5, 1, 1}, 3};  // both
+  EXPECT_THAT(refusal_of(raw),
+              AllOf(HasSubstr("W/attribute symmetric_packed"), HasSubstr("one triangle")));
+  raw.more = [](h5::Group&, h5::Group& form) {
+    h5::Group W = form.open_group("W");
+    W.write_attribute<std::int32_t>("symmetric_packed", 0);
+  };
+  EXPECT_EQ(read_local(raw).W, compress(4, 4, {{0, 0, 5}, {0, 1, 1}, {1, 0, 1}}));
+}
+
 // ---- round trips -------------------------------------------------------------------------------
 
 LocalProblem local_problem(int dimension, bool bilateral) {

@@ -249,7 +249,7 @@ TEST(DrawingWithoutCairo, IsRefused) {
   if (can_draw()) GTEST_SKIP() << "built with Cairo";
   EXPECT_THROW(draw(Figure{}), RunError);
   const ScratchDirectory folder;
-  const std::string note = write_charts(folder.path(), {ProblemReport{}});
+  const std::string note = write_profile_charts(folder.path(), {ProblemReport{}});
   EXPECT_NE(note.find("without Cairo"), std::string::npos);
   EXPECT_NE(note.find((folder.path() / "curves").string()), std::string::npos);
 }

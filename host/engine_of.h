@@ -14,6 +14,7 @@
 #include "host/obstacles.h"
 #include "host/problem_assembly.h"
 #include "host/problems/download_problem.h"
+#include "host/render/labels.h"
 #include "host/render/renderer.h"
 #include "host/scene_summary.h"
 #include "host/version.h"
@@ -183,8 +184,11 @@ class EngineOf final : public Engine {
   }
 
   Image render(const PictureSettings& settings) override {
-    return renderer_.render(*backend_, store_.view(), obstacles_.shapes(), obstacles_.mesh_set(),
-                            settings);
+    render::ColorRange range;
+    Image image = renderer_.render(*backend_, store_.view(), obstacles_.shapes(),
+                                   obstacles_.mesh_set(), settings, &range);
+    render::add_labels(image, settings.color_by, range, time_, scene_.stepping.time_step);
+    return image;
   }
   std::size_t memory() const override { return backend_->allocated(); }
   std::size_t peak_memory() const override { return backend_->peak(); }

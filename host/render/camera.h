@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include "host/scene.h"
 #include "kernels/render/statistics.h"
@@ -49,6 +51,36 @@ inline Box cut(const Box& a, const Box& b) {
 inline Box grown(const Box& a, double margin) {
   const Vec3d m{margin, margin, margin};
   return {a.lower - m, a.upper + m};
+}
+
+/// The box around the centers of most bodies: along each axis the two percent at either end are
+/// left out, so fewer than 50 bodies all count. Points that are not finite do not.
+inline Box bulk_of(std::vector<Vec3d> centers) {
+  std::erase_if(centers, [](const Vec3d& p) { return !is_finite(p); });
+  if (centers.empty()) return {};
+  const std::size_t cut = centers.size() / 50;
+  Box box{centers[0], centers[0]};
+  std::vector<double> along(centers.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < along.size(); ++i) along[i] = centers[i][axis];
+    const auto low = along.begin() + static_cast<std::ptrdiff_t>(cut);
+    const auto high = along.end() - 1 - static_cast<std::ptrdiff_t>(cut);
+    std::nth_element(along.begin(), low, along.end());
+    box.lower[axis] = *low;
+    std::nth_element(along.begin(), high, along.end());
+    box.upper[axis] = *high;
+  }
+  return box;
+}
+
+/// Keeps bodies within half the size of the bulk beside it. That is more than a heap or a full
+/// container reaches beyond the middle 96 percent of its bodies, and less than strays fly.
+inline KeepRule keep_rule(const Box& bulk, double mean_radius) {
+  if (bulk.empty()) return {};
+  const Vec3d size = bulk.upper - bulk.lower;
+  const Vec3d margin = 0.5 * size + Vec3d{1, 1, 1} * (3 * mean_radius);
+  const double far = 2 * std::max({size.x, size.y, size.z});
+  return {bulk.lower - margin, bulk.upper + margin, {far, far, far}, 3 * mean_radius};
 }
 
 /// Right-handed axes of a camera: right x up = -forward.

@@ -2,6 +2,7 @@
 // Pictures of the bodies, made in backend memory; only the finished pixels come to the host.
 
 #include "host/render/camera.h"
+#include "host/render/labels.h"
 #include "host/scene.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
@@ -32,15 +33,17 @@ class Renderer {
   /// @param bodies    all in backend memory, as are `shapes` and `meshes`
   /// @param shapes    records that BodyView::shape points to
   /// @param settings  picture size, colors and camera
+  /// @param range     out, when given: the values at the ends of the color map
   /// @throws InputError when the scene has more triangles than 32-bit numbers can count
   /// @throws OutOfMemory
   Image render(B& backend, const BodyView<Real>& bodies, Span<const ShapeRecord<Real>> shapes,
-               const MeshSetView<Real>& meshes, const PictureSettings& settings);
+               const MeshSetView<Real>& meshes, const PictureSettings& settings,
+               render::ColorRange* range = nullptr);
 
  private:
   /// Where the bodies are and how large they are.
   struct Extent {
-    render::Box keep;        ///< centers outside are those of escaped bodies
+    render::KeepRule keep;   ///< leaves escaped bodies out
     render::Box free;        ///< free bodies, escaped ones left out
     render::Box walls;       ///< fixed bodies, as far as they are near the free ones
     render::Box framed;      ///< both: what an automatic camera shows
@@ -50,12 +53,14 @@ class Renderer {
   using Shapes = Span<const ShapeRecord<Real>>;
 
   render::BodyStatistics measure(B&, const BodyView<Real>&, Shapes, Index first, Index count,
-                                 const Vec3d& reference, const render::Box& keep);
+                                 const render::KeepRule& keep);
+  render::Box bulk(B&, const BodyView<Real>&);
   Extent find_extent(B&, const BodyView<Real>&, Shapes);
   CameraSettings automatic_camera(B&, const BodyView<Real>&, const Extent&, const PictureSettings&);
   render::DrawList<Real> make_draw_list(B&, const BodyView<Real>&, Shapes, const MeshSetView<Real>&,
                                         const Vec3d& eye, const Vec3d& focus);
-  void color_bodies(B&, const BodyView<Real>&, const PictureSettings&, double mean_radius);
+  render::ColorRange color_range(B&, const render::ColorValue<Real>&, Index free_count,
+                                 const PictureSettings&, double mean_radius);
   /// Fills the drawn rows of a view's buffer.
   template <class Sample>
   void clear(B&, const render::View&, Span<Sample> samples, Sample value);
@@ -75,6 +80,7 @@ class Renderer {
   Buffer<B, Offset> triangle_begin_;
   Buffer<B, render::Vec3f> color_;
   Buffer<B, std::uint8_t> rgb_;
+  Buffer<B, Vec3d> picked_;
   Buffer<B, render::BodyStatistics> body_statistics_;
   Buffer<B, render::FrameSides> frame_sides_;
   Buffer<B, render::ValueStatistics> value_statistics_;

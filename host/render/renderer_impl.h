@@ -17,21 +17,32 @@ Renderer<B, Real>::Renderer(B& b, Offset sample_budget)
       triangle_begin_(b),
       color_(b),
       rgb_(b),
+      picked_(b),
       body_statistics_(b),
       frame_sides_(b),
       value_statistics_(b) {}
 
 template <class B, class Real>
 render::BodyStatistics Renderer<B, Real>::measure(B& b, const BodyView<Real>& bodies, Shapes shapes,
-                                                  Index first, Index count, const Vec3d& reference,
-                                                  const render::Box& keep) {
+                                                  Index first, Index count,
+                                                  const render::KeepRule& keep) {
   const render::MeasureBodies<Real> program{
-      first,      bodies.position,    bodies.radius, reference, keep.lower,
-      keep.upper, bodies.orientation, bodies.shape,  shapes};
+      first, bodies.position, bodies.radius, keep, bodies.orientation, bodies.shape, shapes};
   body_statistics_.reserve_discard(1);
   reduce<render::BodyStatistics>(b, count, program,
                                  StoreResult<render::BodyStatistics>{body_statistics_.data()});
   return fetch(b, body_statistics_.data());
+}
+
+/// Where most free bodies are, by every n-th of them.
+template <class B, class Real>
+render::Box Renderer<B, Real>::bulk(B& b, const BodyView<Real>& bodies) {
+  constexpr Index kMost = 1 << 16;
+  const Index stride = bodies.free_count / kMost + 1;
+  const Index count = (bodies.free_count + stride - 1) / stride;
+  picked_.reserve_discard(count);
+  for_each(b, count, render::PickPositions{bodies.position, stride, picked_.view(count)});
+  return render::bulk_of(download(b, picked_.view(count)));
 }
 
 template <class B, class Real>
@@ -43,21 +54,16 @@ typename Renderer<B, Real>::Extent Renderer<B, Real>::find_extent(B& b,
     return render::Box{{s.lower[0], s.lower[1], s.lower[2]}, {s.upper[0], s.upper[1], s.upper[2]}};
   };
   Extent extent;
-  extent.keep = {{-1e300, -1e300, -1e300}, {1e300, 1e300, 1e300}};
   const render::Box fixed = box_of(measure(b, bodies, shapes, bodies.fixed_begin,
-                                           bodies.count - bodies.fixed_begin, {}, extent.keep));
-  auto s = measure(b, bodies, shapes, 0, bodies.free_count, {}, extent.keep);
+                                           bodies.count - bodies.fixed_begin, extent.keep));
+  auto s = measure(b, bodies, shapes, 0, bodies.free_count, extent.keep);
   if (s.count == 0) {
     extent.walls = extent.framed = fixed;
     return extent;
   }
-  // A few bodies that escaped must not shrink all others to a dot: what is six standard deviations
-  // away is left out. With fewer than 37 bodies nothing can be that far.
-  const Vec3d mean = (1.0 / s.count) * Vec3d{s.sum[0], s.sum[1], s.sum[2]};
-  s = measure(b, bodies, shapes, 0, bodies.free_count, mean, extent.keep);
-  const double reach = 6.0 * std::sqrt(s.sum_squares / s.count) + s.sum_radius / s.count;
-  extent.keep = render::grown({mean, mean}, reach);
-  s = measure(b, bodies, shapes, 0, bodies.free_count, mean, extent.keep);
+  // A few stray bodies must not shrink all others to a dot.
+  extent.keep = render::keep_rule(bulk(b, bodies), s.sum_radius / s.count);
+  s = measure(b, bodies, shapes, 0, bodies.free_count, extent.keep);
   extent.mean_radius = s.sum_radius / s.count;
   extent.free = box_of(s);
   const Vec3d size = extent.free.upper - extent.free.lower;
@@ -76,8 +82,7 @@ CameraSettings Renderer<B, Real>::automatic_camera(B& b, const BodyView<Real>& b
   render::FrameAxes axes = render::automatic_axes(settings.camera, extent.framed.center(), aspect);
   frame_sides_.reserve_discard(1);
   for (int pass = 1;; ++pass) {
-    const render::MeasureFrame<Real> program{axes, bodies.position, bodies.radius,
-                                             extent.keep.lower, extent.keep.upper};
+    const render::MeasureFrame<Real> program{axes, bodies.position, bodies.radius, extent.keep};
     reduce<render::FrameSides>(b, bodies.free_count, program,
                                StoreResult<render::FrameSides>{frame_sides_.data()});
     render::FrameSides sides = fetch(b, frame_sides_.data());
@@ -124,19 +129,14 @@ render::DrawList<Real> Renderer<B, Real>::make_draw_list(B& b, const BodyView<Re
 }
 
 template <class B, class Real>
-void Renderer<B, Real>::color_bodies(B& b, const BodyView<Real>& bodies,
-                                     const PictureSettings& settings, double mean_radius) {
-  static_assert(static_cast<int>(ColorBy::speed) == static_cast<int>(render::ColorMode::speed) &&
-                static_cast<int>(ColorBy::size) == static_cast<int>(render::ColorMode::size) &&
-                static_cast<int>(ColorBy::id) == static_cast<int>(render::ColorMode::id) &&
-                static_cast<int>(ColorBy::group) == static_cast<int>(render::ColorMode::group));
-  const render::ColorValue<Real> value{static_cast<render::ColorMode>(settings.color_by),
-                                       bodies.velocity, bodies.radius};
-  double low = settings.color_min, high = settings.color_max;
+render::ColorRange Renderer<B, Real>::color_range(B& b, const render::ColorValue<Real>& value,
+                                                  Index free_count, const PictureSettings& settings,
+                                                  double mean_radius) {
+  render::ColorRange range{settings.color_min, settings.color_max};
   const bool by_value = settings.color_by == ColorBy::speed || settings.color_by == ColorBy::size;
-  if (by_value && low == high) {
+  if (by_value && range.low == range.high) {
     value_statistics_.reserve_discard(1);
-    reduce<render::ValueStatistics>(b, bodies.free_count, render::MeasureValues<Real>{value},
+    reduce<render::ValueStatistics>(b, free_count, render::MeasureValues<Real>{value},
                                     StoreResult<render::ValueStatistics>{value_statistics_.data()});
     const auto s = fetch(b, value_statistics_.data());
     const double mean = s.count > 0 ? s.sum / s.count : 0;
@@ -145,21 +145,16 @@ void Renderer<B, Real>::color_bodies(B& b, const BodyView<Real>& bodies,
     if (settings.color_by == ColorBy::speed) {
       // From rest to nearly the fastest; single fast bodies may go past the end. Below a twentieth
       // of a diameter per second everything is at rest, and noise is not shown as motion.
-      low = 0;
-      high = std::max(std::min(s.high, mean + 3 * deviation), 0.1 * mean_radius);
+      range = {0, std::max(std::min(s.high, mean + 3 * deviation), 0.1 * mean_radius)};
     } else {
-      low = s.low;
-      high = s.high;
-      if (!(high - low > 1e-3 * high))
-        low = 0.4 * high, high = 1.9 * high;  // one size: a middle color
+      range = {s.low, s.high};
+      if (!(s.high - s.low > 1e-3 * s.high))
+        range = {0.4 * s.high, 1.9 * s.high};  // one size: a middle color
     }
   }
-  if (!(high > low)) high = low + 1;
-  color_.reserve_discard(bodies.count);
-  for_each(b, bodies.count,
-           render::ColorBodies<Real>{value, static_cast<float>(low), static_cast<float>(high),
-                                     bodies.free_count, bodies.fixed_begin, bodies.group, bodies.id,
-                                     color_.view(bodies.count)});
+  if (!(range.high > range.low) || !std::isfinite(range.high - range.low))
+    range.high = range.low + 1;
+  return range;
 }
 
 template <class B, class Real>
@@ -194,7 +189,8 @@ void Renderer<B, Real>::draw(B& b, const Source& source) {
 template <class B, class Real>
 Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
                                 Span<const ShapeRecord<Real>> shapes,
-                                const MeshSetView<Real>& meshes, const PictureSettings& settings) {
+                                const MeshSetView<Real>& meshes, const PictureSettings& settings,
+                                render::ColorRange* range) {
   const Extent extent = find_extent(b, bodies, shapes);
   const CameraSettings camera =
       settings.camera.automatic ? automatic_camera(b, bodies, extent, settings) : settings.camera;
@@ -205,7 +201,21 @@ Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
                                             : extent.free.center();
 
   const auto list = make_draw_list(b, bodies, shapes, meshes, camera.position, focus);
-  color_bodies(b, bodies, settings, extent.mean_radius);
+  static_assert(static_cast<int>(ColorBy::speed) == static_cast<int>(render::ColorMode::speed) &&
+                static_cast<int>(ColorBy::size) == static_cast<int>(render::ColorMode::size) &&
+                static_cast<int>(ColorBy::id) == static_cast<int>(render::ColorMode::id) &&
+                static_cast<int>(ColorBy::group) == static_cast<int>(render::ColorMode::group));
+  const render::ColorValue<Real> value{static_cast<render::ColorMode>(settings.color_by),
+                                       bodies.velocity, bodies.radius};
+  const render::ColorRange values =
+      color_range(b, value, bodies.free_count, settings, extent.mean_radius);
+  if (range != nullptr) *range = values;
+  color_.reserve_discard(bodies.count);
+  for_each(b, bodies.count,
+           render::ColorBodies<Real>{value, static_cast<float>(values.low),
+                                     static_cast<float>(values.high), bodies.free_count,
+                                     bodies.fixed_begin, bodies.group, bodies.id,
+                                     color_.view(bodies.count)});
 
   // A shadow sample is about as large as a sample of the picture when the scene fills it.
   const Vec3d to_light = render::key_light_direction(camera);
@@ -243,7 +253,8 @@ Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
   shade.samples = samples;
   shade.edges = edge_source.marks;
   shade.color = color_.view(bodies.count);
-  shade.disk = render::make_tap_disk();
+  shade.body_taps = render::make_tap_disk<render::BodyTaps>();
+  shade.wall_taps = render::make_tap_disk<render::WallTaps>();
   shade.shadow = {light, light_samples, render::Vec3f(view.origin - light.origin),
                   0.22f * body_size};
   shade.occlusion = {view, samples, 1.3f * body_size, 5.0f * body_size};

@@ -23,7 +23,8 @@ struct ShadePixel {
   Span<const Vec3f> color;         ///< [bodies] linear light
   Shadow shadow;
   Occlusion occlusion;
-  TapDisk disk;
+  BodyTaps body_taps;
+  WallTaps wall_taps;
   Vec3f to_light;          ///< unit, world
   Vec3f sky_up;            ///< unit, world: where the sky is brightest
   float scene_size = 1;    ///< size of what the camera frames [m]
@@ -87,19 +88,33 @@ struct ShadePixel {
 
     const int sub = (i & 1) + 2 * (j & 1);
     const float facing_light = larger(dot(normal, to_light), 0.0f);
-    const float lit = facing_light > 0.0f ? facing_light * shadow(disk, sub, point, normal) : 0.0f;
     const bool is_movable = solid.body < list.fixed_begin;
-    const float open = 1.0f - occlusion(disk, i, j, point_view, normal_view, is_movable);
-    const float sky = 0.5f + 0.5f * dot(normal, sky_up);
+    float lit = 0.0f;
+    if (facing_light > 0.0f) {
+      lit = facing_light * (is_movable ? shadow(body_taps, sub, point, normal)
+                                       : shadow(wall_taps, sub, point, normal));
+    }
+    const float upward = dot(normal, sky_up);
+    const bool is_plain = solid.kind == SolidKind::half_space || solid.kind == SolidKind::container;
+    float open = 1.0f;
+    if (is_movable) {
+      open -= occlusion(body_taps, i, j, point_view, normal_view, true);
+    } else if (!is_plain) {
+      open -= occlusion(wall_taps, i, j, point_view, normal_view, false);
+    } else if (upward > 0.0f) {
+      // Bodies ground on floors. A bright wall behind them would show it as a dark rim around them.
+      open -= upward * occlusion(wall_taps, i, j, point_view, normal_view, false);
+    }
+    const float sky = 0.5f + 0.5f * upward;
     const Vec3f ambient = mix(bounce_light(), sky_light(), sky);
 
-    if (solid.kind == SolidKind::half_space || solid.kind == SolidKind::container) {
+    if (is_plain) {
       const Vec3f full = facing_light * key_light() + ambient;
       const Vec3f here = lit * key_light() + (0.25f + 0.75f * open) * ambient;
       const Vec3f ratio{here.x / full.x, here.y / full.y, here.z / full.z};
       // A plane fades into the background with distance; walls are a shade darker than floors.
       const bool is_plane = solid.kind == SolidKind::half_space;
-      const float tone = 0.91f + 0.06f * larger(dot(normal, sky_up), 0.0f) + 0.02f * facing_light;
+      const float tone = 0.91f + 0.06f * larger(upward, 0.0f) + 0.02f * facing_light;
       const float fade =
           is_plane ? smooth_step(2.0f * scene_size, 12.0f * scene_size, depth) : 0.0f;
       return hadamard(mix(tone * ratio, Vec3f{1, 1, 1}, fade), background(i, j));

@@ -13,22 +13,41 @@ SCREE_HD inline bool is_inside(const Vec3<double>& p, const Vec3<double>& lower,
          p.z <= upper.z;
 }
 
-/// Extent and moments of bodies. Those with a position that is not finite are left out.
+/// Which bodies a picture is made for. Strays are left out, but large bodies, of which there are
+/// few, only when they are far away. Leaves out what is not finite; by default nothing else.
+struct KeepRule {
+  Vec3<double> lower{-1e300, -1e300, -1e300};
+  Vec3<double> upper{1e300, 1e300, 1e300};
+  Vec3<double> large_margin;    ///< by which the box is larger for large bodies [m]
+  double large_radius = 1e300;  ///< from which on a body is large [m]
+
+  SCREE_HD bool operator()(const Vec3<double>& center, double radius) const {
+    if (radius < large_radius) return is_inside(center, lower, upper);
+    return is_inside(center, lower - large_margin, upper + large_margin);
+  }
+};
+
+/// Copies every n-th position.
+struct PickPositions {
+  static constexpr const char* name = "render_pick_positions";
+  Span<const Vec3<double>> position;
+  Index stride = 1;
+  Span<Vec3<double>> picked;  ///< out
+  SCREE_HD void operator()(Index i) const { picked[i] = position[i * stride]; }
+};
+
+/// Extent and mean size of bodies. Those with a position that is not finite are left out.
 struct BodyStatistics {
   double lower[3] = {1e300, 1e300, 1e300};  ///< of the bodies' own bounds [m]
   double upper[3] = {-1e300, -1e300, -1e300};
-  double sum[3] = {0, 0, 0};  ///< of centers [m]
-  double sum_squares = 0;     ///< of |center - reference|^2 [m^2]
-  double sum_radius = 0;      ///< [m]
+  double sum_radius = 0;  ///< [m]
   double count = 0;
 
   SCREE_HD void combine(const BodyStatistics& o) {
     for (int k = 0; k < 3; ++k) {
       lower[k] = lower[k] < o.lower[k] ? lower[k] : o.lower[k];
       upper[k] = upper[k] > o.upper[k] ? upper[k] : o.upper[k];
-      sum[k] += o.sum[k];
     }
-    sum_squares += o.sum_squares;
     sum_radius += o.sum_radius;
     count += o.count;
   }
@@ -40,10 +59,8 @@ struct MeasureBodies {
   static constexpr const char* name = "render_measure_bodies";
   Index first = 0;  ///< storage index of i = 0
   Span<const Vec3<double>> position;
-  PerBody<Real> radius;    ///< [m]; bodies with radius zero are unbounded: left out
-  Vec3<double> reference;  ///< point the squares are taken about [m]
-  Vec3<double> keep_lower{-1e300, -1e300, -1e300};  ///< bodies whose center is outside are left out
-  Vec3<double> keep_upper{1e300, 1e300, 1e300};
+  PerBody<Real> radius;  ///< [m]; bodies with radius zero are unbounded: left out
+  KeepRule keep;
   Span<const Quat<Real>> orientation;
   PerBody<Index> shape;
   Span<const ShapeRecord<Real>> shapes;
@@ -70,14 +87,12 @@ struct MeasureBodies {
     const double r = static_cast<double>(radius[first + i]);
     BodyStatistics s;
     if (!(r > 0.0)) return s;
-    if (!is_inside(p, keep_lower, keep_upper)) return s;
+    if (!keep(p, r)) return s;
     const Vec3<double> reach = half_size(first + i, r);
     for (int k = 0; k < 3; ++k) {
       s.lower[k] = p[k] - reach[k];
       s.upper[k] = p[k] + reach[k];
-      s.sum[k] = p[k];
     }
-    s.sum_squares = norm2(p - reference);
     s.sum_radius = r;
     s.count = 1;
     return s;
@@ -129,12 +144,12 @@ struct MeasureFrame {
   FrameAxes axes;
   Span<const Vec3<double>> position;
   PerBody<Real> radius;
-  Vec3<double> keep_lower;  ///< bodies whose center is outside are left out
-  Vec3<double> keep_upper;
+  KeepRule keep;
   SCREE_HD FrameSides operator()(Index i) const {
     const Vec3<double> p = position[i];
-    if (!(radius[i] > Real(0)) || !is_inside(p, keep_lower, keep_upper)) return {};
-    return axes.sides(p, static_cast<double>(radius[i]));
+    const double r = static_cast<double>(radius[i]);
+    if (!(r > 0.0) || !keep(p, r)) return {};
+    return axes.sides(p, r);
   }
 };
 

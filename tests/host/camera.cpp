@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <random>
+#include <vector>
 
 #include "kernels/render/intersect.h"
 
@@ -146,6 +149,40 @@ TEST(Camera, KeyLightComesFromAboveForEveryCamera) {
     EXPECT_NEAR(norm(light), 1, 1e-12);
     EXPECT_GT(light.z, 0.5);
   }
+}
+
+TEST(Camera, BulkLeavesTheEndsOut) {
+  std::vector<Vec3d> points;
+  for (int k = 0; k < 1000; ++k) points.push_back({0.001 * k, 1.0, -0.002 * k});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  points.push_back({nan, 0, 0});
+  points.push_back({1e6, -1e6, 1e6});
+  std::shuffle(points.begin(), points.end(), std::mt19937(5));
+  const Box box = bulk_of(points);
+  EXPECT_NEAR(box.lower.x, 0.020, 0.0015);
+  EXPECT_NEAR(box.upper.x, 0.980, 0.0015);
+  EXPECT_NEAR(box.lower.z, -1.960, 0.003);
+  EXPECT_NEAR(box.upper.z, -0.040, 0.003);
+  EXPECT_EQ(box.lower.y, 1.0);
+  EXPECT_EQ(box.upper.y, 1.0);
+  EXPECT_TRUE(bulk_of({}).empty());
+  EXPECT_TRUE(bulk_of({{nan, 0, 0}}).empty());
+  // Few bodies: each of them counts.
+  const Box two = bulk_of({{0, 0, 0}, {100, 0, 0}});
+  EXPECT_EQ(two.lower.x, 0);
+  EXPECT_EQ(two.upper.x, 100);
+}
+
+TEST(Camera, KeepsWhatIsNearAndLargeBodiesFartherOff) {
+  const Box bulk{{0, 0, 0}, {1, 1, 0.1}};
+  const KeepRule keep = keep_rule(bulk, 0.01);
+  EXPECT_TRUE(keep({0.5, 0.5, 0.05}, 0.01));
+  EXPECT_TRUE(keep({1.4, -0.4, 0.14}, 0.01));
+  EXPECT_FALSE(keep({1.7, 0.5, 0.05}, 0.01));
+  EXPECT_FALSE(keep({0.5, 0.5, 0.5}, 0.01));
+  EXPECT_TRUE(keep({0.5, 0.5, 0.5}, 0.05)) << "a ball above the bed";
+  EXPECT_FALSE(keep({0.5, 0.5, -5000}, 0.05));
+  EXPECT_FALSE(keep({std::numeric_limits<double>::quiet_NaN(), 0.5, 0.05}, 0.05));
 }
 
 TEST(Color, MapRisesInLightness) {

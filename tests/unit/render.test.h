@@ -453,4 +453,99 @@ TYPED_TEST(RenderTest, AutomaticCameraShowsAllBodiesAndIgnoresEscapedOnes) {
   EXPECT_GT(differing_pixels(with_escaped, empty, 2), settings.width * settings.height / 5);
 }
 
+TYPED_TEST(RenderTest, AutomaticCameraDoesNotFollowStrays) {
+  PictureSettings settings;
+  settings.width = 120;
+  settings.height = 80;
+  settings.color_by = ColorBy::group;
+  PictureScene<TypeParam> scene;
+  for (int k = 0; k < 1000; ++k)
+    scene.sphere({0.1 * (k % 10), 0.1 * (k / 10 % 10), 0.1 * (k / 100)}, 0.05);
+  scene.free_done();
+  const Image packed = take_picture(this->backend(), scene, settings);
+  // Beside the others by more than their own width, where no camera has to reach.
+  for (const Vec3d& stray :
+       {Vec3d{2.4, 0.5, 0.5}, {-1.5, 0.4, 0.4}, {0.4, -1.7, 0.4}, {0.4, 2.4, 1.4}, {0.5, 0.5, 2.6}})
+    scene.sphere(stray, 0.05);
+  scene.free_done();
+  const Image with_strays = take_picture(this->backend(), scene, settings);
+  EXPECT_LT(differing_pixels(packed, with_strays, 2), settings.width * settings.height / 50);
+}
+
+/// Sum of the three colors of a pixel.
+inline int brightness_at(const Image& image, int x, int y) {
+  const std::size_t p = 3 * (static_cast<std::size_t>(y) * image.width + x);
+  return image.rgb[p] + image.rgb[p + 1] + image.rgb[p + 2];
+}
+
+TYPED_TEST(RenderTest, WallsShowNoDarkRimAroundBodiesBeforeThem) {
+  const auto settings = looking_along_y(160, 160, 3.0, 20);
+  ShapeRecord<TypeParam> wall;
+  wall.kind = ShapeKind::half_space;
+  wall.normal = {0, -1, 0};
+  PictureScene<TypeParam> bare, with;
+  bare.sphere({5, 0, 0}, 0.1);  // out of sight, for a scene of the same size
+  bare.free_done();
+  bare.shaped(wall, {0, 0.05, 0}, {}, 0);
+  with.sphere({0, 0, 0}, 0.1);
+  with.free_done();
+  with.shaped(wall, {0, 0.05, 0}, {}, 0);
+  const Image empty = take_picture(this->backend(), bare, settings);
+  const Image image = take_picture(this->backend(), with, settings);
+  // The silhouette has a radius of 0.1 / 3 / tan(10 deg) * 80 = 15.1 pixels. The key light comes
+  // from the upper left, so the shadow falls to the lower right.
+  for (int r = 17; r < 40; ++r) {
+    for (int k = 0; k < 8; ++k) {
+      const double angle = std::numbers::pi * (0.5 + 0.5 * k / 7);  // from up to left
+      const int x = 80 + static_cast<int>(std::lround(r * std::cos(angle)));
+      const int y = 80 - static_cast<int>(std::lround(r * std::sin(angle)));
+      EXPECT_NEAR(brightness_at(image, x, y), brightness_at(empty, x, y), 3) << x << ", " << y;
+    }
+  }
+}
+
+/// A straight edge seen so closely that a sample of the light's view is ten pixels wide.
+TYPED_TEST(RenderTest, ShadowEdgesHaveNoSteps) {
+  PictureSettings settings = looking_along_y(200, 200, 1.0, 30);
+  settings.camera.position = {0, -1, 1};
+  PictureScene<TypeParam> scene;
+  for (const double x : {-5.0, 5.0})
+    for (const double y : {-5.0, 5.0}) scene.sphere({x, y, 0.01}, 0.01);
+  scene.free_done();
+  ShapeRecord<TypeParam> record;
+  record.kind = ShapeKind::half_space;
+  record.normal = {0, 0, 1};
+  scene.shaped(record, {0, 0, 0}, {}, 0);
+  // The light comes along (0.62, 0.3, -1): the edge of the top, 1.8 m high, has its shadow at x =
+  // 0.
+  record.kind = ShapeKind::box;
+  record.half_extents = {2, 2, TypeParam(0.4)};
+  scene.shaped(record, {-2 - 0.62 * 1.8, -0.3 * 1.8, 1.4}, {}, 2.9);
+  const Image image = take_picture(this->backend(), scene, settings);
+
+  // Where each row crosses the middle between shadow and light.
+  std::vector<double> row, crossing;
+  for (int y = 30; y < 170; ++y) {
+    const double middle = 0.5 * (brightness_at(image, 20, y) + brightness_at(image, 180, y));
+    ASSERT_GT(brightness_at(image, 180, y) - brightness_at(image, 20, y), 60);
+    int x = 20;
+    while (brightness_at(image, x + 1, y) < middle) ++x;
+    const double a = brightness_at(image, x, y), b = brightness_at(image, x + 1, y);
+    row.push_back(y);
+    crossing.push_back(x + (middle - a) / (b - a));
+  }
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    n += 1, sx += row[k], sy += crossing[k];
+    sxx += row[k] * row[k], sxy += row[k] * crossing[k];
+  }
+  const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), start = (sy - slope * sx) / n;
+  double squares = 0;
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    const double off = crossing[k] - start - slope * row[k];
+    squares += off * off;
+  }
+  EXPECT_LT(std::sqrt(squares / n), 1.5);
+}
+
 }  // namespace scree

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <span>
 #include <stdexcept>
@@ -22,6 +23,13 @@ namespace scree {
 namespace {
 
 constexpr const char* format_name = "scree checkpoint";
+
+/// Positions [m] and speeds [m/s, rad/s] of runs are far below this, and those far above it are no
+/// place where contacts could be looked for in float.
+constexpr double most_size = 1e15;
+
+/// What a float holds.
+constexpr double most_float = std::numeric_limits<float>::max();
 
 /// Beyond this, step numbers are no longer exact where they are doubles.
 constexpr std::int64_t most_steps = std::int64_t{1} << 53;
@@ -163,19 +171,20 @@ class Reader {
     s.contact_key = array<std::uint64_t>(root, "contact/key", contacts);
     s.contact_impulse = array<Vec3d>(root, "contact/impulse", impulses, 3);
     s.solver_memory = array<double>(root, "solver/memory", root.shape("solver/memory").rows);
-    require_finite("body/position", values(s.position));
-    require_finite("body/orientation", values(s.orientation));
-    require_finite("body/velocity", values(s.velocity));
-    require_finite("body/angular_velocity", values(s.angular_velocity));
-    require_finite("contact/impulse", values(s.contact_impulse));
-    require_finite("solver/memory", s.solver_memory);
+    require_up_to(most_size, "body/position", values(s.position));
+    require_up_to(2, "body/orientation", values(s.orientation));
+    require_up_to(most_size, "body/velocity", values(s.velocity));
+    require_up_to(most_size, "body/angular_velocity", values(s.angular_velocity));
+    require_up_to(most_float, "contact/impulse", values(s.contact_impulse));
+    require_up_to(most_float, "solver/memory", s.solver_memory);
     return c;
   }
 
-  void require_finite(const char* name, std::span<const double> numbers) const {
+  void require_up_to(double most, const char* name, std::span<const double> numbers) const {
     for (const double x : numbers)
-      if (!std::isfinite(x))
-        refuse(fmt::format("dataset {} holds {}, expected finite numbers", name, x));
+      if (!(std::abs(x) <= most))
+        refuse(
+            fmt::format("dataset {} holds {}, expected finite numbers up to {:g}", name, x, most));
   }
 
   template <class Enum>

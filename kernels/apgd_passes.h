@@ -333,6 +333,13 @@ struct ScaleImpulses {
   SCREE_HD void operator()(Index k) const { gamma[k] = scale * gamma[k]; }
 };
 
+/// State after impulses were changed from outside: the step is that of before.
+struct ApgdResume {
+  static constexpr const char* name = "apgd_resume";
+  ApgdState* state;
+  SCREE_HD void operator()(Index) const { state->set_momentum(kFirstTheta, 0); }
+};
+
 /// First state of a solve.
 struct ApgdStart {
   ApgdState* state;

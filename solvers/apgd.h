@@ -21,6 +21,7 @@
 
 #include "kernels/apgd_iteration.h"
 #include "solvers/check_schedule.h"
+#include "solvers/loaded_block.h"
 #include "solvers/residual.h"
 #include "solvers/residual_gauge.h"
 
@@ -107,6 +108,8 @@ class Apgd final : public Solver<B, Real> {
     const double root_count = std::sqrt(p.contact_count);
     double best = -1;
     bool is_guess = true, is_best = true;
+    int next_block = params_.max_iterations / kBlocks;
+    LoadedBlock<B, Real> loaded(b);
     CheckSchedule schedule(kPatience * params_.check_every, tolerance);
     for (;;) {
       // The residual is looked at on the host, the only synchronization of the loop.
@@ -151,6 +154,16 @@ class Apgd final : public Solver<B, Real> {
         }
       }
       if (is_last) break;
+      if (stats.applications >= next_block && tolerance > 0) {
+        next_block += params_.max_iterations / kBlocks;
+        const Span<Vec3<Real>> here = impulses.current(stats.iterations);
+        if (loaded.template solve<R>(b, p, here, velocities.iterate(stats.iterations), tolerance)) {
+          if (here.data != gamma.data) copy(b, Span<const Vec3<Real>>(here), gamma);
+          start_from_guess();
+          for_each(b, 1, ApgdResume{state});
+          continue;
+        }
+      }
 
       const int wait = schedule.next(stats.applications, residual.rms);
       const int left = params_.max_iterations - stats.applications;
@@ -190,6 +203,8 @@ class Apgd final : public Solver<B, Real> {
     return energy > 0 ? std::clamp(1 - work / (2 * energy), 0.0, 1.0) : 1;
   }
 
+  /// Loaded contacts are solved exactly this many times in a solve, less one.
+  static constexpr int kBlocks = 6;
   /// Iterations between residual checks, over check_every, where trials stop by themselves.
   static constexpr int kPatience = 5;
   /// Residual of an iterate that is worth a check, over that of the best one so far.

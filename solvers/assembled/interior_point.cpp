@@ -16,6 +16,8 @@
 // SIAM J. Optim. 2, 1992; for contacts Kleinert, Simeon and Obermayr, Comput. Methods Appl. Mech.
 // Engrg. 278, 2014.
 
+#include "solvers/assembled/interior_point.h"
+
 #include "solvers/assembled/assembled_solver.h"
 #include "solvers/assembled/cone_vectors.h"
 #include "solvers/assembled/infeasibility.h"
@@ -71,9 +73,11 @@ struct ConicProblem {
 class InteriorPoint {
  public:
   /// All must outlive this.
-  InteriorPoint(const AssembledProblem& p, const AssembledOptions& o, AssembledMonitor& monitor)
+  InteriorPoint(const AssembledProblem& p, const AssembledOptions& o, double least_growth,
+                AssembledMonitor& monitor)
       : original_(p),
         options_(o),
+        least_growth_(least_growth),
         monitor_(monitor),
         conic_(p),
         p_(conic_.problem),
@@ -101,7 +105,7 @@ class InteriorPoint {
  private:
   /// x moves along a ray d of the cone with W d = 0 and q.d < 0.
   bool no_solution() {
-    if (norm(x_) < 1e6 * std::sqrt(static_cast<double>(p_.contact_count))) return false;
+    if (norm(x_) < least_growth_ * std::sqrt(static_cast<double>(p_.contact_count))) return false;
     if (!grows_without_bound(original_, r_)) return false;
     monitor_.fail(AssembledStatus::no_solution, "impulses grow along a ray on which nothing moves");
     return true;
@@ -210,6 +214,7 @@ class InteriorPoint {
 
   const AssembledProblem& original_;
   const AssembledOptions& options_;
+  double least_growth_;
   AssembledMonitor& monitor_;
   ConicProblem conic_;
   const AssembledProblem& p_;
@@ -231,11 +236,16 @@ class InteriorPointSolver final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    InteriorPoint(p, o, monitor).run();
+    run_interior_point(p, o, kLeastGrowth, monitor);
   }
 };
 
 }  // namespace
+
+void run_interior_point(const AssembledProblem& problem, const AssembledOptions& options,
+                        double least_growth, AssembledMonitor& monitor) {
+  InteriorPoint(problem, options, least_growth, monitor).run();
+}
 
 std::unique_ptr<AssembledSolver> make_assembled_interior_point() {
   return std::make_unique<InteriorPointSolver>();

@@ -14,7 +14,7 @@ BodyConstants::BodyConstants(const Scene& scene) {
     if (ranges_.empty() || ranges_.back().bodies.empty()) ranges_.push_back({id, {}, {}});
     const double mass = body.kind == BodyKind::free ? body.mass : 0;
     ranges_.back().bodies.push_back(
-        {bounding_radius(scene, body), mass, body.group, body.kind, body.shape.kind});
+        {bounding_radius(scene, body), mass, body.group, body.kind, body.shape.kind, body.entry});
     size_ = id + 1;
   };
   const auto add_set = [&](std::size_t first, const ParticleSet& set) {
@@ -23,6 +23,7 @@ BodyConstants::BodyConstants(const Scene& scene) {
     range.particles.density = set.density;
     range.particles.mass = set.mass;
     range.particles.group = set.group;
+    range.particles.entry = set.entry;
     ranges_.push_back(std::move(range));
     size_ = first + set.position.size();
   };
@@ -39,6 +40,9 @@ BodyConstant BodyConstants::operator[](std::size_t id) const {
   particle.radius = range.particles.radius[i];
   particle.mass = particle_mass(range.particles, i);
   particle.group = range.particles.group[i];
+  particle.entry = range.particles.entry;
+  particle.is_particle = true;
+  particle.number = i;
   return particle;
 }
 

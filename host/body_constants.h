@@ -14,6 +14,9 @@ struct BodyConstant {
   int group = 0;
   BodyKind kind = BodyKind::free;
   Shape::Kind shape = Shape::Kind::sphere;
+  int entry = -1;            ///< see BodyDescription and ParticleSet
+  bool is_particle = false;  ///< of a set: the entry is one of `particles`
+  std::size_t number = 0;    ///< in its set
 };
 
 /// Constants of all bodies a run of a scene can ever have, by id; bodies that join later included.

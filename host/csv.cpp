@@ -7,10 +7,13 @@
 #include <cmath>
 
 #include "host/error.h"
+#include "host/printable.h"
 #include "host/scene_checks.h"
 
 namespace scree {
 namespace {
+
+constexpr std::size_t kShown = 40;  // bytes of a file's own words in a message
 
 std::string_view trimmed(std::string_view text) {
   const char* blank = " \t\r";
@@ -32,9 +35,16 @@ CsvReader::CsvReader(std::filesystem::path file, const std::vector<std::string>&
   for (const std::string_view cell : cells_) columns_.emplace_back(cell);
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+  const auto is_known = [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  // A file that holds something else shows none of it.
+  if (std::none_of(columns_.begin(), columns_.end(), is_known))
+    fail("no table: names none of the known columns: " + list);
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (std::find(known.begin(), known.end(), columns_[i]) == known.end())
-      fail(fmt::format("unknown column \"{}\". Known columns: {}", columns_[i], list));
+    if (!is_known(columns_[i]))
+      fail(fmt::format("unknown column \"{}\". Known columns: {}", printable(columns_[i], kShown),
+                       list));
     if (std::find(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(i),
                   columns_[i]) != columns_.begin() + static_cast<std::ptrdiff_t>(i))
       fail(fmt::format("column \"{}\" is given twice", columns_[i]));
@@ -83,7 +93,7 @@ double CsvReader::number(int column) const {
 }
 
 void CsvReader::refuse(int column, const std::string& expected) const {
-  const std::string value = "\"" + std::string(cell(column)) + "\"";
+  const std::string value = "\"" + printable(cell(column), kShown) + "\"";
   throw InputError(fault_text(fmt::format("{}: line {}, column \"{}\"", file_.string(),
                                           line_number_, columns_[static_cast<std::size_t>(column)]),
                               value, expected));

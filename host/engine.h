@@ -15,6 +15,7 @@ class Engine {
   virtual BodyStates states() = 0;
   virtual const BodyConstants& constants() const = 0;
   virtual std::vector<ContactRecord> contacts() = 0;
+  virtual std::vector<ContactRecord> overlaps() = 0;
   virtual WorldState save() = 0;
   virtual void restore(const WorldState& state) = 0;
   virtual Image render(const PictureSettings& settings) = 0;

@@ -3,15 +3,28 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "kernels/range.h"
 
 namespace scree {
 
 void throw_bad_body(std::int64_t step, int body, const Vec3d& x, const Vec3d& v) {
-  throw RunError(
-      fmt::format("step {}: body {} has a state that is not finite: position ({}, {}, {}) m, "
-                  "velocity ({}, {}, {}) m/s; "
-                  "the time step may be too large",
-                  step, body, x.x, x.y, x.z, v.x, v.y, v.z));
+  const bool finite = is_finite(x) && is_finite(v);
+  throw RunError(fmt::format(
+      "step {}: body {} {}: position ({}, {}, {}) m, velocity ({}, {}, {}) m/s; "
+      "the time step may be too large",
+      step, body,
+      finite
+          ? fmt::format("is too far out or too fast, beyond {:g} m, or {:g} m/s or {:g} m a step",
+                        kFarthest, kFastest, kFarthest)
+          : "has a state that is not finite",
+      x.x, x.y, x.z, v.x, v.y, v.z));
+}
+
+void throw_not_finite(std::int64_t step, const char* quantity, double value) {
+  throw RunError(fmt::format(
+      "step {}: the {} is {}; values of the scene may be too large or too small, or the time step "
+      "too large",
+      step, quantity, value));
 }
 
 void throw_bad_contact(std::int64_t step, int body_a, int body_b) {

@@ -9,9 +9,12 @@
 
 namespace scree {
 
-/// @throws RunError naming the body
+/// A state that is not finite, or out of the range of kernels/range.h. @throws RunError naming the
+/// body
 [[noreturn]] void throw_bad_body(std::int64_t step, int body, const Vec3d& position,
                                  const Vec3d& velocity);
+/// @throws RunError naming the quantity
+[[noreturn]] void throw_not_finite(std::int64_t step, const char* quantity, double value);
 /// @throws RunError naming the two bodies
 [[noreturn]] void throw_bad_contact(std::int64_t step, int body_a, int body_b);
 /// @throws InputError

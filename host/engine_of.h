@@ -123,6 +123,7 @@ class EngineOf final : public Engine {
     fill_report(report, stats, sums, contacts);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
+    require_finite(report);
     return report;
   }
 
@@ -135,22 +136,14 @@ class EngineOf final : public Engine {
   const BodyConstants& constants() const override { return constants_; }
 
   std::vector<ContactRecord> contacts() override {
-    B& b = *backend_;
-    const ContactView<Real> view = detector_.contacts();
-    const std::vector<Index> id = store_.ids();
-    const auto body_a = download(b, view.body_a);
-    const auto body_b = download(b, view.body_b);
-    const auto normal = download(b, view.normal);
-    const auto gap = download(b, view.gap);
-    const int vectors = vectors_per_contact(summary_.layout);
-    const auto gamma = download(b, detector_.impulses());
-    std::vector<ContactRecord> out(static_cast<std::size_t>(view.count));
-    for (std::size_t c = 0; c < out.size(); ++c) {
-      out[c] = {id[static_cast<std::size_t>(body_a[c])], id[static_cast<std::size_t>(body_b[c])],
-                Vec3d(normal[c]), static_cast<double>(gap[c]),
-                Vec3d(gamma[c * static_cast<std::size_t>(vectors)])};
-    }
-    return out;
+    return records(download(*backend_, detector_.impulses()));
+  }
+
+  std::vector<ContactRecord> overlaps() override {
+    detector_.detect(*backend_, store_.view(), 0, {});
+    std::vector<ContactRecord> found = records({});
+    std::erase_if(found, [](const ContactRecord& contact) { return !(contact.gap < 0); });
+    return found;
   }
 
   WorldState save() override {
@@ -198,6 +191,26 @@ class EngineOf final : public Engine {
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
 
+  /// The contacts in host memory.
+  /// @param gamma  their impulses; empty: left zero
+  std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
+    B& b = *backend_;
+    const ContactView<Real> view = detector_.contacts();
+    const std::vector<Index> id = store_.ids();
+    const auto body_a = download(b, view.body_a);
+    const auto body_b = download(b, view.body_b);
+    const auto normal = download(b, view.normal);
+    const auto gap = download(b, view.gap);
+    const auto vectors = static_cast<std::size_t>(vectors_per_contact(summary_.layout));
+    std::vector<ContactRecord> out(static_cast<std::size_t>(view.count));
+    for (std::size_t c = 0; c < out.size(); ++c) {
+      out[c] = {id[static_cast<std::size_t>(body_a[c])], id[static_cast<std::size_t>(body_b[c])],
+                Vec3d(normal[c]), static_cast<double>(gap[c]),
+                gamma.empty() ? Vec3d{} : Vec3d(gamma[c * vectors])};
+    }
+    return out;
+  }
+
   std::unique_ptr<Solver<B, Real>> make_step_solver() const {
     SolverParams params;
     params.max_iterations = scene_.solver.max_iterations;
@@ -217,11 +230,8 @@ class EngineOf final : public Engine {
     settings.skin = summary_.skin;
     settings.keep_candidates = near_pairs;
     if (scene_.solver.exact_coulomb) return settings;
-    const auto materials = static_cast<int>(scene_.materials.size());
-    for (int i = 0; i < materials; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        settings.lift = std::max(settings.lift, pair_values(scene_, i, j).friction);
-      }
+    for (const Material& pair : all_pair_values(scene_)) {
+      settings.lift = std::max(settings.lift, pair.friction);
     }
     return settings;
   }
@@ -334,6 +344,10 @@ class EngineOf final : public Engine {
     for (const BodyDescription& wall : walls_) {
       const Pose now = pose_at(wall, t);
       const Rates rates = rates_between(now, pose_at(wall, t + h), h);
+      if (!is_in_range(now.position) || !is_speed_in_range(norm(rates.velocity), h)) {
+        const auto place = store_.fixed_begin() + static_cast<Index>(position.size());
+        throw_bad_body(step_ + 1, id_of(place), now.position, rates.velocity);
+      }
       position.push_back(now.position);
       orientation.emplace_back(now.orientation);
       velocity.emplace_back(rates.velocity);
@@ -392,6 +406,21 @@ class EngineOf final : public Engine {
     }
     const StageTimes& t = report.ms;
     report.ms.total = t.collision + t.setup + t.solve + t.integrate;
+  }
+
+  /// Sums can overflow where no body and no contact does.
+  static void require_finite(const StepReport& r) {
+    const std::pair<const char*, double> values[] = {{"residual", r.residual_rms},
+                                                     {"largest residual", r.residual_max},
+                                                     {"relative residual", r.residual_relative},
+                                                     {"exact residual", r.exact_residual_rms},
+                                                     {"objective", r.objective},
+                                                     {"penetration", r.max_penetration},
+                                                     {"cone violation", r.max_cone_violation},
+                                                     {"kinetic energy", r.kinetic_energy}};
+    for (const auto& [name, value] : values) {
+      if (!std::isfinite(value)) throw_not_finite(r.step, name, value);
+    }
   }
 
   [[noreturn]] void report_bad_body(Index storage) {

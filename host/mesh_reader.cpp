@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "host/error.h"
+#include "host/printable.h"
+#include "kernels/range.h"
 
 namespace scree {
 namespace {
@@ -76,7 +78,7 @@ T parsed(const TriangleMesh& mesh, const Lines& lines, std::string_view word) {
   bool good = error == std::errc{} && end == word.data() + word.size();
   if constexpr (std::is_floating_point_v<T>) good = good && std::isfinite(value);
   if (!good)
-    fail(mesh, fmt::format("line {}: \"{}\" is not a {}", lines.number, word,
+    fail(mesh, fmt::format("line {}: \"{}\" is not a {}", lines.number, printable(word, 40),
                            std::is_floating_point_v<T> ? "finite number" : "whole number"));
   return value;
 }
@@ -319,7 +321,12 @@ TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& opt
   const std::string bytes = read_bytes(file);
   kind == ".stl" ? read_stl(bytes, mesh) : read_obj(bytes, mesh);
   if (mesh.triangles.empty()) fail(mesh, "holds no triangles");
-  for (Vec3d& v : mesh.vertices) v *= options.scale;
+  for (Vec3d& v : mesh.vertices) {
+    v *= options.scale;
+    if (!is_in_range(v))  // welding squares distances
+      fail(mesh, fmt::format("a vertex at {} m is too far out, must be within {:g} m", text(v),
+                             kFarthest));
+  }
   weld(mesh);
   check_triangles(mesh);
   check_edges(mesh);

@@ -1,7 +1,8 @@
 #include "host/particle_table.h"
 
-#include <algorithm>
 #include <cmath>
+#include <string>
+#include <unordered_map>
 #include <utility>
 
 #include "host/csv.h"
@@ -37,17 +38,22 @@ double positive(const CsvReader& csv, int column, const char* unit) {
   return value;
 }
 
-/// Index of a name in the list, which grows by names not met before.
-int index_of(const CsvReader& csv, int column, std::vector<std::string>& names) {
-  const std::string_view name = csv.cell(column);
-  if (name.empty()) csv.refuse(column, "must be a name");
-  const auto at = std::find(names.begin(), names.end(), name);
-  if (at == names.end()) {
-    names.emplace_back(name);
-    return static_cast<int>(names.size()) - 1;
+/// Numbers names in the order in which a column first gives them.
+class Names {
+ public:
+  explicit Names(std::vector<std::string>& names) : names_(&names) {}
+  int index_of(const CsvReader& csv, int column) {
+    const std::string name(csv.cell(column));
+    if (name.empty()) csv.refuse(column, "must be a name");
+    const auto [entry, is_new] = index_.emplace(name, static_cast<int>(names_->size()));
+    if (is_new) names_->push_back(name);
+    return entry->second;
   }
-  return static_cast<int>(at - names.begin());
-}
+
+ private:
+  std::vector<std::string>* names_;
+  std::unordered_map<std::string, int> index_;
+};
 
 /// A property of the particles, filled row by row when the file has columns for it.
 template <class T>
@@ -96,6 +102,8 @@ ParticleTable read_particle_csv(const std::filesystem::path& file) {
   Column<double> density(at_density >= 0, rows);
   Column<int> group(at_group >= 0, rows);
   Column<int> material(at_material >= 0, rows);
+  Names groups(table.groups);
+  Names materials(table.materials);
   while (csv.next()) {
     particles.position.push_back(vector(csv, at_position));
     velocity.read([&] { return vector(csv, at_velocity); });
@@ -104,8 +112,8 @@ ParticleTable read_particle_csv(const std::filesystem::path& file) {
     radius.read([&] { return positive(csv, at_radius, "m"); });
     mass.read([&] { return positive(csv, at_mass, "kg"); });
     density.read([&] { return positive(csv, at_density, "kg/m^3"); });
-    group.read([&] { return index_of(csv, at_group, table.groups); });
-    material.read([&] { return index_of(csv, at_material, table.materials); });
+    group.read([&] { return groups.index_of(csv, at_group); });
+    material.read([&] { return materials.index_of(csv, at_material); });
   }
   velocity.move_to(particles.velocity);
   spin.move_to(particles.angular_velocity);

@@ -46,13 +46,10 @@ class ProblemAssembly {
         solid_spheres_(solid_spheres),
         material_count_(static_cast<Index>(scene.materials.size())) {
     std::vector<PairLaw<Real>> laws;
-    for (Index i = 0; i < material_count_; ++i) {
-      for (Index j = 0; j < material_count_; ++j) {
-        const Material m = pair_values(scene, i, j);
-        laws.push_back({static_cast<Real>(m.friction), static_cast<Real>(m.restitution),
-                        static_cast<Real>(m.cohesion), static_cast<Real>(m.rolling_friction),
-                        static_cast<Real>(m.spinning_friction)});
-      }
+    for (const Material& m : all_pair_values(scene)) {
+      laws.push_back({static_cast<Real>(m.friction), static_cast<Real>(m.restitution),
+                      static_cast<Real>(m.cohesion), static_cast<Real>(m.rolling_friction),
+                      static_cast<Real>(m.spinning_friction)});
     }
     uniform_friction_ = laws.front().friction;
     for (const PairLaw<Real>& law : laws) {

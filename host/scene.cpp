@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "host/error.h"
+#include "host/printable.h"
 #include "host/scene_checks.h"
 #include "host/scene_summary.h"
+#include "kernels/range.h"
 
 namespace scree {
 
@@ -153,6 +156,7 @@ std::optional<Fault> motion_fault(const BodyDescription& body) {
 
 std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body) {
   if (auto fault = shape_fault(scene, body)) return fault;
+  if (auto fault = size_fault(body.shape)) return fault;
   if (!is_finite(body.position))
     return Fault{"position", text(body.position), "must be three finite numbers [m]"};
   if (!is_unit(length(body.orientation)))
@@ -181,7 +185,8 @@ std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body)
                  fmt::format("must be an index below {}", scene.groups.size())};
   if (body.locks > lock_all)
     return Fault{"lock", fmt::format("{}", body.locks), "must be bits 0 to 5"};
-  return motion_fault(body);
+  if (auto fault = motion_fault(body)) return fault;
+  return range_fault(scene, body);
 }
 
 namespace {
@@ -198,7 +203,11 @@ void check_material(const std::string& path, const Material& m) {
 void check_materials(const Scene& scene) {
   const int count = static_cast<int>(scene.materials.size());
   if (count == 0) refuse("materials", "an empty list", "must hold one material or more");
+  if (scene.materials.size() > kMostMaterials)
+    refuse("materials", fmt::format("a list of {} materials", count),
+           fmt::format("must hold {} or fewer", kMostMaterials));
   for (const Material& m : scene.materials) check_material("materials." + m.name, m);
+  std::map<std::pair<int, int>, std::size_t> listed;
   for (std::size_t i = 0; i < scene.material_pairs.size(); ++i) {
     const MaterialPair& pair = scene.material_pairs[i];
     const std::string path = fmt::format("material_pairs[{}]", i);
@@ -207,19 +216,32 @@ void check_materials(const Scene& scene) {
         refuse(path + ".between", fmt::format("{}", m),
                fmt::format("must be an index below {}", count));
     check_material(path, pair.values);
-    for (std::size_t j = 0; j < i; ++j) {
-      const MaterialPair& other = scene.material_pairs[j];
-      if (std::minmax(pair.material_a, pair.material_b) ==
-          std::minmax(other.material_a, other.material_b))
-        refuse(path + ".between",
-               fmt::format("[\"{}\", \"{}\"]", scene.materials[pair.material_a].name,
-                           scene.materials[pair.material_b].name),
-               fmt::format("material_pairs[{}] is the same pair", j));
-    }
+    const std::pair<int, int> ends = std::minmax(pair.material_a, pair.material_b);
+    const auto [first, is_new] = listed.emplace(ends, i);
+    if (!is_new)
+      refuse(path + ".between",
+             fmt::format("[\"{}\", \"{}\"]", scene.materials[pair.material_a].name,
+                         scene.materials[pair.material_b].name),
+             fmt::format("material_pairs[{}] is the same pair", first->second));
   }
 }
 
+/// The name is that of a folder inside out/, and is printed.
+void check_name(const std::string& name) {
+  constexpr std::size_t kLongest = 200;  // bytes, below what file systems allow
+  const auto is_bad = [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '/' || c == '\\';
+  };
+  if (name.empty() || name.size() > kLongest || name == "." || name == ".." ||
+      std::any_of(name.begin(), name.end(), is_bad))
+    refuse("name", quoted(printable(name, 80)),
+           fmt::format("must be fit for a folder: 1 to {} bytes without slashes and control "
+                       "characters, not . or ..",
+                       kLongest));
+}
+
 void check_settings(const Scene& scene) {
+  check_name(scene.name);
   check_one_of("backend", scene.backend, {"auto", "cpu", "cuda"});
   check_one_of("precision", scene.precision, {"float", "double"});
   check_finite("gravity", scene.gravity, "m/s^2");
@@ -426,7 +448,7 @@ void check_particles(const Scene& scene, const ParticleSet& set, const std::stri
                      set.angular_velocity.uniform() && set.material.uniform() &&
                      set.group.uniform();
   for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0 && alike && is_finite(set.position[i])) continue;  // as good as the first
+    if (i > 0 && alike && is_in_range(set.position[i])) continue;  // as good as the first
     if (const auto fault = body_fault(scene, particle_body(set, i)))
       refuse(fmt::format("{}[{}].{}", path, i, fault->field), fault->value, fault->expected);
   }
@@ -486,6 +508,7 @@ void check_periodicity(const Scene& scene) {
 void validate(const Scene& scene) {
   check_settings(scene);
   check_materials(scene);
+  if (const auto fault = range_fault(scene)) refuse(fault->field, fault->value, fault->expected);
   if (scene.groups.empty()) refuse("groups", "an empty list", "must hold one name or more");
   check_meshes(scene);
   check_bodies(scene);
@@ -552,20 +575,44 @@ double particle_mass(const ParticleSet& set, std::size_t i) {
   return set.mass[i] == 0 ? sphere_mass(set.radius[i], set.density[i]) : set.mass[i];
 }
 
-Material pair_values(const Scene& scene, int material_a, int material_b) {
-  for (const MaterialPair& pair : scene.material_pairs)
-    if (std::minmax(pair.material_a, pair.material_b) == std::minmax(material_a, material_b))
-      return pair.values;
-  const Material& a = scene.materials.at(static_cast<std::size_t>(material_a));
-  const Material& b = scene.materials.at(static_cast<std::size_t>(material_b));
+namespace {
+
+Material mixed(const Material& a, const Material& b) {
   Material mix;
-  mix.name = a.name + " - " + b.name;
+  mix.name.clear();
   mix.friction = std::sqrt(a.friction * b.friction);
   mix.restitution = std::min(a.restitution, b.restitution);
   mix.cohesion = std::min(a.cohesion, b.cohesion);
   mix.rolling_friction = std::min(a.rolling_friction, b.rolling_friction);
   mix.spinning_friction = std::min(a.spinning_friction, b.spinning_friction);
   return mix;
+}
+
+}  // namespace
+
+Material pair_values(const Scene& scene, int material_a, int material_b) {
+  for (const MaterialPair& pair : scene.material_pairs)
+    if (std::minmax(pair.material_a, pair.material_b) == std::minmax(material_a, material_b))
+      return pair.values;
+  const Material& a = scene.materials.at(static_cast<std::size_t>(material_a));
+  const Material& b = scene.materials.at(static_cast<std::size_t>(material_b));
+  Material mix = mixed(a, b);
+  mix.name = a.name + " - " + b.name;
+  return mix;
+}
+
+std::vector<Material> all_pair_values(const Scene& scene) {
+  const std::size_t n = scene.materials.size();
+  std::vector<Material> table;
+  table.reserve(n * n);
+  for (const Material& a : scene.materials)
+    for (const Material& b : scene.materials) table.push_back(mixed(a, b));
+  for (const MaterialPair& pair : scene.material_pairs) {
+    const auto a = static_cast<std::size_t>(pair.material_a);
+    const auto b = static_cast<std::size_t>(pair.material_b);
+    table[a * n + b] = table[b * n + a] = pair.values;
+  }
+  return table;
 }
 
 }  // namespace scree

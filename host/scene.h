@@ -38,6 +38,9 @@ struct MaterialPair {
   Material values;
 };
 
+/// A body keeps the number of its material in 8 bits.
+inline constexpr std::size_t kMostMaterials = 256;
+
 /// Prescribed motion of a kinematic body: pose and velocity as functions of time.
 struct Motion {
   enum class Kind { none, linear, rotating, oscillating, sampled };
@@ -122,6 +125,7 @@ struct BodyDescription {
   int group = 0;           ///< index into Scene::groups; colors pictures, names outputs
   std::uint8_t locks = 0;  ///< Lock bits
   Rare<Motion> motion;     ///< kinematic bodies only
+  int entry = -1;          ///< number in the list `bodies` of the scene file, for messages
 };
 
 /// A property of many particles: one value for all of them, or one for each. Copies share the
@@ -156,6 +160,7 @@ struct ParticleSet {
   PerParticle<int> material;            ///< index into Scene::materials
   PerParticle<int> group;               ///< index into Scene::groups
   std::uint8_t locks = 0;               ///< Lock bits
+  int entry = -1;  ///< number in the list `particles` of the scene file, for messages
 };
 
 /// Bodies that join a run when their time has come (rain).
@@ -269,5 +274,7 @@ double particle_mass(const ParticleSet& set, std::size_t i);
 /// Contact values for a pair of materials: the listed pair, else geometric mean of friction and the
 /// smaller of the other values.
 Material pair_values(const Scene& scene, int material_a, int material_b);
+/// The same for all pairs: that of a and b at a * scene.materials.size() + b.
+std::vector<Material> all_pair_values(const Scene& scene);
 
 }  // namespace scree

@@ -26,4 +26,14 @@ std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body)
 /// What of a wall does not fit the scene's periodic domain.
 std::optional<Fault> periodic_wall_fault(const Scene& scene, const BodyDescription& body);
 
+/// A length of a shape that is too small or too large for runs to compute with, see range_fault().
+std::optional<Fault> size_fault(const Shape& shape);
+
+/// First value of a body that runs cannot compute with: single precision ends at 3e38, and values
+/// are multiplied and squared on the way. Part of body_fault().
+std::optional<Fault> range_fault(const Scene& scene, const BodyDescription& body);
+
+/// The same for all else in a scene: settings, materials and meshes. The field is the whole path.
+std::optional<Fault> range_fault(const Scene& scene);
+
 }  // namespace scree

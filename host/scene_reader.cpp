@@ -39,11 +39,14 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   const Node root(json, "", source);
   root.check_keys(scene_keys("scene"));
 
+  if (const auto schema = root.find("$schema")) schema->text();
   Draft draft;
   read_settings(root, draft.scene);
   read_materials(root, draft);
-  if (const auto bodies = root.find("bodies"))
-    for (const Node& body : bodies->elements()) read_body(body, draft);
+  if (const auto bodies = root.find("bodies")) {
+    const std::vector<Node> entries = bodies->elements();
+    for (std::size_t i = 0; i < entries.size(); ++i) read_body(entries[i], i, draft);
+  }
   if (const auto particles = root.find("particles")) {
     const std::vector<Node> entries = particles->elements();
     for (std::size_t i = 0; i < entries.size(); ++i) read_particles(entries[i], i, draft);

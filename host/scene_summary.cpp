@@ -17,14 +17,10 @@ constexpr double kDefaultEnvelope = 0.01;
 constexpr double kDefaultSkin = 0.1;
 
 bool has_rolling_friction(const Scene& scene) {
-  const int n = static_cast<int>(scene.materials.size());
-  for (int a = 0; a < n; ++a) {
-    for (int b = 0; b <= a; ++b) {
-      const Material m = pair_values(scene, a, b);
-      if (m.rolling_friction > 0 || m.spinning_friction > 0) return true;
-    }
-  }
-  return false;
+  const std::vector<Material> pairs = all_pair_values(scene);
+  return std::any_of(pairs.begin(), pairs.end(), [](const Material& m) {
+    return m.rolling_friction > 0 || m.spinning_friction > 0;
+  });
 }
 
 bool fits_radial_layout(std::uint8_t locks) { return locks == 0 || locks == lock_rotation; }

@@ -53,6 +53,7 @@ int World::body_count() const { return engine_->body_count(); }
 BodyStates World::states() const { return engine_->states(); }
 const BodyConstants& World::constants() const { return engine_->constants(); }
 std::vector<ContactRecord> World::contacts() const { return engine_->contacts(); }
+std::vector<ContactRecord> World::overlaps() const { return engine_->overlaps(); }
 WorldState World::save() const { return engine_->save(); }
 void World::restore(const WorldState& state) { engine_->restore(state); }
 Image World::render(const PictureSettings& settings) const { return engine_->render(settings); }

@@ -120,6 +120,10 @@ class World {
   const BodyConstants& constants() const;
   std::vector<ContactRecord> contacts() const;
 
+  /// Pairs of bodies that overlap where they are now, impulses left zero. Takes the place of the
+  /// contacts of the last step, also for the next warm start: for a look before the first step.
+  std::vector<ContactRecord> overlaps() const;
+
   WorldState save() const;
   /// @throws InputError when the state does not fit the scene
   void restore(const WorldState& state);

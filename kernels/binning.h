@@ -4,6 +4,7 @@
 #include "kernels/backend/atomic.h"
 #include "kernels/bin_plan.h"
 #include "kernels/contact_range.h"
+#include "kernels/range.h"
 
 namespace scree {
 
@@ -80,8 +81,8 @@ struct BodyBalls {
     double radius = own + 0.5 * (range.envelope + spare.skin) + range.margin_of(i) +
                     range.fall_of(own) + 0.5 * range.h * steps(i, speed) * speed;
     if (!is_sphere) radius += range.h * own * norm(Vec3<double>(bodies.angular_velocity[i]));
-    // A state that is not finite has no contacts; the integration pass names it.
-    if (!(radius > 0 && radius < 1e30) || !is_finite(bodies.position[i])) return 0;
+    // A state that is out of range has no contacts; the integration pass names it.
+    if (!(radius > 0 && radius < kMostReach) || !is_in_range(bodies.position[i])) return 0;
     return static_cast<float>(radius) * (1.0f + 2.4e-7f);
   }
 

@@ -3,6 +3,7 @@
 
 #include "kernels/body_view.h"
 #include "kernels/locks.h"
+#include "kernels/range.h"
 
 namespace scree {
 
@@ -54,8 +55,8 @@ SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange&
   }
   const double inflated = static_cast<double>(bodies.radius[i]) + 0.5 * range.envelope +
                           range.h * speed + range.margin_of(i) + range.fall_of(bodies.radius[i]);
-  // A state that is not finite has no contacts; the integration pass names it.
-  if (!(inflated > 0 && inflated < 1e30) || !is_finite(bodies.position[i])) return 0;
+  // A state that is out of range has no contacts; the integration pass names it.
+  if (!(inflated > 0 && inflated < kMostReach) || !is_in_range(bodies.position[i])) return 0;
   return static_cast<float>(inflated) * (1.0f + 2.4e-7f);
 }
 

@@ -5,6 +5,7 @@
 #include "kernels/backend/backend.h"
 #include "kernels/body_view.h"
 #include "kernels/contact_problem.h"
+#include "kernels/range.h"
 #include "kernels/step_setup.h"
 
 namespace scree {
@@ -38,7 +39,8 @@ SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3
 /// Sums of the integration pass.
 struct IntegrateSums {
   double kinetic_energy = 0;  ///< [J]
-  Index bad_body = -1;        ///< lowest storage index with a state that is not finite
+  Index bad_body = -1;        ///< lowest storage index with a state that is not finite, too far
+                              ///< out or too fast
   SCREE_HD void combine(const IntegrateSums& o) {
     kinetic_energy += o.kinetic_energy;
     if (o.bad_body >= 0 && (bad_body < 0 || o.bad_body < bad_body)) bad_body = o.bad_body;
@@ -93,7 +95,10 @@ struct Integrate {
     const Vec3<Real> w_body = rotate_back(q, w);
     s.kinetic_energy = 0.5 * (static_cast<double>(norm2(v)) / bodies.inv_mass[i] +
                               static_cast<double>(dot(w_body, hadamard(moments, w_body))));
-    if (!(s.kinetic_energy < 1e300) || !is_finite(x)) s.bad_body = i;
+    if (!(s.kinetic_energy < 1e300) || !is_in_range(x) ||
+        !is_speed_in_range(norm(Vec3<double>(v)), time_step)) {
+      s.bad_body = i;
+    }
     return s;
   }
 };

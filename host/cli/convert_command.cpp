@@ -33,6 +33,8 @@ void require_writable(const fs::path& out, bool force) {
   std::error_code error;
   if (fs::is_directory(out, error))
     throw InputError(fmt::format("{}: is a directory, expected a file to write", out.string()));
+  if (fs::exists(out, error) && !fs::is_regular_file(out, error))
+    throw InputError(fmt::format("{}: is no ordinary file, it is not replaced", out.string()));
   if (!force && fs::exists(out, error))
     throw InputError(fmt::format("{}: is there already; add --force to replace it", out.string()));
   const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "host/error.h"
 
@@ -36,7 +37,7 @@ class Builder {
   bool end_array() { return close(); }
   bool key(string_t& name) {
     key_ = name;
-    if (open_.back()->contains(name))
+    if (!keys_.back().insert(name).second)
       throw InputError(fmt::format("{}: {}: this key is given twice", file_name_, path()));
     return true;
   }
@@ -75,9 +76,9 @@ class Builder {
       parent.push_back(std::forward<T>(value));
       return &parent.back();
     }
-    // The key is new, and the element is found at the back: no search through a long object.
-    parent[key_] = std::forward<T>(value);
-    return &parent.get_ref<Json::object_t&>().back().second;
+    // The key is new: no search through a long object.
+    auto& members = parent.get_ref<Json::object_t&>();
+    return &members.Json::object_t::Container::emplace_back(key_, std::forward<T>(value)).second;
   }
   template <class T>
   bool add(T&& value) {
@@ -92,11 +93,13 @@ class Builder {
     // Addresses stay valid: a parent does not grow while a child of it is open.
     open_.push_back(placed);
     names_.push_back(key_);
+    keys_.emplace_back();
     return true;
   }
   bool close() {
     key_ = names_.back();
     open_.pop_back();
+    keys_.pop_back();
     names_.pop_back();
     return true;
   }
@@ -122,6 +125,7 @@ class Builder {
   Json root_;
   std::vector<Json*> open_;         // objects and arrays around the value being read
   std::vector<std::string> names_;  // for each of them, the key under which it stands
+  std::vector<std::unordered_set<std::string>> keys_;  // for each of them, its keys so far
   std::string key_;
 };
 

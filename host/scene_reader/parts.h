@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "host/scene.h"
@@ -15,6 +16,8 @@ struct Draft {
   Scene scene;
   std::map<double, Insertion> inserted;  ///< by time [s], which the values get at the end
   std::map<std::string, int> meshes;     ///< file and options to index
+  std::unordered_map<std::string, int> material_of_name;
+  std::unordered_map<std::string, int> group_of_name;
 };
 
 /// Material named by the key "material" of the node; without the key, the one called "default", or
@@ -27,7 +30,8 @@ int group_index(const std::string& name, Draft& draft);
 /// Bits of Lock from "x" or ["x", "rz"].
 std::uint8_t read_locks(const Node& node);
 
-void read_body(const Node& node, Draft& draft);
+/// @param index  position in the list `bodies`
+void read_body(const Node& node, std::size_t index, Draft& draft);
 void read_motion(const Node& node, Motion& motion);
 /// @param index  position in the list `particles`, which selects the random sequence
 void read_particles(const Node& node, std::size_t index, Draft& draft);

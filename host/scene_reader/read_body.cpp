@@ -165,9 +165,10 @@ void read_mass(const Node& node, BodyDescription& body) {
 
 }  // namespace
 
-void read_body(const Node& node, Draft& draft) {
+void read_body(const Node& node, std::size_t index, Draft& draft) {
   node.check_keys(scene_keys("body"));
   BodyDescription body;
+  body.entry = static_cast<int>(index);
   read_shape(node, body, draft);
   read_kind(node, body);
   read_pose(node, body);

@@ -237,6 +237,7 @@ void read_file(const Node& node, const ParticleSet& common, Draft& draft) {
   set.material =
       set.material.uniform() ? common.material : renumbered(set.material, count, materials);
   set.locks = common.locks;
+  set.entry = common.entry;
   draft.scene.particles.push_back(std::move(set));
 }
 
@@ -270,7 +271,8 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
                                               {"rain", Layout::rain},
                                               {"file", Layout::file}});
   check_layout_keys(node, layout, named.text());
-  const ParticleSet common = read_common(node, draft);
+  ParticleSet common = read_common(node, draft);
+  common.entry = static_cast<int>(index);
   if (layout == Layout::file) {
     read_file(node, common, draft);
     return;

@@ -1,5 +1,7 @@
 // Everything in a scene that is not a body: parameters, output and materials.
 
+#include <fmt/format.h>
+
 #include <limits>
 #include <tuple>
 
@@ -146,7 +148,12 @@ void read_materials(const Node& node, Draft& draft) {
       draft.scene.materials.push_back(material);
     }
     if (draft.scene.materials.empty()) materials->refuse("must hold one material or more");
+    if (draft.scene.materials.size() > kMostMaterials)
+      materials->fail(fmt::format("{} materials are not allowed: must be {} or fewer",
+                                  draft.scene.materials.size(), kMostMaterials));
   }
+  for (const Material& material : draft.scene.materials)
+    draft.material_of_name.emplace(material.name, static_cast<int>(draft.material_of_name.size()));
   if (const auto pairs = node.find("material_pairs")) {
     for (const Node& entry : pairs->elements()) {
       entry.check_keys(scene_keys("material_pair"));
@@ -166,11 +173,10 @@ void read_materials(const Node& node, Draft& draft) {
 }
 
 int material_index(const Node& node, const std::string& name, const Draft& draft) {
+  const auto found = draft.material_of_name.find(name);
+  if (found != draft.material_of_name.end()) return found->second;
   std::vector<std::string> known;
-  for (std::size_t i = 0; i < draft.scene.materials.size(); ++i) {
-    if (draft.scene.materials[i].name == name) return static_cast<int>(i);
-    known.push_back(draft.scene.materials[i].name);
-  }
+  for (const Material& material : draft.scene.materials) known.push_back(material.name);
   std::string list;
   for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
   node.fail("\"" + name + "\" is not allowed: must be a name of materials: " + list +
@@ -180,17 +186,18 @@ int material_index(const Node& node, const std::string& name, const Draft& draft
 int read_material(const Node& node, const Draft& draft) {
   if (const auto material = node.find("material"))
     return material_index(*material, material->text(), draft);
-  for (std::size_t i = 0; i < draft.scene.materials.size(); ++i)
-    if (draft.scene.materials[i].name == "default") return static_cast<int>(i);
-  return 0;
+  const auto found = draft.material_of_name.find("default");
+  return found == draft.material_of_name.end() ? 0 : found->second;
 }
 
 int group_index(const std::string& name, Draft& draft) {
   std::vector<std::string>& groups = draft.scene.groups;
-  for (std::size_t i = 0; i < groups.size(); ++i)
-    if (groups[i] == name) return static_cast<int>(i);
-  groups.push_back(name);
-  return static_cast<int>(groups.size()) - 1;
+  if (draft.group_of_name.empty())  // those that every scene has
+    for (const std::string& known : groups)
+      draft.group_of_name.emplace(known, static_cast<int>(draft.group_of_name.size()));
+  const auto [entry, is_new] = draft.group_of_name.emplace(name, static_cast<int>(groups.size()));
+  if (is_new) groups.push_back(name);
+  return entry->second;
 }
 
 std::uint8_t read_locks(const Node& node) {

@@ -1,6 +1,8 @@
 #pragma once
 // Symmetric 3x3 matrices: world-frame inertia and its inverse.
 
+#include <cmath>
+
 #include "kernels/math/quat.h"
 
 namespace scree {
@@ -13,6 +15,12 @@ struct Sym3 {
   friend SCREE_HD Vec3<Real> operator*(const Sym3& m, const Vec3<Real>& v) {
     return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
             m.xz * v.x + m.yz * v.y + m.zz * v.z};
+  }
+  friend SCREE_HD Sym3 operator*(Real s, const Sym3& m) {
+    Sym3 r;
+    r.xx = s * m.xx, r.yy = s * m.yy, r.zz = s * m.zz;
+    r.xy = s * m.xy, r.xz = s * m.xz, r.yz = s * m.yz;
+    return r;
   }
   SCREE_HD Real trace() const { return xx + yy + zz; }
 };
@@ -33,11 +41,22 @@ SCREE_HD Sym3<Real> rotated_diagonal(const Quat<Real>& q, const Vec3<Real>& d) {
   return m;
 }
 
-/// Inverse of a symmetric positive definite matrix restricted to the free axes.
+/// A power of two whose product with x > 0 is near one; between 2^-100 and 2^100.
+template <class Real>
+SCREE_HD Real scale_to_one(Real x) {
+  int exponent = 0;
+  std::frexp(x, &exponent);
+  return std::ldexp(Real(1), exponent < -100 ? 100 : exponent > 100 ? -100 : -exponent);
+}
+
+/// Inverse of a symmetric positive definite matrix restricted to the free axes. Works at a scale
+/// near one: in float the determinant of the inertia of a grain below a millimeter underflows.
 /// @param free  bit k set: axis k may move; rows and columns of locked axes are zero in the result,
 ///              which is the inverse inertia of a body whose locked rates stay zero.
 template <class Real>
-SCREE_HD Sym3<Real> inverse_on_axes(const Sym3<Real>& m, unsigned free) {
+SCREE_HD Sym3<Real> inverse_on_axes(const Sym3<Real>& moments, unsigned free) {
+  const Real scale = scale_to_one(moments.trace());  // a power of two: no other rounding
+  const Sym3<Real> m = scale * moments;
   Sym3<Real> r;
   const bool fx = (free & 1u) != 0, fy = (free & 2u) != 0, fz = (free & 4u) != 0;
   if (fx && fy && fz) {
@@ -51,7 +70,7 @@ SCREE_HD Sym3<Real> inverse_on_axes(const Sym3<Real>& m, unsigned free) {
     r.yy = (m.xx * m.zz - m.xz * m.xz) * s;
     r.yz = (m.xy * m.xz - m.xx * m.yz) * s;
     r.zz = (m.xx * m.yy - m.xy * m.xy) * s;
-    return r;
+    return scale * r;
   }
   // Two free axes: invert the 2x2 block; one: a reciprocal; none: zero.
   if (fx && fy) {
@@ -70,7 +89,7 @@ SCREE_HD Sym3<Real> inverse_on_axes(const Sym3<Real>& m, unsigned free) {
   } else if (fz) {
     r.zz = Real(1) / m.zz;
   }
-  return r;
+  return scale * r;
 }
 
 }  // namespace scree

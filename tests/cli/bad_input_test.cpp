@@ -125,6 +125,62 @@ const std::vector<BadScene>& bad_scenes() {
       {"RainThatTimesCannotTell",
        [](json& s) { s["particles"][1]["start"] = 1e300; },
        {"particles[1].interval", "must be longer", "1e+300 s"}},
+      {"FrictionBeyondAllNumbers",
+       [](json& s) { s["materials"]["m"]["friction"] = 1e30; },
+       {"materials.m.friction", "1e+30", "from 0 to 1e+06"}},
+      {"EnvelopeBeyondAllNumbers",
+       [](json& s) {
+         s["collision"] = {{"envelope", 1e30}};
+       },
+       {"collision.envelope", "1e+30", "from 0 to 1e+15"}},
+      {"SkinBeyondAllNumbers",
+       [](json& s) {
+         s["collision"] = {{"skin", 1e30}};
+       },
+       {"collision.skin", "1e+30", "from 0 to 1e+15"}},
+      {"PeriodBeyondAllNumbers",
+       [](json& s) {
+         s["periodic"]["x"] = {0, 1e300};
+       },
+       {"periodic.x", "1e+300"}},
+      {"RadiusBeyondAllNumbers",
+       [](json& s) {
+         s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 1e21, "density": 1})"));
+       },
+       {"bodies[3].radius", "1e+21", "from 1e-12 to 1e+15"}},
+      {"PositionBeyondAllNumbers",
+       [](json& s) {
+         s["bodies"].push_back(
+             wall(R"({"shape": "sphere", "radius": 1, "density": 1, "position": [0, 1e21, 0]})"));
+       },
+       {"bodies[3].position", "1e+21"}},
+      {"SpeedBeyondAllNumbers",
+       [](json& s) {
+         s["particles"][0]["velocity"] = {0, 0, -1e27};
+       },
+       {"particles[0][0].velocity", "1e+27"}},
+      {"MoreStepsThanCanBeCounted",
+       [](json& s) { s["duration"] = 1e20; },
+       {"duration", "1e+20", "1e+23 steps"}},
+      {"SchemaThatIsNoText",
+       [](json& s) { s["$schema"] = json::object(); },
+       {"$schema", "{}", "must be a text"}},
+      {"NameOfAFolderElsewhere",
+       [](json& s) { s["name"] = "../elsewhere"; },
+       {"name", "../elsewhere", "without slashes"}},
+      {"NameThatSteersTheTerminal",
+       [](json& s) { s["name"] = "a\x1b[2J"; },
+       {"name", "a\\x1b[2J", "control characters"}},
+      {"MoreMaterialsThanABodyCanName",
+       [](json& s) {
+         for (int i = 0; i < 300; ++i) s["materials"]["m" + std::to_string(i)] = json::object();
+       },
+       {"materials", "301", "256 or fewer"}},
+      {"TableThatIsNone",
+       [](json& s) {
+         s["particles"].push_back(wall(R"({"layout": "file", "file": "open.obj", "density": 1})"));
+       },
+       {"open.obj", "line 1", "names none of the known columns"}},
       {"MotionOnAFreeBody",
        [](json& s) {
          s["bodies"][1]["kind"] = "free";
@@ -151,6 +207,19 @@ TEST_P(CliBadScene, IsRefused) {
        {run_arguments(file, scratch / "a"), Arguments{"check", file.string()}})
     expect_refusal(scree(scratch, command), GetParam().words);
   EXPECT_FALSE(fs::exists(scratch / "a"));
+}
+
+/// Keys that are looked up one by one among all others made this a matter of minutes.
+TEST(CliLongScene, AHundredThousandKeysAreReadAtOnce) {
+  const Scratch scratch;
+  std::string text = R"({"time_step": 1e-3, "duration": 0, "materials": {)";
+  for (int i = 0; i < 100'000; ++i) text += "\"m" + std::to_string(i) + "\": {}, ";
+  const fs::path many = put(scratch / "many.json", text + R"("last": {}}})");
+  const fs::path twice = put(scratch / "twice.json", text + R"("m0": {}}})");
+  const auto start = std::chrono::steady_clock::now();
+  expect_refusal(scree(scratch, {"check", many.string()}), {"materials", "100001", "256"});
+  expect_refusal(scree(scratch, {"check", twice.string()}), {"materials.m0", "given twice"});
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, CliBadScene, testing::ValuesIn(bad_scenes()),

@@ -66,6 +66,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadTable{"Empty", "", "empty: the first line must name columns"},
         BadTable{"UnknownColumn", "x,y,z,speed\n",
                  "line 1: unknown column \"speed\". Known columns: x, y"},
+        BadTable{"NoTable", "root:x:0:0:root:/root\nx,y,z\n",
+                 "line 1: no table: names none of the known columns: x, y, z, vx"},
+        BadTable{"ControlCharacters", "x,y,z,\x1b[2J\n",
+                 "line 1: unknown column \"\\x1b[2J\". Known"},
+        BadTable{"LongCell",
+                 "x,y,z\n1,2,01234567890123456789012345678901234567890123456789\n1,2,"
+                 "a3456789012345678901"
+                 "2345678901234567890123456789\n",
+                 "line 3, column \"z\": \"a345678901234567890123456789012345678901...\" is not "
+                 "allowed"},
         BadTable{"ColumnTwice", "x,y,z,x\n", "line 1: column \"x\" is given twice"},
         BadTable{"MissingColumn", "x,y\n1,2\n", "column \"z\" is missing"},
         BadTable{"HalfAVector", "x,y,z,vx\n1,2,3,4\n", "column \"vy\" is missing"},

@@ -59,6 +59,16 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"UnknownNestedKey", with_sphere(R"("solver": {"max_iteration": 3})"),
                 "solver.max_iteration: unknown key; did you mean \"max_iterations\"? Known keys: "
                 "name, stop"},
+        Refusal{"Schema", with_sphere(R"("$schema": {})"),
+                "$schema: {} is not allowed: must be a text in quotes"},
+        Refusal{"Materials",
+                [] {
+                  std::string names;
+                  for (int i = 0; i < 257; ++i)
+                    names += (i == 0 ? "\"" : ", \"") + std::to_string(i) + "\": {}";
+                  return with_sphere("\"materials\": {" + names + "}");
+                }(),
+                "materials: 257 materials are not allowed: must be 256 or fewer"},
         Refusal{"MissingTimeStep", R"({"duration": 1})",
                 "time_step: missing: must be positive [s]"},
         Refusal{"MissingDuration", R"({"time_step": 1})",

@@ -72,6 +72,98 @@ TEST(Validate, RefusesNonFiniteAndOutOfRangeValues) {
             "materials.default.friction: nan is not allowed: must be zero or positive [-]");
 }
 
+/// Every one of these ended in a crash, a failed run or results that are no numbers.
+TEST(Validate, RefusesNumbersThatNoRunCanComputeWith) {
+  const auto box = [](Scene& s) -> BodyDescription& {
+    BodyDescription& body = s.bodies[0];
+    body.shape.kind = Shape::Kind::box;
+    body.shape.half_extents = {0.1, 0.1, 0.1};
+    return body;
+  };
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].shape.radius = 1e21; }),
+            "bodies[0].radius: 1e+21 is not allowed: must be from 1e-12 to 1e+15 [m]");
+  EXPECT_EQ(refused([&](Scene& s) { box(s).shape.half_extents.y = 1e-13; }),
+            "bodies[0].half_extents: 1e-13 is not allowed: must be from 1e-12 to 1e+15 [m]");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[1].position.z = -1e16; }),
+            "bodies[1].position: [0, 0, -1e+16] is not allowed: must be numbers from -1e+15 to "
+            "1e+15 [m]");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].velocity.x = 1e27; }),
+            "bodies[0].velocity: [1e+27, 0, 0] is not allowed: must move the body by 1e+15 m/s at "
+            "most, and by 1e+15 m in a step of 0.001 s [m/s]");
+  EXPECT_THAT(refused([](Scene& s) { s.bodies[0].angular_velocity.x = 1e17; }),
+              StartsWith("bodies[0].angular_velocity: [1e+17, 0, 0] is not allowed"));
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].mass = 1e25; }),
+            "bodies[0].mass: 1e+25 is not allowed: must be from 1e-24 to 1e+24 [kg]");
+  EXPECT_THAT(refused([&](Scene& s) { box(s).inertia.x = 1e-40; }),
+              StartsWith("bodies[0].inertia: 1e-40 is not allowed: must be from 1e-36"));
+  EXPECT_EQ(refused([](Scene& s) { s.materials[0].friction = 1e30; }),
+            "materials.default.friction: 1e+30 is not allowed: must be from 0 to 1e+06 [-]");
+  EXPECT_EQ(refused([](Scene& s) { s.materials[0].cohesion = 1e38; }),
+            "materials.default.cohesion: 1e+38 is not allowed: must be from 0 to 1e+15 [N]");
+  EXPECT_THAT(refused([](Scene& s) {
+                s.material_pairs = {{0, 0, {}}};
+                s.material_pairs[0].values.rolling_friction = 1e30;
+              }),
+              StartsWith("material_pairs[0].rolling_friction: 1e+30 is not allowed"));
+  EXPECT_EQ(refused([](Scene& s) { s.stepping.time_step = 1e-40; }),
+            "time_step: 1e-40 is not allowed: must be from 1e-15 to 1e+09 [s]");
+  EXPECT_EQ(refused([](Scene& s) { s.stepping.duration = 1e17; }),
+            "duration: 1e+17 is not allowed: would take 1e+20 steps of 0.001 s, must be 1e+15 "
+            "steps or fewer");
+  EXPECT_THAT(refused([](Scene& s) { s.gravity.z = -1e30; }),
+              StartsWith("gravity: [0, 0, -1e+30] is not allowed"));
+  EXPECT_EQ(refused([](Scene& s) { s.stepping.envelope = 1e30; }),
+            "collision.envelope: 1e+30 is not allowed: must be from 0 to 1e+15 [m]");
+  EXPECT_EQ(refused([](Scene& s) { s.stepping.skin = 1e30; }),
+            "collision.skin: 1e+30 is not allowed: must be from 0 to 1e+15 [m]");
+  EXPECT_THAT(refused([](Scene& s) {
+                s.periodicity.periodic[0] = true;
+                s.periodicity.upper.x = 1e300;
+              }),
+              StartsWith("periodic.x: [0, 1e+300] is not allowed: must be numbers from -1e+15"));
+  EXPECT_THAT(refused([](Scene& s) {
+                Motion motion;
+                motion.kind = Motion::Kind::rotating;
+                motion.center = {1e14, 0, 0};
+                motion.rate = 1e10;
+                s.bodies[1].kind = BodyKind::kinematic;
+                s.bodies[1].motion = motion;
+              }),
+              StartsWith("bodies[1].motion: a start at [0, 0, 0] m with ["));
+  EXPECT_THAT(refused([](Scene& s) {
+                s.particles = {ParticleSet{}};
+                s.particles[0].position = {{0, 0, 1}, {0, 1e16, 1}};
+                s.particles[0].radius = 0.1;
+                s.particles[0].density = 1000.0;
+              }),
+              StartsWith("particles[0][1].position: [0, 1e+16, 1] is not allowed"));
+}
+
+TEST(Validate, TakesSizesFromGrainsOfPowderToMoons) {
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0] = sphere(1e-7); }), "no error");
+  EXPECT_EQ(refused([](Scene& s) { s.bodies[0] = sphere(1e6); }), "no error");
+}
+
+TEST(Validate, RefusesMoreMaterialsThanABodyCanName) {
+  const auto with_materials = [](std::size_t count) {
+    return refused([&](Scene& s) { s.materials.resize(count); });
+  };
+  EXPECT_EQ(with_materials(256), "no error");
+  EXPECT_EQ(with_materials(257),
+            "materials: a list of 257 materials is not allowed: must hold 256 or fewer");
+}
+
+TEST(Validate, RefusesNamesThatAreNoFolderInsideAnother) {
+  for (const char* name : {"..", ".", "", "../a", "/tmp/a", "a/b", "a\\b", "a\nb", "a\x1b[2Jb"})
+    EXPECT_THAT(refused([&](Scene& s) { s.name = name; }),
+                testing::AllOf(StartsWith("name: \""), testing::HasSubstr("fit for a folder"),
+                               testing::Not(testing::ContainsRegex("[\x1b\n]"))))
+        << name;
+  EXPECT_THAT(refused([](Scene& s) { s.name = std::string(201, 'a'); }), StartsWith("name: \"aaa"));
+  for (const char* name : {"pile", "two words", "..a", "H\xc3\xb6he 3.5"})
+    EXPECT_EQ(refused([&](Scene& s) { s.name = name; }), "no error");
+}
+
 TEST(Validate, RefusesBadIndices) {
   EXPECT_EQ(refused([](Scene& s) { s.bodies[0].material = 1; }),
             "bodies[0].material: 1 is not allowed: must be an index below 1");
@@ -279,6 +371,24 @@ TEST(PairValues, MixOrListedPairInEitherOrder) {
   scene.material_pairs = {{0, 1, {"ab", 0.9, 0, 0, 0, 0}}};
   EXPECT_EQ(pair_values(scene, 1, 0).friction, 0.9);
   EXPECT_DOUBLE_EQ(pair_values(scene, 1, 1).friction, 0.8);
+}
+
+TEST(PairValues, TableHoldsThoseOfAllPairs) {
+  Scene scene;
+  scene.materials = {{"a", 0.2, 0.5, 3, 0.1, 0.2}, {"b", 0.8, 0.1, 4, 0.2, 0.1}, {"c", 0.7}};
+  scene.material_pairs = {{2, 0, {"ca", 0.9, 0.4, 0, 0, 0}}};
+  const std::vector<Material> table = all_pair_values(scene);
+  ASSERT_EQ(table.size(), 9u);
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      const Material one = pair_values(scene, a, b);
+      const Material& other = table[static_cast<std::size_t>(3 * a + b)];
+      EXPECT_EQ(other.friction, one.friction) << a << b;
+      EXPECT_EQ(other.restitution, one.restitution) << a << b;
+      EXPECT_EQ(other.cohesion, one.cohesion) << a << b;
+      EXPECT_EQ(other.rolling_friction, one.rolling_friction) << a << b;
+      EXPECT_EQ(other.spinning_friction, one.spinning_friction) << a << b;
+    }
 }
 
 }  // namespace

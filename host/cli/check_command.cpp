@@ -4,12 +4,31 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "host/overlaps.h"
 #include "host/problems/body_problem.h"
 #include "host/scene_reader.h"
 #include "host/scene_summary.h"
 
 namespace scree {
+namespace {
+
+nlohmann::json overlaps_json(const Overlaps& overlaps, const BodyConstants& bodies) {
+  if (!overlaps.not_looked_for.empty()) return {{"not_looked_for", overlaps.not_looked_for}};
+  nlohmann::json out = {{"pairs", overlaps.pairs}, {"has_more", overlaps.has_more}};
+  if (overlaps.pairs == 0) return out;
+  const auto body = [&](int id) {
+    return nlohmann::json{{"id", id}, {"name", body_name(bodies, id)}};
+  };
+  out["deepest"] = {{"body_a", body(overlaps.body_a)},
+                    {"body_b", body(overlaps.body_b)},
+                    {"depth_m", overlaps.depth},
+                    {"depth_over_diameter", overlaps.fraction}};
+  return out;
+}
+
+}  // namespace
 
 CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
   CLI::App* command =
@@ -20,7 +39,7 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
 }
 
 int check_scene(const CheckOptions& options) {
-  const Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
+  Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
   const WorldOptions world = resolve_options(options.target, scene);
   const SceneSummary s = summarize(scene);
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
@@ -30,17 +49,24 @@ int check_scene(const CheckOptions& options) {
   const bool fits = s.free_capacity + s.fixed_count <= fit;
   const char* backend = world.backend == BackendKind::cuda ? "cuda" : "cpu";
   const char* precision = world.precision == Precision::double_precision ? "double" : "float";
+  const BodyConstants bodies(scene);
+  Scene settings;  // the descriptions of bodies go to the search for overlaps
+  settings.name = scene.name;
+  settings.stepping = scene.stepping;
+  settings.solver = scene.solver;
+  settings.output = scene.output;
+  const Overlaps overlaps = find_overlaps(std::move(scene), world);
   if (options.target.json) {
-    const nlohmann::json out = {{"scene", scene.name},
+    const nlohmann::json out = {{"scene", settings.name},
                                 {"valid", true},
                                 {"free_bodies", s.free_capacity},
                                 {"fixed_bodies", s.fixed_count},
                                 {"median_diameter_m", s.median_diameter},
                                 {"envelope_m", s.envelope},
                                 {"contact_layout", to_string(s.layout)},
-                                {"time_step_s", scene.stepping.time_step},
+                                {"time_step_s", settings.stepping.time_step},
                                 {"steps", steps},
-                                {"solver", scene.solver.name},
+                                {"solver", settings.solver.name},
                                 {"backend", backend},
                                 {"precision", precision},
                                 {"device", device.name},
@@ -48,26 +74,29 @@ int check_scene(const CheckOptions& options) {
                                 {"free_memory_bytes", device.free_bytes},
                                 {"expected_memory_bytes", memory},
                                 {"fits", fits},
-                                {"bodies_that_fit", fit}};
+                                {"bodies_that_fit", fit},
+                                {"overlaps", overlaps_json(overlaps, bodies)}};
     fmt::print("{}\n", out.dump(2));
     return 0;
   }
-  fmt::print("scene       {}: valid\n", scene.name);
+  fmt::print("scene       {}: valid\n", settings.name);
   fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
              s.fixed_count, s.median_diameter);
   fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", to_string(s.layout),
              s.envelope);
-  fmt::print("time step   {:g} s, {} steps for {:g} s\n", scene.stepping.time_step, steps,
-             scene.stepping.duration);
-  fmt::print("solver      {}{}, at most {} iterations a step\n", scene.solver.name,
-             scene.solver.exact_coulomb ? ", exact Coulomb" : "", scene.solver.max_iterations);
+  fmt::print("time step   {:g} s, {} steps for {:g} s\n", settings.stepping.time_step, steps,
+             settings.stepping.duration);
+  fmt::print("solver      {}{}, at most {} iterations a step\n", settings.solver.name,
+             settings.solver.exact_coulomb ? ", exact Coulomb" : "",
+             settings.solver.max_iterations);
   fmt::print("device      {} ({}, {})\n", device.name, backend, precision);
   fmt::print("memory      {:.1f} MiB expected{}, {:.0f} of {:.0f} MiB free\n",
              static_cast<double>(memory) / (1 << 20),
-             scene.output.picture.interval >= 0 ? " without pictures" : "",
+             settings.output.picture.interval >= 0 ? " without pictures" : "",
              static_cast<double>(device.free_bytes) / (1 << 20),
              static_cast<double>(device.memory_bytes) / (1 << 20));
   if (!fits) fmt::print("warning     the scene does not fit: about {:.0f} bodies do\n", fit);
+  if (overlaps.pairs > 0) fmt::print("warning     {}\n", overlap_warning(overlaps, bodies));
   return 0;
 }
 

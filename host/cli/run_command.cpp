@@ -21,6 +21,7 @@
 #include "host/io/wall_frames.h"
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
+#include "host/overlaps.h"
 #include "host/scene_reader.h"
 
 namespace scree {
@@ -31,12 +32,13 @@ namespace {
 /// Calls for output at multiples of an interval, whatever the time step is.
 class Schedule {
  public:
-  /// @param interval  [s]; not positive: never due
-  Schedule(double interval, double time_step) : interval_(interval), slack_(1e-6 * time_step) {}
+  /// @param interval  [s]; not positive: never due; below the time step: due every step
+  Schedule(double interval, double time_step)
+      : interval_(interval > 0 ? std::max(interval, time_step) : 0), slack_(1e-6 * time_step) {}
   bool due(double before, double now) const { return count(now) > count(before); }
-  /// How many were due up to a time.
-  int count(double time) const {
-    return interval_ > 0 ? static_cast<int>(std::floor((time + slack_) / interval_)) : 0;
+  /// How many were due up to a time; a step has one at most, and there are below 2^53 steps.
+  std::int64_t count(double time) const {
+    return interval_ > 0 ? static_cast<std::int64_t>(std::floor((time + slack_) / interval_)) : 0;
   }
 
  private:
@@ -209,7 +211,7 @@ class Run {
       });
     };
     // Numbers count the pictures that were due: a resumed run goes on where the first one stopped.
-    int picture_number = picture_schedule.count(world.time());
+    std::int64_t picture_number = picture_schedule.count(world.time());
     double picture_time = -1;
     const auto write_picture = [&] {
       auto image = std::make_shared<Image>(world.render(scene_.output.picture));
@@ -231,6 +233,7 @@ class Run {
     double before = world.time();
     while (world.steps_done() < target_ && signals.received() == 0) {
       const StepReport report = advance(world, writer, progress);
+      if (report.step == 1) warn_of_overlaps(world, report, progress);
       steps.append(report);
       record_.totals.add(judged(report));
       progress.update(judged(report));
@@ -254,6 +257,15 @@ class Run {
     if (unsolved.empty()) return;
     if (options_.require_convergence) throw RunError(unsolved);
     progress.note("warning: " + unsolved);
+  }
+
+  /// Contacts of the first step are those of the start.
+  static void warn_of_overlaps(const World& world, const StepReport& first, Progress& progress) {
+    constexpr int kMostContacts = 50'000'000;  // that are copied to find the two bodies
+    if (!(first.max_penetration > 0) || first.contact_count > kMostContacts) return;
+    const Overlaps overlaps = overlaps_among(world.contacts(), world.constants());
+    if (overlaps.pairs > 0)
+      progress.note("warning: " + overlap_warning(overlaps, world.constants()));
   }
 
   /// How many steps ended at the iteration cap, as a sentence; empty when none did.

@@ -109,7 +109,7 @@ OutputDirectory::~OutputDirectory() {
   if (lock_ >= 0) ::close(lock_);
 }
 
-fs::path OutputDirectory::picture(int number) const {
+fs::path OutputDirectory::picture(std::int64_t number) const {
   return path_ / fmt::format("picture_{:05}.png", number);
 }
 

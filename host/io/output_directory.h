@@ -55,8 +55,8 @@ class OutputDirectory {
   std::filesystem::path checkpoint_file() const { return path_ / "checkpoint.h5"; }
   std::filesystem::path wall_frames() const { return path_ / "walls.vtkhdf"; }
   std::filesystem::path walls() const { return path_ / "walls.obj"; }
-  std::filesystem::path picture(int number) const;         ///< picture_00042.png
-  std::filesystem::path problem(std::int64_t step) const;  ///< problem_42.hdf5
+  std::filesystem::path picture(std::int64_t number) const;  ///< picture_00042.png
+  std::filesystem::path problem(std::int64_t step) const;    ///< problem_42.hdf5
 
   /// The checkpoint to go on from; empty unless resuming. Taking it frees its memory here.
   bool resuming() const { return existing_ == ExistingOutput::resume; }

@@ -1,0 +1,38 @@
+#pragma once
+// Bodies that overlap before the first step. A run pushes them apart, so it starts where nobody put
+// them: worth a warning.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "host/body_constants.h"
+#include "host/world.h"
+
+namespace scree {
+
+/// Overlaps deeper than what settled beds have: a thousandth of the smaller body's diameter.
+struct Overlaps {
+  std::int64_t pairs = 0;  ///< of bodies
+  bool has_more = false;   ///< not all were counted
+  int body_a = -1;         ///< ids of the pair that overlaps deepest
+  int body_b = -1;
+  double depth = 0;            ///< of that pair [m]
+  double fraction = 0;         ///< its depth over the diameter of the smaller body [-]
+  std::string not_looked_for;  ///< why, when they could not be
+};
+
+/// Those among contacts, which are sorted by body. @param body  constants of all bodies, by id
+Overlaps overlaps_among(const std::vector<ContactRecord>& contacts, const BodyConstants& body);
+
+/// Those of a scene at its start. Takes one detection of contacts on the backend of the options.
+Overlaps find_overlaps(Scene scene, const WorldOptions& options);
+
+/// A body as its scene file lists it, such as "bodies[3]" or "particles[0] #12"; by its id when the
+/// scene comes from no file.
+std::string body_name(const BodyConstants& body, int id);
+
+/// One line for a user, empty when there are none.
+std::string overlap_warning(const Overlaps& overlaps, const BodyConstants& body);
+
+}  // namespace scree

@@ -18,12 +18,14 @@
 #include "host/cli/solve_command.h"
 #include "host/error.h"
 #include "host/io/streams.h"
+#include "host/printable.h"
 #include "host/version.h"
 
 namespace {
 
 int fail(const std::string& what, int code) {
-  scree::say("scree: " + what);
+  constexpr std::size_t kLongest = 4000;  // a key or a name in a message may be of any length
+  scree::say("scree: " + scree::printable(what, kLongest));
   return code;
 }
 

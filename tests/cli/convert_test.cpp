@@ -1,5 +1,6 @@
 // scree convert: contact problems as FCLIB files.
 #include <hdf5.h>
+#include <sys/stat.h>
 
 #include <cmath>
 
@@ -112,6 +113,17 @@ TEST(CliConvert, NothingOfAnotherFileGetsIntoTheOutput) {
         << result.err;
   }
   EXPECT_FALSE(fs::exists(scratch / "out.hdf5"));
+}
+
+TEST(CliConvert, WhatIsNoOrdinaryFileIsNotReplaced) {
+  const Scratch scratch;
+  const std::string dump = put_dump(scratch).string();
+  const fs::path pipe = scratch / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const Result result = scree(scratch, {"convert", dump, pipe.string(), "--force"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find("no ordinary file"), std::string::npos) << result.err;
+  EXPECT_TRUE(fs::is_fifo(pipe));
 }
 
 TEST(CliConvert, BadUseIsOneLineAndLeavesNothing) {

@@ -52,8 +52,8 @@ struct GeneralInertia {
 template <class Real>
 struct RollingRow {
   Real length = 1;    ///< scale of the moment rows [m]
-  Real rolling = 0;   ///< |m_t| <= rolling * gamma_n  [-]
-  Real spinning = 0;  ///< |m_n| <= spinning * gamma_n [-]
+  Real rolling = 0;   ///< |m_t| <= rolling (gamma_n + c h) [-]
+  Real spinning = 0;  ///< |m_n| <= spinning (gamma_n + c h) [-]
 };
 
 /// A value per contact, or one for all (then no memory is read).

@@ -104,5 +104,32 @@ TEST(Cohesion, C62_FourContactsHoldFourTimesTheForce) {
   }
 }
 
+/// The cone's apex is moved as a whole: a contact that is pulled can still carry moments, until
+/// r m g sin = mu_r (m g cos + c).
+TEST(Cohesion, C63_SphereDoesNotRollOffAnOverhang) {
+  const double m = 0.2, r = 0.05, angle = 170;
+  const double pull = m * kGravity * std::cos(radians(angle));  // negative
+  const double force = 2 * m * kGravity;
+  const double limit = r * m * kGravity * std::sin(radians(angle)) / (pull + force);
+  EXPECT_NEAR(limit, 0.171050 * r, 1e-6 * r);
+  for (const bool exact : {false, true}) {
+    for (const double share : {0.99, 1.01}) {  // mu_r over the limit
+      Scene scene = sticky_scene(force, 0.6);
+      scene.solver.exact_coulomb = exact;
+      scene.materials[0].rolling_friction = share * limit;
+      add_plane(scene);
+      add_sphere(scene, {0, 0, r}, r, m);
+      tilt(scene, angle);
+      const double shift = shift_of_body_1(scene);
+      if (share > 1) {
+        EXPECT_LT(shift, kHolds) << exact;
+      }
+      if (share < 1) {
+        EXPECT_GT(shift, kLetsGo) << exact;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace scree::physics

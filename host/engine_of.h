@@ -218,10 +218,9 @@ class EngineOf final : public Engine {
     params.relaxation = scene_.solver.relaxation;
     params.metric =
         scene_.solver.diagonal_metric ? ApgdMetricKind::diagonal : ApgdMetricKind::euclidean;
-    auto solver = make_solver<B, Real>(scene_.solver.name, params);
-    if (!scene_.solver.exact_coulomb) return solver;
-    return std::make_unique<CoulombFixedPoint<B, Real>>(std::move(solver),
-                                                        scene_.solver.max_outer_iterations);
+    if (!scene_.solver.exact_coulomb) return make_solver<B, Real>(scene_.solver.name, params);
+    return make_exact_solver<B, Real>(scene_.solver.name, params,
+                                      scene_.solver.max_outer_iterations);
   }
 
   CollisionSettings collision_settings(bool near_pairs) const {

@@ -23,6 +23,7 @@ struct ApgdState {
   double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
   double measure = 0;       ///< L |gamma+ - y|_H of the trial: goes with the residual
+  double lowest = 0;        ///< measure since momentum last grew; 0: none. For exact friction
   Index trials = 0;         ///< so far, rejected ones included
   Index accepted = 0;       ///< accepted iterations: selects the roles of the buffers
   Index restarts = 0;
@@ -106,7 +107,8 @@ struct StoredMetric {
   }
 };
 
-/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L), on
+/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L) or, for
+/// exact friction, P_K replaced by the projection onto the disk that the normal part leaves, on
 /// given buffers; gamma+ may take the place of gamma_prev. Bytes per contact (radial, float): read
 /// normal and bias 16, ids 8, two impulses 24, metric 4 for alike bodies and 8 else, two twists 48
 /// gathered (from cache when bodies are in Morton order); written 12.
@@ -117,7 +119,8 @@ struct ApgdContactStep {
   Span<Vec3<Real>> next;
   Span<const Twist<Real>> extrapolated;  ///< V_y
   Real beta;
-  Real step;  ///< 1 / L
+  Real step;           ///< 1 / L
+  bool exact = false;  ///< Coulomb's law in place of the convex one
 
   /// @param v_a, v_b  V_y of the bodies of contact c
   SCREE_HD Sums<2> operator()(const ContactProblem<Real>& p, const StoredMetric<R, Real>& metric,
@@ -127,6 +130,13 @@ struct ApgdContactStep {
     const auto g = R::velocity(p, c, v_a, v_b);
     const ContactMetric<Real> h = metric.load(c);
     const Vec3<Real> n = p.normal[c];
+    if (exact) {
+      const auto moved = R::project_coulomb(p, c, y - step * solve_metric(h, n, g));
+      R::store(next, c, moved);
+      // There is no objective that could rise: the way of the step against the way gone tells.
+      return {{-static_cast<double>(metric_dot(h, n, moved - y, moved - gamma)),
+               static_cast<double>(metric_norm2(h, n, moved - y))}};
+    }
     const auto moved = R::project(p, c, y - step * solve_metric(h, n, g), h);
     R::store(next, c, moved);
     return {{static_cast<double>(dot(g, moved - gamma)),
@@ -147,6 +157,7 @@ struct ApgdContactPass {
   ApgdVelocities<Real> velocity;
   StoredMetric<R, Real> metric;
   const ApgdState* state;
+  bool exact;
 
   SCREE_HD ApgdContactStep<R, Real> step() const {
     const Index k = state->accepted;
@@ -155,7 +166,8 @@ struct ApgdContactPass {
             gamma.next(k),
             velocity.extrapolated(*state),
             static_cast<Real>(state->beta),
-            static_cast<Real>(state->step)};
+            static_cast<Real>(state->step),
+            exact};
   }
   SCREE_HD Sums<2> operator()(Index c) const { return step()(p, metric, c); }
 };
@@ -199,12 +211,17 @@ struct ApgdBodyPass {
 /// passed L. Above, it is rejected, and one from the iterate itself follows: the previous iterate,
 /// on which y rests, is gone. That is seldom, as L follows rho closely. At the upper bound of the
 /// spectrum rho <= L in exact arithmetic, so the trial is accepted whatever rounding says. An
-/// accepted step against the gradient restarts the momentum.
+/// accepted step against the gradient restarts the momentum. Exact friction has no objective, and
+/// momentum can grow without end where contacts slide: a measure of twice the lowest one restarts
+/// it too.
 struct ApgdBodyFinish {
-  static constexpr double kAbove = 1.1;   ///< L over rho after a step that was too long
-  static constexpr double kDecay = 0.95;  ///< of L after any other: finds the local curvature
+  static constexpr double kAbove = 1.1;       ///< L over rho after a step that was too long
+  static constexpr double kDecay = 0.95;      ///< of L after any other: finds the local curvature
+  static constexpr double kSlowDecay = 0.99;  ///< with exact friction, which steps too long disturb
+  static constexpr double kGrown = 2;         ///< measure over the lowest one
 
   ApgdState* state;
+  bool exact = false;
   SCREE_HD void operator()(const Sums<1>& energy) const {
     ApgdState& s = *state;
     ++s.trials;
@@ -218,13 +235,16 @@ struct ApgdBodyFinish {
       return;
     }
     ++s.accepted;
-    if (s.descent > 0) {
+    const bool has_grown = exact && s.lowest > 0 && s.measure > kGrown * s.lowest;
+    if (has_grown || !(s.lowest > 0 && s.lowest < s.measure)) s.lowest = s.measure;
+    if (s.descent > 0 || has_grown) {
       ++s.restarts;
       s.set_momentum(1, 0);
     } else {
       s.set_momentum(s.next_theta, s.next_beta);
     }
-    s.set_lipschitz(energy.value[0] > allowed ? enough : kDecay * s.lipschitz);
+    s.set_lipschitz(energy.value[0] > allowed ? enough
+                                              : (exact ? kSlowDecay : kDecay) * s.lipschitz);
   }
 };
 
@@ -236,9 +256,10 @@ struct ApgdPasses {
   ApgdVelocities<Real> velocity;
   StoredMetric<R, Real> metric;
   ApgdState* state;
+  bool exact = false;  ///< Coulomb's law in place of the convex one
 
   SCREE_HD ApgdContactPass<R, Real> contact_pass() const {
-    return {p, gamma, velocity, metric, state};
+    return {p, gamma, velocity, metric, state, exact};
   }
   SCREE_HD ApgdBodyPass<R, Real> body_pass() const { return {p, gamma, velocity, state}; }
 };

@@ -44,6 +44,23 @@ SCREE_HD Vec3<Real> project_cone(Real mu, const Vec3<Real>& normal, const Vec3<R
           select(sticks, y.z, n * normal.z + slide * y_t.z)};
 }
 
+/// Projection of the tangential part of y onto the disk of radius mu y_n, and of y_n onto what
+/// presses. Impulses that do not move when a step against their contact velocities is followed by
+/// this one satisfy Coulomb's law itself: the normal part does not feel the tangential one, where
+/// the projection onto the cone lifts it.
+/// @param y  impulse, world frame [N s]
+/// Source: Alart & Curnier, CMAME 92, 1991; docs/theory.md eq. (7b).
+template <class Real>
+SCREE_HD Vec3<Real> project_disk(Real mu, const Vec3<Real>& normal, const Vec3<Real>& y) {
+  const Real y_n = dot(normal, y);
+  const Vec3<Real> y_t = y - y_n * normal;
+  const Real n = select(y_n <= Real(0), Real(0), y_n);
+  const Real square = norm2(y_t);
+  const Real bound = mu * n;
+  const Real scale = select(square <= bound * bound, Real(1), bound * inverse_sqrt(square));
+  return {n * normal.x + scale * y_t.x, n * normal.y + scale * y_t.y, n * normal.z + scale * y_t.z};
+}
+
 /// One bounded part of a contact impulse that shares the contact's normal force.
 template <class Real>
 struct BoundedPart {

@@ -111,6 +111,12 @@ struct ForceRowsBase {
     const Vec3<Real> apex = adhesion * n;
     return {project_cone(p.friction[c], n, y.force + apex, m.normal, m.tangential) - apex};
   }
+  /// The same for Coulomb's law itself: normal part first, then the disk that it leaves.
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
+    const Vec3<Real> n = p.normal[c];
+    const Vec3<Real> apex = p.adhesion[c] * n;
+    return {project_disk(p.friction[c], n, y.force + apex) - apex};
+  }
 };
 
 /// Spheres among themselves and on surfaces that do not rotate.
@@ -290,6 +296,20 @@ struct RollingRows : LeverArms<Real> {
       scale[k] = part[k].length > bound ? bound / part[k].length : Real(1);
     }
     return {(normal - adhesion) * n + scale[0] * slide, scale[1] * roll + (scale[2] * spin) * n};
+  }
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
+    const Vec3<Real> n = p.normal[c];
+    const RollingRow<Real> row = p.rolling[c];
+    const Real spin = dot(n, y.moment);
+    const Vec3<Real> roll = y.moment - spin * n;
+    const Real normal = dot(n, y.force) + p.adhesion[c];
+    const Real pressed = normal > Real(0) ? normal : Real(0);
+    const auto within = [](Real length, Real bound) {
+      return length > bound ? bound / length : Real(1);
+    };
+    return {ForceRowsBase<Real>::project_coulomb(p, c, {y.force}).force,
+            within(norm(roll), row.rolling * pressed) * roll +
+                (within(std::abs(spin), row.spinning * pressed) * spin) * n};
   }
   /// Bounds the coupled 6x6 block: force and moment parts of a positive semidefinite block satisfy
   /// block <= 2 diag(force part, moment part).

@@ -77,7 +77,8 @@ class Apgd final : public Solver<B, Real> {
     Workspace w(b, vectors, p.body_count);
     const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}};
     ApgdState* state = w.state.data();
-    ApgdPasses<R, Real> passes{p, impulses, {{velocity, w.iterate.view()}, {}}, {}, state};
+    ApgdPasses<R, Real> passes{p,  impulses, {{velocity, w.iterate.view()}, {}},
+                               {}, state,    params_.exact_coulomb};
     ApgdVelocities<Real>& velocities = passes.velocity;
     if (w.iteration.stores_extrapolated(passes)) {
       w.extrapolated.reserve_discard(p.body_count);
@@ -119,7 +120,8 @@ class Apgd final : public Solver<B, Real> {
       const ApgdCheck check = fetch(b, w.check.data());
       const Residual residual =
           ResidualEvaluator<B, Real>::from_sums(check.residual, p.contact_count);
-      if (std::exchange(is_guess, false) && residual.rms > tolerance) {
+      const double rms = params_.exact_coulomb ? residual.exact_rms : residual.rms;
+      if (std::exchange(is_guess, false) && rms > tolerance) {
         // Impulses that grew while bodies were jammed between prescribed ones are far too large
         // once they come free. Many iterations would take them back; one scaling does it.
         const double energy = w.residual.template impulse_energy<R>(b, p, velocities.of_iterate[0]);
@@ -133,17 +135,17 @@ class Apgd final : public Solver<B, Real> {
       }
       stats.iterations = check.state.accepted;
       stats.applications = check.state.trials;
-      gauge_.note(check.state.measure / root_count, residual.rms);
+      gauge_.note(check.state.measure / root_count, rms);
       lipschitz_ = check.state.lipschitz;
-      this->add_to_curve(stats.iterations, stats.applications, residual.rms);
-      stats.converged = residual.rms <= tolerance;
+      this->add_to_curve(stats.iterations, stats.applications, rms);
+      stats.converged = rms <= tolerance;
       const bool finite = residual.bad_contact < 0;
       const bool is_last =
           stats.converged || !finite || stats.applications >= params_.max_iterations;
       // Until the end is near, better iterates are still to come: none is put aside.
-      is_best = best < 0 || residual.rms < best;
+      is_best = best < 0 || rms < best;
       if (is_best && (is_last || 2 * stats.applications >= params_.max_iterations)) {
-        best = residual.rms;
+        best = rms;
         stats.residual = residual;
         const Span<const Vec3<Real>> found = impulses.current(check.state.accepted);
         if (!is_last) {
@@ -154,7 +156,7 @@ class Apgd final : public Solver<B, Real> {
         }
       }
       if (is_last) break;
-      if (stats.applications >= next_block && tolerance > 0) {
+      if (stats.applications >= next_block && tolerance > 0 && !params_.exact_coulomb) {
         next_block += params_.max_iterations / kBlocks;
         const Span<Vec3<Real>> here = impulses.current(stats.iterations);
         if (loaded.template solve<R>(b, p, here, velocities.iterate(stats.iterations), tolerance)) {
@@ -165,7 +167,7 @@ class Apgd final : public Solver<B, Real> {
         }
       }
 
-      const int wait = schedule.next(stats.applications, residual.rms);
+      const int wait = schedule.next(stats.applications, rms);
       const int left = params_.max_iterations - stats.applications;
       const int to_half = (params_.max_iterations + 1) / 2 - stats.applications;
       const bool is_late = to_half <= 0;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernels/contact_operator.h"
@@ -30,6 +31,8 @@ struct SolverParams {
   int check_every = 10;      ///< iterations between residual checks (host reads), see each solver
   double relaxation = 1.0;   ///< over-relaxation of Gauss-Seidel, Jacobi and Schwarz, in (0, 2)
   ApgdMetricKind metric = ApgdMetricKind::diagonal;
+  /// APGD: Coulomb's law itself in place of the convex one, with tolerances on the exact residual.
+  bool exact_coulomb = false;
 };
 
 /// @throws InvalidParameter
@@ -108,6 +111,9 @@ class Solver {
   void add_to_curve(int iterations, int applications, double rms) {
     if (curve_ != nullptr) curve_->push_back({iterations, applications, rms});
   }
+
+  /// Makes the velocities that another solver found this one's.
+  void take_velocity(Solver& other) { velocity_ = std::exchange(other.velocity_, std::nullopt); }
 
   /// Takes the memory of velocity(), set to v*.
   Span<Twist<Real>> start_velocity(B& b, const ContactProblem<Real>& p) {

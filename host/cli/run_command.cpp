@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/cli/judged.h"
 #include "host/error.h"
 #include "host/io/checkpoint.h"
 #include "host/io/frames.h"
@@ -174,16 +175,6 @@ class Run {
     return report;
   }
 
-  /// A step as the progress line and the totals tell it: with the residual of the model that is
-  /// solved.
-  StepReport judged(StepReport report) const {
-    if (!scene_.solver.exact_coulomb) return report;
-    if (report.residual_rms > 0)
-      report.residual_relative *= report.exact_residual_rms / report.residual_rms;
-    report.residual_rms = report.exact_residual_rms;
-    return report;
-  }
-
   void simulate(World& world, FrameWriter& frames, WallFrameWriter& wall_frames,
                 const SignalGuard& signals, std::optional<std::int64_t> resumed_step) {
     const double h = scene_.stepping.time_step;
@@ -235,8 +226,8 @@ class Run {
       const StepReport report = advance(world, writer, progress);
       if (report.step == 1) warn_of_overlaps(world, report, progress);
       steps.append(report);
-      record_.totals.add(judged(report));
-      progress.update(judged(report));
+      record_.totals.add(judged(report, scene_.solver));
+      progress.update(judged(report, scene_.solver));
       writer.check();
       if (frame_schedule.due(before, report.time)) write_frame();
       if (picture_schedule.due(before, report.time)) write_picture();

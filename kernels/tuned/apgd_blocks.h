@@ -60,7 +60,7 @@ struct ApgdContactBlock {
                         {L::load(in.lane[kMetric]), L::load(in.lane[kMetric + 1])}};
     Vec3<L> next;
     const Sums<2> sums =
-        lanes.step(L(step.beta), L(step.step), in.twist(kTwistA), in.twist(kTwistB), next);
+        lanes.step(L(step.beta), L(step.step), in.twist(kTwistA), in.twist(kTwistB), next, a.exact);
 
     Records out;
     next.x.store(out.lane[0]), next.y.store(out.lane[1]), next.z.store(out.lane[2]);
@@ -138,7 +138,7 @@ class ApgdIteration<Cpu> {
   static void trial(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a) {
     const Index blocks = ApgdContactBlock<Real>::count(a.p.contact_count);
     reduce<Sums<2>>(cpu, blocks, ApgdContactBlock<Real>{a}, ApgdContactFinish{a.state});
-    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state});
+    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
   }
 };
 

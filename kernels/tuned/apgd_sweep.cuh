@@ -93,9 +93,10 @@ __device__ inline Sums<3> block_sum(Sums<3> mine) {
 /// Ends a trial: adds up the sums of all blocks and decides. Each block does so by itself, sooner
 /// than the word of one would reach it, and finds the same bits.
 /// @param meanwhile  to be done while other blocks finish
+/// @param exact      as of ApgdPasses
 template <class Meanwhile>
 __device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums, ApgdState& state,
-                       const Meanwhile& meanwhile) {
+                       bool exact, const Meanwhile& meanwhile) {
   const Sums<3> mine = block_sum(sums);
   if (threadIdx.x == 0) {
     shared.partial[blockIdx.x] = mine;
@@ -110,12 +111,12 @@ __device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums
   all = block_sum(all);
   if (threadIdx.x == 0) {
     ApgdContactFinish{&state}({{all.value[0], all.value[1]}});
-    ApgdBodyFinish{&state}({{all.value[2]}});
+    ApgdBodyFinish{&state, exact}({{all.value[2]}});
   }
   __syncthreads();
 }
 
-template <int kWeights, class Real>
+template <int kWeights, bool kExact, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                int count, double enough) {
@@ -171,7 +172,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
         range.count = min(kBodies, a.p.free_count - range.begin);
         range.first = here.a_start[0];
         range.last = here.a_start[range.count];
-        step_contacts<kWeights>(a, trial, range, here, memory.pull, sums);
+        step_contacts<kWeights, kExact>(a, trial, range, here, memory.pull, sums);
         stepped.arrive();
       }
       const Index i = (t - blocks) * kBodies + local;
@@ -203,7 +204,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       ready.arrive();
     }
     // Nearly all trials are accepted.
-    decide(shared, number, sums, state,
+    decide(shared, number, sums, state, kExact,
            [&] { first.start(trial.next_velocity, trial.velocity, memory.bodies); });
     if (state.accepted == accepted) first.restart(trial.velocity, trial.velocity, memory.bodies);
   }
@@ -223,7 +224,7 @@ class ApgdIteration<Cuda> {
 
   void start(Cuda& cuda, const sweep::RadialPasses<float>& a) {
     tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
-    kernel_ = kernel_for(a.metric);
+    kernel_ = a.exact ? kernel_for<true>(a.metric) : kernel_for<false>(a.metric);
     blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
     const Offset counters = Offset{tiles_} / blocks_ + 2;
     counters_.reserve_discard(counters);
@@ -265,10 +266,11 @@ class ApgdIteration<Cuda> {
   static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
 
   /// Loads behind a branch would start late, so there is a program for each way to store weights.
+  template <bool kExact>
   static const void* kernel_for(const StoredMetric<RadialRows<float>, float>& metric) {
     const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
-    if (metric.values.empty()) return of(&sweep::run_trials<0, float>);
-    return metric.one_each ? of(&sweep::run_trials<1, float>) : of(&sweep::run_trials<2, float>);
+    if (metric.values.empty()) return of(&sweep::run_trials<0, kExact, float>);
+    return metric.one_each ? of(&sweep::run_trials<1, kExact, float>) : of(&sweep::run_trials<2, kExact, float>);
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {

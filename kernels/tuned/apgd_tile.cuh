@@ -251,7 +251,8 @@ class FirstFetch {
 /// Contact step of a tile: new impulses to memory, and what they exert to shared memory. Each warp
 /// takes whole turns of contacts that follow each other, the last one what is left.
 /// @tparam kWeights  stored weights of the metric: none (Euclidean), one or two
-template <int kWeights, class Real>
+/// @tparam kExact    Coulomb's law in place of the convex one
+template <int kWeights, bool kExact, class Real>
 __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& trial,
                               const TileRange& range, const TileBodies<Real>& bodies,
                               Pull<Real>* pull, Sums<3>& sums) {
@@ -287,7 +288,7 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
     }
     Vec3<Real> next;
     const Sums<2> mine =
-        contact.step(trial.beta, trial.length, bodies.extrapolated[packed.local()], v_b, next);
+        contact.step(trial.beta, trial.length, bodies.extrapolated[packed.local()], v_b, next, kExact);
     trial.next_gamma[c] = next;
     if (c - range.first < kStaged) pull[c - range.first] = {next, contact.normal};
     sums.value[0] += mine.value[0];

@@ -16,15 +16,17 @@ struct OneContact {
 
   /// @param v_a, v_b  V_y of its bodies
   /// @param next      gamma+, out
+  /// @param exact     as of ApgdContactStep
   SCREE_HD Sums<2> step(Real beta, Real length, const Twist<Real>& v_a, const Twist<Real>& v_b,
-                        Vec3<Real>& next) {
+                        Vec3<Real>& next, bool exact) {
     using R = RadialRows<Real>;
     ContactProblem<Real> p;
     p.normal = {&normal, 1};
     p.bias.values = {&bias, 1};
     p.friction.values = {&friction, 1};
     p.adhesion.values = {&adhesion, 1};
-    const ApgdContactStep<R, Real> one{{&gamma, 1}, {&previous, 1}, {&next, 1}, {}, beta, length};
+    const ApgdContactStep<R, Real> one{{&gamma, 1}, {&previous, 1}, {&next, 1}, {},
+                                       beta,        length,         exact};
     return one(p, StoredMetric<R, Real>{{weights, 2}}, 0, v_a, v_b);
   }
 };

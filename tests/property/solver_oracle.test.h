@@ -2,7 +2,9 @@
 // friction.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/coulomb.h"
@@ -126,14 +128,22 @@ TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
       const PlainProblem plain = small_problem<TypeParam>(layout, seed);
       const oracle::Solution expected = oracle::solve_coulomb(plain.data, 1e-10, 60);
+      using Solvers =
+          std::vector<std::pair<const char*, std::unique_ptr<Solver<TestBackend, TypeParam>>>>;
+      Solvers solvers;
       for (const char* inner : {"apgd", "gauss_seidel_colored"}) {
-        SCOPED_TRACE(std::string(inner) + ", layout " + std::to_string(static_cast<int>(layout)) +
+        auto convex = make_solver<TestBackend, TypeParam>(inner, {.max_iterations = 4000});
+        solvers.emplace_back(inner, std::make_unique<CoulombFixedPoint<TestBackend, TypeParam>>(
+                                        std::move(convex), 100));
+      }
+      solvers.emplace_back("apgd on the law itself", make_exact_solver<TestBackend, TypeParam>(
+                                                         "apgd", {.max_iterations = 4000}, 100));
+      for (const auto& [name, solver] : solvers) {
+        SCOPED_TRACE(std::string(name) + ", layout " + std::to_string(static_cast<int>(layout)) +
                      ", seed " + std::to_string(seed));
         ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
-        CoulombFixedPoint<TestBackend, TypeParam> solver(
-            make_solver<TestBackend, TypeParam>(inner, {.max_iterations = 4000}), 100);
         const SolveStats stats =
-            solver.solve(this->backend(), buffers.problem(), buffers.gamma(), tolerance);
+            solver->solve(this->backend(), buffers.problem(), buffers.gamma(), tolerance);
         EXPECT_TRUE(stats.converged) << "exact residual " << stats.residual.exact_rms;
         const Eigen::VectorXd gamma = oracle::rows_from_world(plain.data, buffers.impulses());
         const oracle::Residual dense = oracle::residual(plain.data, gamma);

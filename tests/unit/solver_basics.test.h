@@ -243,6 +243,49 @@ TYPED_TEST(SolverBasicsTest, SequentialGaussSeidelIsForTheCpu) {
   }
 }
 
+/// One sphere that slides: the fixed point alone needs the more rounds the higher the friction is,
+/// and 10 of them at mu = 0.5 already.
+TYPED_TEST(SolverBasicsTest, ExactApgdIsAsQuickAtAnyFriction) {
+  TestBackend& b = this->backend();
+  const double m = 2, speed = 3, press = 0.1;
+  for (const double mu : {0.5, 2.0, 5.0, 10.0}) {
+    PlainProblem plain;
+    plain.data.bodies[plain.add_sphere(m, 1)].velocity = {speed, 0, -press};
+    plain.add_fixed();
+    plain.data.free_count = 1;
+    plain.add_radial_contact(0, 1, {0, 0, -1}, mu);
+    ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+    const auto solver = make_exact_solver<TestBackend, TypeParam>("apgd", {}, 50);
+    const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 1e-5);
+    EXPECT_TRUE(stats.converged) << mu;
+    EXPECT_LE(stats.applications, 20) << mu;
+    // Coulomb: the normal impulse stops the fall, whatever slides.
+    const double normal = m * press, slides = mu * normal, rolls = m * speed / 3.5;
+    EXPECT_NEAR(-buffers.impulses()[0].z(), normal, 1e-4 * normal) << mu;
+    EXPECT_NEAR(buffers.impulses()[0].x(), std::min(slides, rolls), 1e-4 * slides) << mu;
+    const Eigen::VectorXd v = buffers.velocities(solver->velocity());
+    EXPECT_NEAR(v(0), speed - std::min(slides, rolls) / m, 1e-4) << mu;
+  }
+}
+
+/// What APGD on the law itself leaves undone, the fixed point takes up.
+TYPED_TEST(SolverBasicsTest, ExactApgdGoesOnAsTheFixedPoint) {
+  TestBackend& b = this->backend();
+  const PlainProblem plain = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
+  const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 3e-4;
+  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  CoulombFixedPoint<TestBackend, TypeParam> solver(
+      make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = 4000}), 100,
+      make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = 2, .exact_coulomb = true}));
+  std::vector<CurvePoint> curve;
+  solver.record_curve(&curve);
+  const SolveStats stats = solver.solve(b, buffers.problem(), buffers.gamma(), tolerance);
+  EXPECT_TRUE(stats.converged) << stats.residual.exact_rms;
+  EXPECT_EQ(curve.front().applications, 2);
+  EXPECT_EQ(curve.back().applications, stats.applications);
+  EXPECT_EQ(solver.memory().size(), 4U);
+}
+
 TYPED_TEST(SolverBasicsTest, CoulombRefusesNonsense) {
   using Coulomb = CoulombFixedPoint<TestBackend, TypeParam>;
   EXPECT_EQ(refusal([] { Coulomb(nullptr, 5); }), "solver.coulomb needs an inner solver, got none");

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/cli/judged.h"
 #include "host/error.h"
 #include "host/expected_memory.h"
 #include "host/io/streams.h"
@@ -88,7 +89,7 @@ void BedBench::print_title() const {
 std::vector<StepReport> BedRun::steps(int count) {
   std::vector<StepReport> reports;
   reports.reserve(static_cast<std::size_t>(count));
-  for (int k = 0; k < count; ++k) reports.push_back(world.step());
+  for (int k = 0; k < count; ++k) reports.push_back(judged(world.step(), solver));
   return reports;
 }
 

@@ -10,6 +10,7 @@
 #include "host/cli/bench/bed_bench.h"
 #include "host/cli/bench/modes.h"
 #include "host/cli/bench/table.h"
+#include "host/cli/judged.h"
 #include "host/copy_bandwidth.h"
 #include "host/error.h"
 
@@ -54,6 +55,7 @@ class SameStep {
       world.restore(state);  // once more, with the memory allocated
       step.report = world.step();
     }
+    step.report = judged(step.report, step.solver);
     step.peak_memory = world.peak_memory();
     return step;
   }

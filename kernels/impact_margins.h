@@ -47,6 +47,7 @@ struct ImpactGraph {
   /// not how far bodies are pushed: the envelope, or ContactRange::fall, is enough for their way.
   SCREE_HD double loaded(Index c) const {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    if (b < bodies.fixed_begin && ((bodies.locks[a] | bodies.locks[b]) & 7u) == 0) return 0;
     const Vec3<double> of_a = course_velocity(bodies, range, a) - Vec3<double>(bodies.velocity[a]);
     const Vec3<double> of_b = course_velocity(bodies, range, b) - Vec3<double>(bodies.velocity[b]);
     return dot(of_b - of_a, Vec3<double>(contacts.normal[c]));

@@ -50,12 +50,15 @@ SCREE_HD bool is_below(const MeshView<Real>& mesh, Index t, TriangleFeature feat
 struct HoldingPlanes {
   static constexpr int kMost = 8;
   HoldingPlane plane[kMost];
-  std::uint32_t image[kMost];  ///< of the wall
+  std::uint32_t image[kMost];    ///< of the wall
+  std::uint32_t element[kMost];  ///< of the contact
   int count = 0;
+  bool is_all = true;  ///< there were not too many; they are in the order they came in
 
-  SCREE_HD void add(const HoldingPlane& p, std::uint32_t of_image) {
+  SCREE_HD void add(const HoldingPlane& p, std::uint32_t of_image, std::uint32_t of_element) {
     int at = count;
     if (count == kMost) {
+      is_all = false;
       at = 0;
       for (int k = 1; k < kMost; ++k) at = plane[k].height > plane[at].height ? k : at;
       if (!(p.height < plane[at].height)) return;
@@ -64,6 +67,7 @@ struct HoldingPlanes {
     }
     plane[at] = p;
     image[at] = of_image;
+    element[at] = of_element;
   }
 
   /// Whether another image of the wall gives a plane that is nearer, such that covers(plane).

@@ -52,7 +52,7 @@ struct SolidContacts {
   /// Calls emit(element) for each contact, ascending.
   template <class Emit>
   SCREE_HD void visit(Emit& emit) const {
-    const WallImages images(solid, range.period, a.position, farthest_reach());
+    const WallImages images = reached_images();
     if (solid.kind == ShapeKind::box) {
       visit_box(images, emit);
     } else {
@@ -73,7 +73,7 @@ struct SolidContacts {
     const bool is_closest = sphere_mesh_triangle(meshes, info, t, in_mesh(d), point);
     const ContactGeometry closest = mesh_contact(a, solid, d, point.offset, point.normal);
     if (is_closest && is_met(closest, is_fast())) return closest;
-    const WallImages images(solid, range.period, a.position, farthest_reach());
+    const WallImages images = reached_images();
     const WayContacts found = on_way(images, planes(images));
     for (int k = 0; k < found.count; ++k) {
       const HoldingPlane& plane = found.contact[k].plane;
@@ -109,6 +109,11 @@ struct SolidContacts {
     return (a.radius + envelope + way) / (1 - (turn < 0.5 ? turn : 0.5));
   }
 
+  SCREE_HD WallImages reached_images() const {
+    if (!(range.period.x > 0 || range.period.y > 0 || range.period.z > 0)) return {};
+    return {solid, range.period, a.position, farthest_reach()};
+  }
+
   template <class Emit>
   SCREE_HD void visit_box(const WallImages& images, Emit& emit) const {
     const auto contact = [&](std::uint32_t image, auto&& found) {
@@ -120,7 +125,7 @@ struct SolidContacts {
     if (!images.is_one()) {
       images.for_each(range.period, [&](std::uint32_t image) {
         contact(image, [&](const Vec3d&, const ContactGeometry& g) {
-          held.add({-g.normal, g.gap + a.radius}, image);
+          held.add({-g.normal, g.gap + a.radius}, image, 0);
         });
       });
     }
@@ -162,6 +167,7 @@ struct SolidContacts {
     HoldingPlanes held;
     WayContacts found;
     const bool fast = is_fast();
+    if (fast && !is_near(images)) return;
     if (!is_one || fast) held = planes(images);
     if (fast) found = on_way(images, held);
     int next = 0;
@@ -170,6 +176,16 @@ struct SolidContacts {
         emit(found.contact[next].element);
       }
     };
+    const auto emit_in_order = [&](std::uint32_t element) {
+      emit_found(element);
+      if (next < found.count && found.contact[next].element == element) ++next;
+      emit(element);
+    };
+    if (is_one && fast && held.is_all) {
+      for (int k = 0; k < held.count; ++k) emit_in_order(held.element[k]);
+      emit_found(~0u);
+      return;
+    }
     images.for_each(range.period, [&](std::uint32_t image) {
       const Vec3d d = center_of(image);
       closest_points(d, fast, [&](Index t, const MeshPoint& point, const ContactGeometry& g) {
@@ -178,13 +194,19 @@ struct SolidContacts {
                           kHiddenRise * a.radius);
         };
         if (!is_one && held.other_image_hides(g.gap + a.radius, image, covers)) return;
-        const std::uint32_t element = mesh_element(solid, info, image, t);
-        emit_found(element);
-        if (next < found.count && found.contact[next].element == element) ++next;
-        emit(element);
+        emit_in_order(mesh_element(solid, info, image, t));
       });
     });
     emit_found(~0u);
+  }
+
+  SCREE_HD bool is_near(const WallImages& images) const {
+    bool is_any = false;
+    images.for_each(range.period, [&](std::uint32_t image) {
+      const Vec3d d = center_of(image);
+      is_any = is_any || is_near_mesh(meshes, meshes.meshes[solid.mesh], in_mesh(d), reach(d));
+    });
+    return is_any;
   }
 
   /// Whether the step may lead from one part of a mesh to another: within half the envelope it does
@@ -198,13 +220,15 @@ struct SolidContacts {
 
   /// Planes of what is closest at the start, in the frame of the mesh.
   SCREE_HD HoldingPlanes planes(const WallImages& images) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
     HoldingPlanes held;
     const bool fast = is_fast();
     images.for_each(range.period, [&](std::uint32_t image) {
-      closest_points(
-          center_of(image), fast, [&](Index, const MeshPoint&, const ContactGeometry& g) {
-            held.add({rotate_back(solid.orientation, -g.normal), g.gap + a.radius}, image);
-          });
+      closest_points(center_of(image), fast,
+                     [&](Index t, const MeshPoint&, const ContactGeometry& g) {
+                       held.add({rotate_back(solid.orientation, -g.normal), g.gap + a.radius},
+                                image, mesh_element(solid, info, image, t));
+                     });
     });
     return held;
   }
@@ -226,13 +250,12 @@ struct SolidContacts {
                           a.radius + range.envelope};
         visit_near_way(meshes, info, s, [&](Index t) {
           if (found.contains(mesh_element(solid, info, image, t))) return;
-          const auto is_hidden = [&](TriangleFeature feature, int index) {
-            for (int k = 0; k < held.count; ++k) {
-              if (is_below(meshes, t, feature, index, s.center, held.plane[k], rise)) return true;
-            }
-            return false;
-          };
-          const WayTouch touch = touch_triangle(meshes, info.closed, t, s, is_hidden);
+          HiddenParts hidden = 0;
+          for (int k = 0; k < held.count; ++k) {
+            hidden |= parts_below(meshes, t, s.center, held.plane[k], rise);
+            if ((hidden & 1) != 0) return;
+          }
+          const WayTouch touch = touch_triangle(meshes, info.closed, t, s, hidden);
           if (!(touch.time < first.time)) return;
           first = touch;
           first_image = image;
@@ -241,7 +264,7 @@ struct SolidContacts {
       });
       if (first.time > 1) break;
       found.insert({mesh_element(solid, info, first_image, first_triangle), first.plane});
-      held.add(first.plane, first_image);
+      held.add(first.plane, first_image, 0);
     }
     return found;
   }

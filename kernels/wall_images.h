@@ -38,11 +38,12 @@ SCREE_HD inline Vec3d image_of_wall(const WallSolid& solid, const Vec3d& period,
   return d;
 }
 
-/// The images that touch a box about a body.
+/// The images that touch a box about a body; by default the only one.
 struct WallImages {
   int first[3] = {0, 0, 0};
   int last[3] = {0, 0, 0};
 
+  WallImages() = default;
   /// @param reach  half the edge of that box [m]
   SCREE_HD WallImages(const WallSolid& solid, const Vec3d& period, const Vec3d& x, double reach) {
     for (int k = 0; k < 3; ++k) {

@@ -122,6 +122,23 @@ SCREE_HD bool sphere_mesh_triangle(const MeshView<Real>& mesh, const MeshInfo& i
   return !info.closed || dot(offset, normal) >= 0;
 }
 
+/// Whether a leaf of the mesh is within `reach` of the center.
+template <class Real>
+SCREE_HD bool is_near_mesh(const MeshView<Real>& mesh, const MeshInfo& info, const Vec3d& center,
+                           double reach) {
+  Index n = info.first_node;
+  while (n < info.end_node) {
+    const MeshNode& node = mesh.nodes[n];
+    bool hit = true;
+    for (int k = 0; k < 3; ++k) {
+      hit = hit && center[k] + reach >= node.lower[k] && center[k] - reach <= node.upper[k];
+    }
+    if (hit && node.leaf >= 0) return true;
+    n = hit ? n + 1 : node.skip;
+  }
+  return false;
+}
+
 /// Calls visit(triangle, point) for each contact within `reach` of the center.
 template <class Real, class Visit>
 SCREE_HD void visit_sphere_mesh(const MeshView<Real>& mesh, const MeshInfo& info,

@@ -28,8 +28,6 @@ struct HoldingPlane {
 struct WayTouch {
   double time = 2;  ///< above 1: not at all
   HoldingPlane plane;
-  TriangleFeature feature = TriangleFeature::face;
-  int index = 0;  ///< of the edge or vertex in its triangle
 };
 
 /// A part of the way.
@@ -65,30 +63,36 @@ SCREE_HD void touch_face(const MeshView<Real>& mesh, bool is_closed, Index t, co
   WayPart part;
   part.keep(s.reach - height, -rate);
   part.keep(height, rate);
+  if (part.is_empty() || !(part.from < touch.time)) return;
   for (int k = 0; k < 3; ++k) {
     const Vec3d inward = normalized(cross(outward, p[(k + 1) % 3] - p[k]));
     part.keep(dot(s.center - p[k], inward) + s.slack(), dot(s.way, inward));
   }
   if (part.is_empty() || !(part.from < touch.time)) return;
-  touch = {part.from, {normal, height}, TriangleFeature::face, 0};
+  touch = {part.from, {normal, height}};
+}
+
+/// Whether the center comes within reach of a line or a point; arguments as below.
+SCREE_HD inline bool comes_near(const SphereWay& s, const Vec3d& offset, const Vec3d& way) {
+  const double a = norm2(way), b = dot(offset, way), lacks = norm2(offset) - s.reach * s.reach;
+  return b < 0 && (b * b >= a * lacks);
 }
 
 /// Takes the touch of a line or a point if it is earlier. The normal is that where the sphere
 /// touches it, or passes it nearest.
+/// The center comes_near().
 /// @param offset   from it to the center at the start [m], along a line of no account
 /// @param way      of the offset [m]
 /// @param outward  of the surface there; zero: any direction will do
 SCREE_HD inline void touch_ridge(const SphereWay& s, const Vec3d& offset, const Vec3d& way,
-                                 const Vec3d& outward, WayPart part, TriangleFeature feature,
-                                 int index, WayTouch& touch) {
+                                 const Vec3d& outward, WayPart part, WayTouch& touch) {
   const double a = norm2(way), b = dot(offset, way);
-  if (!(b < 0) || part.is_empty()) return;
+  if (part.is_empty()) return;
   const double nearest = -b / a;
   const auto first = [&](double distance) {
     const double inside = b * b - a * (norm2(offset) - distance * distance);
     return inside > 0 ? (-b - std::sqrt(inside)) / a : nearest;
   };
-  if (!(norm2(offset + nearest * way) <= s.reach * s.reach)) return;
   part.from = first(s.reach) > part.from ? first(s.reach) : part.from;
   part.to = nearest < part.to ? nearest : part.to;
   if (part.is_empty() || !(part.from < touch.time)) return;
@@ -98,17 +102,19 @@ SCREE_HD inline void touch_ridge(const SphereWay& s, const Vec3d& offset, const 
   const double distance = norm(there);
   if (!(distance > 0) || dot(there, outward) < 0) return;
   const Vec3d normal = (1 / distance) * there;
-  touch = {part.from, {normal, dot(offset, normal)}, feature, index};
+  touch = {part.from, {normal, dot(offset, normal)}};
 }
 
 /// The same of an edge.
 template <class Real>
-SCREE_HD void touch_edge(const MeshView<Real>& mesh, bool is_closed, Index e, int index,
-                         const SphereWay& s, WayTouch& touch) {
+SCREE_HD void touch_edge(const MeshView<Real>& mesh, bool is_closed, Index e, const SphereWay& s,
+                         WayTouch& touch) {
   const MeshEdge& edge = mesh.edges[e];
   const Vec3d a(mesh.points[edge.vertex[0]]), b(mesh.points[edge.vertex[1]]);
   const Vec3d along = normalized(b - a), from_a = s.center - a;
   const double rate = dot(s.way, along);
+  const Vec3d offset = from_a - dot(from_a, along) * along, way = s.way - rate * along;
+  if (!comes_near(s, offset, way)) return;
   WayPart part;
   part.keep(dot(from_a, along) + s.slack(), rate);
   part.keep(dot(b - s.center, along) + s.slack(), -rate);
@@ -119,16 +125,16 @@ SCREE_HD void touch_edge(const MeshView<Real>& mesh, bool is_closed, Index e, in
     part.keep(s.slack() - dot(from_a, inward), -dot(s.way, inward));
   }
   const Vec3d outward = is_closed ? Vec3d(mesh.edge_normal[e]) : Vec3d{};
-  touch_ridge(s, from_a - dot(from_a, along) * along, s.way - rate * along, outward, part,
-              TriangleFeature::edge, index, touch);
+  touch_ridge(s, offset, way, outward, part, touch);
 }
 
 /// The same of a vertex.
 template <class Real>
-SCREE_HD void touch_vertex(const MeshView<Real>& mesh, bool is_closed, Index v, int index,
-                           const SphereWay& s, WayTouch& touch) {
+SCREE_HD void touch_vertex(const MeshView<Real>& mesh, bool is_closed, Index v, const SphereWay& s,
+                           WayTouch& touch) {
   const MeshVertex& vertex = mesh.vertices[v];
   const Vec3d point(mesh.points[v]), offset = s.center - point;
+  if (!comes_near(s, offset, s.way)) return;
   WayPart part;
   for (Index k = 0; k < vertex.neighbor_count && !part.is_empty(); ++k) {
     const Vec3d along =
@@ -136,24 +142,46 @@ SCREE_HD void touch_vertex(const MeshView<Real>& mesh, bool is_closed, Index v, 
     part.keep(s.slack() - dot(offset, along), -dot(s.way, along));
   }
   const Vec3d outward = is_closed ? Vec3d(mesh.vertex_normal[v]) : Vec3d{};
-  touch_ridge(s, offset, s.way, outward, part, TriangleFeature::vertex, index, touch);
+  touch_ridge(s, offset, s.way, outward, part, touch);
 }
 
-/// The first touch of what triangle t owns.
-/// @param is_hidden  is_hidden(feature, index): whether something holds the sphere off this one
-template <class Real, class IsHidden>
+/// What of a triangle is hidden: bit 0 the face and with it all, bits 1 to 3 the edges, bits 4 to 6
+/// the vertices.
+using HiddenParts = unsigned;
+
+/// Parts of triangle t that lie below a plane, but for a rise.
+/// @param center  from where the plane is measured [m]
+template <class Real>
+SCREE_HD HiddenParts parts_below(const MeshView<Real>& mesh, Index t, const Vec3d& center,
+                                 const HoldingPlane& plane, double rise) {
+  const MeshTriangle& triangle = mesh.triangles[t];
+  bool is_below[3];
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d offset = Vec3d(mesh.points[triangle.vertex[k]]) - center;
+    is_below[k] = plane.height + dot(plane.normal, offset) <= rise;
+  }
+  HiddenParts parts = is_below[0] && is_below[1] && is_below[2] ? 1 : 0;
+  for (int k = 0; k < 3; ++k) {
+    if (is_below[k] && is_below[(k + 1) % 3]) parts |= 2u << k;
+    if (is_below[k]) parts |= 16u << k;
+  }
+  return parts;
+}
+
+/// The first touch of what triangle t owns and what is not hidden.
+template <class Real>
 SCREE_HD WayTouch touch_triangle(const MeshView<Real>& mesh, bool is_closed, Index t,
-                                 const SphereWay& s, IsHidden&& is_hidden) {
+                                 const SphereWay& s, HiddenParts hidden) {
   const MeshTriangle& triangle = mesh.triangles[t];
   WayTouch touch;
-  if (!is_hidden(TriangleFeature::face, 0)) touch_face(mesh, is_closed, t, s, touch);
+  touch_face(mesh, is_closed, t, s, touch);
   for (int k = 0; k < 3; ++k) {
     const Index e = triangle.edge[k], v = triangle.vertex[k];
-    if (mesh.edges[e].triangle[0] == t && !is_hidden(TriangleFeature::edge, k)) {
-      touch_edge(mesh, is_closed, e, k, s, touch);
+    if ((hidden >> (1 + k) & 1) == 0 && mesh.edges[e].triangle[0] == t) {
+      touch_edge(mesh, is_closed, e, s, touch);
     }
-    if (mesh.vertices[v].owner == t && !is_hidden(TriangleFeature::vertex, k)) {
-      touch_vertex(mesh, is_closed, v, k, s, touch);
+    if ((hidden >> (4 + k) & 1) == 0 && mesh.vertices[v].owner == t) {
+      touch_vertex(mesh, is_closed, v, s, touch);
     }
   }
   return touch;

@@ -236,6 +236,10 @@ struct FillContacts {
       const BodySample other = load_body<kMix>(bodies, shapes, range, b);
       const Vec3d d = minimum_image(other.position - body.position, range.period);
       g = body_pair<kMix>(body, other, d, keys.feature(element));
+      if (g.gap > 0 && body.kind == ShapeKind::sphere && other.kind == ShapeKind::sphere) {
+        const Vec3d way = range.h * (other.motion.linear - body.motion.linear);
+        g = spheres_on_way(g, d, way, body.radius, other.radius);
+      }
     } else {
       g = wall_contact<kMix>(walls, range, keys, body, wall_envelope(range, a, body), element, b);
     }

@@ -45,6 +45,31 @@ TEST(SphereSphereTest, CoincidingCentersStillHaveANormal) {
   EXPECT_EQ(norm(g.normal), 1);
 }
 
+TEST(SphereSphereTest, WhatMissesHasThePlaneOfItsNearestPass) {
+  const auto met = [](const Vec3d& d, const Vec3d& way) {
+    return spheres_on_way(sphere_sphere(d, 0.5, 0.5), d, way, 0.5, 0.5);
+  };
+  const auto same = [](const ContactGeometry& a, const ContactGeometry& b) {
+    EXPECT_EQ(a.normal, b.normal);
+    EXPECT_EQ(a.gap, b.gap);
+    EXPECT_EQ(a.arm_a, b.arm_a);
+    EXPECT_EQ(a.arm_b, b.arm_b);
+  };
+  // A miss: where they pass, or where the step ends.
+  expect_near(met({0.15, 1.015, 0}, {-0.2, 0, 0}).normal, {0, 1, 0});
+  EXPECT_NEAR(met({0.15, 1.015, 0}, {-0.2, 0, 0}).gap, 0.015, kTiny);
+  const Vec3d end = normalized(Vec3d{0.02, 1.015, 0});
+  expect_near(met({0.22, 1.015, 0}, {-0.2, 0, 0}).normal, end);
+  // As at the start: hits, overlap, short ways, ways that do not cut the plane, ways that lead
+  // apart.
+  const std::vector<std::pair<Vec3d, Vec3d>> unchanged{{{1.3, 0.6, 0}, {-1, 0, 0}},
+                                                       {{0.7, 0.6, 0}, {-1, 0, 0}},
+                                                       {{0.81, 0.6, 0}, {-0.015, 0, 0}},
+                                                       {{1.3, 0.6, 0}, {-0.2, 0, 0}},
+                                                       {{1.3, 0.6, 0}, {1, 1, 0}}};
+  for (const auto& [d, way] : unchanged) same(met(d, way), sphere_sphere(d, 0.5, 0.5));
+}
+
 TEST(SphereHalfSpaceTest, NormalPointsIntoTheWall) {
   const Vec3d d{5, 5, -2};  // the wall body sits below and far to the side
   const ContactGeometry g = sphere_half_space(2, {0, 0, 1}, d, 0.5);

@@ -493,7 +493,8 @@ void check_periodicity(const Scene& scene) {
     if (extent < needed)
       refuse(path, value,
              fmt::format("must span at least {:.6g} m: twice the largest free body and the contact "
-                         "envelope",
+                         "envelope, so that two bodies meet through one image only; what spans the "
+                         "domain must be fixed or kinematic",
                          needed));
   }
   for_each_body(scene, [&](const BodyDescription& body, auto path) {

@@ -340,7 +340,8 @@ TEST(Validate, PeriodsHoldTwoOfTheLargestBodyAndTheEnvelope) {
   EXPECT_EQ(period(0.4201), "no error");
   EXPECT_EQ(period(0.41),
             "periodic.y: [0, 0.41] is not allowed: must span at least 0.42 m: twice the "
-            "largest free body and the contact envelope");
+            "largest free body and the contact envelope, so that two bodies meet through one image "
+            "only; what spans the domain must be fixed or kinematic");
 }
 
 TEST(MassFromDensity, SphereAndBox) {

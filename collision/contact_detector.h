@@ -22,8 +22,11 @@ struct CollisionSettings {
   double margin_limit = 0;  ///< largest margin around impacts, as a fraction of the diameter [-]
   double lift = 0;          ///< largest separation speed that the contact law asks for, per sliding
                             ///< speed [-]: the friction of the convex law, 0 for the exact one
-  double skin = 0;  ///< how far two bodies together may come nearer, about, until pairs of near
-                    ///< bodies are listed anew [m]; 0: for every listing of contacts
+  double bounce_threshold = 0;  ///< approach speed up to which bodies do not bounce [m/s]
+  double bounce = 0;  ///< largest restitution of bodies that may bounce more than once in a
+                      ///< step [-]
+  double skin = 0;    ///< how far two bodies together may come nearer, about, until pairs of near
+                      ///< bodies are listed anew [m]; 0: for every listing of contacts
   bool keep_candidates = true;  ///< false: the list of pairs goes at the end of detect(), to save
                                 ///< memory
 };
@@ -191,6 +194,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
   check(settings.envelope, "contact envelope");
   check(settings.margin_limit, "margin limit", "");
   check(settings.lift, "lift", "");
+  check(settings.bounce, "bounce", "");
   check(settings.skin, "skin");
   for (int k = 0; k < 3; ++k) check(settings.period[k], "period");
 }
@@ -227,7 +231,8 @@ void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bod
   const double least = 0.5 * settings_.envelope;
   for (int k = 0; k < kMaxWidenings; ++k) {
     const Index before = contact_count_;
-    const ImpactGraph<Real> graph{bodies, contacts(), range, settings_.lift};
+    const ImpactGraph<Real> graph{bodies,         contacts(),       range,
+                                  settings_.lift, settings_.bounce, settings_.bounce_threshold};
     const double largest_push = margins.start(b, graph);
     if (k == 0 && !(largest_push > least)) return;
     range.margin = margins.spread(b, graph);

@@ -10,6 +10,7 @@
 #include "host/body_store.h"
 #include "host/engine.h"
 #include "host/engine_errors.h"
+#include "host/impact_phase.h"
 #include "host/motion.h"
 #include "host/obstacles.h"
 #include "host/problem_assembly.h"
@@ -55,6 +56,7 @@ class EngineOf final : public Engine {
         obstacles_(*backend_, scene_, store_.fixed_begin()),
         detector_(*backend_, collision_settings(near_pairs), obstacles_.data()),
         assembly_(*backend_, scene_, summary_.layout, summary_.solid_spheres),
+        impacts_(*backend_, scene_, summary_.layout),
         integrate_sums_(*backend_, 1),
         renderer_(*backend_),
         solver_(make_step_solver()) {
@@ -88,10 +90,21 @@ class EngineOf final : public Engine {
     detector_.forget();  // the last step, in favor of the solver's memory
     report.ms.collision = clock.lap();
 
+    ImpactStats impacts;
+    if (has_impacts()) {
+      impacts = impacts_.run(b, assembly_, bodies, contacts, scene_.stepping, summary_.envelope,
+                             gravity_step());
+    }
+    const double impact_ms = clock.lap();
+
     StepProblem<B, Real> assembled =
         assembly_.assemble(b, bodies, contacts, scene_.stepping, summary_.envelope, gravity_step());
     ContactProblem<Real>& problem = assembled.problem;
-    const SetupSums& sums = assembled.sums;
+    SetupSums& sums = assembled.sums;
+    if (impacts.rounds > 0) {  // the speeds of before measure what the step had to do
+      sums.approach_squares = impacts.before.touching_squares;
+      sums.touching = impacts.before.touching;
+    }
     problem.mark = mark.view();
     const double reference = reference_speed(sums);
     report.ms.setup = clock.lap();
@@ -101,9 +114,12 @@ class EngineOf final : public Engine {
       clock.lap();  // belongs to no stage
     }
 
-    const SolveStats stats = solver_->solve(b, problem, gamma, tolerance(reference));
+    SolveStats stats = solver_->solve(b, problem, gamma, tolerance(reference));
+    stats.iterations += impacts.iterations;
+    stats.applications += impacts.applications;
+    stats.converged = stats.converged && impacts.converged;
     if (stats.residual.bad_contact >= 0) report_bad_contact(contacts, stats.residual.bad_contact);
-    report.ms.solve = clock.lap();
+    report.ms.solve = impact_ms + clock.lap();
 
     reduce<IntegrateSums>(
         b, bodies.free_count,
@@ -136,10 +152,20 @@ class EngineOf final : public Engine {
   const BodyConstants& constants() const override { return constants_; }
 
   std::vector<ContactRecord> contacts() override {
-    return records(download(*backend_, detector_.impulses()));
+    std::vector<ContactRecord> out = records(download(*backend_, detector_.impulses()));
+    const int vectors = vectors_per_contact(summary_.layout);
+    for (const ImpactImpulses<B, Real>& round : impacts_.impulses()) {
+      const auto contact = download(*backend_, round.contact.view(round.count));
+      const auto impulse = download(*backend_, round.gamma.view(round.gamma.capacity()));
+      for (std::size_t k = 0; k < contact.size(); ++k)
+        out[static_cast<std::size_t>(contact[k])].impulse +=
+            Vec3d(impulse[k * static_cast<std::size_t>(vectors)]);
+    }
+    return out;
   }
 
   std::vector<ContactRecord> overlaps() override {
+    impacts_.forget();
     detector_.detect(*backend_, store_.view(), 0, {});
     std::vector<ContactRecord> found = records({});
     std::erase_if(found, [](const ContactRecord& contact) { return !(contact.gap < 0); });
@@ -167,6 +193,7 @@ class EngineOf final : public Engine {
     const auto n = static_cast<std::size_t>(store_.free_count());
     if (s.id.size() != n) throw_wrong_body_count(s.id.size(), n);
     require_contacts(s, vectors_per_contact(summary_.layout), n);
+    impacts_.forget();
     store_.arrange(s.id);
     store_.restore_free(s);
     detector_.restore(*backend_, s.contact_key, s.contact_impulse);
@@ -226,13 +253,20 @@ class EngineOf final : public Engine {
   CollisionSettings collision_settings(bool near_pairs) const {
     CollisionSettings settings{summary_.envelope, summary_.layout, periodic_box().length};
     settings.margin_limit = 0.25;
+    settings.bounce_threshold = scene_.stepping.restitution_threshold;
     settings.skin = summary_.skin;
     settings.keep_candidates = near_pairs;
-    if (scene_.solver.exact_coulomb) return settings;
     for (const Material& pair : all_pair_values(scene_)) {
-      settings.lift = std::max(settings.lift, pair.friction);
+      if (!scene_.solver.exact_coulomb) settings.lift = std::max(settings.lift, pair.friction);
+      if (scene_.stepping.restitution_law == RestitutionLaw::poisson)
+        settings.bounce = std::max(settings.bounce, pair.restitution);
     }
     return settings;
+  }
+
+  bool has_impacts() const {
+    return assembly_.has_restitution() &&
+           scene_.stepping.restitution_law == RestitutionLaw::poisson;
   }
 
   Vec3<Real> gravity_step() const { return Vec3<Real>(scene_.stepping.time_step * scene_.gravity); }
@@ -441,6 +475,7 @@ class EngineOf final : public Engine {
   Obstacles<B, Real> obstacles_;
   ContactDetector<B, Real> detector_;
   ProblemAssembly<B, Real> assembly_;
+  ImpactPhase<B, Real> impacts_;
   Buffer<B, IntegrateSums> integrate_sums_;
   Renderer<B, Real> renderer_;
   std::unique_ptr<Solver<B, Real>> solver_;

@@ -91,7 +91,9 @@ Bytes problem(const Sizes& s) {
   const double friction = pair_values(s.scene, 0, 0).friction;
   Bytes bytes{8, 4};
   if (!s.alike) bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
-  if (any([](const Material& m) { return m.restitution > 0; })) bytes.contact += s.real;
+  if (s.scene.stepping.restitution_law == RestitutionLaw::newton &&
+      any([](const Material& m) { return m.restitution > 0; }))
+    bytes.contact += s.real;
   if (any([](const Material& m) { return m.cohesion > 0; })) bytes.contact += s.real;
   if (any([&](const Material& m) { return m.friction != friction; })) bytes.contact += s.real;
   if (s.summary.layout == ContactLayout::rolling) bytes.contact += 3 * s.real;

@@ -58,7 +58,12 @@ class ProblemAssembly {
       has_restitution_ = has_restitution_ || law.restitution > 0;
     }
     upload(b, laws, laws_);
+    bounces_by_bias_ = has_restitution_ && scene.stepping.restitution_law == RestitutionLaw::newton;
   }
+
+  /// Whether some pair of materials bounces.
+  bool has_restitution() const { return has_restitution_; }
+  LawTable<Real> laws() const { return {laws_.view(laws_.capacity()), material_count_}; }
 
   /// @param bodies, contacts  the problem points at them: they must not change while it is in use
   /// @param gravity_step      h g [m/s]
@@ -85,13 +90,13 @@ class ProblemAssembly {
     ContactSetup<Real> setup;
     setup.bodies = bodies;
     setup.contacts = contacts;
-    setup.law = {laws_.view(), material_count_};
+    setup.law = laws();
     setup.without_impact = p.bias;
     setup.time_step = static_cast<Real>(stepping.time_step);
     setup.restitution_threshold = static_cast<Real>(stepping.restitution_threshold);
     setup.cohesion_range = static_cast<Real>(cohesion_range);
     p.friction.uniform = uniform_friction_;
-    if (has_restitution_) p.bias.values = setup.bias = sized(step.bias, n);
+    if (bounces_by_bias_) p.bias.values = setup.bias = sized(step.bias, n);
     if (!has_uniform_friction_) p.friction.values = setup.friction = sized(step.friction, n);
     if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(step.adhesion, n);
     if (layout_ == ContactLayout::rolling) p.rolling = setup.rolling = sized(step.rolling, n);
@@ -101,7 +106,7 @@ class ProblemAssembly {
     return step;
   }
 
- private:
+  /// Velocities and inertias of the bodies in the problem of a step.
   void set_bodies(B& b, const BodyView<Real>& bodies, const Vec3<Real>& gravity_step,
                   StepProblem<B, Real>& step) {
     ContactProblem<Real>& p = step.problem;
@@ -128,6 +133,7 @@ class ProblemAssembly {
     }
   }
 
+ private:
   template <class T>
   static Span<T> sized(Buffer<B, T>& buffer, Index n) {
     buffer.reserve_discard(std::max<Index>(n, 1));  // an empty view would mean "uniform"
@@ -143,6 +149,7 @@ class ProblemAssembly {
   bool has_uniform_friction_ = true;
   bool has_cohesion_ = false;
   bool has_restitution_ = false;
+  bool bounces_by_bias_ = false;  ///< Newton's law
 };
 
 }  // namespace scree

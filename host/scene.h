@@ -190,10 +190,18 @@ struct SolverSettings {
       true;  ///< APGD: steps in a diagonal metric; false: Euclidean, as published
 };
 
+/// How contacts bounce. docs/theory.md, section "Impacts".
+enum class RestitutionLaw : std::uint8_t {
+  poisson,  ///< impacts come before the loads, one after the other within the step; none adds
+            ///< energy
+  newton    ///< a bias of the one contact problem of a step
+};
+
 struct SteppingSettings {
-  double time_step = 1e-3;              ///< h [s], > 0
-  double duration = 1.0;                ///< [s], >= 0
-  double max_recovery_speed = 0.5;      ///< fastest push-out of an overlap [m/s], >= 0
+  double time_step = 1e-3;          ///< h [s], > 0
+  double duration = 1.0;            ///< [s], >= 0
+  double max_recovery_speed = 0.5;  ///< fastest push-out of an overlap [m/s], >= 0
+  RestitutionLaw restitution_law = RestitutionLaw::poisson;
   double restitution_threshold = 1e-2;  ///< approach speed below which e = 0 [m/s], >= 0
   double envelope =
       -1;  ///< contacts are listed up to this gap [m]; negative: 1 % of the median diameter

@@ -279,9 +279,14 @@ struct RollingRows : LeverArms<Real> {
   }
   static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& y,
                                const ContactMetric<Real>& m) {
+    return project_above(p, c, y, m, p.adhesion[c], Real(0));
+  }
+  /// The same on the part of the cones where the normal impulse is at least `least`, counted from
+  /// the apex [N s].
+  static SCREE_HD Rows project_above(const ContactProblem<Real>& p, Index c, const Rows& y,
+                                     const ContactMetric<Real>& m, Real adhesion, Real least) {
     const Vec3<Real> n = p.normal[c];
     const RollingRow<Real> row = p.rolling[c];
-    const Real adhesion = p.adhesion[c];
     const Real y_n = dot(n, y.force) + adhesion;
     const Vec3<Real> slide = y.force - dot(n, y.force) * n;
     const Real spin = dot(n, y.moment);
@@ -289,7 +294,8 @@ struct RollingRows : LeverArms<Real> {
     const BoundedPart<Real> part[3] = {{p.friction[c], m.tangential, norm(slide)},
                                        {row.rolling, m.moment, norm(roll)},
                                        {row.spinning, m.moment, std::abs(spin)}};
-    const Real normal = shared_normal(m.normal, y_n, part);
+    Real normal = shared_normal(m.normal, y_n, part);
+    if (normal < least) normal = least;
     Real scale[3];
     for (int k = 0; k < 3; ++k) {
       const Real bound = part[k].mu * normal;

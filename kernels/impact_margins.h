@@ -14,7 +14,9 @@ struct ImpactGraph {
   BodyView<Real> bodies;
   ContactView<Real> contacts;
   ContactRange range;
-  double lift = 0;  ///< separation speed the contact law asks for, per sliding speed [-]
+  double lift = 0;    ///< separation speed the contact law asks for, per sliding speed [-]
+  double bounce = 0;  ///< largest restitution of bodies that bounce more than once in a step [-]
+  double bounce_threshold = 0;  ///< approach speed up to which they do not [m/s]
 
   /// Velocity of body B relative to body A at contact c [m/s].
   SCREE_HD Vec3<Real> relative_velocity(Index c) const {
@@ -30,8 +32,8 @@ struct ImpactGraph {
   }
 
   /// How far contact c may push its two bodies off their course [m]: the way of a closing speed
-  /// that would make the surfaces pass each other, since they may bounce; or what a sliding contact
-  /// lacks of its lift.
+  /// that would make the surfaces pass each other, since they may bounce, and more than once; or
+  /// what a sliding contact lacks of its lift.
   SCREE_HD double push(Index c) const {
     const Vec3<Real> n = contacts.normal[c];
     const Vec3<Real> u = relative_velocity(c);
@@ -39,9 +41,12 @@ struct ImpactGraph {
     const double gap = contacts.gap[c] > 0 ? contacts.gap[c] : Real(0);
     const double h = range.h;
     const double lifted = h * (lift * norm(u - Real(u_n) * n) - u_n) - gap;
-    const double closing = gap + h * (u_n + loaded(c)) < 0 ? -h * u_n : 0.0;
+    const double closing = gap + h * (u_n + loaded(c)) < 0 ? -h * u_n * bounced(u_n) : 0.0;
     return lifted > closing ? lifted : closing;
   }
+
+  /// How many times the way of its approach a contact may push its bodies.
+  SCREE_HD double bounced(double u_n) const { return u_n < -bounce_threshold ? 1 + bounce : 1.0; }
 
   /// What loads add to the separation speed of contact c [m/s]. They decide whether surfaces meet,
   /// not how far bodies are pushed: the envelope, or ContactRange::fall, is enough for their way.

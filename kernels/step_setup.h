@@ -84,6 +84,31 @@ struct PredictGeneral {
   }
 };
 
+/// Normal velocity of body B against body A at contact c [m/s]; negative: they approach.
+template <class Real>
+SCREE_HD Real normal_velocity(const BodyView<Real>& bodies, const ContactView<Real>& contacts,
+                              Index c) {
+  const Index a = contacts.body_a[c], b = contacts.body_b[c];
+  Vec3<Real> relative = bodies.velocity[b] - bodies.velocity[a];
+  if (!contacts.arm_a.empty()) {  // radial arms turn no normal velocity
+    relative += cross(bodies.angular_velocity[b], contacts.arm_b[c]) -
+                cross(bodies.angular_velocity[a], contacts.arm_a[c]);
+  }
+  return dot(relative, contacts.normal[c]);
+}
+
+/// Scale of the moment rows of contact c [m]: the smaller lever arm of its free bodies, so they
+/// weigh like the tangential ones.
+template <class Real>
+SCREE_HD RollingRow<Real> rolling_row(const BodyView<Real>& bodies,
+                                      const ContactView<Real>& contacts, Index c,
+                                      const PairLaw<Real>& pair) {
+  const Real arm_a = norm(contacts.arm_a[c]);
+  const Real arm_b = norm(contacts.arm_b[c]);
+  const Real length = contacts.body_b[c] < bodies.free_count && arm_b < arm_a ? arm_b : arm_a;
+  return {length, pair.rolling_friction / length, pair.spinning_friction / length};
+}
+
 /// What the set-up pass adds up over contacts.
 struct SetupSums {
   double max_penetration = 0;   ///< [m]
@@ -119,16 +144,9 @@ struct ContactSetup {
 
   SCREE_HD SetupSums operator()(Index c) const {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
-    const Vec3<Real> n = contacts.normal[c];
     const PairLaw<Real>& pair = law(bodies.material[a], bodies.material[b]);
     const Real gap = contacts.gap[c];
-
-    Vec3<Real> relative = bodies.velocity[b] - bodies.velocity[a];
-    if (!contacts.arm_a.empty()) {  // radial arms turn no normal velocity
-      relative += cross(bodies.angular_velocity[b], contacts.arm_b[c]) -
-                  cross(bodies.angular_velocity[a], contacts.arm_a[c]);
-    }
-    const Real u_n = dot(relative, n);
+    const Real u_n = normal_velocity(bodies, contacts, c);
     if (!bias.empty()) {
       Real value = without_impact[c];
       if (pair.restitution > 0 && u_n < -restitution_threshold && gap + time_step * u_n <= 0 &&
@@ -140,14 +158,7 @@ struct ContactSetup {
     if (!friction.empty()) friction[c] = pair.friction;
     if (!adhesion.empty())
       adhesion[c] = gap <= cohesion_range ? pair.cohesion * time_step : Real(0);
-    if (!rolling.empty()) {
-      // The moment rows get the scale of the smaller lever arm, so they weigh like the tangential
-      // ones.
-      const Real arm_a = norm(contacts.arm_a[c]);
-      const Real arm_b = norm(contacts.arm_b[c]);
-      const Real length = b < bodies.free_count && arm_b < arm_a ? arm_b : arm_a;
-      rolling[c] = {length, pair.rolling_friction / length, pair.spinning_friction / length};
-    }
+    if (!rolling.empty()) rolling[c] = rolling_row(bodies, contacts, c, pair);
 
     SetupSums s;
     if (gap < 0) s.max_penetration = -gap;

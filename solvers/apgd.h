@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "kernels/apgd_iteration.h"
@@ -27,15 +28,21 @@
 
 namespace scree {
 
-template <class B, class Real>
+/// The rows of a layout, as they are.
+template <class R>
+struct PlainRows : std::type_identity<R> {};
+
+/// @tparam RowsOf  RowsOf<R>::type are the contact rows in place of those of the layout, R
+template <class B, class Real, template <class> class RowsOf = PlainRows>
 class Apgd final : public Solver<B, Real> {
  public:
   explicit Apgd(const SolverParams& params) : params_(params) { validate(params_); }
 
   SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
                    double tolerance) override {
-    return with_rows<Real>(p.layout,
-                           [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
+    return with_rows<Real>(p.layout, [&](auto rows) {
+      return run<typename RowsOf<decltype(rows)>::type>(b, p, gamma, tolerance);
+    });
   }
   std::vector<double> memory() const override { return {lipschitz_, gauge_.carried()}; }
   void restore_memory(const std::vector<double>& m) override {

@@ -55,7 +55,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"solver",
        {"name", "stop", "max_iterations", "check_every", "warm_start", "model",
         "max_outer_iterations", "relaxation", "metric"}},
-      {"stepping", {"max_recovery_speed", "restitution_threshold"}},
+      {"stepping", {"max_recovery_speed", "restitution_law", "restitution_threshold"}},
       {"collision", {"envelope", "skin"}},
       {"output", {"frame_interval", "checkpoint_interval", "picture"}},
       {"picture", {"interval", "width", "height", "color_by", "color_range", "camera"}},

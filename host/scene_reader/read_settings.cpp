@@ -126,6 +126,9 @@ void read_settings(const Node& node, Scene& scene) {
   if (const auto stepping = node.find("stepping")) {
     stepping->check_keys(scene_keys("stepping"));
     stepping->read("max_recovery_speed", scene.stepping.max_recovery_speed, kNonNegative, "m/s");
+    if (const auto law = stepping->find("restitution_law"))
+      scene.stepping.restitution_law = law->choice<RestitutionLaw>(
+          {{"poisson", RestitutionLaw::poisson}, {"newton", RestitutionLaw::newton}});
     stepping->read("restitution_threshold", scene.stepping.restitution_threshold, kNonNegative,
                    "m/s");
   }

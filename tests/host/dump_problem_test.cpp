@@ -21,6 +21,7 @@ Scene heap(ContactLayout layout) {
   Scene scene = empty_scene(1e-3, 0.4);
   scene.name = "heap";
   scene.materials[0].restitution = 0.2;
+  scene.stepping.restitution_law = RestitutionLaw::newton;  // all impulses are of the one problem
   scene.materials[0].cohesion = 1e-4;
   add_tank(scene, -0.05, 0.05, -0.05, 0.05);
   add_lattice(scene, 60, 4, 4, {-0.03, -0.03, 0.011}, 0.0202, 0.01, 2500, 3);

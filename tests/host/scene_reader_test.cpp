@@ -48,7 +48,8 @@ TEST(SceneReader, ReadsSettings) {
     "solver": {"name": "gauss_seidel", "stop": 1e-4, "max_iterations": 30, "check_every": 3,
                "warm_start": false, "model": "exact", "max_outer_iterations": 4, "relaxation": 1.5,
                "metric": "euclidean"},
-    "stepping": {"max_recovery_speed": 0.1, "restitution_threshold": 0.2},
+    "stepping": {"max_recovery_speed": 0.1, "restitution_law": "newton",
+                 "restitution_threshold": 0.2},
     "collision": {"envelope": 0.003, "skin": 0.02},
     "output": {"frame_interval": 0.5, "checkpoint_interval": 0.6, "picture": {
       "interval": 0.25, "width": 64, "height": 32, "color_by": "size", "color_range": [1, 2],
@@ -65,6 +66,7 @@ TEST(SceneReader, ReadsSettings) {
   EXPECT_EQ(scene.stepping.time_step, 1e-3);
   EXPECT_EQ(scene.stepping.duration, 1);
   EXPECT_EQ(scene.stepping.max_recovery_speed, 0.1);
+  EXPECT_EQ(scene.stepping.restitution_law, RestitutionLaw::newton);
   EXPECT_EQ(scene.stepping.restitution_threshold, 0.2);
   EXPECT_EQ(scene.stepping.envelope, 0.003);
   EXPECT_EQ(scene.stepping.skin, 0.02);

@@ -123,6 +123,12 @@ Scene restitution() {
   return scene;
 }
 
+Scene newton_restitution() {
+  Scene scene = restitution();
+  scene.stepping.restitution_law = RestitutionLaw::newton;
+  return scene;
+}
+
 Scene insertion() {
   Scene scene = walls();
   Scene batch;
@@ -153,7 +159,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"cohesion", cohesion}, Case{"rolling_friction", rolling_friction},
                       Case{"kinematic", kinematic}, Case{"periodic", periodic},
                       Case{"exact_coulomb", exact_coulomb}, Case{"restitution", restitution},
-                      Case{"insertion", insertion}, Case{"mixed_materials", mixed_materials}),
+                      Case{"newton_restitution", newton_restitution}, Case{"insertion", insertion},
+                      Case{"mixed_materials", mixed_materials}),
     [](const auto& info) { return std::string(info.param.name); });
 
 struct Outcome {

@@ -71,6 +71,17 @@ TEST(ImpactChain, A43_SmallGapsMakeImpactsSequential) {
   }
 }
 
+// The same in one step that is much longer than the times between the impacts.
+TEST(ImpactChain, A43_ImpactsAreSequentialWithinAStep) {
+  for (const int hitting : {1, 2}) {
+    std::vector<double> speeds(5, 0), expected(5, 0);
+    for (int i = 0; i < hitting; ++i) speeds[i] = expected[4 - i] = 1;
+    World world = reference_world(row_of_balls({1, 1, 1, 1, 1}, speeds, 1, 1e-3, 0.05));
+    for (int k = 0; k < 2; ++k) EXPECT_TRUE(world.step().converged);
+    expect_speeds(world, expected, 1e-8);
+  }
+}
+
 TEST(ImpactChain, A44_HeavyLightHeavy) {
   World world = reference_world(row_of_balls({2, 1, 3}, {1, 0, -0.5}, 0.7, 0, 1e-3));
   EXPECT_TRUE(world.step().converged);

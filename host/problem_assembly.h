@@ -21,6 +21,7 @@ struct StepProblem {
         friction(b),
         adhesion(b),
         rolling(b),
+        drift(b),
         lists(b) {}
 
   ContactProblem<Real> problem;
@@ -32,6 +33,7 @@ struct StepProblem {
   Buffer<B, Real> friction;
   Buffer<B, Real> adhesion;
   Buffer<B, RollingRow<Real>> rolling;
+  Buffer<B, Vec3<Real>> drift;
   BodyContacts<B> lists;
 };
 
@@ -58,6 +60,13 @@ class ProblemAssembly {
       has_restitution_ = has_restitution_ || law.restitution > 0;
     }
     upload(b, laws, laws_);
+    const auto is_box = [](const BodyDescription& body) {
+      return body.kind == BodyKind::free && body.shape.kind == Shape::Kind::box;
+    };
+    has_vertices_ = std::any_of(scene.bodies.begin(), scene.bodies.end(), is_box);
+    for (const Insertion& insertion : scene.insertions)
+      has_vertices_ =
+          has_vertices_ || std::any_of(insertion.bodies.begin(), insertion.bodies.end(), is_box);
     bounces_by_bias_ = has_restitution_ && scene.stepping.restitution_law == RestitutionLaw::newton;
   }
 
@@ -100,6 +109,12 @@ class ProblemAssembly {
     if (!has_uniform_friction_) p.friction.values = setup.friction = sized(step.friction, n);
     if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(step.adhesion, n);
     if (layout_ == ContactLayout::rolling) p.rolling = setup.rolling = sized(step.rolling, n);
+    if (has_vertices_ && layout_ != ContactLayout::radial) {
+      const Span<Vec3<Real>> drift = sized(step.drift, n);
+      p.drift = drift;
+      for_each(b, n,
+               ContactDrift<Real>{bodies, contacts, p.general_inertia, setup.time_step / 2, drift});
+    }
     reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
     step.lists.build(b, p);
     step.sums = fetch(b, sums_.data());
@@ -149,6 +164,7 @@ class ProblemAssembly {
   bool has_uniform_friction_ = true;
   bool has_cohesion_ = false;
   bool has_restitution_ = false;
+  bool has_vertices_ = false;     ///< of free boxes
   bool bounces_by_bias_ = false;  ///< Newton's law
 };
 

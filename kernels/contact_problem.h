@@ -149,6 +149,9 @@ struct ContactProblem {
   Span<const Vec3<Real>> arm_a;   ///< [m], not in the radial layout
   Span<const Vec3<Real>> arm_b;
   Span<const RollingRow<Real>> rolling;  ///< rolling layout only
+  /// What turning bodies add to the velocity of each contact by the middle of the step [m/s], world
+  /// frame; empty in the radial layout and where no body needs it.
+  Span<const Vec3<Real>> drift;
   /// What the solver leaves at each contact and finds again in the next step, -1 at new contacts.
   /// Empty unless Solver::keeps_marks().
   Span<Index> mark;

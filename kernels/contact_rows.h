@@ -186,10 +186,12 @@ struct LeverArms {
     return static_cast<double>(inertia.mass) * norm2(dv.linear) +
            dot(dv.angular, inertia.inertia * dv.angular);
   }
-  /// Velocity of B against A at the contact, without bias.
+  /// Velocity of B against A at the contact, in the middle of the step, without bias.
   static SCREE_HD Vec3<Real> point_velocity(const ContactProblem<Real>& p, Index c,
                                             const Twist<Real>& a, const Twist<Real>& b) {
-    return b.linear + cross(b.angular, p.arm_b[c]) - a.linear - cross(a.angular, p.arm_a[c]);
+    const Vec3<Real> u =
+        b.linear + cross(b.angular, p.arm_b[c]) - a.linear - cross(a.angular, p.arm_a[c]);
+    return p.drift.empty() ? u : u + p.drift[c];
   }
   /// Response of body i at arm r to a unit impulse along e: (M^-1)_lin e + (I^-1 (r x e)) x r.
   static SCREE_HD Vec3<Real> response(const ContactProblem<Real>& p, Index i, const Vec3<Real>& r,

@@ -47,6 +47,7 @@ struct OrderedContacts {
   Span<Vec3<Real>> arm_a;
   Span<Vec3<Real>> arm_b;
   Span<RollingRow<Real>> rolling;
+  Span<Vec3<Real>> drift;
   Span<ContactMetric<Real>> metric;
 };
 
@@ -71,6 +72,7 @@ struct GatherContacts {
       to.arm_b[k] = p.arm_b[c];
     }
     if (!to.rolling.empty()) to.rolling[k] = p.rolling[c];
+    if (!to.drift.empty()) to.drift[k] = p.drift[c];
     to.metric[k] = own_metric<R>(p, c);
   }
 };

@@ -109,6 +109,31 @@ SCREE_HD RollingRow<Real> rolling_row(const BodyView<Real>& bodies,
   return {length, pair.rolling_friction / length, pair.spinning_friction / length};
 }
 
+/// Velocity that the vertex of a free body at arm r gains by turning for half a step [m/s]: h/2 of
+/// the acceleration w' x r + w x (w x r) of a free rotation, I w' = I w x w. With it a contact that
+/// sticks keeps its place to second order. docs/theory.md, section "Rotation".
+template <class Real>
+struct ContactDrift {
+  static constexpr const char* name = "contact_drift";
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  Span<const GeneralInertia<Real>> inertia;
+  Real half_step;          ///< h / 2 [s]
+  Span<Vec3<Real>> drift;  ///< out [m/s]
+
+  SCREE_HD void operator()(Index c) const {
+    drift[c] = {};
+    // Vertices of boxes on walls. Where a sphere touches, the point of contact moves over it.
+    const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    if (bodies.shape[a] < 0 || b < bodies.fixed_begin || bodies.shape[b] < 0) return;
+    const Vec3<Real> w = on_axes(bodies.angular_velocity[a], free_angular_axes(bodies.locks[a]));
+    const Vec3<Real> r = contacts.arm_a[c];
+    const GeneralInertia<Real>& body = inertia[a];
+    const Vec3<Real> turn = body.inv_inertia * cross(body.inertia * w, w);
+    drift[c] = -half_step * (cross(turn, r) + cross(w, cross(w, r)));
+  }
+};
+
 /// What the set-up pass adds up over contacts.
 struct SetupSums {
   double max_penetration = 0;   ///< [m]

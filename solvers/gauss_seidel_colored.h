@@ -44,6 +44,7 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
           arm_a(b),
           arm_b(b),
           rolling(b),
+          drift(b),
           gamma(b, vectors) {}
     ContactColoring<B> coloring;
     Buffer<B, ContactMetric<Real>> metric;
@@ -56,6 +57,7 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
     Buffer<B, Vec3<Real>> arm_a;
     Buffer<B, Vec3<Real>> arm_b;
     Buffer<B, RollingRow<Real>> rolling;
+    Buffer<B, Vec3<Real>> drift;
     Buffer<B, Vec3<Real>> gamma;
   };
 
@@ -82,6 +84,7 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
       to.arm_b = sized_like(p.arm_b, w.arm_b);
     }
     if (p.layout == ContactLayout::rolling) to.rolling = sized_like(p.rolling, w.rolling);
+    to.drift = sized_like(p.drift, w.drift);
     to.metric = w.metric.view();
     for_each(b, p.contact_count, GatherContacts<R, Real>{p, w.coloring.order(), to});
 
@@ -95,6 +98,7 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
     ordered.arm_a = to.arm_a;
     ordered.arm_b = to.arm_b;
     ordered.rolling = to.rolling;
+    ordered.drift = to.drift;
     ordered.a_start = ordered.b_start = ordered.b_contact = {};
     return ordered;
   }

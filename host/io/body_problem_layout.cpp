@@ -163,6 +163,7 @@ BodyProblem read_body_problem(const h5::Group& root) {
   }
   if (p.layout == ContactLayout::rolling)
     p.rolling = read_rows<RollingRow<double>>(root, "contact/rolling");
+  if (root.has("contact/drift")) p.drift = read_rows<Vec3d>(root, "contact/drift");
   p.impulse = read_rows<Vec3d>(root, "warm_start/impulse");
   return p;
 }
@@ -199,6 +200,7 @@ void write_body_problem(h5::Group& root, const BodyProblem& p) {
     write_rows(contact, "arm_b", p.arm_b);
   }
   if (p.layout == ContactLayout::rolling) write_rows(contact, "rolling", p.rolling);
+  if (!p.drift.empty()) write_rows(contact, "drift", p.drift);
   h5::Group warm_start = root.create_group("warm_start");
   write_rows(warm_start, "impulse", p.impulse);
 }

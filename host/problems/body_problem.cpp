@@ -127,6 +127,9 @@ void check_contacts(const BodyProblem& p) {
   require_size(p.adhesion, n, "contact/adhesion", per_contact);
   require_not_negative(p.adhesion, "contact/adhesion");
 
+  if (!p.drift.empty()) require_size(p.drift, n, "contact/drift", per_contact);
+  require_finite_vectors(p.drift, "contact/drift");
+
   const std::size_t arms = p.layout == ContactLayout::radial ? 0 : n;
   require_size(p.arm_a, arms, "contact/arm_a", "one a contact, not in the radial layout");
   require_size(p.arm_b, arms, "contact/arm_b", "one a contact, not in the radial layout");

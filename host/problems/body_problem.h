@@ -47,6 +47,7 @@ struct BodyProblem {
   std::vector<double> mu;                   ///< friction coefficient [-]
   std::vector<double> adhesion;             ///< c h [N s]
   std::vector<RollingRow<double>> rolling;  ///< rolling layout, else empty
+  std::vector<Vec3d> drift;                 ///< ContactProblem::drift, or empty [m/s]
   /// The guess [vectors_per_contact * contact_count], world frame, acting on B [N s].
   std::vector<Vec3d> impulse;
 

@@ -106,6 +106,7 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
     out.mu.push_back(friction[c]);
     out.adhesion.push_back(adhesion[c]);
   }
+  out.drift = vectors(contact_values(p.drift));
   for (const RollingRow<Real>& row : contact_values(p.rolling)) {
     RollingRow<double> resistance;
     resistance.length = row.length;

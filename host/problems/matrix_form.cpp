@@ -156,6 +156,11 @@ void set_contacts(const BodyProblem& p, const std::vector<std::array<int, 6>>& d
     const auto contact = static_cast<std::size_t>(c);
     // The bias, too, acts along the normal as it is stored.
     parts.w(3 * c) = p.bias[contact] * norm(p.normal[contact]);
+    if (!p.drift.empty()) {
+      const ContactFrame frame = contact_frame(p.normal[contact]);
+      for (int row = 0; row < 3; ++row)
+        parts.w(3 * c + row) += dot(frame[static_cast<std::size_t>(row)], p.drift[contact]);
+    }
     parts.apex(3 * c) = apex_impulse(p, contact);
     for (const bool side_b : {false, true}) {
       const int body = side_b ? p.body_b[contact] : p.body_a[contact];

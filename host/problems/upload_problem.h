@@ -25,6 +25,7 @@ class UploadedProblem {
         friction_(b),
         adhesion_(b),
         rolling_(b),
+        drift_(b),
         free_velocity_(b),
         radial_(b),
         general_(b),
@@ -51,6 +52,7 @@ class UploadedProblem {
     problem_.rolling = put(b, rolling_, p.rolling, [&](const RollingRow<double>& r) {
       return RollingRow<Real>{real(r.length), real(r.rolling), real(r.spinning)};
     });
+    problem_.drift = put(b, drift_, p.drift, vector);
     set_bodies(b, p);
     put(b, guess_, p.impulse, vector);
     fill(b, mark_.view(), Index(-1));
@@ -104,6 +106,7 @@ class UploadedProblem {
   Buffer<B, Vec3<Real>> normal_, arm_a_, arm_b_;
   Buffer<B, Real> bias_, friction_, adhesion_;
   Buffer<B, RollingRow<Real>> rolling_;
+  Buffer<B, Vec3<Real>> drift_;
   Buffer<B, Twist<Real>> free_velocity_;
   Buffer<B, RadialInertia<Real>> radial_;
   Buffer<B, GeneralInertia<Real>> general_;

@@ -1,8 +1,10 @@
-// Free rotation of a body with three different moments: when it flips, and what it conserves.
+// Free rotation of a body with three different moments: when it flips, and what it conserves. A top
+// on a sticking tip: its precession.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "tests/physics/scene_builder.h"
 
@@ -90,6 +92,82 @@ TEST(Rotation, A50_FreeRotationConservesMomentumAndEnergy) {
   EXPECT_NEAR(coarse.energy / fine.energy, 4, 0.4);
   EXPECT_LT(coarse.energy, 1.02 * coarse.energy_early);  // no trend
   EXPECT_LT(fine.energy, 1.02 * fine.energy_early);
+}
+
+/// A heavy symmetric top in steady precession: a rod without thickness to speak of that stands on
+/// its lower end and is tilted by theta. It precesses at the slow root of
+///   (I1 + m L^2) cos(theta) W^2 - I3 w3 W + m g L = 0.
+struct SteadyTop {
+  double mass = 1, length = 0.1, i1 = 1e-3, i3 = 2e-3;  ///< L: from the tip to the center of mass
+  double theta = kPi / 6, spin = 100;                   ///< w3 [rad/s]
+  double precession() const {
+    const double a = (i1 + mass * length * length) * std::cos(theta), b = i3 * spin;
+    const double c = mass * kGravity * length;
+    return (b - std::sqrt(b * b - 4 * a * c)) / (2 * a);
+  }
+};
+
+struct TopErrors {
+  double angle = 0;   ///< of the precession after the run, relative
+  double tilt = 0;    ///< largest change of theta [rad]
+  double tip = 0;     ///< largest way of the tip [m]
+  double energy = 0;  ///< largest change of kinetic and potential energy, relative to the former
+};
+TopErrors precess(double h, double duration) {
+  constexpr double kThin = 1e-20;
+  const SteadyTop top;
+  const double rate = top.precession();
+  Scene scene = empty_scene(h, 10);
+  solve_to(scene, 1e-11);
+  add_plane(scene);
+  const Vec3d axis{std::sin(top.theta), 0, std::cos(top.theta)};
+  BodyDescription& rod = add_box(scene, top.length * axis, {kThin, kThin, top.length}, top.mass);
+  rod.inertia = {top.i1, top.i1, top.i3};
+  rod.orientation = exp_map(Vec3d{0, top.theta, 0});
+  rod.angular_velocity = rate * Vec3d{0, 0, 1} + (top.spin - rate * std::cos(top.theta)) * axis;
+  rod.velocity = cross(rod.angular_velocity, top.length * axis);
+
+  World world = reference_world(scene);
+  const auto energy = [&](const BodyStates& s) {
+    const Vec3d w = rotate_back(s.orientation[1], s.angular_velocity[1]);
+    return 0.5 * top.mass * norm2(s.velocity[1]) +
+           0.5 * dot(w, hadamard(Vec3d{top.i1, top.i1, top.i3}, w)) +
+           top.mass * kGravity * s.position[1].z;
+  };
+  const double start = energy(world.states());
+  TopErrors worst;
+  double turned = 0, before = 0;
+  const int steps = steps_for(scene, duration);
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_TRUE(world.step().converged);
+    const BodyStates s = world.states();
+    const Vec3d now = rotate(s.orientation[1], Vec3d{0, 0, 1});
+    const double azimuth = std::atan2(now.y, now.x);
+    turned += std::remainder(azimuth - before, 2 * kPi);
+    before = azimuth;
+    worst.tilt = std::max(worst.tilt, std::abs(std::acos(now.z) - top.theta));
+    worst.tip = std::max(worst.tip, norm(s.position[1] - top.length * now));
+    worst.energy = std::max(worst.energy, std::abs(energy(s) - start));
+  }
+  worst.energy /= 0.5 * top.i3 * top.spin * top.spin;
+  worst.angle = std::abs(turned / (rate * world.time()) - 1);
+  return worst;
+}
+
+TEST(Rotation, TopOnAStickingTipPrecessesToSecondOrder) {
+  const TopErrors coarse = precess(1e-3, 2), fine = precess(5e-4, 2);
+  for (const auto& [name, c, f] :
+       {std::tuple{"angle", coarse.angle, fine.angle}, std::tuple{"tilt", coarse.tilt, fine.tilt},
+        std::tuple{"tip", coarse.tip, fine.tip}}) {
+    RecordProperty(std::string(name) + "_coarse", std::to_string(1e6 * c));
+    RecordProperty(std::string(name) + "_fine", std::to_string(1e6 * f));
+  }
+  EXPECT_LT(coarse.angle, 0.01);
+  EXPECT_LT(coarse.tilt, radians(2));
+  EXPECT_LT(coarse.tip, 2e-3);
+  EXPECT_LT(coarse.energy, 1e-3);
+  EXPECT_GT(coarse.angle / fine.angle, 3);
+  EXPECT_GT(coarse.tilt / fine.tilt, 3);
 }
 
 }  // namespace

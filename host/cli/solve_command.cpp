@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -359,10 +358,7 @@ class Session {
 
   /// Prints and writes what is known of a problem, so that it stays whatever comes.
   void keep(const ReadyProblem& p, ProblemReport report) {
-    if (!options_.json) {
-      fmt::print("{}{}", reports_.empty() ? "" : "\n", to_table(report));
-      std::fflush(stdout);
-    }
+    if (!options_.json) fmt::print("{}{}", reports_.empty() ? "" : "\n", to_table(report));
     if (!options_.solution.empty()) write_best(p, report);
     if (!options_.out.empty()) {
       if (!writer_) writer_.emplace(options_.out);
@@ -375,6 +371,7 @@ class Session {
     }
     if (report.reference) report.reference->result.r = {}, report.reference->curve = {};
     reports_.push_back(std::move(report));
+    finish_output();
   }
 
   void write_best(const ReadyProblem& p, const ProblemReport& report) const {

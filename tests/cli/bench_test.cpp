@@ -119,7 +119,9 @@ TEST(CliBench, StepsOfABedAndOfAColumn) {
     for (const json& result : document.at("results")) {
       expect_sound_steps(result);
       EXPECT_EQ(result.at("scene"), scene);
-      if (std::string(scene) == "bed") EXPECT_LE(result.at("start_rms_speed_relative"), 0.3);
+      if (std::string(scene) == "bed") {
+        EXPECT_LE(result.at("start_rms_speed_relative"), 0.3);
+      }
       EXPECT_EQ(result.at("stop"), level < 0.02 ? "quality" : "preview");
       EXPECT_TRUE(result.at("converged"));
       EXPECT_LE(result.at("residual_relative"), 1.01 * level);

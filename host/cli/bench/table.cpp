@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
+#include "host/io/streams.h"
 
 namespace scree {
 
@@ -21,7 +21,7 @@ void Table::print(const std::vector<std::string>& cells) const {
   for (std::size_t k = 0; k < cells.size(); ++k)
     line += fmt::format("{}{:>{}}", k == 0 ? "" : " ", cells[k], columns_.at(k).width);
   fmt::print("{}\n", line);
-  std::fflush(stdout);
+  finish_output();
 }
 
 std::string digits(double value, int count) { return fmt::format("{:.{}g}", value, count); }

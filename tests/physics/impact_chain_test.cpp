@@ -98,10 +98,10 @@ struct TipImpulse {
   double n = 0, t = 0;
 };
 TipImpulse rod_impulse(double slip, double gravity, double mu, Model model) {
-  constexpr double kThin = 1e-20;
+  constexpr double kThin = 1e-12;
   Scene scene = empty_scene(1e-3, mu, model);
   scene.gravity = {0, 0, -gravity};
-  solve_to(scene, 1e-12);
+  solve_to(scene, 1e-8);  // gaps of the vertices of the tip differ by 1e-12 m
   scene.stepping.envelope = 1e-3;
   add_plane(scene);
   const double s = 1 / std::sqrt(5.0), c = 2 / std::sqrt(5.0);

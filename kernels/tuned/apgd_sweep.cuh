@@ -270,7 +270,8 @@ class ApgdIteration<Cuda> {
   static const void* kernel_for(const StoredMetric<RadialRows<float>, float>& metric) {
     const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
     if (metric.values.empty()) return of(&sweep::run_trials<0, kExact, float>);
-    return metric.one_each ? of(&sweep::run_trials<1, kExact, float>) : of(&sweep::run_trials<2, kExact, float>);
+    return metric.one_each ? of(&sweep::run_trials<1, kExact, float>)
+                           : of(&sweep::run_trials<2, kExact, float>);
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {

@@ -287,8 +287,8 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
       contact.weights[1] = a.metric.tangential_ratio * contact.weights[0];
     }
     Vec3<Real> next;
-    const Sums<2> mine =
-        contact.step(trial.beta, trial.length, bodies.extrapolated[packed.local()], v_b, next, kExact);
+    const Sums<2> mine = contact.step(trial.beta, trial.length, bodies.extrapolated[packed.local()],
+                                      v_b, next, kExact);
     trial.next_gamma[c] = next;
     if (c - range.first < kStaged) pull[c - range.first] = {next, contact.normal};
     sums.value[0] += mine.value[0];

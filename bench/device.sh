@@ -75,10 +75,11 @@ if wants record; then
   bench step_small step --sizes 1e5
   bench exact step --sizes 1e5 --set solver.model=exact
   bench column step --sizes 1e6 --kind column
-  bench iteration iteration --sizes 1e5,3e5,1e6,3e6,1e7
+  bench iteration iteration --sizes 1e5,3e5,1e6,3e6
   bench collision collision --sizes 1e5,1e6
   bench capacity capacity --sizes 1e6,1e7
-  bench solvers solvers --sizes 1e6 --layers 20 --levels 1e-1,3e-2,1e-2,1e-3,1e-4 --limit 2
+  bench solvers solvers --sizes 1e6 --layers 20 --levels 1e-1,3e-2,1e-2,1e-3,1e-4 --limit 1 \
+    --solvers apgd,schwarz,gauss_seidel_colored,jacobi
   python3 - "$parts" >"$out/record.json" <<'END'
 import json, pathlib, sys
 print(json.dumps([json.loads(p.read_text()) for p in sorted(pathlib.Path(sys.argv[1]).glob("*.json"))], indent=1))

@@ -152,11 +152,17 @@ def one_row(what, r, whole_step=True):
             f"{r['residual_relative']:.2g} v* | {short(total)} ms{collision} | {short(r['contact_iterations_per_s'])} |")
 
 
+def place(d):
+    """Sorts settled beds by size, then exact friction, the column and single solves."""
+    r = d["results"][0] if d["results"] else {}
+    return (d["benchmark"] != "step", r.get("scene") == "column", len(d.get("settings", [])), -r.get("bodies", 0))
+
+
 def table(documents):
     """Rows of README.md, for whole steps and for single solves to tight residuals."""
     rows = ["| what | bodies | contacts | solver | applications | residual | time | contact-iterations/s |",
             "|---|---|---|---|---|---|---|---|"]
-    for d in documents:
+    for d in sorted(documents, key=place):
         exact = ", exact friction" if any("model=exact" in s for s in d.get("settings", [])) else ""
         for r in d["results"]:
             if d["benchmark"] == "step":

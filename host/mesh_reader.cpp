@@ -199,10 +199,6 @@ void weld(TriangleMesh& mesh) {
         low[k] = std::min(low[k], at(v)[k]);
         high[k] = std::max(high[k], at(v)[k]);
       }
-  if (!std::isfinite(norm(high - low)))
-    fail(mesh, fmt::format("its corners are so far apart that their distance is no number: from "
-                           "({}, {}, {}) to ({}, {}, {}) m",
-                           low.x, low.y, low.z, high.x, high.y, high.z));
   const double tolerance = kWeldTolerance * norm(high - low);
   const double cell = std::max(2 * tolerance, 1e-300);
   const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {

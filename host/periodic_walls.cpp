@@ -48,6 +48,7 @@ std::vector<Vec3d> outline(const Scene& scene, const Shape& shape) {
   if (shape.kind == Shape::Kind::mesh)
     return scene.meshes[static_cast<std::size_t>(shape.mesh)].vertices;
   std::vector<Vec3d> corners;
+  corners.reserve(8);
   for (int k = 0; k < 8; ++k) {
     corners.push_back(
         hadamard(shape.half_extents, {k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0}));

@@ -12,10 +12,12 @@
 #include "host/error.h"
 #include "host/io/h5.h"
 #include "output_fixtures.h"
+#include "vtkhdf_rows.h"
 
 namespace scree {
 namespace {
 
+using test::rows;
 using test::scene_with;
 using test::ScratchDirectory;
 using test::states_of;
@@ -34,14 +36,6 @@ struct Frame {
   std::vector<std::int64_t> offsets;
   std::vector<std::int64_t> connectivity;
 };
-
-template <class T>
-std::vector<T> rows(const h5::Group& vtk, const std::string& name, std::int64_t first,
-                    std::int64_t count) {
-  std::vector<T> out(static_cast<std::size_t>(count) * vtk.shape(name).values_per_row());
-  vtk.read(name, std::span<T>(out), static_cast<std::uint64_t>(first));
-  return out;
-}
 
 /// Follows the offsets of the specification (VTKHDF 2.0, PolyData) for every frame.
 std::vector<Frame> read_frames(const std::filesystem::path& path) {

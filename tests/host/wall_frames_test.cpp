@@ -10,10 +10,12 @@
 
 #include "host/error.h"
 #include "output_fixtures.h"
+#include "vtkhdf_rows.h"
 
 namespace scree {
 namespace {
 
+using test::rows;
 using test::ScratchDirectory;
 using testing::HasSubstr;
 
@@ -25,14 +27,6 @@ struct Frame {
   std::vector<std::int32_t> group;
   std::vector<std::uint8_t> kind;
 };
-
-template <class T>
-std::vector<T> rows(const h5::Group& vtk, const std::string& name, std::int64_t first,
-                    std::int64_t count) {
-  std::vector<T> out(static_cast<std::size_t>(count) * vtk.shape(name).values_per_row());
-  vtk.read(name, std::span<T>(out), static_cast<std::uint64_t>(first));
-  return out;
-}
 
 std::vector<Frame> read_frames(const std::filesystem::path& path) {
   const h5::File file = h5::File::open(path);

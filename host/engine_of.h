@@ -207,7 +207,8 @@ class EngineOf final : public Engine {
     render::ColorRange range;
     Image image = renderer_.render(*backend_, store_.view(), obstacles_.shapes(),
                                    obstacles_.mesh_set(), settings, &range);
-    render::add_labels(image, settings.color_by, range, time_, scene_.stepping.time_step);
+    if (settings.labels)
+      render::add_labels(image, settings.color_by, range, time_, scene_.stepping.time_step);
     return image;
   }
   std::size_t memory() const override { return backend_->allocated(); }

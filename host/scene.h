@@ -226,6 +226,7 @@ struct PictureSettings {
   ColorBy color_by = ColorBy::speed;
   double color_min = 0;  ///< value at the low end of the color map; equal ends: automatic range
   double color_max = 0;
+  bool labels = true;  ///< the time, and a color bar where colors show a value
   CameraSettings camera;
 };
 

@@ -58,7 +58,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"stepping", {"max_recovery_speed", "restitution_law", "restitution_threshold"}},
       {"collision", {"envelope", "skin"}},
       {"output", {"frame_interval", "checkpoint_interval", "picture"}},
-      {"picture", {"interval", "width", "height", "color_by", "color_range", "camera"}},
+      {"picture", {"interval", "width", "height", "color_by", "color_range", "labels", "camera"}},
       {"camera", {"position", "target", "up", "vertical_angle_deg"}},
   };
   return tables;

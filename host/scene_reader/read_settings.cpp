@@ -77,6 +77,7 @@ void read_picture(const Node& node, PictureSettings& picture) {
                                                {"group", ColorBy::group}});
   if (const auto range = node.find("color_range"))
     std::tie(picture.color_min, picture.color_max) = range->interval("");
+  node.read("labels", picture.labels);
   if (const auto camera = node.find("camera")) read_camera(*camera, picture.camera);
 }
 

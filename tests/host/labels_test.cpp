@@ -8,7 +8,9 @@
 #include <string>
 
 #include "host/render/letters.h"
+#include "host/world.h"
 #include "kernels/render/color.h"
+#include "tests/host/scene_texts.h"
 
 namespace scree::render {
 namespace {
@@ -122,6 +124,24 @@ TEST(Labels, OnlyValuesHaveABarAndSmallPicturesNothing) {
   for (const ColorBy mark : {ColorBy::id, ColorBy::group})
     EXPECT_EQ(dark(mark, 640, 480), std::pair(true, false));
   EXPECT_EQ(dark(ColorBy::speed, 640, 100), std::pair(false, false));
+}
+
+TEST(Labels, OfARunCanBeTurnedOff) {
+  // A sphere in the middle of the picture; labels are what is dark in the corners.
+  const auto dark_corners = [](const std::string& labels) {
+    const Scene scene = test::parsed(test::with_sphere(
+        R"("output": {"picture": {"width": 320, "height": 240, "color_range": [0, 1], )" + labels +
+        R"("camera": {"position": [0, -40, 0], "target": [0, 0, 0]}}})"));
+    World world(scene, {.backend = BackendKind::cpu});
+    Image image = world.render(scene.output.picture);
+    for (int y = 80; y < 160; ++y)  // the middle
+      std::fill_n(image.rgb.begin() + 3 * y * image.width, 3 * image.width, std::uint8_t{200});
+    const Ink found = ink(image);
+    return std::pair{found.top < 80, found.bottom >= 160};
+  };
+  EXPECT_EQ(dark_corners(""), std::pair(true, true));
+  EXPECT_EQ(dark_corners(R"("labels": true, )"), std::pair(true, true));
+  EXPECT_EQ(dark_corners(R"("labels": false, )"), std::pair(false, false));
 }
 
 TEST(Labels, AnyRangeGetsNumbers) {

@@ -53,6 +53,7 @@ TEST(SceneReader, ReadsSettings) {
     "collision": {"envelope": 0.003, "skin": 0.02},
     "output": {"frame_interval": 0.5, "checkpoint_interval": 0.6, "picture": {
       "interval": 0.25, "width": 64, "height": 32, "color_by": "size", "color_range": [1, 2],
+      "labels": false,
       "camera": {"position": [1, 2, 3], "target": [0, 0, 1], "up": [0, 2, 0],
                  "vertical_angle_deg": 50}}})"));
   EXPECT_EQ(scene.name, "n");
@@ -89,6 +90,7 @@ TEST(SceneReader, ReadsSettings) {
   EXPECT_EQ(picture.color_by, ColorBy::size);
   EXPECT_EQ(picture.color_min, 1);
   EXPECT_EQ(picture.color_max, 2);
+  EXPECT_FALSE(picture.labels);
   EXPECT_FALSE(picture.camera.automatic);
   EXPECT_EQ(picture.camera.position, Vec3d(1, 2, 3));
   EXPECT_EQ(picture.camera.target, Vec3d(0, 0, 1));

@@ -39,8 +39,8 @@ class ApgdArrays {
       metric_.reserve_discard(values);
       metric = StoredMetric<R, Real>::on(p, metric_.view(values));
     }
-    reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
-                          ApgdStart{state_.data(), 0});
+    reduce<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, metric},
+                            ApgdStart{state_.data(), 0});
     iteration_.start(b, passes());
   }
 

@@ -20,10 +20,10 @@ class ImpactMargins {
     std::swap(margin_, last_);
     const Span<float> margin = margin_.resize_discard(graph.bodies.free_count);
     fill(b, margin, 0.0f);
-    reduce<LargestPush>(
+    reduce<Largest<double>>(
         b, graph.contacts.count,
         StartMargins<Real>{graph, margin, room_.resize_discard(graph.contacts.count)},
-        StoreResult<LargestPush>{largest_.data()});
+        StoreResult<Largest<double>>{largest_.data()});
     return fetch(b, largest_.data()).value;
   }
 
@@ -48,10 +48,10 @@ class ImpactMargins {
   /// How much the largest growth of a margin was from the start() before to this one [m]; one host
   /// read.
   double growth(B& b, Index free_count) {
-    reduce<LargestPush>(b, free_count,
-                        MarginGrowth{std::as_const(last_).view(free_count),
-                                     std::as_const(margin_).view(free_count)},
-                        StoreResult<LargestPush>{largest_.data()});
+    reduce<Largest<double>>(b, free_count,
+                            MarginGrowth{std::as_const(last_).view(free_count),
+                                         std::as_const(margin_).view(free_count)},
+                            StoreResult<Largest<double>>{largest_.data()});
     return fetch(b, largest_.data()).value;
   }
 
@@ -63,7 +63,7 @@ class ImpactMargins {
   Buffer<B, float> spread_;
   Buffer<B, float> last_;
   Buffer<B, double> room_;
-  Buffer<B, LargestPush> largest_;
+  Buffer<B, Largest<double>> largest_;
 };
 
 }  // namespace scree

@@ -294,13 +294,6 @@ struct ApgdCheckFinish {
   }
 };
 
-struct LargestWeight {
-  double value = 0;
-  SCREE_HD void combine(const LargestWeight& o) {
-    if (o.value > value) value = o.value;
-  }
-};
-
 /// Chooses the metric of every contact and bounds the spectrum: N <= P (mass splitting) gives
 /// H^-1 N <= max(P / H). The diagonal metric is H = (P D^2)^(1/3) with D the bound of the contact's
 /// own block: between Jacobi's scaling, too long for contacts of crowded bodies, and the safe one,
@@ -311,7 +304,7 @@ struct ApgdMetric {
   ContactProblem<Real> p;
   StoredMetric<R, Real> metric;  ///< out; empty: Euclidean
 
-  SCREE_HD LargestWeight operator()(Index c) const {
+  SCREE_HD Largest<double> operator()(Index c) const {
     const ContactMetric<Real> split = mass_split_metric<R>(p, c);
     ContactMetric<Real> h = euclidean_metric<Real>();
     if (!metric.values.empty()) {
@@ -365,7 +358,7 @@ struct ApgdResume {
 struct ApgdStart {
   ApgdState* state;
   double carried_lipschitz;  ///< L at the end of the last solve, or 0
-  SCREE_HD void operator()(const LargestWeight& bound) const {
+  SCREE_HD void operator()(const Largest<double>& bound) const {
     ApgdState s;
     s.lipschitz_max = bound.value > 0 ? bound.value * (1 + 1e-5) : 1;
     // A quarter of the bound: the rule of the steps finds the local curvature within a few trials.

@@ -273,7 +273,7 @@ struct ColorKeys {
   Span<const Index> color;
   Span<std::uint64_t> key;
   Span<Index> element;
-  SCREE_HD Largest operator()(Index c) const {
+  SCREE_HD Largest<Index> operator()(Index c) const {
     key[c] = static_cast<std::uint64_t>(color[c]);
     element[c] = c;
     return {color[c] + 1};

@@ -73,17 +73,9 @@ struct ImpactGraph {
   }
 };
 
-/// Largest push over contacts: the record of a reduction.
-struct LargestPush {
-  double value = 0;  ///< [m]
-  SCREE_HD void combine(const LargestPush& o) {
-    if (o.value > value) value = o.value;
-  }
-};
-
-/// Margins of free bodies from their own contacts, and the largest push of all; notes the room of
-/// each contact.
-/// Bytes per contact (float, radial), besides bodies from the caches: 24 read, 8 written.
+/// Margins of free bodies from their own contacts, and the largest push of all [m]; notes the room
+/// of each contact. Bytes per contact (float, radial), besides bodies from the caches: 24 read, 8
+/// written.
 template <class Real>
 struct StartMargins {
   static constexpr const char* name = "start_margins";
@@ -91,7 +83,7 @@ struct StartMargins {
   Span<float> margin;  ///< [free_count] in: zero; out [m]
   Span<double> room;   ///< [contacts.count] out [m]
 
-  SCREE_HD LargestPush operator()(Index c) const {
+  SCREE_HD Largest<double> operator()(Index c) const {
     room[c] = graph.room(c);
     const double push = graph.push(c);
     if (push > 0) {
@@ -131,7 +123,7 @@ struct MarginGrowth {
   static constexpr const char* name = "margin_growth";
   Span<const float> before;  ///< [free_count]
   Span<const float> margin;  ///< [free_count]
-  SCREE_HD LargestPush operator()(Index i) const {
+  SCREE_HD Largest<double> operator()(Index i) const {
     return {static_cast<double>(margin[i]) - static_cast<double>(before[i])};
   }
 };

@@ -9,18 +9,11 @@
 namespace scree {
 
 /// Largest ratio of the masses of two bodies that touch.
-struct MassContrast {
-  double value = 0;
-  SCREE_HD void combine(const MassContrast& o) {
-    if (o.value > value) value = o.value;
-  }
-};
-
 template <class R, class Real>
 struct ContactContrast {
   static constexpr const char* name = "contact_contrast";
   ContactProblem<Real> p;
-  SCREE_HD MassContrast operator()(Index c) const {
+  SCREE_HD Largest<double> operator()(Index c) const {
     const Index a = p.body_a[c], b = p.body_b[c];
     if (b >= p.free_count) return {};
     const auto m_a = static_cast<double>(R::body_metric(p, c, false, a).normal);

@@ -34,7 +34,7 @@ struct ConflictsOfPart {
   TileLists to;  ///< [parts]
 
   /// @return room needed; when there is less, tiles are missing
-  SCREE_HD Largest operator()(Index part) const {
+  SCREE_HD Largest<Index> operator()(Index part) const {
     const Index begin = part * kBodies;
     const Index end = begin + kBodies < tiles.free_count ? begin + kBodies : tiles.free_count;
     const Index t = tiles.of_body(begin);
@@ -67,7 +67,7 @@ struct ConflictsOfTile {
   BodyTiles tiles;
   TileLists from;  ///< [parts]
   TileLists to;    ///< [tiles]
-  SCREE_HD Largest operator()(Index t) const {
+  SCREE_HD Largest<Index> operator()(Index t) const {
     constexpr Index kBodies = ConflictsOfPart::kBodies;
     Index found = 0;
     for (Index part = tiles.begin(t) / kBodies; part * kBodies < tiles.end(t); ++part) {
@@ -107,7 +107,7 @@ class TileListsBuffer {
   Index room_ = 0;
   Buffer<B, Index> tile_;
   Buffer<B, Index> count_;
-  Buffer<B, Largest> largest_;
+  Buffer<B, Largest<Index>> largest_;
 };
 
 /// Finds the conflicts of all tiles by element programs.
@@ -120,12 +120,13 @@ class PlainConflicts {
   void find(B& b, const BodyTiles& tiles) {
     const Index parts =
         (tiles.free_count + ConflictsOfPart::kBodies - 1) / ConflictsOfPart::kBodies;
-    of_part_.fill(b, parts, 16, [&](const TileLists& to, Largest* needed) {
-      reduce<Largest>(b, parts, ConflictsOfPart{tiles, to}, StoreResult<Largest>{needed});
+    of_part_.fill(b, parts, 16, [&](const TileLists& to, Largest<Index>* needed) {
+      reduce<Largest<Index>>(b, parts, ConflictsOfPart{tiles, to},
+                             StoreResult<Largest<Index>>{needed});
     });
-    of_tile_.fill(b, tiles.count(), 48, [&](const TileLists& to, Largest* needed) {
-      reduce<Largest>(b, tiles.count(), ConflictsOfTile{tiles, of_part_.view(), to},
-                      StoreResult<Largest>{needed});
+    of_tile_.fill(b, tiles.count(), 48, [&](const TileLists& to, Largest<Index>* needed) {
+      reduce<Largest<Index>>(b, tiles.count(), ConflictsOfTile{tiles, of_part_.view(), to},
+                             StoreResult<Largest<Index>>{needed});
     });
   }
   /// Conflicts of each tile, in any order.

@@ -107,8 +107,8 @@ class Apgd final : public Solver<B, Real> {
       w.metric.reserve_discard(values);
       passes.metric = StoredMetric<R, Real>::on(p, w.metric.view());
     }
-    reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, passes.metric},
-                          ApgdStart{state, lipschitz_});
+    reduce<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, passes.metric},
+                            ApgdStart{state, lipschitz_});
     w.iteration.start(b, passes);
     gauge_.start_solve();
 

@@ -156,8 +156,8 @@ class ContactColoring {
     keys_.reserve_discard(n);
     order_.reserve_discard(n);
     const Span<std::uint64_t> keys = keys_.view(n);
-    reduce<Largest>(b, n, ColorKeys{color_, keys, order_.view(n)},
-                    StoreResult<Largest>{count_.data()});
+    reduce<Largest<Index>>(b, n, ColorKeys{color_, keys, order_.view(n)},
+                           StoreResult<Largest<Index>>{count_.data()});
     const Index colors = fetch(b, count_.data()).value;
     sort_pairs(b, sort_, keys, order_.view(n), bits_for(static_cast<std::uint64_t>(colors)));
     start_.reserve_discard(colors + 1);
@@ -183,7 +183,7 @@ class ContactColoring {
   Buffer<B, LastColor> last_;
   Buffer<B, ToColor> to_color_;
   Buffer<B, ColoringWork> work_;
-  Buffer<B, Largest> count_;
+  Buffer<B, Largest<Index>> count_;
 };
 
 }  // namespace scree

@@ -59,8 +59,8 @@ class LoadedBlock {
 
   template <class R>
   double contrast_of(B& b, const ContactProblem<Real>& p) {
-    reduce<MassContrast>(b, p.contact_count, ContactContrast<R, Real>{p},
-                         StoreResult<MassContrast>{contrast_.data()});
+    reduce<Largest<double>>(b, p.contact_count, ContactContrast<R, Real>{p},
+                            StoreResult<Largest<double>>{contrast_.data()});
     return fetch(b, contrast_.data()).value;
   }
 
@@ -87,7 +87,7 @@ class LoadedBlock {
   /// `quality` 100 v*, the impulse at the foot of a hundred layers. Less each time, as more
   /// contacts may count.
   double load_ = 1e4;
-  Buffer<B, MassContrast> contrast_;
+  Buffer<B, Largest<double>> contrast_;
   Buffer<B, std::uint8_t> loaded_;
   Buffer<B, Index> contact_;
 };

@@ -195,9 +195,10 @@ struct Sums {
   }
 };
 
-/// Largest of many indices, at least 0.
+/// Largest of many values, at least 0: the record of a reduction.
+template <class T>
 struct Largest {
-  Index value = 0;
+  T value = 0;
   SCREE_HD void combine(const Largest& o) {
     if (o.value > value) value = o.value;
   }

@@ -27,7 +27,8 @@ __device__ inline bool insert(Index* table, Index tile) {
 /// Lists conflicts in ascending order, and stores the largest number.
 template <class Tiles>
 __global__ void __launch_bounds__(kLanes)
-    find_conflicts(const __grid_constant__ Tiles tiles, const TileLists to, Largest* needed) {
+    find_conflicts(const __grid_constant__ Tiles tiles, const TileLists to,
+                   Largest<Index>* needed) {
   __shared__ Index table[kSlots];
   const auto lane = static_cast<Index>(threadIdx.x);
   const auto t = static_cast<Index>(blockIdx.x);
@@ -72,8 +73,8 @@ class TileConflicts<Cuda> {
   explicit TileConflicts(Cuda& cuda) : plain_(cuda), of_tile_(cuda) {}
 
   void find(Cuda& cuda, const BodyTiles& tiles) {
-    of_tile_.fill(cuda, tiles.count(), 48, [&](const TileLists& to, Largest* needed) {
-      fill(cuda, Span<Largest>{needed, 1}, Largest{});
+    of_tile_.fill(cuda, tiles.count(), 48, [&](const TileLists& to, Largest<Index>* needed) {
+      fill(cuda, Span<Largest<Index>>{needed, 1}, Largest<Index>{});
       conflicts::find_conflicts<<<static_cast<unsigned>(tiles.count()), conflicts::kLanes, 0,
                                   cuda.stream()>>>(tiles, to, needed);
       cuda.check_launch("find_conflicts");

@@ -41,8 +41,8 @@ class Arrays {
     if (kind == ApgdMetricKind::diagonal)
       passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
     passes_.state = state_.data();
-    reduce<LargestWeight>(b, p.contact_count, ApgdMetric<R, Real>{p, passes_.metric},
-                          ApgdStart{state_.data(), 0});
+    reduce<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, passes_.metric},
+                            ApgdStart{state_.data(), 0});
   }
 
   const ApgdPasses<R, Real>& passes() const { return passes_; }

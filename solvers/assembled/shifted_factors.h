@@ -1,5 +1,5 @@
 #pragma once
-// Cholesky factors of W plus a block diagonal matrix, for a symmetric positive semidefinite W.
+// Factors of W plus a block diagonal matrix.
 
 #include <vector>
 
@@ -10,11 +10,13 @@ namespace scree {
 /// Ordered once, for many shifts.
 class ShiftedFactors {
  public:
-  /// @param p  must outlive this; its pattern must be symmetric, its lower blocks are not read
-  explicit ShiftedFactors(const AssembledProblem& p);
+  /// @param p     must outlive this
+  /// @param kind  Cholesky for a symmetric positive semidefinite W, whose lower blocks are not read
+  explicit ShiftedFactors(const AssembledProblem& p,
+                          BlockFactors::Kind kind = BlockFactors::Kind::cholesky);
 
   /// @param shift  symmetric blocks added to the diagonal ones [contact_count]
-  /// @return       whether the sum is positive definite to rounding
+  /// @return       whether the sum is positive definite, or not singular, to rounding
   bool factorize(const std::vector<Block3>& shift);
 
   /// x = (W + shift)^-1 b, of the last sum that was factorized. b and x may be the same.
@@ -22,6 +24,7 @@ class ShiftedFactors {
 
  private:
   const AssembledProblem& p_;
+  BlockFactors::Kind kind_;
   BlockMatrix sum_;
   BlockFactors factors_;
 };

@@ -197,9 +197,10 @@ class BodyStore {
     upload(*b_, order, on_backend);
     for_each_array([&](auto& array) {
       std::remove_reference_t<decltype(array)> moved(*b_, free_count_);
+      using Value = std::remove_pointer_t<decltype(array.data())>;
       for_each(*b_, free_count_,
-               Gather{Span<const Index>(on_backend.view(free_count_)),
-                      std::as_const(array).view(free_count_), moved.view(free_count_)});
+               Gather<Value>{on_backend.view(free_count_), std::as_const(array).view(free_count_),
+                             moved.view(free_count_)});
       copy(*b_, std::as_const(moved).view(free_count_), array.view(free_count_));
     });
   }

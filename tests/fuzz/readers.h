@@ -15,7 +15,8 @@ const std::vector<std::string>& readers();
 /// Gives bytes to a reader as the contents of a file; for problem, checkpoint and fclib as edits of
 /// one of the seeds (hdf5_edits.h). Refusals are what readers are for: InputError is caught, as is
 /// RunError of the steps that follow a checkpoint. Everything else is a fault and gets out.
-void read_bytes(const std::string& reader, std::string_view bytes);
+/// @return  false when they were refused
+bool read_bytes(const std::string& reader, std::string_view bytes);
 
 /// The files that mutations start from, by name; for the HDF5 readers those that edits are made in.
 std::vector<std::filesystem::path> seeds(const std::string& reader);

@@ -3,17 +3,22 @@
 //   1. sweeps of nonlinear Gauss-Seidel: enough for easy problems, and a start for others. As many
 //      as there are contacts at first, but 50 to 4000; then 2000 at least, and twice as many as in
 //      the turn before. They go on from the sweeps of that turn;
-//   2. the proximal method from where the sweeps led, with a first weight no larger than their
-//      residual, until it no longer gains: around Newton, or around Gauss-Seidel alone where the
-//      factors of a matrix of more than 30,000 contacts would be too costly.
+//   2. the proximal method, until it no longer gains: around Newton, or around Gauss-Seidel alone
+//      where the factors of a matrix of more than 30,000 contacts would be too costly. From where
+//      the sweeps led, with a first weight no larger than their residual; but for exact friction
+//      and Newton from the guess at first, with the weight that `proximal` takes, and in later
+//      turns with the root of the residual, as regularized Newton methods do.
 //
-// Weights are small because proximal points of the exact law need not attract: with larger ones
-// they lead away from impulses that are nearly solutions. And where they have led astray the sweeps
-// have not, so that each turn starts another attempt from a better place. An iteration is a sweep
-// or an outer iteration; memory passes are those of nlgs and proximal. Source: those of both; the
-// turns are ours.
+// Sweeps leave contacts at the edge between stick and slip. With exact friction Newton fails there
+// unless the weight is large, and a failure costs tens of products and 100 sweeps: failures in a
+// row raise the weight faster and faster. From zero it does not fail. But proximal points of the
+// exact law need not attract, and larger weights may lead away from impulses that are nearly
+// solutions. Where they have led astray the sweeps have not, so that each turn starts another
+// attempt from a better place. An iteration is a sweep or an outer iteration; memory passes are
+// those of nlgs and proximal. Source: those of both; the turns are ours.
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "solvers/assembled/proximal_method.h"
@@ -51,6 +56,9 @@ class Auto final : public AssembledSolver {
     settings.newton = p.contact_count < many_contacts;
     settings.adapts = settings.newton;
     settings.patience = patience_of(p.contact_count);
+    const bool fragile = settings.newton && o.model == AssembledModel::exact;
+    if (fragile) settings.largest_growth = 16;
+    bool first = true;
     for (int sweeps = std::clamp(p.contact_count, least_sweeps, most_first_sweeps);
          monitor.next_phase(sweeps, 10); sweeps = more_sweeps(sweeps)) {
       for (int k = 0; !monitor.look_if_due(k, swept); ++k) {
@@ -59,8 +67,12 @@ class Auto final : public AssembledSolver {
       }
       if (!monitor.next_phase(1500, 1)) return;
       AssembledOptions from = o;
-      from.guess = swept;
-      settings.first_weight = std::clamp(monitor.last().relative, 1e-6, 1e-2);
+      if (!(first && fragile)) {
+        from.guess = swept;
+        const double left = monitor.last().relative;
+        settings.first_weight = std::clamp(fragile ? std::sqrt(left) : left, 1e-6, 1e-2);
+      }
+      first = false;
       run_proximal(p, from, settings, monitor);
     }
   }

@@ -83,6 +83,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
   std::vector<double> r = o.guess;
   double weight = settings.first_weight;
   bool failed = false;
+  double growth = 2;
   Progress progress(settings.patience);
   for (int k = 0; !monitor.look(k, r); ++k) {
     if (progress.ended(k, monitor.last().relative))
@@ -130,7 +131,8 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
     // too small for Newton throws away what several good steps have won.
     failed = failed || !solved;
     if (quick) weight = std::max(settings.least_weight, (failed ? 0.7 : 0.2) * weight);
-    if (!solved) weight = std::min(settings.largest_weight, 2 * weight);
+    if (!solved) weight = std::min(settings.largest_weight, growth * weight);
+    growth = solved ? 2 : std::min(settings.largest_growth, 2 * growth);
   }
 }
 

@@ -12,6 +12,8 @@ struct ProximalSettings {
   double least_weight = 1e-8;
   double largest_weight = 10;
   bool adapts = true;  ///< whether the weight follows what the method can do
+  /// Most that the weight grows by in one failure: one after another grow it by 2, 4, 8 and so on.
+  double largest_growth = 2;
   bool newton = true;  ///< whether inner problems go to Newton first, or to Gauss-Seidel alone
   int newton_iterations = 30;
   int sweeps = 100;  ///< at most, of Gauss-Seidel where Newton fails or is not asked

@@ -162,6 +162,10 @@ SparseMatrix read_matrix(const h5::Group& group, const char* name, std::size_t r
 
 int read_dimension(const h5::Group& group) {
   const std::int64_t dimension = read_integer(group, "spacedim");
+  if (dimension == 5)
+    throw InputError(
+        "spacedim is 5, which is rolling friction, expected 2 or 3: only problems with bodies may "
+        "have that");
   if (dimension != 2 && dimension != 3)
     throw InputError(fmt::format("spacedim is {}, expected 2 or 3", dimension));
   return static_cast<int>(dimension);
@@ -323,8 +327,10 @@ bool is_fclib(const h5::Group& root) {
 
 StoredProblem read_fclib(const h5::Group& root) {
   if (root.has(rolling_group))
-    throw InputError(fmt::format("it holds rolling friction ({}), expected {} or {}", rolling_group,
-                                 local_group, global_group));
+    throw InputError(
+        fmt::format("it holds rolling friction ({}, five rows a contact), expected {} or {}: only "
+                    "problems with bodies may have that",
+                    rolling_group, local_group, global_group));
   if (root.has(local_group) && root.has(global_group))
     throw InputError(
         fmt::format("it holds both {} and {}, expected one problem", local_group, global_group));

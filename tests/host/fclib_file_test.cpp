@@ -297,7 +297,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadLocal{"NoProblem", [](RawLocal& r) { r.group = "other"; }, {"holds no contact problem"}},
         BadLocal{"Rolling",
                  [](RawLocal& r) { r.group = "fclib_global_rolling"; },
-                 {"rolling friction", "fclib_local"}},
+                 {"rolling friction", "five rows", "fclib_local", "problems with bodies"}},
+        BadLocal{"RollingRows",
+                 [](RawLocal& r) { r.spacedim = {5}; },
+                 {"spacedim is 5", "rolling friction", "2 or 3", "problems with bodies"}},
         BadLocal{"BothKinds",
                  [](RawLocal& r) {
                    r.more = [](h5::Group& root, h5::Group&) { root.create_group("fclib_global"); };

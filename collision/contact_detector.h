@@ -84,6 +84,8 @@ class ContactDetector {
 
   /// The contacts found by the last detect(); valid until the next one.
   ContactView<Real> contacts() const;
+  /// The walls as the last detect() found them.
+  WallView<Real> walls() const { return obstacles_.walls(); }
 
   /// Warm start of the present contacts. @param impulse [vectors * contacts().count] out [N s]
   void match(B& b, int vectors, Span<Vec3<Real>> impulse) const {

@@ -121,12 +121,7 @@ class EngineOf final : public Engine {
     if (stats.residual.bad_contact >= 0) report_bad_contact(contacts, stats.residual.bad_contact);
     report.ms.solve = impact_ms + clock.lap();
 
-    reduce<IntegrateSums>(
-        b, bodies.free_count,
-        Integrate<Real>{bodies, solver_->velocity(), summary_.layout == ContactLayout::radial, h,
-                        periodic_box()},
-        StoreResult<IntegrateSums>{integrate_sums_.data()});
-    const IntegrateSums moved = fetch(b, integrate_sums_.data());
+    const IntegrateSums moved = integrate(bodies);
     solver_->forget_velocity();  // in favor of the next search for contacts
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
     detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
@@ -139,6 +134,7 @@ class EngineOf final : public Engine {
     fill_report(report, stats, sums, contacts);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
+    report.stopped = moved.stopped;
     require_finite(report);
     return report;
   }
@@ -218,6 +214,27 @@ class EngineOf final : public Engine {
   /// Steps between two looks at the order of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
+
+  IntegrateSums integrate(const BodyView<Real>& bodies) {
+    B& b = *backend_;
+    const double h = scene_.stepping.time_step;
+    const PeriodicBox box = periodic_box();
+    const auto along = [&](const auto& way) {
+      using Way = std::decay_t<decltype(way)>;
+      reduce<IntegrateSums>(
+          b, bodies.free_count,
+          Integrate<Real, Way>{bodies, solver_->velocity(),
+                               summary_.layout == ContactLayout::radial, h, box, way},
+          StoreResult<IntegrateSums>{integrate_sums_.data()});
+    };
+    const WallView<Real> walls = detector_.walls();
+    if (walls.solids.size > 0) {
+      along(GuardedWay<Real>{bodies, walls, box.length, h});
+    } else {
+      along(StraightWay<Real>{bodies, h});
+    }
+    return fetch(b, integrate_sums_.data());
+  }
 
   /// The contacts in host memory.
   /// @param gamma  their impulses; empty: left zero

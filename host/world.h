@@ -52,6 +52,7 @@ struct StepReport {
   double max_penetration = 0;     ///< deepest overlap at the start of the step [m]
   double max_cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
   double kinetic_energy = 0;      ///< after the step [J]
+  int stopped = 0;                ///< spheres that were stopped at a box or mesh wall
   StageTimes ms;
 };
 

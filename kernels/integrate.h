@@ -5,6 +5,7 @@
 #include "kernels/backend/backend.h"
 #include "kernels/body_view.h"
 #include "kernels/contact_problem.h"
+#include "kernels/guarded_way.h"
 #include "kernels/range.h"
 #include "kernels/step_setup.h"
 
@@ -41,8 +42,10 @@ struct IntegrateSums {
   double kinetic_energy = 0;  ///< [J]
   Index bad_body = -1;        ///< lowest storage index with a state that is not finite, too far
                               ///< out or too fast
+  Index stopped = 0;          ///< spheres that a wall kept from going all their way
   SCREE_HD void combine(const IntegrateSums& o) {
     kinetic_energy += o.kinetic_energy;
+    stopped += o.stopped;
     if (o.bad_body >= 0 && (bad_body < 0 || o.bad_body < bad_body)) bad_body = o.bad_body;
   }
 };
@@ -62,7 +65,8 @@ SCREE_HD inline double wrap_coordinate(double x, double lower, double length) {
 
 /// Takes the solved velocities over and moves the body.
 /// Bytes per body (radial, float): 24 + 24 + 16 + 24 + 16 read, 24 + 16 + 24 written.
-template <class Real>
+/// @tparam Way  StraightWay or GuardedWay
+template <class Real, class Way>
 struct Integrate {
   static constexpr const char* name = "integrate";
   BodyView<Real> bodies;
@@ -70,6 +74,7 @@ struct Integrate {
   bool radial;       ///< angular part of `solved` is r w
   double time_step;  ///< h [s]
   PeriodicBox box;
+  Way way;
 
   SCREE_HD IntegrateSums operator()(Index i) const {
     const Vec3<Real> v = solved[i].linear;
@@ -82,7 +87,8 @@ struct Integrate {
     } else {
       rotate_free(static_cast<Real>(time_step), moments, q, w);
     }
-    Vec3<double> x = bodies.position[i] + time_step * Vec3<double>(v);
+    bool stopped = false;
+    Vec3<double> x = way.end(i, v, stopped);
     for (int axis = 0; axis < 3; ++axis)
       x[axis] = wrap_coordinate(x[axis], box.lower[axis], box.length[axis]);
 
@@ -92,6 +98,7 @@ struct Integrate {
     bodies.position[i] = x;
 
     IntegrateSums s;
+    s.stopped = stopped ? 1 : 0;
     const Vec3<Real> w_body = rotate_back(q, w);
     s.kinetic_energy = 0.5 * (static_cast<double>(norm2(v)) / bodies.inv_mass[i] +
                               static_cast<double>(dot(w_body, hadamard(moments, w_body))));

@@ -65,7 +65,9 @@ struct SolidContacts {
     const std::uint32_t slot = element - solid.first_element;
     const Vec3d d = center_of(slot / solid.slots);
     if (solid.kind == ShapeKind::box) {
-      return sphere_box(d, a.radius, solid.orientation, solid.half_extents);
+      const ContactGeometry g = sphere_box(d, a.radius, solid.orientation, solid.half_extents);
+      return sphere_box_on_way(g, d, range.h * wall_speed(d), a.radius, solid.orientation,
+                               solid.half_extents);
     }
     const MeshInfo& info = meshes.meshes[solid.mesh];
     const auto t = info.first_triangle + static_cast<Index>(slot % solid.slots);

@@ -244,6 +244,12 @@ class Run {
     if (signals.received() != 0)
       progress.note("interrupted: checkpoint written, continue with --resume");
     if (!options_.quiet) progress.note(summary());
+    if (record_.totals.stopped() > 0) {
+      progress.note(fmt::format(
+          "warning: spheres were stopped {} times at a box or mesh wall that their contacts of the "
+          "step did not know; a smaller time step follows them better",
+          record_.totals.stopped()));
+    }
     const std::string unsolved = steps_not_converged();
     if (unsolved.empty()) return;
     if (options_.require_convergence) throw RunError(unsolved);

@@ -24,6 +24,7 @@ Json stage_times(const StageTimes& ms) {
 Json totals_of(const RunTotals& totals) {
   return {{"steps", totals.steps()},
           {"steps_not_converged", totals.steps_not_converged()},
+          {"stopped_at_walls", totals.stopped()},
           {"simulated_time_s", totals.simulated_time()},
           {"mean_ms", stage_times(totals.mean_ms())},
           {"mean_iterations", totals.mean_iterations()},
@@ -47,6 +48,7 @@ Json scene_of(const std::string& text) {
 void RunTotals::add(const StepReport& report) {
   steps_ += 1;
   steps_not_converged_ += report.converged ? 0 : 1;
+  stopped_ += report.stopped;
   iterations_ += report.iterations;
   simulated_time_ = report.time;
   sum_ms_.collision += report.ms.collision;

@@ -18,6 +18,8 @@ class RunTotals {
 
   std::int64_t steps() const { return steps_; }
   std::int64_t steps_not_converged() const { return steps_not_converged_; }
+  /// How often a sphere was stopped at a box or mesh wall within a step.
+  std::int64_t stopped() const { return stopped_; }
   double simulated_time() const { return simulated_time_; }  ///< at the end [s]
   StageTimes mean_ms() const;                                ///< zero without steps
   double mean_iterations() const;
@@ -30,6 +32,7 @@ class RunTotals {
  private:
   std::int64_t steps_ = 0;
   std::int64_t steps_not_converged_ = 0;
+  std::int64_t stopped_ = 0;
   std::int64_t iterations_ = 0;
   double simulated_time_ = 0;
   StageTimes sum_ms_;

@@ -1,9 +1,19 @@
 #pragma once
 // A sphere and a solid box.
 
-#include "kernels/pairs/contact_geometry.h"
+#include "kernels/pairs/sphere_sphere.h"
 
 namespace scree {
+
+/// Point of a box nearest to x, body frame [m].
+SCREE_HD inline Vec3d nearest_in_box(const Vec3d& half_extents, const Vec3d& x) {
+  Vec3d nearest = x;
+  for (int k = 0; k < 3; ++k) {
+    const double limit = half_extents[k];
+    nearest[k] = x[k] > limit ? limit : x[k] < -limit ? -limit : x[k];
+  }
+  return nearest;
+}
 
 /// Sphere A, box B. The contact is at the point of the box closest to the center of the sphere; a
 /// center inside the box leaves through the nearest face.
@@ -47,6 +57,36 @@ SCREE_HD inline ContactGeometry sphere_box(const Vec3d& d, double radius, const 
   g.arm_a = radius * g.normal;
   g.arm_b = rotate(orientation, closest);
   return g;
+}
+
+/// The same for a sphere on a straight way. One that misses the box, but would cut the plane of the
+/// start, is held to that of its nearest pass, see spheres_on_way().
+/// @param g    sphere_box() at the start
+/// @param way  of B relative to A in the step [m]
+SCREE_HD inline ContactGeometry sphere_box_on_way(const ContactGeometry& g, const Vec3d& d,
+                                                  const Vec3d& way, double radius,
+                                                  const Quatd& orientation,
+                                                  const Vec3d& half_extents) {
+  const double least = 2 * kLeastTurningWay * radius;
+  if (!(g.gap > 0 && norm2(way) > least * least && g.gap + dot(g.normal, way) < 0)) return g;
+  const Vec3d start = rotate_back(orientation, -d), along = rotate_back(orientation, -way);
+  // The distance to a box is a convex function of the way: its slope changes sign once.
+  double from = 0, to = 1;
+  for (int k = 0; k < 50; ++k) {
+    const double at = 0.5 * (from + to);
+    const Vec3d x = start + at * along;
+    (dot(x - nearest_in_box(half_extents, x), along) < 0 ? from : to) = at;
+  }
+  const Vec3d x = start + to * along, closest = nearest_in_box(half_extents, x);
+  const double distance = norm(x - closest);
+  if (distance < radius) return g;
+  const Vec3d outward = (1 / distance) * (x - closest);
+  ContactGeometry met;
+  met.normal = rotate(orientation, -outward);
+  met.gap = dot(outward, start - closest) - radius;
+  met.arm_a = radius * met.normal;
+  met.arm_b = rotate(orientation, closest);
+  return met;
 }
 
 }  // namespace scree

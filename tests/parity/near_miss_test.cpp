@@ -63,6 +63,36 @@ TEST_P(NearMiss, WhatMissesIsNotDeflected) {
   }
 }
 
+TEST_P(NearMiss, WhatMissesABoxIsNotDeflected) {
+  // Straight across an edge, and askew to it.
+  for (const double askew : {0.0, 0.6}) {
+    for (const double way : {0.05, 0.2, 0.5, 3.0}) {
+      for (const double offset : {0.501, 0.515, 0.6, 0.49}) {
+        for (int phase = 0; phase < 10; ++phase) {
+          Scene scene = empty_scene(0.01, 0);
+          scene.gravity = {};
+          scene.materials[0].restitution = phase % 2;
+          solve_to(scene, is_single() ? 1e-5 : 1e-10);
+          add_wall_box(scene, {-4, 3, -4}, {4, 4, 4});
+          const Vec3d slope = normalized(Vec3d{1, 0, -1}), out = normalized(Vec3d{1, 0, 1});
+          const Vec3d along = normalized(slope + askew * Vec3d{0, 1, 0});
+          add_sphere(scene, offset * out - (2 + phase * 0.1 * way) * along, 0.5, 1).velocity =
+              (way / 0.01) * along;
+          World w = world_on(backend(), scene, std::get<1>(GetParam()));
+          for (int k = 0; k < static_cast<int>(4 / way) + 3; ++k) w.step();
+          const double turned = norm(w.states().velocity[1] - (way / 0.01) * along);
+          if (offset > 0.5) {
+            EXPECT_LT(turned, 100 * way * tolerance())
+                << "way " << way << " offset " << offset << " phase " << phase;
+          } else {
+            EXPECT_GT(turned, 0.01 * way) << "way " << way << " phase " << phase;
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST_P(NearMiss, WhatMeetsIsDeflected) {
   for (const double offset : {0.0, 0.5, 0.9, 0.98}) {
     const auto v = after(offset, 0.2, 0.3, 1, false).velocity;

@@ -121,7 +121,11 @@ Bytes solver(const Sizes& s) {
     // the extrapolated point and the weights.
     bytes = {2 * s.twist + 14, s.impulse + 20 + (s.device_spheres ? 0 : 4 + s.impulse + weights)};
   }
-  if (s.scene.solver.exact_coulomb) bytes = bytes + Bytes{s.twist, 3 * s.real};
+  if (s.scene.solver.exact_coulomb) {
+    // APGD also keeps the best impulses while more rounds follow.
+    const double best = s.scene.solver.name == "apgd" ? s.impulse : 0;
+    bytes = bytes + Bytes{s.twist, 3 * s.real + best};
+  }
   return bytes;
 }
 

@@ -127,6 +127,26 @@ SCREE_HD Real de_saxce_shift(const ContactProblem<Real>& p, Index c,
          p.rolling[c].rolling * norm(u.moment - spin * n) + p.rolling[c].spinning * std::abs(spin);
 }
 
+/// Whether the contact keeps still: its impulse, in the cone, is off the bound that friction sets
+/// by more than rounding.
+template <class Real>
+SCREE_HD bool is_sticking(const ContactProblem<Real>& p, Index c, const ForceRows<Real>& g) {
+  constexpr Real kInside = Real(0.999);
+  const Vec3<Real> n = p.normal[c];
+  const Real g_n = dot(g.force, n);
+  return norm(g.force - g_n * n) < kInside * p.friction[c] * (g_n + p.adhesion[c]);
+}
+template <class Real>
+SCREE_HD bool is_sticking(const ContactProblem<Real>& p, Index c, const ForceMomentRows<Real>& g) {
+  constexpr Real kInside = Real(0.999);
+  const Vec3<Real> n = p.normal[c];
+  const Real bound = kInside * (dot(g.force, n) + p.adhesion[c]);
+  const Real spin = dot(g.moment, n);
+  return is_sticking(p, c, ForceRows<Real>{g.force}) &&
+         std::abs(spin) < bound * p.rolling[c].spinning &&
+         norm(g.moment - spin * n) < bound * p.rolling[c].rolling;
+}
+
 template <class R, class Real>
 struct ContactResidual {
   static constexpr const char* name = "contact_residual";

@@ -1,7 +1,8 @@
 #pragma once
-// The contact pass between two convex solves of the De Saxce fixed point.
+// The contact passes that move the shift of the De Saxce fixed point: between two convex solves,
+// and within one.
 
-#include "kernels/contact_operator.h"
+#include "kernels/apgd_passes.h"
 
 namespace scree {
 
@@ -52,6 +53,34 @@ struct ShiftBias {
   SCREE_HD void operator()(Index c) const {
     shift[c] += relaxation * change[c];
     bias[c] = original_bias[c] + shift[c];
+  }
+};
+
+/// Lets the shift of a running solve follow: bias[c] = original bias + lift[c]. A sliding contact
+/// moves it a part of the way only, so that solving goes on undisturbed while it settles. One that
+/// sticks has none, whatever speed the iterate still has there, and that of one without an impulse
+/// changes nothing. Bytes per contact (radial, float): impulse, normal, ids 32, bias and lift 8
+/// read, two twists 48 gathered, 8 written.
+template <class R, class Real>
+struct FollowLift {
+  static constexpr const char* name = "follow_lift";
+  static constexpr double kShare = 0.4;  ///< of the way, where the contact goes on sliding
+  ContactProblem<Real> p;                ///< the original problem
+  ApgdImpulses<Real> gamma;
+  ApgdVelocities<Real> velocity;
+  const ApgdState* state;
+  Span<Real> lift;  ///< [m/s]
+  Span<Real> bias;  ///< [m/s]
+  bool is_first;    ///< there was no lift before
+
+  SCREE_HD void operator()(Index c) const {
+    const Span<const Twist<Real>> v = velocity.current(*state);
+    const auto u = R::velocity(p, c, v[p.body_a[c]], v[p.body_b[c]]);
+    const auto g = R::load(gamma.current(state->accepted), c);
+    const Real target = is_sticking(p, c, g) ? Real(0) : de_saxce_shift(p, c, u);
+    const bool slides = target > Real(0) && dot(g, g) > Real(0) && !is_first;
+    lift[c] = slides ? lift[c] + static_cast<Real>(kShare) * (target - lift[c]) : target;
+    bias[c] = p.bias[c] + lift[c];
   }
 };
 

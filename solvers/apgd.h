@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "kernels/apgd_iteration.h"
+#include "kernels/coulomb_pass.h"
 #include "solvers/check_schedule.h"
 #include "solvers/loaded_block.h"
 #include "solvers/residual.h"
@@ -60,6 +61,8 @@ class Apgd final : public Solver<B, Real> {
           iterate(b, bodies),
           extrapolated(b),
           metric(b),
+          lift(b),
+          bias(b),
           state(b, 1),
           check(b, 1),
           residual(b),
@@ -69,6 +72,8 @@ class Apgd final : public Solver<B, Real> {
     Buffer<B, Twist<Real>> iterate;  ///< the other is velocity()
     Buffer<B, Twist<Real>> extrapolated;
     Buffer<B, Real> metric;
+    Buffer<B, Real> lift;  ///< with the lifted law
+    Buffer<B, Real> bias;
     Buffer<B, ApgdState> state;
     Buffer<B, ApgdCheck> check;
     ResidualEvaluator<B, Real> residual;
@@ -85,8 +90,14 @@ class Apgd final : public Solver<B, Real> {
     const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}};
     ApgdState* state = w.state.data();
     ApgdPasses<R, Real> passes{p,  impulses, {{velocity, w.iterate.view()}, {}},
-                               {}, state,    params_.exact_coulomb};
+                               {}, state,    params_.law == ApgdLaw::coulomb};
     ApgdVelocities<Real>& velocities = passes.velocity;
+    const bool is_lifted = params_.law == ApgdLaw::lifted;
+    if (is_lifted) {
+      w.lift.reserve_discard(p.contact_count);
+      w.bias.reserve_discard(p.contact_count);
+      passes.p.bias = ContactBias<Real>(w.bias.view(p.contact_count));
+    }
     if (w.iteration.stores_extrapolated(passes)) {
       w.extrapolated.reserve_discard(p.body_count);
       velocities.of_extrapolated = w.extrapolated.view();
@@ -109,6 +120,14 @@ class Apgd final : public Solver<B, Real> {
     }
     reduce<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, passes.metric},
                             ApgdStart{state, lipschitz_});
+    bool is_unlifted = is_lifted;
+    const auto follow_lift = [&] {
+      for_each(b, p.contact_count,
+               FollowLift<R, Real>{p, impulses, velocities, state, w.lift.view(p.contact_count),
+                                   w.bias.view(p.contact_count), is_unlifted});
+      is_unlifted = false;
+    };
+    if (is_lifted) follow_lift();
     w.iteration.start(b, passes);
     gauge_.start_solve();
 
@@ -127,7 +146,7 @@ class Apgd final : public Solver<B, Real> {
       const ApgdCheck check = fetch(b, w.check.data());
       const Residual residual =
           ResidualEvaluator<B, Real>::from_sums(check.residual, p.contact_count);
-      const double rms = params_.exact_coulomb ? residual.exact_rms : residual.rms;
+      const double rms = params_.law == ApgdLaw::convex ? residual.rms : residual.exact_rms;
       if (std::exchange(is_guess, false) && rms > tolerance) {
         // Impulses that grew while bodies were jammed between prescribed ones are far too large
         // once they come free. Many iterations would take them back; one scaling does it.
@@ -163,10 +182,11 @@ class Apgd final : public Solver<B, Real> {
         }
       }
       if (is_last) break;
-      if (stats.applications >= next_block && tolerance > 0 && !params_.exact_coulomb) {
+      if (stats.applications >= next_block && tolerance > 0 && !passes.exact) {
         next_block += params_.max_iterations / kBlocks;
         const Span<Vec3<Real>> here = impulses.current(stats.iterations);
-        if (loaded.template solve<R>(b, p, here, velocities.iterate(stats.iterations), tolerance)) {
+        if (loaded.template solve<R>(b, passes.p, here, velocities.iterate(stats.iterations),
+                                     tolerance)) {
           if (here.data != gamma.data) copy(b, Span<const Vec3<Real>>(here), gamma);
           start_from_guess();
           for_each(b, 1, ApgdResume{state});
@@ -183,7 +203,7 @@ class Apgd final : public Solver<B, Real> {
       // cannot end or their level is not known yet, looks are frequent.
       const double aim =
           is_late && !this->is_recorded() ? std::max(tolerance, kWorth * best) : tolerance;
-      const bool stops = w.iteration.stops(passes);
+      const bool stops = !is_lifted && w.iteration.stops(passes);
       const double enough = stops ? root_count * gauge_.level(aim) : -1;
       int most = wait + wait / 4 + 1;
       if (this->is_recorded() || !stops || (enough < 0 && aim > 0)) {
@@ -191,7 +211,15 @@ class Apgd final : public Solver<B, Real> {
       } else if (!is_late) {
         most = std::min(most, to_half);
       }
-      w.iteration.run(b, passes, std::min(most, left), enough);
+      most = std::min(most, left);
+      if (!is_lifted) {
+        w.iteration.run(b, passes, most, enough);
+        continue;
+      }
+      for (int done = 0; done < most; done += kLiftEvery) {
+        follow_lift();
+        w.iteration.run(b, passes, std::min(kLiftEvery, most - done), -1);
+      }
     }
     if (is_best) {  // the last iterate, whose velocities and residual are at hand
       const Span<const Twist<Real>> last = velocities.iterate(stats.iterations);
@@ -214,6 +242,7 @@ class Apgd final : public Solver<B, Real> {
 
   /// Loaded contacts are solved exactly this many times in a solve, less one.
   static constexpr int kBlocks = 6;
+  static constexpr int kLiftEvery = 5;  ///< iterations between two moves of the lift
   /// Iterations between residual checks, over check_every, where trials stop by themselves.
   static constexpr int kPatience = 5;
   /// Residual of an iterate that is worth a check, over that of the best one so far.

@@ -4,8 +4,10 @@
 //
 // APGD takes steps with the projection onto the disk that the normal impulse leaves in place of the
 // one onto the cone. An iteration costs what one of the convex problem does, and a settled bed
-// takes 1.3 to 1.6 times as many. That they converge is not proven, and where friction is high they
-// may not. Whatever they leave undone, and all solvers but APGD, go the way of the fixed point:
+// takes 1.3 to 1.6 times as many. That they converge is not proven, and where friction is high and
+// bodies land they do not: a few sliding contacts keep the others in motion. APGD then takes steps
+// of the convex law while the shift follows slowly (FollowLift), in rounds as long as they help.
+// Whatever is left undone, and all solvers but APGD, go the way of the fixed point:
 //
 // A sliding contact of the convex problem lifts off at mu |u_t|. Adding that speed to the bias and
 // solving again, until it no longer changes, gives Coulomb's law: gamma in K, u + mu |u_t| n in K*,
@@ -18,6 +20,7 @@
 #include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "kernels/coulomb_pass.h"
 #include "solvers/residual.h"
@@ -32,10 +35,10 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   /// @param inner                 solver of the convex problem; warm-started from one iteration to
   /// the next
   /// @param max_outer_iterations  [-], > 0
-  /// @param direct                solver of the exact problem that goes first, or none
+  /// @param direct                solvers of the exact problem that go first, one after the other
   /// @throws InvalidParameter
   CoulombFixedPoint(std::unique_ptr<Solver<B, Real>> inner, int max_outer_iterations,
-                    std::unique_ptr<Solver<B, Real>> direct = nullptr)
+                    std::vector<std::unique_ptr<Solver<B, Real>>> direct = {})
       : inner_(std::move(inner)),
         direct_(std::move(direct)),
         max_outer_iterations_(max_outer_iterations) {
@@ -50,16 +53,16 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
                    double tolerance) override {
     SolveStats first;
-    if (direct_) {
+    if (!direct_.empty()) {
       first = solve_directly(b, p, gamma, tolerance);
       if (first.converged || first.residual.bad_contact >= 0) return first;
     }
-    Buffer<B, Vec3<Real>> found(b, direct_ ? gamma.size : 0);
-    if (direct_) copy(b, Span<const Vec3<Real>>(gamma), found.view());
+    Buffer<B, Vec3<Real>> found(b, direct_.empty() ? 0 : gamma.size);
+    if (!direct_.empty()) copy(b, Span<const Vec3<Real>>(gamma), found.view());
     return with_rows<Real>(p.layout, [&](auto rows) {
       using R = decltype(rows);
       SolveStats stats = run<R>(b, p, gamma, tolerance, first);
-      if (direct_ && !(stats.residual.exact_rms < first.residual.exact_rms)) {
+      if (!direct_.empty() && !(stats.residual.exact_rms < first.residual.exact_rms)) {
         copy(b, Span<const Vec3<Real>>(found.view()), gamma);
         stats.residual = result_of<R>(b, p, gamma);
       }
@@ -68,15 +71,19 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   }
 
   std::vector<double> memory() const override {
-    std::vector<double> all = direct_ ? direct_->memory() : std::vector<double>{};
-    for (const double value : inner_->memory()) all.push_back(value);
+    std::vector<double> all;
+    for (const Solver<B, Real>* solver : solvers())
+      for (const double value : solver->memory()) all.push_back(value);
     return all;
   }
   void restore_memory(const std::vector<double>& m) override {
-    const std::size_t own = direct_ ? std::min(m.size(), direct_->memory().size()) : 0;
-    const auto middle = m.begin() + static_cast<std::ptrdiff_t>(own);
-    if (direct_) direct_->restore_memory({m.begin(), middle});
-    inner_->restore_memory({middle, m.end()});
+    auto at = m.begin();
+    for (Solver<B, Real>* solver : solvers()) {
+      const auto own = std::min<std::ptrdiff_t>(
+          static_cast<std::ptrdiff_t>(solver->memory().size()), m.end() - at);
+      solver->restore_memory({at, at + own});
+      at += own;
+    }
   }
   bool keeps_marks() const override { return inner_->keeps_marks(); }
 
@@ -91,22 +98,44 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     ResidualEvaluator<B, Real> residual;
   };
 
-  /// Rounds of the direct solver, as long as they help.
+  std::vector<Solver<B, Real>*> solvers() const {
+    std::vector<Solver<B, Real>*> all;
+    for (const auto& solver : direct_) all.push_back(solver.get());
+    all.push_back(inner_.get());
+    return all;
+  }
+
+  /// One round of each direct solver, and more of the last one as long as they help.
   SolveStats solve_directly(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
                             double tolerance) {
     SolveStats all;
-    for (int round = 0; round < max_outer_iterations_; ++round) {
-      const double before = all.residual.exact_rms;
-      const SolveStats stats = direct_->solve(b, p, gamma, tolerance);
-      all.iterations += stats.iterations;
-      all.applications += stats.applications;
-      all.converged = stats.converged;
-      all.residual = stats.residual;
-      this->add_to_curve(all.iterations, all.applications, all.residual.exact_rms);
-      if (all.converged || all.residual.bad_contact >= 0) break;
-      if (round > 0 && !(all.residual.exact_rms < kProgress * before)) break;
+    Buffer<B, Vec3<Real>> best(b);
+    double least = -1;
+    for (const auto& solver : direct_) {
+      const int rounds = solver == direct_.back() ? max_outer_iterations_ : 1;
+      for (int round = 0, idle = 0; round < rounds && idle < kIdle; ++round) {
+        const SolveStats stats = solver->solve(b, p, gamma, tolerance);
+        const double rms = stats.residual.exact_rms;
+        all.iterations += stats.iterations;
+        all.applications += stats.applications;
+        all.converged = stats.converged;
+        this->add_to_curve(all.iterations, all.applications, rms);
+        if (all.converged || stats.residual.bad_contact >= 0) {
+          all.residual = stats.residual;
+          this->take_velocity(*solver);
+          return all;
+        }
+        idle = least < 0 || rms < kProgress * least ? 0 : idle + 1;
+        if (least < 0 || rms < least) {
+          least = rms;
+          all.residual = stats.residual;
+          best.reserve_discard(gamma.size);
+          copy(b, Span<const Vec3<Real>>(gamma), best.view(gamma.size));
+        }
+        solver->forget_velocity();
+      }
     }
-    this->take_velocity(*direct_);
+    copy(b, Span<const Vec3<Real>>(best.view(gamma.size)), gamma);
     return all;
   }
 
@@ -188,10 +217,12 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   /// Of the tolerance that an inner solve may leave; many end just below theirs.
   static constexpr double kShareOfTolerance = 0.1;
   static constexpr double kShareOfResidual = 0.02;  ///< of the last exact residual
-  /// A round of the direct solver that leaves more than that of the residual is its last.
+  /// A round of a direct solver helps when it leaves less than that of the least residual so far.
   static constexpr double kProgress = 0.9;
+  static constexpr int kIdle = 5;  ///< rounds in a row that need not help
 
-  std::unique_ptr<Solver<B, Real>> inner_, direct_;
+  std::unique_ptr<Solver<B, Real>> inner_;
+  std::vector<std::unique_ptr<Solver<B, Real>>> direct_;
   int max_outer_iterations_;
 };
 
@@ -201,12 +232,13 @@ class CoulombFixedPoint final : public Solver<B, Real> {
 template <class B, class Real>
 std::unique_ptr<Solver<B, Real>> make_exact_solver(const std::string& name, SolverParams params,
                                                    int max_outer_iterations) {
-  params.exact_coulomb = false;
   auto inner = make_solver<B, Real>(name, params);
-  std::unique_ptr<Solver<B, Real>> direct;
+  std::vector<std::unique_ptr<Solver<B, Real>>> direct;
   if (name == "apgd") {
-    params.exact_coulomb = true;
-    direct = make_solver<B, Real>(name, params);
+    for (const ApgdLaw law : {ApgdLaw::coulomb, ApgdLaw::lifted}) {
+      params.law = law;
+      direct.push_back(make_solver<B, Real>(name, params));
+    }
   }
   return std::make_unique<CoulombFixedPoint<B, Real>>(std::move(inner), max_outer_iterations,
                                                       std::move(direct));

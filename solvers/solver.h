@@ -26,13 +26,19 @@ enum class ApgdMetricKind {
             ///< sizes
 };
 
+/// The contact law that APGD's steps aim at, and with it the residual that tolerances are on.
+enum class ApgdLaw {
+  convex,   ///< the cone program of a step
+  coulomb,  ///< Coulomb's law itself, by projections onto the disk that the normal impulse leaves
+  lifted    ///< Coulomb's law, by steps of the convex one while De Saxce's shift follows
+};
+
 struct SolverParams {
   int max_iterations = 400;  ///< [-], > 0
   int check_every = 10;      ///< iterations between residual checks (host reads), see each solver
   double relaxation = 1.0;   ///< over-relaxation of Gauss-Seidel, Jacobi and Schwarz, in (0, 2)
   ApgdMetricKind metric = ApgdMetricKind::diagonal;
-  /// APGD: Coulomb's law itself in place of the convex one, with tolerances on the exact residual.
-  bool exact_coulomb = false;
+  ApgdLaw law = ApgdLaw::convex;  ///< of APGD
 };
 
 /// @throws InvalidParameter

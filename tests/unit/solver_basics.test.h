@@ -274,9 +274,12 @@ TYPED_TEST(SolverBasicsTest, ExactApgdGoesOnAsTheFixedPoint) {
   const PlainProblem plain = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
   const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 3e-4;
   ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  std::vector<std::unique_ptr<Solver<TestBackend, TypeParam>>> direct;
+  direct.push_back(
+      make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = 2, .law = ApgdLaw::coulomb}));
   CoulombFixedPoint<TestBackend, TypeParam> solver(
       make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = 4000}), 100,
-      make_solver<TestBackend, TypeParam>("apgd", {.max_iterations = 2, .exact_coulomb = true}));
+      std::move(direct));
   std::vector<CurvePoint> curve;
   solver.record_curve(&curve);
   const SolveStats stats = solver.solve(b, buffers.problem(), buffers.gamma(), tolerance);

@@ -6,8 +6,8 @@
 // way nearest to the free one that no plane cuts. What that way touches, and no plane hides, is a
 // contact more, and gives a plane more; so on until the way is clear. Neither concave edges nor any
 // speed leads through a mesh then, and what lies below a plane, as the neighbors of a triangle on a
-// flat or convex surface do, makes no contact of its own. What is left out here, and what the sphere
-// meets because contacts push it off that way, is left to kernels/guarded_way.h.
+// flat or convex surface do, makes no contact of its own. What is left out here, and what is met
+// because contacts push the sphere off that way, is left to kernels/guarded_way.h.
 
 #include "kernels/pairs/sphere_mesh_way.h"
 #include "kernels/wall_images.h"

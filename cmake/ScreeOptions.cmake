@@ -37,6 +37,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
 endif()
 if(SCREE_NATIVE)
   list(APPEND host_flags -march=native)
+  if(CMAKE_CXX_COMPILER_ID MATCHES "Clang" AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    # Clang picks the wrong lanes where std::experimental::simd of libstdc++ 12 selects by AVX-512.
+    list(APPEND host_flags -mno-avx512f)
+  endif()
 endif()
 if(SCREE_WERROR)
   list(APPEND host_flags -Werror)

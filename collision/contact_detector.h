@@ -12,6 +12,7 @@
 #include "collision/pair_candidates.h"
 #include "collision/persistent_contacts.h"
 #include "kernels/contact_list.h"
+#include "kernels/near_misses.h"
 
 namespace scree {
 
@@ -141,7 +142,8 @@ class ContactDetector {
   std::int64_t list_extensions() const { return candidates_.extension_count(); }
 
  private:
-  ContactRange range_of(double h, const Vec3<double>& gravity_step) const;
+  ContactRange range_of(const BodyView<Real>& bodies, double h,
+                        const Vec3<double>& gravity_step) const;
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
   /// in a loose bed, more than two change little.
   static constexpr int kMaxWidenings = 2;
@@ -208,7 +210,7 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   needed_.release();
   name_elements(bodies);
   if (bodies.free_count == 0) return;
-  const ContactRange range = range_of(h, gravity_step);
+  const ContactRange range = range_of(bodies, h, gravity_step);
   obstacles_.refresh(b, bodies, range, keys_);
   list_with_margins(b, bodies, range);
   needed_.release();
@@ -216,11 +218,15 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
 }
 
 template <class B, class Real>
-ContactRange ContactDetector<B, Real>::range_of(double h, const Vec3<double>& gravity_step) const {
+ContactRange ContactDetector<B, Real>::range_of(const BodyView<Real>& bodies, double h,
+                                                const Vec3<double>& gravity_step) const {
   const double fall = h * norm(gravity_step);
   ContactRange range{settings_.envelope, h, settings_.period, {}, gravity_step};
   range.fall = fall > 0.5 * settings_.envelope ? 0.5 * fall : 0;
   range.margin_limit = settings_.margin_limit;
+  if (free_linear_axes(bodies.locks.shared) == 7u) {
+    range.first_held = std::min(bodies.locks.first, bodies.fixed_begin);
+  }
   return range;
 }
 
@@ -328,6 +334,11 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
                                     normal_.resize_discard(total), gap_.resize_discard(total),
                                     arm_a_.resize_discard(arms ? total : 0),
                                     arm_b_.resize_discard(arms ? total : 0)});
+  if (!candidates_.has_passes()) return;
+  const Offset stored_arms = arms ? total : 0;
+  for_each(b, contact_count_,
+           TurnPasses<Real>{bodies, range, candidates_.may_pass(), contacts(), normal_.view(total),
+                            gap_.view(total), arm_a_.view(stored_arms), arm_b_.view(stored_arms)});
 }
 
 template <class B, class Real>

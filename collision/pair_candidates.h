@@ -12,7 +12,7 @@
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair; 1 more a body once the list was
+/// Memory: 16 bytes a binned body, 9 a free body and 4.25 a pair; 1 more a body once the list was
 /// extended. While it is: 9 bytes a body and 4 a pair, 8 with notes.
 template <class B, class Real>
 class PairCandidates {
@@ -26,7 +26,8 @@ class PairCandidates {
         block_(b),
         left_(b),
         left_count_(b, 1),
-        left_result_(b, 1) {
+        left_result_(b, 1),
+        may_pass_(b) {
     fill(b, left_count_.view(), Index(0));
   }
 
@@ -38,6 +39,8 @@ class PairCandidates {
     const BinnedRange binned{bodies.free_count, bodies.fixed_begin, bodies.count};
     if (!is_kept_ || binned != binned_) {
       forget();
+      has_passes_ = true;
+      may_pass_.release();
       return false;
     }
     reduce<LeftBodies>(b, binned.size(),
@@ -46,9 +49,12 @@ class PairCandidates {
                                         origin_,
                                         record_.view(binned.size()),
                                         left_count_.data(),
-                                        left_.view()},
+                                        left_.view(),
+                                        may_pass_.resize_discard(bodies.free_count)},
                        StoreLeft{left_result_.data(), left_count_.data()});
-    outside_ = fetch(b, left_result_.data()).count;
+    const LeftBodies left = fetch(b, left_result_.data());
+    outside_ = left.count;
+    has_passes_ = left.passing != 0;
     ++age_;
     return outside_ == 0;
   }
@@ -128,6 +134,12 @@ class PairCandidates {
     record_.release(), body_.release(), begin_.release(), other_.release(), left_.release();
     group_.release(), block_.release();
   }
+
+  /// Whether spheres may pass each other within the step, as far as the last covers() saw: it looks
+  /// at bodies only when there is a list.
+  bool has_passes() const { return has_passes_; }
+  /// Which free bodies are so fast that they may; empty when the last covers() looked at none.
+  Span<const std::uint8_t> may_pass() const { return may_pass_.view(may_pass_.capacity()); }
 
   /// Lists made so far, and how often one was extended.
   std::int64_t build_count() const { return build_count_; }
@@ -269,9 +281,11 @@ class PairCandidates {
   Buffer<B, Index> left_;
   Buffer<B, Index> left_count_;
   Buffer<B, LeftBodies> left_result_;
+  Buffer<B, std::uint8_t> may_pass_;
   BinnedRange binned_;
   Vec3<double> origin_;
   bool is_kept_ = false;
+  bool has_passes_ = true;
   double stretch_ = 1;    ///< of the skin
   Index outside_ = 0;     ///< bodies outside their balls, by the last covers()
   Index age_ = 0;         ///< listings since the list was made

@@ -94,7 +94,7 @@ SCREE_HD inline bool note_decides(float note, double envelope) {
 template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
-  static constexpr int kLeastBlocks = 4;
+  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 4 : 1;
   ContactTest<kMix, Real> test;
   Span<Index> count;             ///< [piece count] out
   Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
@@ -207,7 +207,8 @@ struct WriteContactKeys {
   }
 };
 
-/// Turns keys into contacts: bodies, normal, gap, lever arms.
+/// Turns keys into contacts: bodies, normal, gap, lever arms. Spheres that pass each other within
+/// the step are left to TurnPasses.
 /// Bytes per contact (float, radial), besides bodies from the caches: 8 read, 24 written.
 template <ShapeMix kMix, class Real>
 struct FillContacts {
@@ -236,10 +237,6 @@ struct FillContacts {
       const BodySample other = load_body<kMix>(bodies, shapes, range, b);
       const Vec3d d = minimum_image(other.position - body.position, range.period);
       g = body_pair<kMix>(body, other, d, keys.feature(element));
-      if (g.gap > 0 && body.kind == ShapeKind::sphere && other.kind == ShapeKind::sphere) {
-        const Vec3d way = range.h * (other.motion.linear - body.motion.linear);
-        g = spheres_on_way(g, d, way, body.radius, other.radius);
-      }
     } else {
       g = wall_contact<kMix>(walls, range, keys, body, wall_envelope(range, a, body), element, b);
     }

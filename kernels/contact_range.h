@@ -18,6 +18,8 @@ struct ContactRange {
   /// where half the envelope covers that.
   double fall = 0;
   double margin_limit = 0;  ///< largest margin, as a fraction of the diameter [-]
+  /// Bodies below this storage index are free along all axes: loads give all of them gravity_step.
+  Index first_held = 0;
 
   SCREE_HD double margin_of(Index i) const {
     return i < margin.size ? static_cast<double>(margin[i]) : 0;
@@ -36,6 +38,7 @@ template <class Real>
 SCREE_HD Vec3<double> course_velocity(const BodyView<Real>& bodies, const ContactRange& range,
                                       Index i) {
   const Vec3<double> v(bodies.velocity[i]);
+  if (i < range.first_held) return v;
   if (i >= bodies.fixed_begin) return v - range.gravity_step;
   const unsigned free = free_linear_axes(bodies.locks[i]);
   if (free == 7u) return v;

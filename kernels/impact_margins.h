@@ -41,7 +41,8 @@ struct ImpactGraph {
     const double gap = contacts.gap[c] > 0 ? contacts.gap[c] : Real(0);
     const double h = range.h;
     const double lifted = h * (lift * norm(u - Real(u_n) * n) - u_n) - gap;
-    const double closing = gap + h * (u_n + loaded(c)) < 0 ? -h * u_n * bounced(u_n) : 0.0;
+    const bool is_closing = u_n < 0 && gap + h * (u_n + loaded(c)) < 0;
+    const double closing = is_closing ? -h * u_n * bounced(u_n) : 0.0;
     return lifted > closing ? lifted : closing;
   }
 
@@ -52,10 +53,15 @@ struct ImpactGraph {
   /// not how far bodies are pushed: the envelope, or ContactRange::fall, is enough for their way.
   SCREE_HD double loaded(Index c) const {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
-    if (b < bodies.fixed_begin && ((bodies.locks[a] | bodies.locks[b]) & 7u) == 0) return 0;
-    const Vec3<double> of_a = course_velocity(bodies, range, a) - Vec3<double>(bodies.velocity[a]);
-    const Vec3<double> of_b = course_velocity(bodies, range, b) - Vec3<double>(bodies.velocity[b]);
-    return dot(of_b - of_a, Vec3<double>(contacts.normal[c]));
+    if (a < range.first_held && b < range.first_held) return 0;
+    return dot(off_course(b) - off_course(a), Vec3<double>(contacts.normal[c]));
+  }
+
+  /// What course_velocity() adds to the velocity of a body [m/s].
+  SCREE_HD Vec3<double> off_course(Index i) const {
+    if (i < range.first_held) return {};
+    if (i >= bodies.fixed_begin) return -range.gravity_step;
+    return course_velocity(bodies, range, i) - Vec3<double>(bodies.velocity[i]);
   }
 
   /// How far one body of contact c can be pushed toward the other before that is pushed too [m]:

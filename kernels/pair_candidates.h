@@ -8,6 +8,7 @@
 
 #include "kernels/ordered_lists.h"
 #include "kernels/pair_search.h"
+#include "kernels/pairs/sphere_sphere.h"
 
 namespace scree {
 
@@ -84,16 +85,20 @@ struct RecordReach {
   }
 };
 
-/// Bodies that left their balls: the record of a reduction.
+/// Bodies that left their balls, and fast ones: the record of a reduction.
 struct LeftBodies {
   Index count = 0;
-  SCREE_HD void combine(const LeftBodies& o) { count += o.count; }
+  Index passing = 0;  ///< bodies that may pass another within the step, see CheckReach::passes()
+  SCREE_HD void combine(const LeftBodies& o) {
+    count += o.count;
+    passing += o.passing;
+  }
 };
 
 /// Whether a body, as far as it may touch others in the step, is within its ball; notes those that
 /// are not, in any order, as many as there is room for. A body that got a state which is not
 /// finite, or lost it, counts as outside.
-/// Bytes per binned body: 60 read, with margins 64.
+/// Bytes per binned body: 60 read, with margins 64; 1 written.
 template <class Real>
 struct CheckReach {
   static constexpr const char* name = "check_reach";
@@ -103,13 +108,22 @@ struct CheckReach {
   Span<const ReachRecord> record;  ///< [binned.size()]
   Index* left_count;               ///< in: zero; out: bodies noted, or more
   Span<Index> left;                ///< out: number of each among binned bodies
+  Span<std::uint8_t> may_pass;     ///< [free_count] out: passes()
 
   SCREE_HD LeftBodies operator()(Index m) const {
-    if (is_within(m)) return {0};
-    if (atomic_read(left_count) >= left.size) return {1};
+    const Index i = binned.body(m), passing = passes(i) ? 1 : 0;
+    if (i < may_pass.size) may_pass[i] = static_cast<std::uint8_t>(passing);
+    if (is_within(m)) return {0, passing};
+    if (atomic_read(left_count) >= left.size) return {1, passing};
     const Index at = atomic_add(left_count, 1);
     if (at < left.size) left[at] = m;
-    return {1};
+    return {1, passing};
+  }
+  /// False for two spheres only when spheres_on_way() leaves their contact as it is.
+  SCREE_HD bool passes(Index i) const {
+    const double way = balls.range.h * norm(course_velocity(balls.bodies, balls.range, i));
+    const double own = balls.bodies.radius[i];
+    return !(way <= (1 - 1e-6) * kLeastTurningWay * own);
   }
   SCREE_HD bool is_within(Index m) const {
     const Index i = binned.body(m);

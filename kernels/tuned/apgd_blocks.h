@@ -16,14 +16,17 @@
 
 namespace scree {
 
-/// Contact step of a block of contacts; the element is the block.
 template <class Real>
+using RadialImpactRows = ImpactRows<RadialRows<Real>>;
+
+/// Contact step of a block of contacts; the element is the block.
+template <template <class> class Rows, class Real>
 struct ApgdContactBlock {
   static constexpr const char* name = "apgd_contact_blocks";
   static constexpr Index kContacts = Lanes<Real>::kCount;
   static constexpr Index kChunk = 1024 / kContacts;  ///< blocks in one piece of a parallel sum
 
-  ApgdPasses<RadialRows<Real>, Real> a;
+  ApgdPasses<Rows<Real>, Real> a;
 
   static Index count(Index contacts) { return (contacts + kContacts - 1) / kContacts; }
 
@@ -31,7 +34,7 @@ struct ApgdContactBlock {
     using L = Lanes<Real>;
     const Index first = block * kContacts;
     const int present = static_cast<int>(std::min(kContacts, a.p.contact_count - first));
-    const ApgdContactStep<RadialRows<Real>, Real> step = a.contact_pass().step();
+    const ApgdContactStep<Rows<Real>, Real> step = a.contact_pass().step();
 
     // Lanes past the end stay zero: their impulse remains zero and adds nothing to the sums.
     Records in{};
@@ -59,8 +62,8 @@ struct ApgdContactBlock {
                         L::load(in.lane[kAdhesion]),
                         {L::load(in.lane[kMetric]), L::load(in.lane[kMetric + 1])}};
     Vec3<L> next;
-    const Sums<2> sums =
-        lanes.step(L(step.beta), L(step.step), in.twist(kTwistA), in.twist(kTwistB), next, a.exact);
+    const Sums<2> sums = lanes.template step<Rows<L>>(L(step.beta), L(step.step), in.twist(kTwistA),
+                                                      in.twist(kTwistB), next, a.exact);
 
     Records out;
     next.x.store(out.lane[0]), next.y.store(out.lane[1]), next.z.store(out.lane[2]);
@@ -115,6 +118,7 @@ class ApgdIteration<Cpu> {
     return false;
   }
   bool stops(const ApgdPasses<RadialRows<float>, float>&) const { return true; }
+  bool stops(const ApgdPasses<RadialImpactRows<float>, float>&) const { return true; }
 
   template <class R, class Real>
   bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
@@ -136,8 +140,16 @@ class ApgdIteration<Cpu> {
   }
   template <class Real>
   static void trial(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a) {
-    const Index blocks = ApgdContactBlock<Real>::count(a.p.contact_count);
-    reduce<Sums<2>>(cpu, blocks, ApgdContactBlock<Real>{a}, ApgdContactFinish{a.state});
+    trial_in_blocks<RadialRows>(cpu, a);
+  }
+  template <class Real>
+  static void trial(Cpu& cpu, const ApgdPasses<RadialImpactRows<Real>, Real>& a) {
+    trial_in_blocks<RadialImpactRows>(cpu, a);
+  }
+  template <template <class> class Rows, class Real>
+  static void trial_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a) {
+    using Block = ApgdContactBlock<Rows, Real>;
+    reduce<Sums<2>>(cpu, Block::count(a.p.contact_count), Block{a}, ApgdContactFinish{a.state});
     reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
   }
 };

@@ -116,7 +116,7 @@ __device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums
   __syncthreads();
 }
 
-template <int kWeights, bool kExact, class Real>
+template <int kWeights, Law kLaw, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                int count, double enough) {
@@ -172,7 +172,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
         range.count = min(kBodies, a.p.free_count - range.begin);
         range.first = here.a_start[0];
         range.last = here.a_start[range.count];
-        step_contacts<kWeights, kExact>(a, trial, range, here, memory.pull, sums);
+        step_contacts<kWeights, kLaw>(a, trial, range, here, memory.pull, sums);
         stepped.arrive();
       }
       const Index i = (t - blocks) * kBodies + local;
@@ -204,7 +204,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       ready.arrive();
     }
     // Nearly all trials are accepted.
-    decide(shared, number, sums, state, kExact,
+    decide(shared, number, sums, state, kLaw == Law::coulomb,
            [&] { first.start(trial.next_velocity, trial.velocity, memory.bodies); });
     if (state.accepted == accepted) first.restart(trial.velocity, trial.velocity, memory.bodies);
   }
@@ -220,58 +220,65 @@ class ApgdIteration<Cuda> {
   explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda), packed_(cuda) {}
 
   template <class R, class Real>
-  void start(Cuda&, const ApgdPasses<R, Real>&) {}
-
-  void start(Cuda& cuda, const sweep::RadialPasses<float>& a) {
-    tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
-    kernel_ = a.exact ? kernel_for<true>(a.metric) : kernel_for<false>(a.metric);
-    blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
-    const Offset counters = Offset{tiles_} / blocks_ + 2;
-    counters_.reserve_discard(counters);
-    partial_.reserve_discard(blocks_);
-    fill(cuda, counters_.view(counters), 0u);
-    packed_.reserve_discard(a.p.contact_count);
-    for_each(cuda, a.p.contact_count,
-             sweep::PackContacts<float>{a.p, a.metric, packed_.view(a.p.contact_count)});
-    shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data()};
+  void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
+    if constexpr (kIsSwept<R, Real>) {
+      tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
+      if constexpr (sweep::kIsImpact<R, Real>) {
+        kernel_ = kernel_of<sweep::Law::impact>(a.metric);
+      } else {
+        kernel_ = a.exact ? kernel_of<sweep::Law::coulomb>(a.metric)
+                          : kernel_of<sweep::Law::convex>(a.metric);
+      }
+      blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
+      const Offset counters = Offset{tiles_} / blocks_ + 2;
+      counters_.reserve_discard(counters);
+      partial_.reserve_discard(blocks_);
+      fill(cuda, counters_.view(counters), 0u);
+      packed_.reserve_discard(a.p.contact_count);
+      for_each(cuda, a.p.contact_count,
+               sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(a.p.contact_count)});
+      shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data()};
+    }
   }
 
   template <class R, class Real>
   bool stops(const ApgdPasses<R, Real>&) const {
-    return false;
+    return kIsSwept<R, Real>;
   }
-  bool stops(const sweep::RadialPasses<float>&) const { return true; }
-
   template <class R, class Real>
   bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
-    return true;
+    return !kIsSwept<R, Real>;
   }
-  bool stores_extrapolated(const sweep::RadialPasses<float>&) const { return false; }
 
   template <class R, class Real>
-  void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double) {
-    for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
-  }
-
-  void run(Cuda& cuda, const sweep::RadialPasses<float>& a, int count, double enough) {
-    sweep::RadialPasses<float> passes = a;
-    void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
-    check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, sweep::kThreads, arguments, kBytes,
-                                           cuda.stream()),
-               "apgd_sweep");
-    cuda.check_launch("apgd_sweep");
+  void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double enough) {
+    if constexpr (kIsSwept<R, Real>) {
+      sweep::RadialPasses<Real> passes = sweep::radial_passes(a);
+      void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
+      check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, sweep::kThreads, arguments, kBytes,
+                                             cuda.stream()),
+                 "apgd_sweep");
+      cuda.check_launch("apgd_sweep");
+    } else {
+      for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
+    }
   }
 
  private:
+  /// Doubles take the plain passes, which are faster for them.
+  template <class R, class Real>
+  static constexpr bool kIsSwept = std::is_same_v<Real, float> &&
+                                   (std::is_same_v<R, RadialRows<Real>> ||
+                                    sweep::kIsImpact<R, Real>);
   static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
 
   /// Loads behind a branch would start late, so there is a program for each way to store weights.
-  template <bool kExact>
-  static const void* kernel_for(const StoredMetric<RadialRows<float>, float>& metric) {
+  template <sweep::Law kLaw, class R>
+  static const void* kernel_of(const StoredMetric<R, float>& metric) {
     const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
-    if (metric.values.empty()) return of(&sweep::run_trials<0, kExact, float>);
-    return metric.one_each ? of(&sweep::run_trials<1, kExact, float>)
-                           : of(&sweep::run_trials<2, kExact, float>);
+    if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, float>);
+    return metric.one_each ? of(&sweep::run_trials<1, kLaw, float>)
+                           : of(&sweep::run_trials<2, kLaw, float>);
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {

@@ -23,6 +23,24 @@ inline constexpr Index kLongList = 96;  ///< contacts of a body that one thread 
 template <class Real>
 using RadialPasses = ApgdPasses<RadialRows<Real>, Real>;
 
+/// What the contacts of a sweep obey.
+enum class Law {
+  convex,   ///< the cone program
+  coulomb,  ///< exact friction, see ApgdContactStep
+  impact    ///< cones cut off below a least normal impulse, see ImpactRows
+};
+
+template <class R, class Real>
+inline constexpr bool kIsImpact = std::is_same_v<R, ImpactRows<RadialRows<Real>>>;
+
+/// The data of passes on impact rows too: the law of the sweep tells these from plain ones.
+template <class R, class Real>
+RadialPasses<Real> radial_passes(const ApgdPasses<R, Real>& a) {
+  return {a.p,        a.gamma,
+          a.velocity, {a.metric.values, a.metric.one_each, a.metric.tangential_ratio},
+          a.state,    a.exact};
+}
+
 /// What a contact exerts on its bodies: B's force, and the torque on both.
 template <class Real>
 struct Pull {
@@ -93,11 +111,11 @@ struct TileRange {
 };
 
 /// Packs what contacts keep through a solve.
-template <class Real>
+template <class R, class Real>
 struct PackContacts {
   static constexpr const char* name = "apgd_pack_contacts";
   ContactProblem<Real> p;
-  StoredMetric<RadialRows<Real>, Real> metric;
+  StoredMetric<R, Real> metric;
   Span<PackedContact> packed;
   __device__ void operator()(Index c) const {
     const auto local = static_cast<std::uint32_t>(p.body_a[c] % kBodies);
@@ -251,11 +269,12 @@ class FirstFetch {
 /// Contact step of a tile: new impulses to memory, and what they exert to shared memory. Each warp
 /// takes whole turns of contacts that follow each other, the last one what is left.
 /// @tparam kWeights  stored weights of the metric: none (Euclidean), one or two
-/// @tparam kExact    Coulomb's law in place of the convex one
-template <int kWeights, bool kExact, class Real>
+template <int kWeights, Law kLaw, class Real>
 __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& trial,
                               const TileRange& range, const TileBodies<Real>& bodies,
                               Pull<Real>* pull, Sums<3>& sums) {
+  using Rows =
+      std::conditional_t<kLaw == Law::impact, ImpactRows<RadialRows<Real>>, RadialRows<Real>>;
   const Index share = (range.last - range.first + kThreads - 1) / kThreads * 32;
   const Index begin = range.first + static_cast<Index>(threadIdx.x / 32) * share;
   const Index end = min(begin + share, range.last);
@@ -287,8 +306,9 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
       contact.weights[1] = a.metric.tangential_ratio * contact.weights[0];
     }
     Vec3<Real> next;
-    const Sums<2> mine = contact.step(trial.beta, trial.length, bodies.extrapolated[packed.local()],
-                                      v_b, next, kExact);
+    const Sums<2> mine =
+        contact.template step<Rows>(trial.beta, trial.length, bodies.extrapolated[packed.local()],
+                                    v_b, next, kLaw == Law::coulomb);
     trial.next_gamma[c] = next;
     if (c - range.first < kStaged) pull[c - range.first] = {next, contact.normal};
     sums.value[0] += mine.value[0];

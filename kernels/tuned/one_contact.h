@@ -3,6 +3,7 @@
 // one contact or several at a time (Real may be Lanes); the formulas are those of the plain pass.
 
 #include "kernels/apgd_passes.h"
+#include "kernels/impact_rows.h"
 
 namespace scree {
 
@@ -14,12 +15,13 @@ struct OneContact {
   Real bias, friction, adhesion;
   Real weights[2];  ///< of the metric: normal and tangential
 
+  /// @tparam R        rows of the radial layout: RadialRows<Real>, or ImpactRows of these
   /// @param v_a, v_b  V_y of its bodies
   /// @param next      gamma+, out
   /// @param exact     as of ApgdContactStep
+  template <class R>
   SCREE_HD Sums<2> step(Real beta, Real length, const Twist<Real>& v_a, const Twist<Real>& v_b,
                         Vec3<Real>& next, bool exact) {
-    using R = RadialRows<Real>;
     ContactProblem<Real> p;
     p.normal = {&normal, 1};
     p.bias.values = {&bias, 1};

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/bed_problem.h"
-#include "kernels/apgd_iteration.h"
+#include "kernels/solve/apgd_iteration.h"
 #include "solvers/solver.h"
 
 namespace scree::bench {

@@ -16,7 +16,7 @@
 #include "bench/options.h"
 #include "host/version.h"
 #ifdef SCREE_HAS_CUDA
-#include "host/cuda_device.h"
+#include "host/engine/cuda_device.h"
 #endif
 
 namespace scree::bench {

@@ -1,7 +1,7 @@
 #pragma once
 // Random numbers as a function of (seed, index): any order, any backend, the same values.
 
-#include "kernels/contact_problem.h"
+#include "kernels/contact/contact_problem.h"
 
 namespace scree::bench {
 

@@ -16,7 +16,7 @@
 
 #include "bench/bed_problem.h"
 #include "bench/options.h"
-#include "host/copy_bandwidth_of.h"
+#include "host/engine/copy_bandwidth_of.h"
 #include "solvers/traffic.h"
 
 namespace scree::bench {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "kernels/backend/backend.h"
-#include "kernels/body_order.h"
-#include "kernels/permute.h"
+#include "kernels/bodies/body_order.h"
+#include "kernels/bodies/permute.h"
 
 namespace scree {
 

@@ -2,7 +2,7 @@
 // Sorts bodies into hierarchical Morton bins.
 
 #include "kernels/backend/backend.h"
-#include "kernels/pair_search.h"
+#include "kernels/broad_phase/pair_search.h"
 
 namespace scree {
 

@@ -11,8 +11,8 @@
 #include "collision/obstacle_buffers.h"
 #include "collision/pair_candidates.h"
 #include "collision/persistent_contacts.h"
-#include "kernels/contact_list.h"
-#include "kernels/near_misses.h"
+#include "kernels/narrow_phase/contact_list.h"
+#include "kernels/narrow_phase/near_misses.h"
 
 namespace scree {
 

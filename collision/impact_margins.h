@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "kernels/backend/backend.h"
-#include "kernels/impact_margins.h"
+#include "kernels/narrow_phase/impact_margins.h"
 
 namespace scree {
 

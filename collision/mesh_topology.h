@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "kernels/mesh_view.h"
+#include "kernels/narrow_phase/mesh_view.h"
 
 namespace scree {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "kernels/pair_candidates.h"
+#include "kernels/broad_phase/pair_candidates.h"
 
 namespace scree {
 

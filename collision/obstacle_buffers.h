@@ -6,7 +6,7 @@
 
 #include "collision/obstacles.h"
 #include "kernels/backend/backend.h"
-#include "kernels/wall_contacts.h"
+#include "kernels/narrow_phase/wall_contacts.h"
 
 namespace scree {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "collision/mesh_topology.h"
-#include "kernels/body_view.h"
+#include "kernels/bodies/body_view.h"
 
 namespace scree {
 

@@ -8,7 +8,7 @@
 
 #include "collision/broad_phase.h"
 #include "collision/numbering.h"
-#include "kernels/extend_candidates.h"
+#include "kernels/broad_phase/extend_candidates.h"
 
 namespace scree {
 

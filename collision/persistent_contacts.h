@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernels/backend/backend.h"
-#include "kernels/contact_match.h"
-#include "kernels/permute.h"
+#include "kernels/bodies/permute.h"
+#include "kernels/contact/contact_match.h"
 
 namespace scree {
 

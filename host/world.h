@@ -97,7 +97,7 @@ struct Image {
 };
 
 struct BodyProblem;  // host/problems/body_problem.h
-class Engine;        // host/engine.h: implemented once, compiled per backend and precision
+class Engine;        // host/engine/engine.h: implemented once, compiled per backend and precision
 
 class World {
  public:

@@ -13,15 +13,15 @@
 // layouts), there is one at least each `check_every` iterations. In the second half of the
 // iterations allowed there is also one where the residual should be half that of the best iterate.
 // A rejected trial, which is rare, costs one more of both passes; `applications` counts all of
-// them. Spheres take the tuned twins of kernels/tuned.
+// them. Spheres take the tuned twins of kernels/solve.
 
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
 
-#include "kernels/apgd_iteration.h"
-#include "kernels/coulomb_pass.h"
+#include "kernels/solve/apgd_iteration.h"
+#include "kernels/solve/coulomb_pass.h"
 #include "solvers/check_schedule.h"
 #include "solvers/loaded_block.h"
 #include "solvers/residual.h"

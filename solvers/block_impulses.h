@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernels/loaded_block.h"
+#include "kernels/solve/loaded_block.h"
 
 namespace scree {
 

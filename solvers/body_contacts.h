@@ -3,9 +3,9 @@
 // sorted list.
 
 #include "kernels/backend/backend.h"
-#include "kernels/body_contacts.h"
-#include "kernels/contact_problem.h"
-#include "kernels/ordered_lists.h"
+#include "kernels/backend/ordered_lists.h"
+#include "kernels/contact/body_contacts.h"
+#include "kernels/contact/contact_problem.h"
 
 namespace scree {
 

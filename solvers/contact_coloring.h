@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/body_contacts.h"
-#include "kernels/coloring.h"
+#include "kernels/contact/body_contacts.h"
+#include "kernels/solve/coloring.h"
 
 namespace scree {
 

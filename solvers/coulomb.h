@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/coulomb_pass.h"
+#include "kernels/solve/coulomb_pass.h"
 #include "solvers/residual.h"
 
 namespace scree {

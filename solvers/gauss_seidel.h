@@ -6,7 +6,7 @@
 // (block relaxation). Memory passes per sweep: one over contacts in place, bodies read and written
 // at each contact; at each check one pass over bodies and one over contacts more.
 
-#include "kernels/gauss_seidel_pass.h"
+#include "kernels/solve/gauss_seidel_pass.h"
 #include "solvers/relaxation.h"
 
 namespace scree {

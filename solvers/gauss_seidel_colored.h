@@ -10,7 +10,7 @@
 // bodies and two over contacts more. A sweep cannot be faster than the launches of its colors: a
 // body with 2000 contacts makes 2000.
 
-#include "kernels/gauss_seidel_pass.h"
+#include "kernels/solve/gauss_seidel_pass.h"
 #include "solvers/contact_coloring.h"
 #include "solvers/relaxation.h"
 

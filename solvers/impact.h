@@ -3,7 +3,7 @@
 // ContactProblem::adhesion holds. Not one that users choose: impacts are small problems, of the
 // bodies that bounce and of those that touch them.
 
-#include "kernels/impact_rows.h"
+#include "kernels/contact/impact_rows.h"
 #include "solvers/apgd.h"
 
 namespace scree {

@@ -7,7 +7,7 @@
 // over contacts (108 B in float, 48 of them gathered) and one over bodies (64 B and 52 B gathered
 // per contact); one more contact pass every `check_every` iterations.
 
-#include "kernels/jacobi_pass.h"
+#include "kernels/solve/jacobi_pass.h"
 #include "solvers/relaxation.h"
 
 namespace scree {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernels/metric_step.h"
+#include "kernels/solve/metric_step.h"
 #include "solvers/residual.h"
 
 namespace scree {

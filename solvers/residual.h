@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "kernels/contact_operator.h"
+#include "kernels/contact/contact_operator.h"
 #include "solvers/solver.h"
 
 namespace scree {

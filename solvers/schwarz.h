@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kernels/schwarz_iteration.h"
+#include "kernels/solve/schwarz_iteration.h"
 #include "solvers/check_schedule.h"
 #include "solvers/residual.h"
 #include "solvers/tile_coloring.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/contact_operator.h"
+#include "kernels/contact/contact_operator.h"
 
 namespace scree {
 

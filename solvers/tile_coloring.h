@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/body_contacts.h"
-#include "kernels/tile_colors.h"
-#include "kernels/tile_linking.h"
+#include "kernels/contact/body_contacts.h"
+#include "kernels/solve/tile_colors.h"
+#include "kernels/solve/tile_linking.h"
 
 namespace scree {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "kernels/contact_problem.h"
+#include "kernels/contact/contact_problem.h"
 #include "tests/reference/dense_oracle.h"
 
 namespace scree::fixtures {

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "host/overlaps.h"
 #include "host/problems/body_problem.h"
+#include "host/scene/overlaps.h"
+#include "host/scene/scene_summary.h"
 #include "host/scene_reader.h"
-#include "host/scene_summary.h"
 
 namespace scree {
 namespace {

@@ -17,8 +17,8 @@
 #include "host/cli/run_command.h"
 #include "host/cli/solve_command.h"
 #include "host/error.h"
+#include "host/io/printable.h"
 #include "host/io/streams.h"
-#include "host/printable.h"
 #include "host/version.h"
 
 namespace {

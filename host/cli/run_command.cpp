@@ -22,7 +22,7 @@
 #include "host/io/wall_frames.h"
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
-#include "host/overlaps.h"
+#include "host/scene/overlaps.h"
 #include "host/scene_reader.h"
 
 namespace scree {

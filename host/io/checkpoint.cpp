@@ -16,7 +16,7 @@
 #include "host/io/h5.h"
 #include "host/io/seal.h"
 #include "host/io/values.h"
-#include "host/particle_table.h"
+#include "host/scene/particle_table.h"
 #include "host/version.h"
 
 namespace scree {

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "host/bodies_by_id.h"
+#include "host/engine/bodies_by_id.h"
 #include "host/error.h"
 #include "host/io/h5.h"
 #include "host/io/values.h"
-#include "host/scene_summary.h"
+#include "host/scene/scene_summary.h"
 
 namespace scree {
 namespace {

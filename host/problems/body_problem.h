@@ -1,13 +1,13 @@
 #pragma once
 // The contact problem of one step with its bodies, in host memory and in double: all that
-// kernels/contact_problem.h needs, the guess, and where it comes from.
+// kernels/contact/contact_problem.h needs, the guess, and where it comes from.
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "host/scene.h"
-#include "kernels/contact_problem.h"
+#include "kernels/contact/contact_problem.h"
 
 namespace scree {
 

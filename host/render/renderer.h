@@ -6,7 +6,7 @@
 #include "host/scene.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
-#include "kernels/body_view.h"
+#include "kernels/bodies/body_view.h"
 #include "kernels/render/shade.h"
 #include "kernels/render/statistics.h"
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "host/error.h"
-#include "host/scene_checks.h"
+#include "host/scene/scene_checks.h"
 
 namespace scree::reader {
 namespace {

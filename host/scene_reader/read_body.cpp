@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "host/mesh_reader.h"
-#include "host/particle_table.h"
-#include "host/scene_checks.h"
+#include "host/scene/mesh_reader.h"
+#include "host/scene/particle_table.h"
+#include "host/scene/scene_checks.h"
 #include "host/scene_reader/parts.h"
 
 namespace scree::reader {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "host/layouts/layouts.h"
-#include "host/particle_table.h"
+#include "host/scene/particle_table.h"
 #include "host/scene_reader/parts.h"
 
 namespace scree::reader {

@@ -2,7 +2,7 @@
 // Colors of bodies. All of them are made in OKLCh, where equal steps look equal (B. Ottosson, "A
 // perceptual color space for image processing", 2020), and leave as linear-light RGB.
 
-#include "kernels/body_view.h"
+#include "kernels/bodies/body_view.h"
 #include "kernels/render/view.h"
 
 namespace scree::render {

@@ -3,7 +3,7 @@
 // primitive. Primitive numbers: first the bodies (free ones, then fixed ones), then the triangles
 // of all mesh bodies in the order of their shape records.
 
-#include "kernels/body_view.h"
+#include "kernels/bodies/body_view.h"
 #include "kernels/render/intersect.h"
 
 namespace scree::render {

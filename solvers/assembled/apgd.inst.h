@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/apgd_passes.h"
+#include "kernels/solve/apgd_passes.h"
 #include "solvers/assembled/accelerated_points.h"
 #include "solvers/assembled/backend_solver.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernels/cone.h"
+#include "kernels/contact/cone.h"
 #include "solvers/assembled/assembled_problem.h"
 
 namespace scree {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "host/bed_scene.h"
 #include "host/error.h"
+#include "host/scene/bed_scene.h"
 
 namespace scree::test {
 namespace {

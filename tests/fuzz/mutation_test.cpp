@@ -9,7 +9,7 @@
 #include "host/error.h"
 #include "host/io/problem_file.h"
 #include "tests/fuzz/readers.h"
-#include "tests/host/output_fixtures.h"
+#include "tests/host/io/output_fixtures.h"
 
 namespace scree::fuzz {
 namespace {

@@ -18,7 +18,7 @@ cp -r "$here" "$temporary/project"
 
 # Only public headers, all of them below scree/, each complete in itself.
 [ "$(ls "$prefix/include")" = scree ] || fail "include/ holds more than scree/: $(ls "$prefix/include")"
-for internal in kernels/tuned kernels/backend collision cli engine.h; do
+for internal in kernels/backend kernels/solve collision cli engine; do
   [ ! -e "$prefix/include/scree/$internal" ] || fail "include/scree/$internal is not public"
 done
 (cd "$prefix/include" && find scree -name '*.h' -print0 | while IFS= read -r -d '' header; do

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "host/bed_scene.h"
+#include "host/scene/bed_scene.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {

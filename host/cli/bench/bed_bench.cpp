@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "host/cli/judged.h"
+#include "host/engine/expected_memory.h"
 #include "host/error.h"
-#include "host/expected_memory.h"
 #include "host/io/streams.h"
 
 namespace scree {

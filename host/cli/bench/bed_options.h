@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "host/bed_scene.h"
 #include "host/cli/options.h"
+#include "host/scene/bed_scene.h"
 
 namespace scree {
 

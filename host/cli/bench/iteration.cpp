@@ -7,7 +7,7 @@
 #include "host/cli/bench/figures.h"
 #include "host/cli/bench/modes.h"
 #include "host/cli/bench/table.h"
-#include "host/copy_bandwidth.h"
+#include "host/engine/copy_bandwidth.h"
 
 namespace scree {
 int bench_iteration(const BedOptions& options) {

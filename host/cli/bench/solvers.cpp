@@ -11,7 +11,7 @@
 #include "host/cli/bench/modes.h"
 #include "host/cli/bench/table.h"
 #include "host/cli/judged.h"
-#include "host/copy_bandwidth.h"
+#include "host/engine/copy_bandwidth.h"
 #include "host/error.h"
 
 namespace scree {

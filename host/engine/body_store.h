@@ -1,0 +1,299 @@
+#pragma once
+// The bodies of a running simulation in backend memory, and the maps between storage order and ids.
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "host/engine/constant_array.h"
+#include "host/engine/engine_errors.h"
+#include "host/engine/shared_constants.h"
+#include "host/world.h"
+#include "kernels/backend/backend.h"
+#include "kernels/bodies/body_view.h"
+#include "kernels/bodies/permute.h"
+
+namespace scree {
+
+/// Storage index of the shape record of a body, see BodyView::shape.
+inline constexpr Index kSphereShape = -1;
+
+/// Bodies that pass through host memory at once on their way to and from the backend.
+inline constexpr Index kTransferChunk = 65536;
+
+template <class B, class Real>
+class BodyStore {
+ public:
+  /// @param capacity       free bodies ever in the simulation, insertions included
+  /// @param solid_spheres  see SceneSummary: their moments are not stored
+  BodyStore(B& backend, Index capacity, Index fixed_count, const SharedConstants& shared,
+            bool solid_spheres)
+      : b_(&backend),
+        position_(backend, capacity + fixed_count),
+        orientation_(backend, capacity + fixed_count),
+        velocity_(backend, capacity + fixed_count),
+        angular_velocity_(backend, capacity + fixed_count),
+        inertia_(backend, solid_spheres ? 0 : capacity + fixed_count),
+        id_(backend, capacity + fixed_count),
+        inv_mass_(backend, capacity, capacity + fixed_count, inverse_of(shared.mass), Real(0)),
+        radius_(backend, capacity, capacity + fixed_count, converted<Real>(shared.radius), Real(0)),
+        shape_(backend, capacity, capacity + fixed_count,
+               shared.spheres ? std::optional<Index>(kSphereShape) : std::nullopt, kSphereShape),
+        locks_(backend, capacity, capacity + fixed_count, shared.locks, std::uint8_t(0)),
+        material_(backend, capacity, capacity + fixed_count,
+                  converted<std::uint8_t>(shared.material), std::uint8_t(0)),
+        group_(backend, capacity, capacity + fixed_count, shared.group, Index(0)),
+        fixed_begin_(capacity),
+        count_(capacity + fixed_count) {
+    // Room for bodies that come later holds defined values: pictures and copies may pass over it.
+    fill(backend, position_.view(), Vec3<double>{});
+    fill(backend, orientation_.view(), Quat<Real>{});
+    fill(backend, velocity_.view(), Vec3<Real>{});
+    fill(backend, angular_velocity_.view(), Vec3<Real>{});
+    fill(backend, inertia_.view(), Vec3<Real>{});
+    fill(backend, id_.view(), Index(-1));
+  }
+
+  Index free_count() const { return free_count_; }
+  Index fixed_begin() const { return fixed_begin_; }
+  Index count() const { return count_; }
+
+  BodyView<Real> view() {
+    BodyView<Real> v;
+    v.free_count = free_count_;
+    v.fixed_begin = fixed_begin_;
+    v.count = count_;
+    v.position = position_.view();
+    v.orientation = orientation_.view();
+    v.velocity = velocity_.view();
+    v.angular_velocity = angular_velocity_.view();
+    v.inv_mass = inv_mass_.view();
+    v.inertia = inertia_.view();
+    v.radius = radius_.view();
+    v.shape = shape_.view();
+    v.locks = locks_.view();
+    v.material = material_.view();
+    v.group = group_.view();
+    v.id = id_.view();
+    return v;
+  }
+
+  /// Collects bodies in the host's memory and uploads them chunk by chunk.
+  class Loader {
+   public:
+    /// @param begin  storage index of the first body
+    Loader(BodyStore& store, Index begin) : store_(&store), begin_(begin) {}
+
+    /// @param shape   shape record, or kSphereShape
+    /// @param radius  sphere or bounding radius [m]
+    void add(const BodyDescription& d, Index id, Index shape, double radius) {
+      const bool moves = d.kind == BodyKind::free;
+      position_.push_back(d.position);
+      orientation_.emplace_back(d.orientation);
+      velocity_.emplace_back(moves ? Vec3<Real>(d.velocity) : Vec3<Real>{});
+      angular_velocity_.emplace_back(moves ? Vec3<Real>(d.angular_velocity) : Vec3<Real>{});
+      inertia_.emplace_back(moves ? Vec3<Real>(d.inertia) : Vec3<Real>{});
+      inv_mass_.push_back(moves ? static_cast<Real>(1 / d.mass) : Real(0));
+      radius_.push_back(static_cast<Real>(radius));
+      shape_.push_back(shape);
+      group_.push_back(d.group);
+      id_.push_back(id);
+      locks_.push_back(d.locks);
+      material_.push_back(static_cast<std::uint8_t>(d.material));
+      if (id_.size() == static_cast<std::size_t>(kTransferChunk)) flush();
+    }
+
+    /// Uploads what is left. @return storage index behind the last body
+    Index flush() {
+      const auto count = static_cast<Index>(id_.size());
+      move_to(store_->position_, position_);
+      move_to(store_->orientation_, orientation_);
+      move_to(store_->velocity_, velocity_);
+      move_to(store_->angular_velocity_, angular_velocity_);
+      if (store_->inertia_.capacity() > 0) move_to(store_->inertia_, inertia_);
+      inertia_.clear();
+      move_to(store_->inv_mass_, inv_mass_);
+      move_to(store_->radius_, radius_);
+      move_to(store_->shape_, shape_);
+      move_to(store_->locks_, locks_);
+      move_to(store_->material_, material_);
+      move_to(store_->group_, group_);
+      move_to(store_->id_, id_);
+      begin_ += count;
+      return begin_;
+    }
+
+   private:
+    template <class T>
+    void move_to(Buffer<B, T>& buffer, std::vector<T>& values) {
+      store_->put(buffer, begin_, values);
+      values.clear();
+    }
+    template <class T>
+    void move_to(ConstantArray<B, T>& array, std::vector<T>& values) {
+      array.put(*store_->b_, begin_, values);
+      values.clear();
+    }
+
+    BodyStore* store_;
+    Index begin_;
+    std::vector<Vec3<double>> position_;
+    std::vector<Quat<Real>> orientation_;
+    std::vector<Vec3<Real>> velocity_, angular_velocity_, inertia_;
+    std::vector<Real> inv_mass_, radius_;
+    std::vector<Index> shape_, group_, id_;
+    std::vector<std::uint8_t> locks_, material_;
+  };
+
+  /// Takes the free bodies into the simulation that were loaded up to a storage index.
+  void set_free_count(Index count) { free_count_ = count; }
+
+  /// Rewrites pose and velocity of body `fixed_begin + k` for each k.
+  void set_fixed_motion(const std::vector<Vec3<double>>& position,
+                        const std::vector<Quat<Real>>& orientation,
+                        const std::vector<Vec3<Real>>& velocity,
+                        const std::vector<Vec3<Real>>& angular_velocity) {
+    put(position_, fixed_begin_, position);
+    put(orientation_, fixed_begin_, orientation);
+    put(velocity_, fixed_begin_, velocity);
+    put(angular_velocity_, fixed_begin_, angular_velocity);
+  }
+
+  std::vector<Index> ids() { return take(id_, 0, count_); }
+
+  /// Free bodies in storage order, as doubles (exact).
+  void save_free(WorldState& s) {
+    s.id = take(id_, 0, free_count_);
+    take_free(position_, s.position);
+    take_free(orientation_, s.orientation);
+    take_free(velocity_, s.velocity);
+    take_free(angular_velocity_, s.angular_velocity);
+  }
+  /// Overwrites the state of the free bodies; their constants must be in place already, in order of
+  /// s.id.
+  void restore_free(const WorldState& s) {
+    put_free(s.position, position_);
+    put_free(s.orientation, orientation_);
+    put_free(s.velocity, velocity_);
+    put_free(s.angular_velocity, angular_velocity_);
+  }
+  /// Brings the free bodies into the storage order of a saved state.
+  /// @param id  [free_count] ids in that order @throws InputError when they are not those of the
+  /// free bodies
+  void arrange(const std::vector<int>& id) {
+    const std::vector<Index> now = take(id_, 0, free_count_);
+    const Index id_end = now.empty() ? 0 : *std::max_element(now.begin(), now.end()) + 1;
+    std::vector<Index> place(static_cast<std::size_t>(id_end), -1);  // in storage, by id
+    for (std::size_t i = 0; i < now.size(); ++i)
+      place[static_cast<std::size_t>(now[i])] = static_cast<Index>(i);
+    std::vector<Index> order;
+    order.reserve(id.size());
+    for (const int wanted : id) {
+      if (wanted < 0 || wanted >= id_end || place[static_cast<std::size_t>(wanted)] < 0)
+        throw_unknown_body(wanted);
+      order.push_back(std::exchange(place[static_cast<std::size_t>(wanted)], -1));
+    }
+    Buffer<B, Index> on_backend(*b_);
+    upload(*b_, order, on_backend);
+    for_each_array([&](auto& array) {
+      std::remove_reference_t<decltype(array)> moved(*b_, free_count_);
+      using Value = std::remove_pointer_t<decltype(array.data())>;
+      for_each(*b_, free_count_,
+               Gather<Value>{on_backend.view(free_count_), std::as_const(array).view(free_count_),
+                             moved.view(free_count_)});
+      copy(*b_, std::as_const(moved).view(free_count_), array.view(free_count_));
+    });
+  }
+
+  /// States of the bodies inserted so far, by id.
+  BodyStates states() {
+    const auto n = static_cast<std::size_t>(free_count_ + count_ - fixed_begin_);
+    BodyStates out;
+    out.position.resize(n);
+    out.orientation.resize(n);
+    out.velocity.resize(n);
+    out.angular_velocity.resize(n);
+    const auto scatter_chunk = [&](Index begin, Index count) {
+      const std::vector<Index> id = take(id_, begin, count);
+      scatter(take(position_, begin, count), id, out.position);
+      scatter(take(orientation_, begin, count), id, out.orientation);
+      scatter(take(velocity_, begin, count), id, out.velocity);
+      scatter(take(angular_velocity_, begin, count), id, out.angular_velocity);
+    };
+    for_each_chunk(0, free_count_, scatter_chunk);
+    for_each_chunk(fixed_begin_, count_, scatter_chunk);
+    return out;
+  }
+
+  /// Applies f(buffer) to every array of free bodies, for reordering.
+  template <class F>
+  void for_each_array(F&& f) {
+    f(position_), f(orientation_), f(velocity_), f(angular_velocity_), f(id_);
+    if (inertia_.capacity() > 0) f(inertia_);
+    inv_mass_.if_stored(f), radius_.if_stored(f), shape_.if_stored(f);
+    locks_.if_stored(f), material_.if_stored(f), group_.if_stored(f);
+  }
+
+ private:
+  template <class To, class From>
+  static std::optional<To> converted(const std::optional<From>& value) {
+    return value ? std::optional<To>(static_cast<To>(*value)) : std::nullopt;
+  }
+  static std::optional<Real> inverse_of(const std::optional<double>& mass) {
+    return mass ? std::optional<Real>(static_cast<Real>(1 / *mass)) : std::nullopt;
+  }
+
+  template <class T>
+  void put(Buffer<B, T>& buffer, Index begin, const std::vector<T>& values) {
+    upload(*b_, values.data(), Span<T>{buffer.data() + begin, static_cast<Offset>(values.size())});
+  }
+  template <class T>
+  std::vector<T> take(Buffer<B, T>& buffer, Index begin, Index count) {
+    return download(*b_, Span<T>{buffer.data() + begin, count});
+  }
+  /// Calls f(begin, count) for the chunks of a range of storage.
+  template <class F>
+  static void for_each_chunk(Index begin, Index end, F&& f) {
+    for (Index i = begin; i < end; i += std::min(kTransferChunk, end - i))
+      f(i, std::min(kTransferChunk, end - i));
+  }
+  template <class T, class D>
+  void take_free(Buffer<B, T>& buffer, std::vector<D>& to) {
+    to.clear();
+    to.reserve(static_cast<std::size_t>(free_count_));
+    for_each_chunk(0, free_count_, [&](Index begin, Index count) {
+      for (const T& value : take(buffer, begin, count)) to.emplace_back(value);
+    });
+  }
+  template <class T, class D>
+  void put_free(const std::vector<D>& from, Buffer<B, T>& buffer) {
+    for_each_chunk(0, free_count_, [&](Index begin, Index count) {
+      const auto first = from.begin() + begin;
+      put(buffer, begin, std::vector<T>(first, first + count));
+    });
+  }
+  template <class T, class D>
+  static void scatter(const std::vector<T>& from, const std::vector<Index>& id,
+                      std::vector<D>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) to[static_cast<std::size_t>(id[i])] = D(from[i]);
+  }
+
+  B* b_;
+  Buffer<B, Vec3<double>> position_;
+  Buffer<B, Quat<Real>> orientation_;
+  Buffer<B, Vec3<Real>> velocity_;
+  Buffer<B, Vec3<Real>> angular_velocity_;
+  Buffer<B, Vec3<Real>> inertia_;  ///< empty for solid spheres
+  Buffer<B, Index> id_;
+  ConstantArray<B, Real> inv_mass_;
+  ConstantArray<B, Real> radius_;
+  ConstantArray<B, Index> shape_;
+  ConstantArray<B, std::uint8_t> locks_;
+  ConstantArray<B, std::uint8_t> material_;
+  ConstantArray<B, Index> group_;
+  Index free_count_ = 0;
+  Index fixed_begin_ = 0;
+  Index count_ = 0;
+};
+
+}  // namespace scree

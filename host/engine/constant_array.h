@@ -1,0 +1,49 @@
+#pragma once
+// A constant of every body in backend memory, see PerBody.
+
+#include <optional>
+#include <vector>
+
+#include "kernels/backend/backend.h"
+#include "kernels/bodies/per_body.h"
+
+namespace scree {
+
+template <class B, class T>
+class ConstantArray {
+ public:
+  /// @param fixed_begin  storage index behind the free bodies
+  /// @param shared       value of all free bodies; none: each has its own
+  /// @param filler       of bodies not loaded yet
+  ConstantArray(B& b, Index fixed_begin, Index count, const std::optional<T>& shared, T filler)
+      : first_(shared ? fixed_begin : 0),
+        shared_(shared.value_or(filler)),
+        array_(b, count - first_) {
+    fill(b, array_.view(), filler);
+  }
+
+  PerBody<T> view() const {
+    PerBody<T> v(array_.view(array_.capacity()));
+    v.first = first_;
+    v.shared = shared_;
+    return v;
+  }
+  /// Stores the values of bodies from storage index `begin` on; shared ones are known already.
+  void put(B& b, Index begin, const std::vector<T>& values) {
+    if (begin < first_) return;
+    upload(b, values.data(),
+           Span<T>{array_.data() + (begin - first_), static_cast<Offset>(values.size())});
+  }
+  /// Calls f(array) where free bodies have their own values, for reordering.
+  template <class F>
+  void if_stored(F&& f) {
+    if (first_ == 0) f(array_);
+  }
+
+ private:
+  Index first_ = 0;
+  T shared_;
+  Buffer<B, T> array_;
+};
+
+}  // namespace scree

@@ -1,0 +1,65 @@
+#include "host/engine/engine_errors.h"
+
+#include <fmt/format.h>
+
+#include "host/error.h"
+#include "kernels/bodies/range.h"
+
+namespace scree {
+
+void throw_bad_body(std::int64_t step, int body, const Vec3d& x, const Vec3d& v) {
+  const bool finite = is_finite(x) && is_finite(v);
+  throw RunError(fmt::format(
+      "step {}: body {} {}: position ({}, {}, {}) m, velocity ({}, {}, {}) m/s; "
+      "the time step may be too large",
+      step, body,
+      finite
+          ? fmt::format("is too far out or too fast, beyond {:g} m, or {:g} m/s or {:g} m a step",
+                        kFarthest, kFastest, kFarthest)
+          : "has a state that is not finite",
+      x.x, x.y, x.z, v.x, v.y, v.z));
+}
+
+void throw_not_finite(std::int64_t step, const char* quantity, double value) {
+  throw RunError(fmt::format(
+      "step {}: the {} is {}; values of the scene may be too large or too small, or the time step "
+      "too large",
+      step, quantity, value));
+}
+
+void throw_bad_contact(std::int64_t step, int body_a, int body_b) {
+  throw RunError(
+      fmt::format("step {}: the contact of bodies {} and {} has a residual that is not finite; the "
+                  "time step may be too "
+                  "large or a body's state is broken",
+                  step, body_a, body_b));
+}
+
+void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene) {
+  throw InputError(
+      fmt::format("checkpoint: {} insertions done, the scene has {}", found, in_scene));
+}
+
+void throw_wrong_body_count(std::size_t found, std::size_t expected) {
+  throw InputError(
+      fmt::format("checkpoint: {} free bodies, the scene has {} at that time", found, expected));
+}
+
+void throw_unknown_body(int id) {
+  throw InputError(fmt::format("checkpoint: body {} is not a free body of the scene", id));
+}
+
+void require_contacts(const WorldState& state, int vectors_per_contact, std::size_t free_count) {
+  const std::size_t contacts = state.contact_key.size();
+  const std::size_t vectors = contacts * static_cast<std::size_t>(vectors_per_contact);
+  if (state.contact_impulse.size() != vectors)
+    throw InputError(fmt::format("checkpoint: {} contact impulses, expected {} of {} contacts",
+                                 state.contact_impulse.size(), vectors, contacts));
+  for (std::size_t c = 0; c < contacts; ++c)
+    if (state.contact_key[c] >> 32 >= free_count)
+      throw InputError(
+          fmt::format("checkpoint: contact {} is of storage place {}, expected 0 to {}", c,
+                      state.contact_key[c] >> 32, static_cast<std::int64_t>(free_count) - 1));
+}
+
+}  // namespace scree

@@ -1,0 +1,30 @@
+#pragma once
+// The engine's messages, kept out of its header: the formatting library does not compile under
+// nvcc.
+
+#include <cstdint>
+
+#include "host/scene.h"
+#include "host/world.h"
+
+namespace scree {
+
+/// A state that is not finite, or out of the range of kernels/bodies/range.h. @throws RunError naming the
+/// body
+[[noreturn]] void throw_bad_body(std::int64_t step, int body, const Vec3d& position,
+                                 const Vec3d& velocity);
+/// @throws RunError naming the quantity
+[[noreturn]] void throw_not_finite(std::int64_t step, const char* quantity, double value);
+/// @throws RunError naming the two bodies
+[[noreturn]] void throw_bad_contact(std::int64_t step, int body_a, int body_b);
+/// @throws InputError
+[[noreturn]] void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene);
+/// @throws InputError
+[[noreturn]] void throw_wrong_body_count(std::size_t found, std::size_t expected);
+/// @throws InputError
+[[noreturn]] void throw_unknown_body(int id);
+/// Checks that remembered contacts fit a scene: their vectors are counted and their keys name
+/// bodies that can move. @throws InputError
+void require_contacts(const WorldState& state, int vectors_per_contact, std::size_t free_count);
+
+}  // namespace scree

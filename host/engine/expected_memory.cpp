@@ -1,0 +1,222 @@
+#include "host/engine/expected_memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "host/engine/shared_constants.h"
+#include "host/error.h"
+#include "host/scene/scene_summary.h"
+
+namespace scree {
+namespace {
+
+/// Contacts of a sphere, listed ones that do not touch included: 3.3 in a bed that has settled,
+/// less than 3 in one that has not.
+constexpr double kContacts = 3.25;
+/// Near pairs of a body there, at the default skin and stretched as lists are while a bed settles:
+/// of spheres about alike, and of diameters that differ several times.
+constexpr double kPairs = 5.5;
+constexpr double kPairsOfMixed = 11;
+/// Largest over median diameter from which bodies count as mixed.
+constexpr double kMixed = 2;
+
+/// Bytes for each body and for each contact.
+struct Bytes {
+  double body = 0;
+  double contact = 0;
+  friend Bytes operator+(const Bytes& a, const Bytes& b) {
+    return {a.body + b.body, a.contact + b.contact};
+  }
+};
+
+/// Sizes of what arrays hold, and what decides which arrays there are.
+struct Sizes {
+  Sizes(const Scene& scene_, const WorldOptions& options)
+      : scene(scene_),
+        summary(summarize(scene_)),
+        shared(shared_constants(scene_)),
+        real(options.precision == Precision::double_precision ? 8 : 4),
+        vec(3 * real),
+        twist(6 * real),
+        impulse(vectors_per_contact(summary.layout) * vec),
+        radial(summary.layout == ContactLayout::radial),
+        alike(radial && summary.solid_spheres),
+        device_spheres(radial && options.backend == BackendKind::cuda),
+        marks(scene_.solver.name == "gauss_seidel_colored" ? 4 : 0),
+        pairs(summary.largest_diameter > kMixed * summary.median_diameter ? kPairsOfMixed
+                                                                          : kPairs) {}
+  const Scene& scene;
+  SceneSummary summary;
+  SharedConstants shared;
+  double real, vec, twist, impulse;
+  bool radial;
+  bool alike;           ///< free velocities and inverse masses come from the state
+  bool device_spheres;  ///< tuned programs run
+  double marks;         ///< what the solver leaves at a contact
+  double pairs;         ///< near pairs of a body
+};
+
+/// Position, orientation, rates, id, and the constants that are not shared.
+double state_of_body(const Sizes& s) {
+  double bytes = 24 + 4 * s.real + 2 * s.vec + 4;
+  if (!s.summary.solid_spheres) bytes += s.vec;
+  if (!s.shared.mass) bytes += s.real;
+  if (!s.shared.radius) bytes += s.real;
+  if (!s.shared.spheres) bytes += 4;
+  if (!s.shared.group) bytes += 4;
+  if (!s.shared.locks) bytes += 1;
+  if (!s.shared.material) bytes += 1;
+  return bytes;
+}
+
+/// Contacts as collision detection leaves them: ids, normal, gap, arms; key.
+double contact_set(const Sizes& s) { return 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + 8; }
+
+/// What is remembered of a contact of the last step: key, impulse and mark.
+double warm_start(const Sizes& s) { return 8 + s.impulse + s.marks; }
+
+/// List of near pairs, of a body.
+double near_pair_list(const Sizes& s) { return 24 + 4.25 * s.pairs; }
+
+/// Lists of the contacts of a body, and what the state cannot give.
+Bytes problem(const Sizes& s) {
+  const auto any = [&](auto has) {
+    return std::any_of(s.scene.materials.begin(), s.scene.materials.end(), has) ||
+           std::any_of(s.scene.material_pairs.begin(), s.scene.material_pairs.end(),
+                       [&](const MaterialPair& pair) { return has(pair.values); });
+  };
+  const double friction = pair_values(s.scene, 0, 0).friction;
+  Bytes bytes{8, 4};
+  if (!s.alike) bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
+  if (s.scene.stepping.restitution_law == RestitutionLaw::newton &&
+      any([](const Material& m) { return m.restitution > 0; }))
+    bytes.contact += s.real;
+  if (any([](const Material& m) { return m.cohesion > 0; })) bytes.contact += s.real;
+  if (any([&](const Material& m) { return m.friction != friction; })) bytes.contact += s.real;
+  if (s.summary.layout == ContactLayout::rolling) bytes.contact += 3 * s.real;
+  return bytes;
+}
+
+/// Velocities that a solver returns, and its working memory at the fullest.
+Bytes solver(const Sizes& s) {
+  const double weights = 3 * s.real;
+  Bytes bytes{s.twist, weights};  // Jacobi, Gauss-Seidel
+  if (s.scene.solver.name == "apgd") {
+    // The other iterate and, once half of the iterations allowed are done, the best one; velocities
+    // of both and, without the tuned program, of the extrapolated point.
+    const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
+    const bool is_tuned = s.device_spheres && s.real == 4;
+    bytes = {(is_tuned ? 2 : 3) * s.twist,
+             2 * s.impulse + (is_tuned ? 8 : 0) + (s.scene.solver.diagonal_metric ? metric : 0)};
+  } else if (s.scene.solver.name == "gauss_seidel_colored") {
+    // Contacts in the order of colors, and the memory of their coloring.
+    const double ordered = 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;
+    bytes = bytes + Bytes{72, ordered + 36};
+  }
+  if (s.scene.solver.name == "schwarz") {
+    // The iterate before; tiles, their neighbors and links; without tuned programs also the order,
+    // the extrapolated point and the weights.
+    bytes = {2 * s.twist + 14, s.impulse + 20 + (s.device_spheres ? 0 : 4 + s.impulse + weights)};
+  }
+  if (s.scene.solver.exact_coulomb) {
+    // APGD also keeps the best impulses while more rounds follow.
+    const double best = s.scene.solver.name == "apgd" ? s.impulse : 0;
+    bytes = bytes + Bytes{s.twist, 3 * s.real + best};
+  }
+  return bytes;
+}
+
+/// A body and its contacts while contacts are looked for: those of the last step are remembered,
+/// and what is noted of pairs and margins are there too.
+double in_collision(const Sizes& s) {
+  return state_of_body(s) + near_pair_list(s) + 8 * s.pairs + 12 +
+         kContacts * (warm_start(s) + contact_set(s) + 8);
+}
+
+/// The same when impulses of the last step go to the present contacts.
+double in_warm_start(const Sizes& s, bool near_pairs) {
+  return state_of_body(s) + (near_pairs ? near_pair_list(s) : 0) +
+         kContacts * (warm_start(s) + contact_set(s) + s.impulse + s.marks);
+}
+
+double in_solver(const Sizes& s, bool near_pairs) {
+  const Bytes bytes =
+      Bytes{state_of_body(s), contact_set(s) + s.impulse + s.marks} + problem(s) + solver(s);
+  return bytes.body + (near_pairs ? near_pair_list(s) : 0) + kContacts * bytes.contact;
+}
+
+double bytes_per_body(const Sizes& s, bool near_pairs) {
+  return std::max({in_collision(s), in_warm_start(s, near_pairs), in_solver(s, near_pairs)});
+}
+
+double body_count(const SceneSummary& s) {
+  return static_cast<double>(s.free_capacity) + static_cast<double>(s.fixed_count);
+}
+
+/// Memory that a run may count on [bytes].
+struct Room {
+  explicit Room(const WorldOptions& options) {
+    const DeviceInfo device = device_info(options.backend);
+    all = static_cast<double>(device.memory_bytes);
+    free = static_cast<double>(device.free_bytes);
+    if (options.memory_limit == 0) return;
+    const auto limit = static_cast<double>(options.memory_limit);
+    all = std::min(all, limit);
+    is_limited = limit < free;
+    free = std::min(free, limit);
+  }
+  double all = 0;
+  double free = 0;
+  bool is_limited = false;
+};
+
+bool keeps_near_pairs(const Sizes& s, const WorldOptions& options) {
+  if (!(s.summary.skin > 0)) return false;
+  const Room room(options);
+  return body_count(s.summary) * bytes_per_body(s, true) <= std::min(0.5 * room.all, room.free);
+}
+
+}  // namespace
+
+bool keeps_near_pairs(const Scene& scene, const WorldOptions& options) {
+  return keeps_near_pairs(Sizes(scene, options), options);
+}
+
+double expected_bytes_per_body(const Scene& scene, const WorldOptions& options, bool near_pairs) {
+  return bytes_per_body(Sizes(scene, options), near_pairs);
+}
+
+std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
+  const Sizes s(scene, options);
+  return static_cast<std::size_t>(body_count(s.summary) *
+                                  bytes_per_body(s, keeps_near_pairs(s, options)));
+}
+
+void require_memory_for(double bodies, double bytes_per_body, const WorldOptions& options) {
+  const Room room(options);
+  const double needed = bodies * bytes_per_body, mib = 1024.0 * 1024.0;
+  if (needed <= room.free) return;
+  const char* where = options.backend == BackendKind::cuda ? "device" : "host";
+  const std::string there =
+      room.is_limited
+          ? fmt::format("the limit is {:.0f} MiB", room.free / mib)
+          : fmt::format("{:.0f} of {:.0f} MiB are free", room.free / mib, room.all / mib);
+  throw InputError(
+      fmt::format("{:.0f} bodies need about {:.0f} MiB of {} memory, {}: about {:.0f} "
+                  "bodies fit",
+                  bodies, needed / mib, where, there, std::floor(room.free / bytes_per_body)));
+}
+
+void require_memory(const Scene& scene, const WorldOptions& options) {
+  const Sizes s(scene, options);
+  require_memory_for(body_count(s.summary), bytes_per_body(s, false), options);
+}
+
+double bodies_that_fit(const Scene& scene, const WorldOptions& options) {
+  return std::floor(Room(options).free / bytes_per_body(Sizes(scene, options), false));
+}
+
+}  // namespace scree

@@ -1,0 +1,224 @@
+#pragma once
+// Impacts of a step by Poisson's hypothesis, before the step's own contact problem: rounds of
+// compression and release on the contacts that bounce and on those that touch them.
+// docs/theory.md, section "Impacts". Memory: 16 bytes a contact and 4 a body while a round looks
+// for impacts; what else it takes goes with the contacts that take part.
+
+#include <cmath>
+
+#include "host/engine/problem_assembly.h"
+#include "kernels/step/impact_pass.h"
+#include "solvers/solver.h"
+
+namespace scree {
+
+/// Instantiated beside the other solvers: solvers/impact.h.
+template <class B, class Real>
+std::unique_ptr<Solver<B, Real>> make_impact(const SolverParams& params);
+
+/// What the impacts of a step took.
+struct ImpactStats {
+  ImpactSums before;  ///< of the contacts as the step found them
+  int rounds = 0;
+  int iterations = 0;
+  int applications = 0;
+  bool converged = true;
+};
+
+/// Impulses of one round.
+template <class B, class Real>
+struct ImpactImpulses {
+  Index count = 0;
+  Buffer<B, Index> contact;     ///< of the step's contacts
+  Buffer<B, Vec3<Real>> gamma;  ///< as many vectors a contact as the layout has [N s]
+};
+
+template <class B, class Real>
+class ImpactPhase {
+ public:
+  explicit ImpactPhase(B& b, const Scene& scene, ContactLayout layout)
+      : sums_(b, 1),
+        changes_(b, 1),
+        layout_(layout),
+        exact_(scene.solver.exact_coulomb),
+        absolute_(scene.solver.stop.level == StopRule::Level::absolute ? scene.solver.stop.residual
+                                                                       : 0) {
+    SolverParams params;
+    params.max_iterations = scene.solver.max_iterations;
+    params.check_every = scene.solver.check_every;
+    solver_ = make_impact<B, Real>(params);
+  }
+
+  /// Gives bodies the velocities that they have after their impacts; loads come later.
+  /// @param envelope  up to which contacts are listed [m]
+  ImpactStats run(B& b, ProblemAssembly<B, Real>& assembly, const BodyView<Real>& bodies,
+                  const ContactView<Real>& contacts, const SteppingSettings& stepping,
+                  double envelope, const Vec3<Real>& gravity_step) {
+    forget();
+    ImpactStats stats;
+    ImpactTest<Real> test;
+    test.bodies = bodies;
+    test.contacts = contacts;
+    test.law = assembly.laws();
+    test.time_step = static_cast<Real>(stepping.time_step);
+    test.threshold = static_cast<Real>(stepping.restitution_threshold);
+    test.touching_gap = static_cast<Real>(kTouching * envelope);
+    test.gravity_step = gravity_step;
+    while (stats.rounds < kRounds && round(b, assembly, test, stats)) ++stats.rounds;
+    return stats;
+  }
+
+  void forget() { impulses_.clear(); }
+  /// Impulses of the last run, round by round.
+  const std::vector<ImpactImpulses<B, Real>>& impulses() const { return impulses_; }
+
+ private:
+  /// Impacts one after the other within a step.
+  static constexpr int kRounds = 8;
+  /// Bodies one behind the other that take part in an impact because they touch.
+  static constexpr int kReach = 4;
+  /// Gap of bodies that touch, over the envelope.
+  static constexpr double kTouching = 0.01;
+  /// RMS residual of the impacts, over their RMS approach speed.
+  static constexpr double kTolerance = 1e-3;
+  /// The same over the speed below which nothing bounces; the larger of the two counts.
+  static constexpr double kShareOfThreshold = 0.1;
+  /// Rounds end when the squares of the approach speeds are this small, over those of the first.
+  static constexpr double kRest = 1e-4;
+  /// Most corrections of the bias for exact Coulomb friction.
+  static constexpr int kCorrections = 30;
+
+  /// The problem of one round and the memory that it points at.
+  struct Round {
+    Round(B& b, Index contacts, ContactLayout layout)
+        : bodies(b),
+          body_a(b, contacts),
+          body_b(b, contacts),
+          normal(b, contacts),
+          arm_a(b, layout == ContactLayout::radial ? 0 : contacts),
+          arm_b(b, layout == ContactLayout::radial ? 0 : contacts),
+          bias(b, contacts),
+          shifted(b, contacts),
+          restitution(b, contacts),
+          least(b, contacts),
+          rolling(b, layout == ContactLayout::rolling ? contacts : 0) {}
+    StepProblem<B, Real> bodies;
+    Buffer<B, Index> body_a, body_b;
+    Buffer<B, Vec3<Real>> normal, arm_a, arm_b;
+    Buffer<B, Real> bias, shifted, restitution, least;
+    Buffer<B, RollingRow<Real>> rolling;
+  };
+
+  bool round(B& b, ProblemAssembly<B, Real>& assembly, const ImpactTest<Real>& test,
+             ImpactStats& stats) {
+    const Index n = test.contacts.count;
+    Buffer<B, Index> takes_part(b, n);
+    ImpactSums sums;
+    {
+      Buffer<B, float> reached(b, test.bodies.free_count);
+      fill(b, reached.view(), 0.0f);
+      reduce<ImpactSums>(b, n,
+                         FindImpacts<Real>{test, kReach + 1.0f, takes_part.view(), reached.view()},
+                         StoreResult<ImpactSums>{sums_.data()});
+      sums = fetch(b, sums_.data());
+      if (stats.rounds == 0) stats.before = sums;
+      const double enough = kRest * stats.before.approach_squares;
+      if (!(sums.bouncing > 0) || sums.approach_squares < enough) return false;
+      for (int k = 0; k < kReach; ++k)
+        for_each(b, n,
+                 SpreadImpacts<Real>{test, static_cast<float>(kReach + 1 - k), takes_part.view(),
+                                     reached.view()});
+    }
+    Buffer<B, Offset> place(b, static_cast<Offset>(n) + 1);
+    exclusive_scan(b, Span<const Index>(takes_part.view(n)), place.view());
+    const auto count = static_cast<Index>(fetch(b, place.data() + n));
+
+    Round r(b, count, layout_);
+    ImpactImpulses<B, Real> found{count, Buffer<B, Index>(b, count),
+                                  Buffer<B, Vec3<Real>>(b, vectors(count))};
+    ContactProblem<Real>& p = r.bodies.problem;
+    p.layout = layout_;
+    p.contact_count = count;
+    p.free_count = test.bodies.free_count;
+    p.body_count = test.bodies.count;
+    p.body_a = r.body_a.view();
+    p.body_b = r.body_b.view();
+    p.normal = r.normal.view();
+    p.arm_a = r.arm_a.view();
+    p.arm_b = r.arm_b.view();
+    p.bias.values = r.bias.view();
+    r.bodies.friction.reserve_discard(count);
+    const Span<Real> friction = r.bodies.friction.view(count);
+    p.friction.values = friction;
+    p.rolling = r.rolling.view();
+    for_each(b, n,
+             GatherImpacts<Real>{test, takes_part.view(), place.view(), found.contact.view(),
+                                 r.body_a.view(), r.body_b.view(), r.normal.view(), r.arm_a.view(),
+                                 r.arm_b.view(), r.bias.view(), friction, r.restitution.view(),
+                                 r.rolling.view()});
+    assembly.set_bodies(b, test.bodies, {}, r.bodies);
+    r.bodies.lists.build(b, p);
+
+    double tolerance = std::max(kTolerance * std::sqrt(sums.approach_squares / count),
+                                kShareOfThreshold * static_cast<double>(test.threshold));
+    if (absolute_ > 0) tolerance = std::min(tolerance, absolute_);
+    const Span<Vec3<Real>> gamma = found.gamma.view(vectors(count));
+    fill(b, gamma, Vec3<Real>{});
+    with_rows<Real>(layout_, [&](auto rows) {
+      using R = decltype(rows);
+      solve<R>(b, r, gamma, tolerance, stats);
+      for_each(b, count,
+               ReleaseImpacts<R, Real>{p, r.restitution.view(), solver_->velocity(), gamma,
+                                       r.least.view()});
+      p.adhesion.values = r.least.view();
+      solve<R>(b, r, gamma, tolerance, stats);
+    });
+    for_each(b, test.bodies.free_count, TakeVelocities<Real>{p, solver_->velocity(), test.bodies});
+    solver_->forget_velocity();
+    impulses_.push_back(std::move(found));
+    return true;
+  }
+
+  template <class R>
+  void solve(B& b, Round& r, Span<Vec3<Real>> gamma, double tolerance, ImpactStats& stats) {
+    const ContactProblem<Real>& p = r.bodies.problem;
+    ContactProblem<Real> shifted = p;
+    if (exact_) {
+      copy(b, Span<const Real>(r.bias.view()), r.shifted.view());
+      shifted.bias.values = r.shifted.view();
+    }
+    for (int k = 0;; ++k) {
+      solver_->restore_memory({});  // the same answer whatever was solved before
+      const SolveStats solved = solver_->solve(b, shifted, gamma, tolerance);
+      stats.iterations += solved.iterations;
+      stats.applications += solved.applications;
+      const bool is_last = !exact_ || k == kCorrections;
+      if (is_last) {
+        stats.converged = stats.converged && solved.converged;
+        return;
+      }
+      reduce<Sums<1>>(b, p.contact_count,
+                      LiftBias<R, Real>{p, solver_->velocity(), r.shifted.view()},
+                      StoreResult<Sums<1>>{changes_.data()});
+      const double change = fetch(b, changes_.data()).value[0];
+      if (std::sqrt(change / p.contact_count) <= tolerance) {
+        stats.converged = stats.converged && solved.converged;
+        return;
+      }
+    }
+  }
+
+  Offset vectors(Index contacts) const {
+    return static_cast<Offset>(contacts) * vectors_per_contact(layout_);
+  }
+
+  std::unique_ptr<Solver<B, Real>> solver_;
+  Buffer<B, ImpactSums> sums_;
+  Buffer<B, Sums<1>> changes_;
+  std::vector<ImpactImpulses<B, Real>> impulses_;
+  ContactLayout layout_;
+  bool exact_;
+  double absolute_;  ///< the residual that the scene asks for [m/s], or 0
+};
+
+}  // namespace scree

@@ -1,0 +1,113 @@
+#pragma once
+// Shape records of all bodies that are not spheres, and the meshes, for collision and for pictures.
+
+#include <unordered_map>
+#include <vector>
+
+#include "collision/obstacles.h"
+#include "host/engine/bodies_by_id.h"
+#include "host/scene.h"
+#include "kernels/backend/backend.h"
+#include "kernels/bodies/body_view.h"
+
+namespace scree {
+
+template <class B, class Real>
+class Obstacles {
+ public:
+  /// @param fixed_begin  storage index of the first fixed or kinematic body
+  Obstacles(B& b, const Scene& scene, Index fixed_begin)
+      : shapes_(b), vertices_(b), triangles_(b), ranges_(b) {
+    Index fixed = fixed_begin;
+    const auto add = [&](std::size_t body_id, const BodyDescription& body) {
+      const auto id = static_cast<Index>(body_id);
+      const bool is_free = body.kind == BodyKind::free;
+      if (body.shape.kind != Shape::Kind::sphere) {
+        shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
+        if (!is_free) data_.walls.push_back(shape_of_id_[id]);
+        data_.shapes.push_back(record(body.shape, is_free ? -1 : fixed));
+      }
+      if (!is_free) ++fixed;
+    };
+    for_each_by_id(scene, add, [](std::size_t, const ParticleSet&) {});
+    for (const TriangleMesh& mesh : scene.meshes) {
+      data_.meshes.push_back({mesh.vertices, mesh.triangles, mesh.closed});
+    }
+    upload(b, data_.shapes, shapes_);
+    upload_meshes(b, scene);
+  }
+
+  const ObstacleData<Real>& data() const { return data_; }
+  Span<const ShapeRecord<Real>> shapes() const {
+    return shapes_.view(static_cast<Offset>(data_.shapes.size()));
+  }
+  MeshSetView<Real> mesh_set() const {
+    return {vertices_.view(vertex_count_), triangles_.view(triangle_count_),
+            ranges_.view(range_count_)};
+  }
+
+  /// Shape record of a body by id, -1 for a sphere.
+  Index shape(Index id) const {
+    const auto found = shape_of_id_.find(id);
+    return found == shape_of_id_.end() ? -1 : found->second;
+  }
+
+ private:
+  static ShapeRecord<Real> record(const Shape& shape, Index body) {
+    ShapeRecord<Real> r;
+    switch (shape.kind) {
+      case Shape::Kind::sphere:
+        r.kind = ShapeKind::sphere;
+        break;
+      case Shape::Kind::box:
+        r.kind = ShapeKind::box;
+        break;
+      case Shape::Kind::half_space:
+        r.kind = ShapeKind::half_space;
+        break;
+      case Shape::Kind::container:
+        r.kind = ShapeKind::container;
+        break;
+      case Shape::Kind::mesh:
+        r.kind = ShapeKind::mesh;
+        break;
+    }
+    r.open_faces = static_cast<std::uint8_t>(shape.open_faces);
+    r.mesh = shape.mesh;
+    r.body = body;
+    r.half_extents = Vec3<Real>(shape.half_extents);
+    r.normal = Vec3<Real>(shape.normal);
+    return r;
+  }
+
+  void upload_meshes(B& b, const Scene& scene) {
+    std::vector<Vec3<Real>> vertices;
+    std::vector<TriangleIndices> triangles;
+    std::vector<MeshRange> ranges;
+    for (const TriangleMesh& mesh : scene.meshes) {
+      const auto first_vertex = static_cast<Index>(vertices.size());
+      ranges.push_back(
+          {static_cast<Index>(triangles.size()), static_cast<Index>(mesh.triangles.size())});
+      for (const Vec3d& v : mesh.vertices) vertices.emplace_back(v);
+      for (const auto& t : mesh.triangles) {
+        triangles.push_back({{first_vertex + t[0], first_vertex + t[1], first_vertex + t[2]}});
+      }
+    }
+    vertex_count_ = static_cast<Offset>(vertices.size());
+    triangle_count_ = static_cast<Offset>(triangles.size());
+    range_count_ = static_cast<Offset>(ranges.size());
+    upload(b, vertices, vertices_);
+    upload(b, triangles, triangles_);
+    upload(b, ranges, ranges_);
+  }
+
+  ObstacleData<Real> data_;
+  std::unordered_map<Index, Index> shape_of_id_;
+  Buffer<B, ShapeRecord<Real>> shapes_;
+  Buffer<B, Vec3<Real>> vertices_;
+  Buffer<B, TriangleIndices> triangles_;
+  Buffer<B, MeshRange> ranges_;
+  Offset vertex_count_ = 0, triangle_count_ = 0, range_count_ = 0;
+};
+
+}  // namespace scree

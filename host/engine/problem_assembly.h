@@ -1,0 +1,171 @@
+#pragma once
+// Turns bodies and contacts into the ContactProblem of a step; owns what the problem points at.
+
+#include <algorithm>
+
+#include "host/scene.h"
+#include "kernels/step/step_setup.h"
+#include "solvers/body_contacts.h"
+
+namespace scree {
+
+/// The contact problem of a step with the memory it points at, beside that of the bodies and of the
+/// contacts.
+template <class B, class Real>
+struct StepProblem {
+  explicit StepProblem(B& b)
+      : free_velocity(b),
+        radial_inertia(b),
+        general_inertia(b),
+        bias(b),
+        friction(b),
+        adhesion(b),
+        rolling(b),
+        drift(b),
+        lists(b) {}
+
+  ContactProblem<Real> problem;
+  SetupSums sums;
+  Buffer<B, Twist<Real>> free_velocity;
+  Buffer<B, RadialInertia<Real>> radial_inertia;
+  Buffer<B, GeneralInertia<Real>> general_inertia;
+  Buffer<B, Real> bias;
+  Buffer<B, Real> friction;
+  Buffer<B, Real> adhesion;
+  Buffer<B, RollingRow<Real>> rolling;
+  Buffer<B, Vec3<Real>> drift;
+  BodyContacts<B> lists;
+};
+
+template <class B, class Real>
+class ProblemAssembly {
+ public:
+  /// @param solid_spheres  see SceneSummary
+  ProblemAssembly(B& b, const Scene& scene, ContactLayout layout, bool solid_spheres)
+      : laws_(b),
+        sums_(b, 1),
+        layout_(layout),
+        solid_spheres_(solid_spheres),
+        material_count_(static_cast<Index>(scene.materials.size())) {
+    std::vector<PairLaw<Real>> laws;
+    for (const Material& m : all_pair_values(scene)) {
+      laws.push_back({static_cast<Real>(m.friction), static_cast<Real>(m.restitution),
+                      static_cast<Real>(m.cohesion), static_cast<Real>(m.rolling_friction),
+                      static_cast<Real>(m.spinning_friction)});
+    }
+    uniform_friction_ = laws.front().friction;
+    for (const PairLaw<Real>& law : laws) {
+      has_uniform_friction_ = has_uniform_friction_ && law.friction == uniform_friction_;
+      has_cohesion_ = has_cohesion_ || law.cohesion > 0;
+      has_restitution_ = has_restitution_ || law.restitution > 0;
+    }
+    upload(b, laws, laws_);
+    const auto is_box = [](const BodyDescription& body) {
+      return body.kind == BodyKind::free && body.shape.kind == Shape::Kind::box;
+    };
+    has_vertices_ = std::any_of(scene.bodies.begin(), scene.bodies.end(), is_box);
+    for (const Insertion& insertion : scene.insertions)
+      has_vertices_ =
+          has_vertices_ || std::any_of(insertion.bodies.begin(), insertion.bodies.end(), is_box);
+    bounces_by_bias_ = has_restitution_ && scene.stepping.restitution_law == RestitutionLaw::newton;
+  }
+
+  /// Whether some pair of materials bounces.
+  bool has_restitution() const { return has_restitution_; }
+  LawTable<Real> laws() const { return {laws_.view(laws_.capacity()), material_count_}; }
+
+  /// @param bodies, contacts  the problem points at them: they must not change while it is in use
+  /// @param gravity_step      h g [m/s]
+  StepProblem<B, Real> assemble(B& b, const BodyView<Real>& bodies,
+                                const ContactView<Real>& contacts, const SteppingSettings& stepping,
+                                double cohesion_range, const Vec3<Real>& gravity_step) {
+    StepProblem<B, Real> step(b);
+    ContactProblem<Real>& p = step.problem;
+    p.layout = layout_;
+    p.contact_count = contacts.count;
+    p.free_count = bodies.free_count;
+    p.body_count = bodies.count;
+    p.body_a = contacts.body_a;
+    p.body_b = contacts.body_b;
+    p.normal = contacts.normal;
+    p.arm_a = contacts.arm_a;
+    p.arm_b = contacts.arm_b;
+    set_bodies(b, bodies, gravity_step, step);
+
+    const Index n = contacts.count;
+    p.bias.gap = contacts.gap;
+    p.bias.inv_time_step = static_cast<Real>(1 / stepping.time_step);
+    p.bias.least = static_cast<Real>(-stepping.max_recovery_speed);
+    ContactSetup<Real> setup;
+    setup.bodies = bodies;
+    setup.contacts = contacts;
+    setup.law = laws();
+    setup.without_impact = p.bias;
+    setup.time_step = static_cast<Real>(stepping.time_step);
+    setup.restitution_threshold = static_cast<Real>(stepping.restitution_threshold);
+    setup.cohesion_range = static_cast<Real>(cohesion_range);
+    p.friction.uniform = uniform_friction_;
+    if (bounces_by_bias_) p.bias.values = setup.bias = sized(step.bias, n);
+    if (!has_uniform_friction_) p.friction.values = setup.friction = sized(step.friction, n);
+    if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(step.adhesion, n);
+    if (layout_ == ContactLayout::rolling) p.rolling = setup.rolling = sized(step.rolling, n);
+    if (has_vertices_ && layout_ != ContactLayout::radial) {
+      const Span<Vec3<Real>> drift = sized(step.drift, n);
+      p.drift = drift;
+      for_each(b, n,
+               ContactDrift<Real>{bodies, contacts, p.general_inertia, setup.time_step / 2, drift});
+    }
+    reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
+    step.lists.build(b, p);
+    step.sums = fetch(b, sums_.data());
+    return step;
+  }
+
+  /// Velocities and inertias of the bodies in the problem of a step.
+  void set_bodies(B& b, const BodyView<Real>& bodies, const Vec3<Real>& gravity_step,
+                  StepProblem<B, Real>& step) {
+    ContactProblem<Real>& p = step.problem;
+    if (layout_ == ContactLayout::radial && solid_spheres_) {
+      p.free_velocity.velocity = bodies.velocity;
+      p.free_velocity.angular_velocity = bodies.angular_velocity;
+      p.free_velocity.radius = bodies.radius;
+      p.free_velocity.gravity_step = gravity_step;
+      p.free_velocity.free_count = bodies.free_count;
+      p.radial_inertia.inv_mass = bodies.inv_mass;
+      p.radial_inertia.spin_ratio = Real(2.5);  // r^2 / I over 1 / m
+      return;
+    }
+    const Span<Twist<Real>> free_velocity = sized(step.free_velocity, bodies.count);
+    p.free_velocity = free_velocity;
+    if (layout_ == ContactLayout::radial) {
+      const Span<RadialInertia<Real>> inertia = sized(step.radial_inertia, bodies.count);
+      p.radial_inertia = inertia;
+      for_each(b, bodies.count, PredictRadial<Real>{bodies, gravity_step, free_velocity, inertia});
+    } else {
+      const Span<GeneralInertia<Real>> inertia = sized(step.general_inertia, bodies.count);
+      p.general_inertia = inertia;
+      for_each(b, bodies.count, PredictGeneral<Real>{bodies, gravity_step, free_velocity, inertia});
+    }
+  }
+
+ private:
+  template <class T>
+  static Span<T> sized(Buffer<B, T>& buffer, Index n) {
+    buffer.reserve_discard(std::max<Index>(n, 1));  // an empty view would mean "uniform"
+    return buffer.view();
+  }
+
+  Buffer<B, PairLaw<Real>> laws_;
+  Buffer<B, SetupSums> sums_;
+  ContactLayout layout_;
+  bool solid_spheres_ = false;
+  Index material_count_;
+  Real uniform_friction_ = 0;
+  bool has_uniform_friction_ = true;
+  bool has_cohesion_ = false;
+  bool has_restitution_ = false;
+  bool has_vertices_ = false;     ///< of free boxes
+  bool bounces_by_bias_ = false;  ///< Newton's law
+};
+
+}  // namespace scree

@@ -1,0 +1,96 @@
+#include "host/world.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "host/engine/cuda_device.h"
+#include "host/engine/engine.h"
+#include "host/error.h"
+
+namespace scree {
+
+class Cpu;
+class Cuda;
+
+namespace {
+
+std::unique_ptr<Engine> engine_for(Scene scene, const WorldOptions& options) {
+  validate(scene);
+  std::string reason;
+  if (!backend_available(options.backend, &reason)) throw InputError("backend cuda: " + reason);
+#ifdef SCREE_HAS_CUDA
+  if (options.backend == BackendKind::cuda) return make_engine<Cuda>(std::move(scene), options);
+#endif
+  return make_engine<Cpu>(std::move(scene), options);
+}
+
+/// Host memory that can be had without swapping [bytes]; the largest number when unknown.
+std::size_t free_host_memory() {
+  std::ifstream lines("/proc/meminfo");
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("MemAvailable:"))
+      return 1024 * static_cast<std::size_t>(std::stoull(line.substr(13)));
+  return std::numeric_limits<std::size_t>::max();
+}
+
+}  // namespace
+
+World::World(Scene scene, const WorldOptions& options)
+    : engine_(engine_for(std::move(scene), options)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+StepReport World::step() { return engine_->step(nullptr); }
+StepReport World::step(BodyProblem& problem) { return engine_->step(&problem); }
+std::int64_t World::steps_done() const { return engine_->steps_done(); }
+double World::time() const { return engine_->time(); }
+int World::body_count() const { return engine_->body_count(); }
+BodyStates World::states() const { return engine_->states(); }
+const BodyConstants& World::constants() const { return engine_->constants(); }
+std::vector<ContactRecord> World::contacts() const { return engine_->contacts(); }
+std::vector<ContactRecord> World::overlaps() const { return engine_->overlaps(); }
+WorldState World::save() const { return engine_->save(); }
+void World::restore(const WorldState& state) { engine_->restore(state); }
+Image World::render(const PictureSettings& settings) const { return engine_->render(settings); }
+std::size_t World::memory() const { return engine_->memory(); }
+std::size_t World::peak_memory() const { return engine_->peak_memory(); }
+
+bool backend_available(BackendKind kind, [[maybe_unused]] std::string* reason) {
+  if (kind == BackendKind::cpu) return true;
+#ifdef SCREE_HAS_CUDA
+  return cuda_available(reason);
+#else
+  if (reason != nullptr) *reason = "this program was built without CUDA";
+  return false;
+#endif
+}
+
+DeviceInfo device_info(BackendKind kind) {
+#ifdef SCREE_HAS_CUDA
+  if (kind == BackendKind::cuda) return cuda_device_info();
+#else
+  static_cast<void>(kind);
+#endif
+  DeviceInfo info;
+  info.name = "CPU";
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);) {
+    const auto colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) {
+      info.name = line.substr(colon + 2);
+      break;
+    }
+  }
+  info.threads = static_cast<int>(std::thread::hardware_concurrency());
+  info.memory_bytes = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+                      static_cast<std::size_t>(sysconf(_SC_PAGE_SIZE));
+  info.free_bytes = std::min(free_host_memory(), info.memory_bytes);
+  return info;
+}
+
+}  // namespace scree

@@ -1,0 +1,128 @@
+#include "host/io/csv.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "host/error.h"
+#include "host/io/printable.h"
+#include "host/scene/scene_checks.h"
+
+namespace scree {
+namespace {
+
+constexpr std::size_t kShown = 40;  // bytes of a file's own words in a message
+
+std::string_view trimmed(std::string_view text) {
+  const char* blank = " \t\r";
+  const std::size_t first = text.find_first_not_of(blank);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(blank) - first + 1);
+}
+
+}  // namespace
+
+CsvReader::CsvReader(std::filesystem::path file, const std::vector<std::string>& known)
+    : file_(std::move(file)), stream_(file_, std::ios::binary) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file_, error))
+    throw InputError(file_.string() + ": no such file");
+  if (!stream_) throw InputError(file_.string() + ": cannot be read");
+  if (!read_line()) throw InputError(file_.string() + ": empty: the first line must name columns");
+  split();
+  for (const std::string_view cell : cells_) columns_.emplace_back(cell);
+  std::string list;
+  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
+  const auto is_known = [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  // A file that holds something else shows none of it.
+  if (std::none_of(columns_.begin(), columns_.end(), is_known))
+    fail("no table: names none of the known columns: " + list);
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (!is_known(columns_[i]))
+      fail(fmt::format("unknown column \"{}\". Known columns: {}", printable(columns_[i], kShown),
+                       list));
+    if (std::find(columns_.begin(), columns_.begin() + static_cast<std::ptrdiff_t>(i),
+                  columns_[i]) != columns_.begin() + static_cast<std::ptrdiff_t>(i))
+      fail(fmt::format("column \"{}\" is given twice", columns_[i]));
+  }
+}
+
+int CsvReader::find(const std::string& column) const {
+  const auto at = std::find(columns_.begin(), columns_.end(), column);
+  return at == columns_.end() ? -1 : static_cast<int>(at - columns_.begin());
+}
+
+int CsvReader::require(const std::string& column) const {
+  const int at = find(column);
+  if (at < 0) throw InputError(fmt::format("{}: column \"{}\" is missing", file_.string(), column));
+  return at;
+}
+
+std::size_t CsvReader::line_count() const {
+  std::ifstream stream(file_, std::ios::binary);
+  std::vector<char> block(std::size_t{1} << 20);
+  std::size_t count = 1;
+  do {
+    stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+    count +=
+        static_cast<std::size_t>(std::count(block.begin(), block.begin() + stream.gcount(), '\n'));
+  } while (stream);
+  return count;
+}
+
+bool CsvReader::next() {
+  if (!read_line()) return false;
+  split();
+  if (cells_.size() != columns_.size())
+    fail(fmt::format("{} values, but the header names {} columns", cells_.size(), columns_.size()));
+  return true;
+}
+
+double CsvReader::number(int column) const {
+  std::string_view text = cell(column);
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    refuse(column, "must be a finite number");
+  return value;
+}
+
+void CsvReader::refuse(int column, const std::string& expected) const {
+  const std::string value = "\"" + printable(cell(column), kShown) + "\"";
+  throw InputError(fault_text(fmt::format("{}: line {}, column \"{}\"", file_.string(),
+                                          line_number_, columns_[static_cast<std::size_t>(column)]),
+                              value, expected));
+}
+
+void CsvReader::fail(const std::string& text) const {
+  throw InputError(fmt::format("{}: line {}: {}", file_.string(), line_number_, text));
+}
+
+bool CsvReader::read_line() {
+  while (std::getline(stream_, line_)) {
+    ++line_number_;
+    if (line_number_ == 1 && line_.compare(0, 3, "\xEF\xBB\xBF") == 0) line_.erase(0, 3);
+    const std::string_view text = trimmed(line_);
+    if (!text.empty() && text.front() != '#') return true;
+  }
+  if (stream_.bad()) throw InputError(file_.string() + ": cannot be read to its end");
+  return false;
+}
+
+void CsvReader::split() {
+  cells_.clear();
+  std::string_view rest = line_;
+  for (;;) {
+    const std::size_t comma = rest.find(',');
+    cells_.push_back(trimmed(rest.substr(0, comma)));
+    if (comma == std::string_view::npos) return;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace scree

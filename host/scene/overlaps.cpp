@@ -1,0 +1,134 @@
+#include "host/scene/overlaps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "host/error.h"
+
+namespace scree {
+namespace {
+
+constexpr double kTolerated = 1e-3;  // of the smaller diameter
+/// Bodies in a cell so small that all of them overlap: so many that listing their pairs could take
+/// hours.
+constexpr std::size_t kCrowd = 2000;
+
+/// A free sphere at the start.
+struct Ball {
+  Vec3d center;
+  double radius;
+  int id;
+};
+
+/// Free spheres that are there at time zero, by id.
+std::vector<Ball> balls_at_start(const Scene& scene) {
+  std::vector<Ball> balls;
+  int id = 0;
+  const auto pass = [&](const auto& batch, bool is_there) {
+    for (const BodyDescription& body : batch.bodies) {
+      const bool is_ball = body.kind == BodyKind::free && body.shape.kind == Shape::Kind::sphere;
+      if (is_there && is_ball) balls.push_back({body.position, body.shape.radius, id});
+      ++id;
+    }
+    for (const ParticleSet& set : batch.particles)
+      for (std::size_t i = 0; i < set.position.size(); ++i, ++id)
+        if (is_there) balls.push_back({set.position[i], set.radius[i], id});
+  };
+  pass(scene, true);
+  for (const Insertion& insertion : scene.insertions) pass(insertion, insertion.time <= 0);
+  return balls;
+}
+
+/// The first crowd in the order of cells: bodies whose centers share a cell no wider than the
+/// smallest diameter.
+Overlaps overlaps_in_crowd(const Scene& scene) {
+  std::vector<Ball> balls = balls_at_start(scene);
+  Overlaps found;
+  if (balls.size() < kCrowd) return found;
+  double smallest = balls[0].radius;
+  for (const Ball& ball : balls) smallest = std::min(smallest, ball.radius);
+  const double cell = 2 * smallest / std::sqrt(3.0);
+  const auto cell_of = [&](const Ball& ball) {
+    return std::array{std::floor(ball.center.x / cell), std::floor(ball.center.y / cell),
+                      std::floor(ball.center.z / cell)};
+  };
+  std::sort(balls.begin(), balls.end(), [&](const Ball& a, const Ball& b) {
+    const auto cell_a = cell_of(a);
+    const auto cell_b = cell_of(b);
+    return cell_a != cell_b ? cell_a < cell_b : a.id < b.id;
+  });
+  for (std::size_t first = 0; first + kCrowd <= balls.size(); ++first) {
+    if (cell_of(balls[first]) != cell_of(balls[first + kCrowd - 1])) continue;
+    const Ball& a = balls[first];
+    const Ball& b = balls[first + 1];
+    found.pairs = static_cast<std::int64_t>(kCrowd * (kCrowd - 1) / 2);
+    found.has_more = true;
+    found.body_a = a.id;
+    found.body_b = b.id;
+    found.depth = a.radius + b.radius - norm(b.center - a.center);
+    found.fraction = found.depth / (2 * std::min(a.radius, b.radius));
+    break;
+  }
+  return found;
+}
+
+}  // namespace
+
+Overlaps overlaps_among(const std::vector<ContactRecord>& contacts, const BodyConstants& body) {
+  Overlaps found;
+  std::pair<int, int> last{-1, -1};
+  for (const ContactRecord& contact : contacts) {
+    if (!(contact.gap < 0)) continue;
+    const double radius_a = body[static_cast<std::size_t>(contact.body_a)].radius;
+    const double radius_b = body[static_cast<std::size_t>(contact.body_b)].radius;
+    // A half-space has no diameter.
+    const double smaller = radius_b > 0 ? std::min(radius_a, radius_b) : radius_a;
+    const double fraction = -contact.gap / (2 * smaller);
+    if (!(fraction > kTolerated)) continue;
+    const std::pair<int, int> pair{contact.body_a, contact.body_b};
+    if (std::exchange(last, pair) != pair) ++found.pairs;
+    if (-contact.gap <= found.depth) continue;
+    found.body_a = contact.body_a;
+    found.body_b = contact.body_b;
+    found.depth = -contact.gap;
+    found.fraction = fraction;
+  }
+  return found;
+}
+
+Overlaps find_overlaps(Scene scene, const WorldOptions& options) {
+  Overlaps found = overlaps_in_crowd(scene);
+  if (found.pairs > 0) return found;
+  try {
+    require_memory(scene, options);
+    const World world(std::move(scene), options);
+    return overlaps_among(world.overlaps(), world.constants());
+  } catch (const std::runtime_error& error) {  // no room, or more pairs than can be numbered
+    found.not_looked_for = error.what();
+    return found;
+  }
+}
+
+std::string body_name(const BodyConstants& body, int id) {
+  const BodyConstant constant = body[static_cast<std::size_t>(id)];
+  if (constant.entry < 0) return fmt::format("body {}", id);
+  if (!constant.is_particle) return fmt::format("bodies[{}]", constant.entry);
+  return fmt::format("particles[{}] #{}", constant.entry, constant.number);
+}
+
+std::string overlap_warning(const Overlaps& o, const BodyConstants& body) {
+  if (o.pairs == 0) return "";
+  return fmt::format(
+      "{}{} pair{} of bodies overlap{} at the start; deepest: {} (id {}) and {} (id {}) by {:.3g} "
+      "m, {:.3g} % of the smaller one's diameter",
+      o.has_more ? "more than " : "", o.pairs, o.pairs == 1 ? "" : "s", o.pairs == 1 ? "s" : "",
+      body_name(body, o.body_a), o.body_a, body_name(body, o.body_b), o.body_b, o.depth,
+      100 * o.fraction);
+}
+
+}  // namespace scree

@@ -1,0 +1,579 @@
+#include "host/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/error.h"
+#include "host/io/printable.h"
+#include "host/scene/scene_checks.h"
+#include "host/scene/scene_summary.h"
+#include "kernels/bodies/range.h"
+
+namespace scree {
+
+std::string fault_text(const std::string& path, const std::string& value,
+                       const std::string& expected) {
+  return fmt::format("{}: {} is not allowed: {}", path, value, expected);
+}
+
+namespace {
+
+constexpr double kUnitTolerance = 1e-6;  // deviation from length one that is taken for rounding
+
+[[noreturn]] void refuse(const std::string& path, const std::string& value,
+                         const std::string& expected) {
+  throw InputError(fault_text(path, value, expected));
+}
+
+std::string text(double value) { return fmt::format("{}", value); }
+std::string text(const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
+std::string text(const Quatd& q) { return fmt::format("[{}, {}, {}, {}]", q.w, q.x, q.y, q.z); }
+std::string quoted(const std::string& s) { return '"' + s + '"'; }
+
+double length(const Quatd& q) { return std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z); }
+// Written so that NaN fails.
+bool is_unit(double length) { return std::abs(length - 1) <= kUnitTolerance; }
+bool is_positive(double x) { return std::isfinite(x) && x > 0; }
+bool is_non_negative(double x) { return std::isfinite(x) && x >= 0; }
+bool is_positive(const Vec3d& v) {
+  return is_positive(v.x) && is_positive(v.y) && is_positive(v.z);
+}
+
+void check_positive(const std::string& path, double value, const char* unit) {
+  if (!is_positive(value)) refuse(path, text(value), fmt::format("must be positive [{}]", unit));
+}
+void check_non_negative(const std::string& path, double value, const char* unit) {
+  if (!is_non_negative(value))
+    refuse(path, text(value), fmt::format("must be zero or positive [{}]", unit));
+}
+void check_finite(const std::string& path, const Vec3d& value, const char* unit) {
+  if (!is_finite(value))
+    refuse(path, text(value), fmt::format("must be three finite numbers [{}]", unit));
+}
+void check_one_of(const std::string& path, const std::string& value,
+                  std::initializer_list<const char*> known) {
+  std::string list;
+  for (const char* name : known) {
+    if (value == name) return;
+    list += (list.empty() ? "" : ", ") + quoted(name);
+  }
+  refuse(path, quoted(value), "must be one of " + list);
+}
+
+std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body) {
+  const Shape& shape = body.shape;
+  switch (shape.kind) {
+    case Shape::Kind::sphere:
+      if (!is_positive(shape.radius))
+        return Fault{"radius", text(shape.radius), "must be positive [m]"};
+      break;
+    case Shape::Kind::container:
+      if (shape.open_faces > 63u)
+        return Fault{"open_faces", fmt::format("{}", shape.open_faces), "must be bits 0 to 5"};
+      [[fallthrough]];
+    case Shape::Kind::box:
+      if (!is_positive(shape.half_extents))
+        return Fault{"half_extents", text(shape.half_extents), "must be positive [m]"};
+      break;
+    case Shape::Kind::half_space:
+      if (!is_unit(norm(shape.normal)))
+        return Fault{"normal", text(shape.normal), "must have length 1"};
+      break;
+    case Shape::Kind::mesh:
+      if (shape.mesh < 0 || shape.mesh >= static_cast<int>(scene.meshes.size()))
+        return Fault{"mesh", fmt::format("{}", shape.mesh),
+                     fmt::format("must be an index below {}", scene.meshes.size())};
+      break;
+  }
+  const bool solid = shape.kind == Shape::Kind::sphere || shape.kind == Shape::Kind::box;
+  if (body.kind == BodyKind::free && !solid)
+    return Fault{
+        "kind", "\"free\"",
+        "only spheres and boxes can be free; half_space, container and mesh bodies must be "
+        "\"fixed\" or \"kinematic\""};
+  return std::nullopt;
+}
+
+std::optional<Fault> samples_fault(const Motion& motion) {
+  const std::size_t count = motion.times.size();
+  if (count < 2)
+    return Fault{"motion.times", fmt::format("{} times", count), "must be two times or more [s]"};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(motion.times[i]) || (i > 0 && motion.times[i] <= motion.times[i - 1]))
+      return Fault{fmt::format("motion.times[{}]", i), text(motion.times[i]),
+                   "must be finite and larger than the time before [s]"};
+  }
+  if (motion.positions.size() != count)
+    return Fault{"motion.positions", fmt::format("{} positions", motion.positions.size()),
+                 fmt::format("must be one per time, {}", count)};
+  for (std::size_t i = 0; i < count; ++i)
+    if (!is_finite(motion.positions[i]))
+      return Fault{fmt::format("motion.positions[{}]", i), text(motion.positions[i]),
+                   "must be three finite numbers [m]"};
+  if (!motion.orientations.empty() && motion.orientations.size() != count)
+    return Fault{"motion.orientations", fmt::format("{} orientations", motion.orientations.size()),
+                 fmt::format("must be none or one per time, {}", count)};
+  for (std::size_t i = 0; i < motion.orientations.size(); ++i)
+    if (!is_unit(length(motion.orientations[i])))
+      return Fault{fmt::format("motion.orientations[{}]", i), text(motion.orientations[i]),
+                   "must be a unit quaternion [w, x, y, z]"};
+  return std::nullopt;
+}
+
+std::optional<Fault> motion_fault(const BodyDescription& body) {
+  const Motion& motion = body.motion;
+  if (motion.kind == Motion::Kind::none) return std::nullopt;
+  if (body.kind != BodyKind::kinematic)
+    return Fault{"motion", "a motion", "only kinematic bodies have one"};
+  if (!std::isfinite(motion.start))
+    return Fault{"motion.start", text(motion.start), "must be a finite number [s]"};
+  if (!(motion.stop >= motion.start))
+    return Fault{"motion.stop", text(motion.stop), "must not be before motion.start [s]"};
+  const bool turning = motion.kind == Motion::Kind::rotating;
+  const bool swinging = motion.kind == Motion::Kind::oscillating;
+  if ((turning || swinging) && !is_unit(norm(motion.axis)))
+    return Fault{"motion.axis", text(motion.axis), "must have length 1"};
+  if (motion.kind == Motion::Kind::linear && !is_finite(motion.velocity))
+    return Fault{"motion.velocity", text(motion.velocity), "must be three finite numbers [m/s]"};
+  if (turning && !is_finite(motion.center))
+    return Fault{"motion.center", text(motion.center), "must be three finite numbers [m]"};
+  if (turning && !std::isfinite(motion.rate))
+    return Fault{"motion.rate", text(motion.rate), "must be a finite number [rad/s]"};
+  if (swinging && !std::isfinite(motion.amplitude))
+    return Fault{"motion.amplitude", text(motion.amplitude), "must be a finite number [m]"};
+  if (swinging && !is_non_negative(motion.frequency))
+    return Fault{"motion.frequency", text(motion.frequency), "must be zero or positive [Hz]"};
+  if (swinging && !std::isfinite(motion.phase))
+    return Fault{"motion.phase", text(motion.phase), "must be a finite number [rad]"};
+  if (motion.kind == Motion::Kind::sampled) return samples_fault(motion);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body) {
+  if (auto fault = shape_fault(scene, body)) return fault;
+  if (auto fault = size_fault(body.shape)) return fault;
+  if (!is_finite(body.position))
+    return Fault{"position", text(body.position), "must be three finite numbers [m]"};
+  if (!is_unit(length(body.orientation)))
+    return Fault{"orientation", text(body.orientation), "must be a unit quaternion [w, x, y, z]"};
+  if (!is_finite(body.velocity))
+    return Fault{"velocity", text(body.velocity), "must be three finite numbers [m/s]"};
+  if (!is_finite(body.angular_velocity))
+    return Fault{"angular_velocity", text(body.angular_velocity),
+                 "must be three finite numbers [rad/s]"};
+  if (body.kind == BodyKind::free) {
+    if (!is_positive(body.mass))
+      return Fault{"mass", text(body.mass), "a free body needs a positive mass [kg]"};
+    if (!is_positive(body.inertia))
+      return Fault{"inertia", text(body.inertia),
+                   "a free body needs three positive principal moments [kg m^2]"};
+  }
+  const bool moving = norm2(body.velocity) > 0 || norm2(body.angular_velocity) > 0;
+  if (body.kind == BodyKind::fixed && moving)
+    return Fault{"velocity", text(body.velocity),
+                 "a fixed body does not move; make it \"kinematic\" and give it a motion"};
+  if (body.material < 0 || body.material >= static_cast<int>(scene.materials.size()))
+    return Fault{"material", fmt::format("{}", body.material),
+                 fmt::format("must be an index below {}", scene.materials.size())};
+  if (body.group < 0 || body.group >= static_cast<int>(scene.groups.size()))
+    return Fault{"group", fmt::format("{}", body.group),
+                 fmt::format("must be an index below {}", scene.groups.size())};
+  if (body.locks > lock_all)
+    return Fault{"lock", fmt::format("{}", body.locks), "must be bits 0 to 5"};
+  if (auto fault = motion_fault(body)) return fault;
+  return range_fault(scene, body);
+}
+
+namespace {
+
+void check_material(const std::string& path, const Material& m) {
+  check_non_negative(path + ".friction", m.friction, "-");
+  if (!(m.restitution >= 0 && m.restitution <= 1))
+    refuse(path + ".restitution", text(m.restitution), "must be from 0 to 1 [-]");
+  check_non_negative(path + ".cohesion", m.cohesion, "N");
+  check_non_negative(path + ".rolling_friction", m.rolling_friction, "m");
+  check_non_negative(path + ".spinning_friction", m.spinning_friction, "m");
+}
+
+void check_materials(const Scene& scene) {
+  const int count = static_cast<int>(scene.materials.size());
+  if (count == 0) refuse("materials", "an empty list", "must hold one material or more");
+  if (scene.materials.size() > kMostMaterials)
+    refuse("materials", fmt::format("a list of {} materials", count),
+           fmt::format("must hold {} or fewer", kMostMaterials));
+  for (const Material& m : scene.materials) check_material("materials." + m.name, m);
+  std::map<std::pair<int, int>, std::size_t> listed;
+  for (std::size_t i = 0; i < scene.material_pairs.size(); ++i) {
+    const MaterialPair& pair = scene.material_pairs[i];
+    const std::string path = fmt::format("material_pairs[{}]", i);
+    for (const int m : {pair.material_a, pair.material_b})
+      if (m < 0 || m >= count)
+        refuse(path + ".between", fmt::format("{}", m),
+               fmt::format("must be an index below {}", count));
+    check_material(path, pair.values);
+    const std::pair<int, int> ends = std::minmax(pair.material_a, pair.material_b);
+    const auto [first, is_new] = listed.emplace(ends, i);
+    if (!is_new)
+      refuse(path + ".between",
+             fmt::format("[\"{}\", \"{}\"]", scene.materials[pair.material_a].name,
+                         scene.materials[pair.material_b].name),
+             fmt::format("material_pairs[{}] is the same pair", first->second));
+  }
+}
+
+/// The name is that of a folder inside out/, and is printed.
+void check_name(const std::string& name) {
+  constexpr std::size_t kLongest = 200;  // bytes, below what file systems allow
+  const auto is_bad = [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '/' || c == '\\';
+  };
+  if (name.empty() || name.size() > kLongest || name == "." || name == ".." ||
+      std::any_of(name.begin(), name.end(), is_bad))
+    refuse("name", quoted(printable(name, 80)),
+           fmt::format("must be fit for a folder: 1 to {} bytes without slashes and control "
+                       "characters, not . or ..",
+                       kLongest));
+}
+
+void check_settings(const Scene& scene) {
+  check_name(scene.name);
+  check_one_of("backend", scene.backend, {"auto", "cpu", "cuda"});
+  check_one_of("precision", scene.precision, {"float", "double"});
+  check_finite("gravity", scene.gravity, "m/s^2");
+
+  const SteppingSettings& stepping = scene.stepping;
+  check_positive("time_step", stepping.time_step, "s");
+  check_non_negative("duration", stepping.duration, "s");
+  check_non_negative("stepping.max_recovery_speed", stepping.max_recovery_speed, "m/s");
+  check_non_negative("stepping.restitution_threshold", stepping.restitution_threshold, "m/s");
+  if (!std::isfinite(stepping.envelope))
+    refuse("collision.envelope", text(stepping.envelope), "must be a finite number [m]");
+  if (!std::isfinite(stepping.skin))
+    refuse("collision.skin", text(stepping.skin), "must be a finite number [m]");
+
+  const SolverSettings& solver = scene.solver;
+  check_one_of("solver.name", solver.name,
+               {"apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored", "schwarz"});
+  if (solver.stop.level == StopRule::Level::absolute)
+    check_positive("solver.stop", solver.stop.residual, "m/s");
+  check_positive("solver.max_iterations", solver.max_iterations, "-");
+  check_positive("solver.check_every", solver.check_every, "-");
+  check_positive("solver.max_outer_iterations", solver.max_outer_iterations, "-");
+  if (!(solver.relaxation > 0 && solver.relaxation < 2))
+    refuse("solver.relaxation", text(solver.relaxation), "must be between 0 and 2, both excluded");
+
+  const OutputSettings& output = scene.output;
+  check_non_negative("output.frame_interval", output.frame_interval, "s");
+  check_non_negative("output.checkpoint_interval", output.checkpoint_interval, "s");
+  const PictureSettings& picture = output.picture;
+  if (!std::isfinite(picture.interval))
+    refuse("output.picture.interval", text(picture.interval), "must be a finite number [s]");
+  for (const auto& [key, pixels] : {std::pair{"width", picture.width}, {"height", picture.height}})
+    if (pixels < 16 || pixels > 16384)
+      refuse(std::string("output.picture.") + key, fmt::format("{}", pixels),
+             "must be from 16 to 16384 [pixels]");
+  if (!std::isfinite(picture.color_min) || !(picture.color_max >= picture.color_min) ||
+      !std::isfinite(picture.color_max))
+    refuse("output.picture.color_range",
+           fmt::format("[{}, {}]", picture.color_min, picture.color_max),
+           "must be two finite numbers, the smaller first");
+  const CameraSettings& camera = picture.camera;
+  if (camera.automatic) return;
+  check_finite("output.picture.camera.position", camera.position, "m");
+  check_finite("output.picture.camera.target", camera.target, "m");
+  check_finite("output.picture.camera.up", camera.up, "-");
+  if (!(camera.vertical_angle > 0 && camera.vertical_angle < 170))
+    refuse("output.picture.camera.vertical_angle_deg", text(camera.vertical_angle),
+           "must be between 0 and 170, both excluded [deg]");
+  const Vec3d view = camera.target - camera.position;
+  if (!(norm(view) > 0))
+    refuse("output.picture.camera.target", text(camera.target), "must differ from the position");
+  if (!(norm(cross(normalized(view), normalized(camera.up, {0, 0, 0}))) > 1e-6))
+    refuse("output.picture.camera.up", text(camera.up),
+           "must not be zero or parallel to the view direction");
+}
+
+void check_meshes(const Scene& scene) {
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const TriangleMesh& mesh = scene.meshes[m];
+    const std::string path = fmt::format("meshes[{}] ({})", m, mesh.name);
+    const int count = static_cast<int>(mesh.vertices.size());
+    if (mesh.triangles.empty()) refuse(path, "an empty mesh", "must hold one triangle or more");
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+      if (!is_finite(mesh.vertices[v]))
+        refuse(fmt::format("{}.vertices[{}]", path, v), text(mesh.vertices[v]),
+               "must be three finite numbers [m]");
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (const int v : mesh.triangles[t])
+        if (v < 0 || v >= count)
+          refuse(fmt::format("{}.triangles[{}]", path, t), fmt::format("{}", v),
+                 fmt::format("must be a vertex index below {}", count));
+  }
+}
+
+/// Half length of the box's shadow on a direction.
+double shadow(const BodyDescription& box, const Vec3d& direction) {
+  const Vec3d d = rotate_back(box.orientation, direction);
+  const Vec3d& e = box.shape.half_extents;
+  return std::abs(d.x) * e.x + std::abs(d.y) * e.y + std::abs(d.z) * e.z;
+}
+
+/// True when the interior of box `inner` lies inside box `outer`.
+bool lies_inside(const BodyDescription& inner, const BodyDescription& outer, double tolerance) {
+  const Vec3d offset = inner.position - outer.position;
+  for (int k = 0; k < 3; ++k) {
+    Vec3d axis;
+    axis[k] = 1;
+    axis = rotate(outer.orientation, axis);
+    if (std::abs(dot(offset, axis)) + shadow(inner, axis) > outer.shape.half_extents[k] + tolerance)
+      return false;
+  }
+  return true;
+}
+
+/// Separating axis test of two boxes; touching is not overlap.
+bool interiors_meet(const BodyDescription& a, const BodyDescription& b, double tolerance) {
+  std::array<Vec3d, 15> axes;
+  for (int k = 0; k < 3; ++k) {
+    Vec3d unit;
+    unit[k] = 1;
+    axes[k] = rotate(a.orientation, unit);
+    axes[3 + k] = rotate(b.orientation, unit);
+  }
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) axes[6 + 3 * i + j] = cross(axes[i], axes[3 + j]);
+  const Vec3d offset = b.position - a.position;
+  for (const Vec3d& axis : axes) {
+    const double size = norm(axis);
+    if (size < 1e-9) continue;  // parallel edges: covered by the face axes
+    if (std::abs(dot(offset, axis)) >= shadow(a, axis) + shadow(b, axis) - tolerance * size)
+      return false;
+  }
+  return true;
+}
+
+void check_containers(const Scene& scene) {
+  std::vector<std::size_t> containers;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies[i].shape.kind == Shape::Kind::container) containers.push_back(i);
+  for (std::size_t i = 0; i < containers.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const BodyDescription& a = scene.bodies[containers[j]];
+      const BodyDescription& b = scene.bodies[containers[i]];
+      const double tolerance = 1e-9 * (norm(a.shape.half_extents) + norm(b.shape.half_extents));
+      if (interiors_meet(a, b, tolerance) && !lies_inside(a, b, tolerance) &&
+          !lies_inside(b, a, tolerance))
+        refuse(fmt::format("bodies[{}]", containers[i]), "a container",
+               fmt::format("its interior partly overlaps that of bodies[{}]; containers must be "
+                           "apart, touch, or lie one inside the other",
+                           containers[j]));
+    }
+  }
+}
+
+/// Calls f(body, path maker) for the bodies that are described one by one, those of insertions
+/// included.
+template <class F>
+void for_each_body(const Scene& scene, F f) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    f(scene.bodies[i], [i] { return fmt::format("bodies[{}]", i); });
+  for (std::size_t k = 0; k < scene.insertions.size(); ++k) {
+    const auto& bodies = scene.insertions[k].bodies;
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      f(bodies[i], [k, i] { return fmt::format("insertions[{}].bodies[{}]", k, i); });
+  }
+}
+
+/// Contact between two boxes, or a box and a mesh, does not exist yet; without this check the
+/// bodies would pass through each other without a word.
+void check_boxes(const Scene& scene) {
+  std::string free_box;
+  std::string obstacle;
+  for_each_body(scene, [&](const BodyDescription& body, auto path) {
+    const bool box = body.shape.kind == Shape::Kind::box;
+    if (box && body.kind == BodyKind::free) {
+      if (!free_box.empty())
+        refuse(path(), "a second free box",
+               free_box + " is one already, and contact between boxes is not available yet");
+      free_box = path();
+    } else if ((box || body.shape.kind == Shape::Kind::mesh) && obstacle.empty()) {
+      obstacle = path();
+    }
+  });
+  if (!free_box.empty() && !obstacle.empty())
+    refuse(free_box, "a free box",
+           fmt::format("it could meet {}, and contact between boxes is not available yet, nor "
+                       "between a box and a mesh; a free box may meet spheres, half_spaces and "
+                       "containers",
+                       obstacle));
+}
+
+void check_insertions(const Scene& scene) {
+  for (std::size_t k = 0; k < scene.insertions.size(); ++k) {
+    const Insertion& insertion = scene.insertions[k];
+    const std::string path = fmt::format("insertions[{}]", k);
+    check_non_negative(path + ".time", insertion.time, "s");
+    if (k > 0 && insertion.time <= scene.insertions[k - 1].time)
+      refuse(path + ".time", text(insertion.time), "must be later than the insertion before [s]");
+    for (std::size_t i = 0; i < insertion.bodies.size(); ++i)
+      if (insertion.bodies[i].kind != BodyKind::free)
+        refuse(fmt::format("{}.bodies[{}].kind", path, i), "a fixed or kinematic body",
+               "only free bodies can be inserted during a run");
+  }
+}
+
+void check_count(const std::string& path, bool fits, std::size_t count) {
+  if (!fits)
+    refuse(path, "a list of another length",
+           fmt::format("must be one value for all, or one for each of {} particles", count));
+}
+
+void check_particles(const Scene& scene, const ParticleSet& set, const std::string& path) {
+  const std::size_t count = set.position.size();
+  check_count(path + ".radius", set.radius.fits(count), count);
+  check_count(path + ".density", set.density.fits(count), count);
+  check_count(path + ".mass", set.mass.fits(count), count);
+  check_count(path + ".orientation", set.orientation.fits(count), count);
+  check_count(path + ".velocity", set.velocity.fits(count), count);
+  check_count(path + ".angular_velocity", set.angular_velocity.fits(count), count);
+  check_count(path + ".material", set.material.fits(count), count);
+  check_count(path + ".group", set.group.fits(count), count);
+  const bool alike = set.radius.uniform() && set.density.uniform() && set.mass.uniform() &&
+                     set.orientation.uniform() && set.velocity.uniform() &&
+                     set.angular_velocity.uniform() && set.material.uniform() &&
+                     set.group.uniform();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0 && alike && is_in_range(set.position[i])) continue;  // as good as the first
+    if (const auto fault = body_fault(scene, particle_body(set, i)))
+      refuse(fmt::format("{}[{}].{}", path, i, fault->field), fault->value, fault->expected);
+  }
+}
+
+void check_all_particles(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.particles.size(); ++i)
+    check_particles(scene, scene.particles[i], fmt::format("particles[{}]", i));
+  for (std::size_t k = 0; k < scene.insertions.size(); ++k) {
+    const auto& sets = scene.insertions[k].particles;
+    for (std::size_t i = 0; i < sets.size(); ++i)
+      check_particles(scene, sets[i], fmt::format("insertions[{}].particles[{}]", k, i));
+  }
+}
+
+void check_bodies(const Scene& scene) {
+  for_each_body(scene, [&](const BodyDescription& body, auto path) {
+    if (const auto fault = body_fault(scene, body))
+      refuse(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
+             fault->expected);
+  });
+  check_all_particles(scene);
+  const BodyCounts count = count_bodies(scene);
+  if (count.free == 0)
+    refuse("bodies", fmt::format("a scene of {} bodies, none free", count.all()),
+           "must hold one free body or more, in bodies, particles or insertions");
+  if (count.all() > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
+    refuse("bodies", fmt::format("{} bodies", count.all()), "must be below 2^31");
+}
+
+void check_periodicity(const Scene& scene) {
+  const Periodicity& box = scene.periodicity;
+  if (!box.periodic[0] && !box.periodic[1] && !box.periodic[2]) return;
+  const SceneSummary summary = summarize(scene);
+  const double needed = 2 * (summary.largest_diameter + summary.envelope);
+  for (int k = 0; k < 3; ++k) {
+    if (!box.periodic[k]) continue;
+    const std::string path = fmt::format("periodic.{}", "xyz"[k]);
+    const std::string value = fmt::format("[{}, {}]", box.lower[k], box.upper[k]);
+    const double extent = box.upper[k] - box.lower[k];
+    if (!is_positive(extent)) refuse(path, value, "must be two finite numbers, the smaller first");
+    if (extent < needed)
+      refuse(path, value,
+             fmt::format("must span at least {:.6g} m: twice the largest free body and the contact "
+                         "envelope, so that two bodies meet through one image only; what spans the "
+                         "domain must be fixed or kinematic",
+                         needed));
+  }
+  for_each_body(scene, [&](const BodyDescription& body, auto path) {
+    if (const auto fault = periodic_wall_fault(scene, body))
+      refuse(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
+             fault->expected);
+  });
+}
+
+}  // namespace
+
+void validate(const Scene& scene) {
+  check_settings(scene);
+  check_materials(scene);
+  if (const auto fault = range_fault(scene)) refuse(fault->field, fault->value, fault->expected);
+  if (scene.groups.empty()) refuse("groups", "an empty list", "must hold one name or more");
+  check_meshes(scene);
+  check_bodies(scene);
+  check_insertions(scene);
+  check_containers(scene);
+  check_boxes(scene);
+  check_periodicity(scene);
+}
+
+namespace {
+
+double sphere_mass(double radius, double density) {
+  constexpr double pi = 3.14159265358979323846;
+  return density * 4.0 / 3.0 * pi * radius * radius * radius;
+}
+
+void set_mass_of_sphere(BodyDescription& body, double density) {
+  const double r = body.shape.radius;
+  body.mass = sphere_mass(r, density);
+  const double moment = 0.4 * body.mass * r * r;
+  body.inertia = {moment, moment, moment};
+}
+
+}  // namespace
+
+void set_mass_from_density(BodyDescription& body, double density) {
+  if (!is_positive(density)) refuse("density", text(density), "must be positive [kg/m^3]");
+  if (body.shape.kind == Shape::Kind::sphere) {
+    set_mass_of_sphere(body, density);
+  } else if (body.shape.kind == Shape::Kind::box) {
+    const Vec3d& e = body.shape.half_extents;
+    body.mass = density * 8 * e.x * e.y * e.z;
+    const Vec3d square = hadamard(e, e);
+    body.inertia =
+        body.mass / 3 * Vec3d{square.y + square.z, square.z + square.x, square.x + square.y};
+  } else {
+    refuse("density", text(density), "only spheres and boxes have a mass");
+  }
+}
+
+BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
+  BodyDescription body;
+  body.shape.radius = set.radius[i];
+  body.position = set.position[i];
+  body.orientation = set.orientation[i];
+  body.velocity = set.velocity[i];
+  body.angular_velocity = set.angular_velocity[i];
+  body.material = set.material[i];
+  body.group = set.group[i];
+  body.locks = set.locks;
+  const double mass = set.mass[i];
+  if (mass == 0) {
+    set_mass_of_sphere(body, set.density[i]);
+  } else {
+    // Moments of a solid sphere of that mass: they are proportional to the density.
+    set_mass_of_sphere(body, 1.0);
+    body.inertia *= mass / body.mass;
+    body.mass = mass;
+  }
+  return body;
+}
+
+double particle_mass(const ParticleSet& set, std::size_t i) {
+  return set.mass[i] == 0 ? sphere_mass(set.radius[i], set.density[i]) : set.mass[i];
+}
+
+}  // namespace scree

@@ -1,0 +1,73 @@
+#pragma once
+// Bodies as structures of arrays, and the shapes that are not plain spheres.
+
+#include "kernels/bodies/per_body.h"
+#include "kernels/math/quat.h"
+
+namespace scree {
+
+enum class ShapeKind : std::uint8_t { sphere, box, half_space, container, mesh };
+
+/// Geometry of a body that is not a sphere, in its body frame.
+template <class Real>
+struct ShapeRecord {
+  ShapeKind kind = ShapeKind::box;
+  std::uint8_t open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
+  Index mesh = -1;              ///< mesh: index into MeshSetView::ranges
+  Index body = -1;              ///< storage index of the body that has this shape
+  Vec3<Real> half_extents;      ///< box, container [m]
+  Vec3<Real> normal;            ///< half_space: unit, bodies are on this side
+};
+
+struct TriangleIndices {
+  Index v[3] = {0, 0, 0};
+};
+
+/// The triangles of one mesh inside the concatenated arrays of a MeshSetView.
+struct MeshRange {
+  Index first_triangle = 0;
+  Index triangle_count = 0;
+};
+
+/// All meshes of a scene, concatenated; vertices in the frame of the body that carries the mesh.
+template <class Real>
+struct MeshSetView {
+  Span<const Vec3<Real>> vertices;  ///< [m]
+  Span<const TriangleIndices>
+      triangles;                 ///< vertex indices into `vertices`, outside counter-clockwise
+  Span<const MeshRange> ranges;  ///< [mesh_count]
+};
+
+/// Storage: free bodies in [0, free_count), in Morton order; then room for bodies not yet inserted;
+/// then fixed and kinematic bodies in [fixed_begin, count). A lower index than `fixed_begin` means
+/// movable.
+template <class Real>
+struct BodyView {
+  Index free_count = 0;
+  Index fixed_begin = 0;
+  Index count = 0;
+  Span<Vec3<double>> position;        ///< center of mass, world [m]; always double
+  Span<Quat<Real>> orientation;       ///< body to world, unit
+  Span<Vec3<Real>> velocity;          ///< [m/s]
+  Span<Vec3<Real>> angular_velocity;  ///< world frame [rad/s]
+  Span<Index> id;                     ///< index in the scene; stable when storage is reordered
+  PerBody<Real> inv_mass;             ///< [1/kg]; 0 for fixed and kinematic bodies
+  /// Principal moments, body frame [kg m^2]; 0 when not free. Empty when all free bodies are solid
+  /// spheres: see moments().
+  Span<const Vec3<Real>> inertia;
+  PerBody<Real> radius;  ///< sphere radius, else radius of the bounding sphere [m]; 0: unbounded
+  PerBody<Index> shape;  ///< -1: sphere, else index of a ShapeRecord
+  PerBody<std::uint8_t> locks;     ///< Lock bits (host/scene.h): x y z rx ry rz
+  PerBody<std::uint8_t> material;  ///< index of the material
+  PerBody<Index> group;            ///< index of the group, for colors and outputs
+
+  /// Principal moments of body i, body frame [kg m^2]; 0 when not free.
+  SCREE_HD Vec3<Real> moments(Index i) const {
+    if (!inertia.empty()) return inertia[i];
+    const Real m = inv_mass[i], r = radius[i];
+    const Real solid = m > Real(0) ? Real(0.4) * r * r / m : Real(0);
+    return {solid, solid, solid};
+  }
+};
+
+}  // namespace scree

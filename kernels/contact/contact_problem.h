@@ -1,0 +1,178 @@
+#pragma once
+// The contact problem of one step as solvers see it: operator, right-hand side, cones, body data;
+// no shapes and no scenes. Element programs carry it by value.
+//
+//   minimize 1/2 gamma^T N gamma + r^T gamma over the product of cones,  N = J M^-1 J^T,  r = J v*
+//   + bias
+//
+// Body rates are twists (v, s). In the radial layout s = r w is the surface speed of a sphere, so
+// that no radius and no lever arm is read in a solver iteration; otherwise s = w.
+
+#include "kernels/bodies/per_body.h"
+#include "kernels/contact/contact_view.h"
+#include "kernels/math/scalar.h"
+#include "kernels/math/sym3.h"
+
+namespace scree {
+
+/// Linear and angular part of a body's rate or of a generalized impulse. Aligned so that a gather
+/// takes half the loads.
+template <class Real>
+struct alignas(2 * sizeof(Real)) Twist {
+  Vec3<Real> linear;
+  Vec3<Real> angular;
+
+  friend SCREE_HD Twist operator+(const Twist& a, const Twist& b) {
+    return {a.linear + b.linear, a.angular + b.angular};
+  }
+  friend SCREE_HD Twist operator-(const Twist& a, const Twist& b) {
+    return {a.linear - b.linear, a.angular - b.angular};
+  }
+  friend SCREE_HD Twist operator*(Real s, const Twist& a) { return {s * a.linear, s * a.angular}; }
+};
+
+/// Inverse mass of a body in the radial layout.
+template <class Real>
+struct RadialInertia {
+  Real inv_mass = 0;  ///< [1/kg]
+  Real inv_spin = 0;  ///< r^2 / I [1/kg]: 2.5 / m for a solid sphere, 0 when rotation is locked
+};
+
+/// Mass matrix of a body and its inverse, world frame; locked axes have zero inverse.
+template <class Real>
+struct GeneralInertia {
+  Real mass = 0;           ///< [kg]
+  Vec3<Real> inv_mass;     ///< per world axis [1/kg]
+  Sym3<Real> inertia;      ///< [kg m^2]
+  Sym3<Real> inv_inertia;  ///< [1/(kg m^2)]
+};
+
+/// Rolling and spinning resistance of one contact. Moment impulses are stored divided by `length`,
+/// so all rows have the unit N s and all contact velocities the unit m/s.
+template <class Real>
+struct RollingRow {
+  Real length = 1;    ///< scale of the moment rows [m]
+  Real rolling = 0;   ///< |m_t| <= rolling (gamma_n + c h) [-]
+  Real spinning = 0;  ///< |m_n| <= spinning (gamma_n + c h) [-]
+};
+
+/// A value per contact, or one for all (then no memory is read).
+template <class Real>
+struct PerContact {
+  Span<const Real> values;
+  Real uniform = 0;
+  SCREE_HD Real operator[](Index c) const { return values.empty() ? uniform : values[c]; }
+};
+
+/// Bias of each contact [m/s]: stored, or gap / h with the push out of overlaps limited.
+template <class Real>
+struct ContactBias {
+  Span<const Real> values;  ///< [contact_count], or empty:
+  Span<const Real> gap;     ///< [contact_count] [m]
+  Real inv_time_step = 0;   ///< 1 / h [1/s]
+  Real least = 0;           ///< -max_recovery_speed [m/s]
+
+  ContactBias() = default;
+  template <class U>
+  requires(std::is_same_v<std::remove_const_t<U>, Real>) SCREE_HD
+      constexpr ContactBias(const Span<U>& all)
+      : values(all) {}
+  SCREE_HD Real operator[](Index c) const { return value(read(c)); }
+  /// What is stored of a contact, and its bias: in two steps where other loads should not wait for
+  /// this one.
+  SCREE_HD Real read(Index c) const { return values.empty() ? gap[c] : values[c]; }
+  SCREE_HD Real value(const Real& stored) const {
+    if (!values.empty()) return stored;
+    const Real speed = inv_time_step * stored;
+    return select(speed <= least, least, speed);  // NaN stays
+  }
+};
+
+/// v* = v + h g of each body: stored, or worked out from the rates of free spheres and of bodies
+/// that do not turn.
+template <class Real>
+struct FreeVelocity {
+  Span<const Twist<Real>> values;           ///< [body_count], or empty:
+  Span<const Vec3<Real>> velocity;          ///< [body_count] [m/s]
+  Span<const Vec3<Real>> angular_velocity;  ///< [body_count] [rad/s]
+  PerBody<Real> radius;                     ///< [m]
+  Vec3<Real> gravity_step;                  ///< h g [m/s]
+  Index free_count = 0;
+
+  FreeVelocity() = default;
+  template <class U>
+  requires(std::is_same_v<std::remove_const_t<U>, Twist<Real>>) SCREE_HD
+      constexpr FreeVelocity(const Span<U>& all)
+      : values(all) {}
+  SCREE_HD Twist<Real> operator[](Index i) const {
+    if (!values.empty()) return values[i];
+    if (i >= free_count) return {velocity[i], {}};
+    return {velocity[i] + gravity_step, radius[i] * angular_velocity[i]};
+  }
+};
+
+/// Inverse mass of each body in the radial layout: stored, or that of bodies alike in inv_spin /
+/// inv_mass.
+template <class Real>
+struct RadialInertias {
+  Span<const RadialInertia<Real>> values;  ///< [body_count], or empty:
+  PerBody<Real> inv_mass;                  ///< [1/kg]
+  /// inv_spin / inv_mass where it is the same for all free bodies, else negative.
+  Real spin_ratio = -1;
+
+  RadialInertias() = default;
+  template <class U>
+  requires(std::is_same_v<std::remove_const_t<U>, RadialInertia<Real>>) SCREE_HD
+      constexpr RadialInertias(const Span<U>& all)
+      : values(all) {}
+  SCREE_HD RadialInertia<Real> operator[](Index i) const {
+    if (!values.empty()) return values[i];
+    const Real m = inv_mass[i];
+    return {m, spin_ratio * m};
+  }
+};
+
+template <class Real>
+struct ContactProblem {
+  ContactLayout layout = ContactLayout::radial;
+  Index contact_count = 0;
+  Index free_count = 0;  ///< bodies [0, free_count) move
+  Index body_count = 0;  ///< storage size of body arrays; bodies >= free_count keep their velocity
+
+  // contacts [contact_count], sorted by body_a
+  Span<const Index> body_a;       ///< always free, and less than body_b
+  Span<const Index> body_b;       ///< free or fixed
+  Span<const Vec3<Real>> normal;  ///< unit, from A to B
+  ContactBias<Real> bias;         ///< [m/s]
+  PerContact<Real> friction;      ///< mu [-]
+  PerContact<Real> adhesion;      ///< c h [N s]: the cone's apex lies at gamma_n = -c h
+  Span<const Vec3<Real>> arm_a;   ///< [m], not in the radial layout
+  Span<const Vec3<Real>> arm_b;
+  Span<const RollingRow<Real>> rolling;  ///< rolling layout only
+  /// What turning bodies add to the velocity of each contact by the middle of the step [m/s], world
+  /// frame; empty in the radial layout and where no body needs it.
+  Span<const Vec3<Real>> drift;
+  /// What the solver leaves at each contact and finds again in the next step, -1 at new contacts.
+  /// Empty unless Solver::keeps_marks().
+  Span<Index> mark;
+
+  // bodies
+  FreeVelocity<Real> free_velocity;                  ///< v* = v + h M^-1 f_ext [body_count]
+  RadialInertias<Real> radial_inertia;               ///< [body_count], radial layout
+  Span<const GeneralInertia<Real>> general_inertia;  ///< [body_count], other layouts
+
+  // contacts of a body: as A they are the range [a_start[i], a_start[i+1]), as B the listed ones
+  Span<const Index> a_start;    ///< [free_count + 1]
+  Span<const Index> b_start;    ///< [free_count + 1]
+  Span<const Index> b_contact;  ///< contact indices sorted by (body_b, contact)
+};
+
+/// Metric weights of one contact's rows; a bound of its diagonal Delassus block from above.
+template <class Real>
+struct ContactMetric {
+  Real normal = 1;      ///< [1/kg]
+  Real tangential = 1;  ///< [1/kg]
+  Real moment = 1;      ///< [1/kg], rolling layout
+};
+
+}  // namespace scree

@@ -1,0 +1,356 @@
+#pragma once
+// What differs between contact layouts, as static functions on plain values: contact velocity,
+// wrench, inverse mass and projection. Everything above is one template on one of these classes.
+
+#include "kernels/contact/cone.h"
+#include "kernels/contact/contact_problem.h"
+
+namespace scree {
+
+/// Force rows of one contact, world frame [N s]; as a velocity [m/s].
+template <class Real>
+struct ForceRows {
+  Vec3<Real> force;
+
+  friend SCREE_HD ForceRows operator+(const ForceRows& a, const ForceRows& b) {
+    return {a.force + b.force};
+  }
+  friend SCREE_HD ForceRows operator-(const ForceRows& a, const ForceRows& b) {
+    return {a.force - b.force};
+  }
+  friend SCREE_HD ForceRows operator*(Real s, const ForceRows& a) { return {s * a.force}; }
+  friend SCREE_HD Real dot(const ForceRows& a, const ForceRows& b) { return dot(a.force, b.force); }
+};
+
+/// Force and moment rows of one contact, world frame, moments divided by the contact's length [N
+/// s].
+template <class Real>
+struct ForceMomentRows {
+  Vec3<Real> force;
+  Vec3<Real> moment;
+
+  friend SCREE_HD ForceMomentRows operator+(const ForceMomentRows& a, const ForceMomentRows& b) {
+    return {a.force + b.force, a.moment + b.moment};
+  }
+  friend SCREE_HD ForceMomentRows operator-(const ForceMomentRows& a, const ForceMomentRows& b) {
+    return {a.force - b.force, a.moment - b.moment};
+  }
+  friend SCREE_HD ForceMomentRows operator*(Real s, const ForceMomentRows& a) {
+    return {s * a.force, s * a.moment};
+  }
+  friend SCREE_HD Real dot(const ForceMomentRows& a, const ForceMomentRows& b) {
+    return dot(a.force, b.force) + dot(a.moment, b.moment);
+  }
+};
+
+/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides by
+/// weights, so they are raised to this share of the block's trace. A larger weight is still a bound
+/// from above.
+template <class Real>
+SCREE_HD ContactMetric<Real> floor_metric(const ContactMetric<Real>& m, Real trace) {
+  const Real least = trace > Real(0) ? Real(1e-5) * trace : Real(1);
+  return {m.normal > least ? m.normal : least, m.tangential > least ? m.tangential : least,
+          m.moment > least ? m.moment : least};
+}
+
+/// H^-1 x for the contact metric H = diag(normal, tangential, tangential[, moment]).
+template <class Real>
+SCREE_HD ForceRows<Real> solve_metric(const ContactMetric<Real>& m, const Vec3<Real>& n,
+                                      const ForceRows<Real>& x) {
+  const Real x_n = dot(n, x.force);
+  const Real inv_t = inverse(m.tangential);
+  return {inv_t * x.force + (x_n * (inverse(m.normal) - inv_t)) * n};
+}
+template <class Real>
+SCREE_HD ForceMomentRows<Real> solve_metric(const ContactMetric<Real>& m, const Vec3<Real>& n,
+                                            const ForceMomentRows<Real>& x) {
+  return {solve_metric(m, n, ForceRows<Real>{x.force}).force, inverse(m.moment) * x.moment};
+}
+
+/// x^T H y.
+template <class Real>
+SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
+                         const ForceRows<Real>& x, const ForceRows<Real>& y) {
+  return m.tangential * dot(x.force, y.force) +
+         (m.normal - m.tangential) * dot(n, x.force) * dot(n, y.force);
+}
+template <class Real>
+SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
+                         const ForceMomentRows<Real>& x, const ForceMomentRows<Real>& y) {
+  return metric_dot(m, n, ForceRows<Real>{x.force}, ForceRows<Real>{y.force}) +
+         m.moment * dot(x.moment, y.moment);
+}
+/// x^T H x.
+template <class Real, class Rows>
+SCREE_HD Real metric_norm2(const ContactMetric<Real>& m, const Vec3<Real>& n, const Rows& x) {
+  return metric_dot(m, n, x, x);
+}
+
+/// Euclidean weights: the metric of plain projected gradients.
+template <class Real>
+SCREE_HD ContactMetric<Real> euclidean_metric() {
+  return {1, 1, 1};
+}
+
+/// Part common to layouts with force rows only.
+template <class Real>
+struct ForceRowsBase {
+  using Rows = ForceRows<Real>;
+  static constexpr int kVectors = 1;
+  static constexpr int kMetricValues = 2;  ///< reals a stored ContactMetric takes
+
+  static SCREE_HD Rows load(Span<const Vec3<Real>> rows, Index c) { return {rows[c]}; }
+  static SCREE_HD void store(Span<Vec3<Real>> rows, Index c, const Rows& x) { rows[c] = x.force; }
+
+  /// Nearest point of the contact's cone, with its apex moved to -adhesion along the normal.
+  static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& y,
+                               const ContactMetric<Real>& m) {
+    const Vec3<Real> n = p.normal[c];
+    const Real adhesion = p.adhesion[c];
+    if (is_zero(adhesion)) return {project_cone(p.friction[c], n, y.force, m.normal, m.tangential)};
+    const Vec3<Real> apex = adhesion * n;
+    return {project_cone(p.friction[c], n, y.force + apex, m.normal, m.tangential) - apex};
+  }
+  /// The same for Coulomb's law itself: normal part first, then the disk that it leaves.
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
+    const Vec3<Real> n = p.normal[c];
+    const Vec3<Real> apex = p.adhesion[c] * n;
+    return {project_disk(p.friction[c], n, y.force + apex) - apex};
+  }
+};
+
+/// Spheres among themselves and on surfaces that do not rotate.
+template <class Real>
+struct RadialRows : ForceRowsBase<Real> {
+  using Rows = ForceRows<Real>;
+
+  /// J (V_a, V_b) + bias: velocity of B against A at the contact, world frame [m/s].
+  /// The arms are r_a n and -r_b n, so the rotation enters as (s_a + s_b) x n with surface speeds
+  /// s.
+  static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
+                                const Twist<Real>& b) {
+    const Vec3<Real> n = p.normal[c];
+    return {b.linear - a.linear - cross(a.angular + b.angular, n) + p.bias[c] * n};
+  }
+  /// J^T gamma of this contact on its body B (side_b) or A. The angular part is the torque over the
+  /// radius, the same on both sides.
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
+    return {side_b ? g.force : -g.force, cross(g.force, p.normal[c])};
+  }
+  static SCREE_HD Twist<Real> apply_inverse_mass(const ContactProblem<Real>& p, Index i,
+                                                 const Twist<Real>& w) {
+    return apply_inverse_mass(p.radial_inertia[i], w);
+  }
+  static SCREE_HD Twist<Real> apply_inverse_mass(const RadialInertia<Real>& inertia,
+                                                 const Twist<Real>& w) {
+    return {inertia.inv_mass * w.linear, inertia.inv_spin * w.angular};
+  }
+  /// dV^T M dV [J]
+  static SCREE_HD double mass_norm2(const ContactProblem<Real>& p, Index i, const Twist<Real>& dv) {
+    const RadialInertia<Real> inertia = p.radial_inertia[i];
+    double sum = 0;
+    if (inertia.inv_mass > 0) sum += static_cast<double>(norm2(dv.linear)) / inertia.inv_mass;
+    if (inertia.inv_spin > 0) sum += static_cast<double>(norm2(dv.angular)) / inertia.inv_spin;
+    return sum;
+  }
+  /// The diagonal block of N is diag(n, t, t) exactly.
+  static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
+    const RadialInertia<Real> a = p.radial_inertia[p.body_a[c]];
+    const RadialInertia<Real> b = p.radial_inertia[p.body_b[c]];
+    const Real n = a.inv_mass + b.inv_mass;
+    return {n, n + a.inv_spin + b.inv_spin, 1};
+  }
+  static SCREE_HD Real block_trace(const ContactProblem<Real>& p, Index c) {
+    const ContactMetric<Real> m = block_metric(p, c);
+    return m.normal + 2 * m.tangential;
+  }
+  /// Largest eigenvalue of what body i alone adds to the diagonal block of contact c.
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index, bool,
+                                                  Index i) {
+    const RadialInertia<Real> inertia = p.radial_inertia[i];
+    return {inertia.inv_mass, inertia.inv_mass + inertia.inv_spin, 1};
+  }
+};
+
+/// Shared by layouts with lever arms and full inertia.
+template <class Real>
+struct LeverArms {
+  static SCREE_HD Twist<Real> apply_inverse_mass(const ContactProblem<Real>& p, Index i,
+                                                 const Twist<Real>& w) {
+    const GeneralInertia<Real>& inertia = p.general_inertia[i];
+    return {hadamard(inertia.inv_mass, w.linear), inertia.inv_inertia * w.angular};
+  }
+  static SCREE_HD double mass_norm2(const ContactProblem<Real>& p, Index i, const Twist<Real>& dv) {
+    const GeneralInertia<Real>& inertia = p.general_inertia[i];
+    return static_cast<double>(inertia.mass) * norm2(dv.linear) +
+           dot(dv.angular, inertia.inertia * dv.angular);
+  }
+  /// Velocity of B against A at the contact, in the middle of the step, without bias.
+  static SCREE_HD Vec3<Real> point_velocity(const ContactProblem<Real>& p, Index c,
+                                            const Twist<Real>& a, const Twist<Real>& b) {
+    const Vec3<Real> u =
+        b.linear + cross(b.angular, p.arm_b[c]) - a.linear - cross(a.angular, p.arm_a[c]);
+    return p.drift.empty() ? u : u + p.drift[c];
+  }
+  /// Response of body i at arm r to a unit impulse along e: (M^-1)_lin e + (I^-1 (r x e)) x r.
+  static SCREE_HD Vec3<Real> response(const ContactProblem<Real>& p, Index i, const Vec3<Real>& r,
+                                      const Vec3<Real>& e) {
+    const GeneralInertia<Real>& inertia = p.general_inertia[i];
+    return hadamard(inertia.inv_mass, e) + cross(inertia.inv_inertia * cross(r, e), r);
+  }
+  /// Bound of a symmetric 3x3 block G by diag(a_n, a_t, a_t) >= G, given its action.
+  /// a_n = G_nn + |G_nt|, a_t = lambda_max(G_tt) + |G_nt|.
+  template <class Apply>
+  static SCREE_HD ContactMetric<Real> bound_block(const Vec3<Real>& n, const Apply& apply) {
+    const Vec3<Real> t1 = any_orthogonal(n);
+    const Vec3<Real> t2 = cross(n, t1);
+    const Vec3<Real> g_n = apply(n), g_1 = apply(t1), g_2 = apply(t2);
+    const Real coupling = std::sqrt(dot(t1, g_n) * dot(t1, g_n) + dot(t2, g_n) * dot(t2, g_n));
+    const Real half_sum = (dot(t1, g_1) + dot(t2, g_2)) / 2;
+    const Real half_difference = (dot(t1, g_1) - dot(t2, g_2)) / 2;
+    const Real off = dot(t1, g_2);
+    const Real largest = half_sum + std::sqrt(half_difference * half_difference + off * off);
+    return {dot(n, g_n) + coupling, largest + coupling, 1};
+  }
+  static SCREE_HD ContactMetric<Real> force_metric(const ContactProblem<Real>& p, Index c) {
+    return bound_block(p.normal[c], [&](const Vec3<Real>& e) {
+      return response(p, p.body_a[c], p.arm_a[c], e) + response(p, p.body_b[c], p.arm_b[c], e);
+    });
+  }
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c,
+                                                  bool side_b, Index i) {
+    const Vec3<Real> arm = side_b ? p.arm_b[c] : p.arm_a[c];
+    return bound_block(p.normal[c], [&](const Vec3<Real>& e) { return response(p, i, arm, e); });
+  }
+  static SCREE_HD Real block_trace(const ContactProblem<Real>& p, Index c) {
+    Real trace = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3<Real> e;
+      e[axis] = 1;
+      trace +=
+          (response(p, p.body_a[c], p.arm_a[c], e) + response(p, p.body_b[c], p.arm_b[c], e))[axis];
+    }
+    return trace;
+  }
+};
+
+/// Any shapes, three rows a contact.
+template <class Real>
+struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real> {
+  using Rows = ForceRows<Real>;
+  static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
+                                const Twist<Real>& b) {
+    return {GeneralRows::point_velocity(p, c, a, b) + p.bias[c] * p.normal[c]};
+  }
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
+    if (side_b) return {g.force, cross(p.arm_b[c], g.force)};
+    return {-g.force, cross(g.force, p.arm_a[c])};
+  }
+  static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
+    return GeneralRows::force_metric(p, c);
+  }
+};
+
+/// Any shapes with rolling and spinning friction: six rows a contact, three cones on one normal
+/// impulse.
+template <class Real>
+struct RollingRows : LeverArms<Real> {
+  using Rows = ForceMomentRows<Real>;
+  static constexpr int kVectors = 2;
+  static constexpr int kMetricValues = 3;
+
+  static SCREE_HD Rows load(Span<const Vec3<Real>> rows, Index c) {
+    return {rows[2 * static_cast<Offset>(c)], rows[2 * static_cast<Offset>(c) + 1]};
+  }
+  static SCREE_HD void store(Span<Vec3<Real>> rows, Index c, const Rows& x) {
+    rows[2 * static_cast<Offset>(c)] = x.force;
+    rows[2 * static_cast<Offset>(c) + 1] = x.moment;
+  }
+  static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
+                                const Twist<Real>& b) {
+    return {RollingRows::point_velocity(p, c, a, b) + p.bias[c] * p.normal[c],
+            p.rolling[c].length * (b.angular - a.angular)};
+  }
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
+    const Vec3<Real> moment = p.rolling[c].length * g.moment;
+    if (side_b) return {g.force, cross(p.arm_b[c], g.force) + moment};
+    return {-g.force, cross(g.force, p.arm_a[c]) - moment};
+  }
+  static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& y,
+                               const ContactMetric<Real>& m) {
+    return project_above(p, c, y, m, p.adhesion[c], Real(0));
+  }
+  /// The same on the part of the cones where the normal impulse is at least `least`, counted from
+  /// the apex [N s].
+  static SCREE_HD Rows project_above(const ContactProblem<Real>& p, Index c, const Rows& y,
+                                     const ContactMetric<Real>& m, Real adhesion, Real least) {
+    const Vec3<Real> n = p.normal[c];
+    const RollingRow<Real> row = p.rolling[c];
+    const Real y_n = dot(n, y.force) + adhesion;
+    const Vec3<Real> slide = y.force - dot(n, y.force) * n;
+    const Real spin = dot(n, y.moment);
+    const Vec3<Real> roll = y.moment - spin * n;
+    const BoundedPart<Real> part[3] = {{p.friction[c], m.tangential, norm(slide)},
+                                       {row.rolling, m.moment, norm(roll)},
+                                       {row.spinning, m.moment, std::abs(spin)}};
+    Real normal = shared_normal(m.normal, y_n, part);
+    if (normal < least) normal = least;
+    Real scale[3];
+    for (int k = 0; k < 3; ++k) {
+      const Real bound = part[k].mu * normal;
+      scale[k] = part[k].length > bound ? bound / part[k].length : Real(1);
+    }
+    return {(normal - adhesion) * n + scale[0] * slide, scale[1] * roll + (scale[2] * spin) * n};
+  }
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
+    const Vec3<Real> n = p.normal[c];
+    const RollingRow<Real> row = p.rolling[c];
+    const Real spin = dot(n, y.moment);
+    const Vec3<Real> roll = y.moment - spin * n;
+    const Real normal = dot(n, y.force) + p.adhesion[c];
+    const Real pressed = normal > Real(0) ? normal : Real(0);
+    const auto within = [](Real length, Real bound) {
+      return length > bound ? bound / length : Real(1);
+    };
+    return {ForceRowsBase<Real>::project_coulomb(p, c, {y.force}).force,
+            within(norm(roll), row.rolling * pressed) * roll +
+                (within(std::abs(spin), row.spinning * pressed) * spin) * n};
+  }
+  /// Bounds the coupled 6x6 block: force and moment parts of a positive semidefinite block satisfy
+  /// block <= 2 diag(force part, moment part).
+  static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
+    ContactMetric<Real> m = RollingRows::force_metric(p, c);
+    return {2 * m.normal, 2 * m.tangential,
+            2 * (moment_bound(p, c, p.body_a[c]) + moment_bound(p, c, p.body_b[c]))};
+  }
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c,
+                                                  bool side_b, Index i) {
+    const ContactMetric<Real> m = LeverArms<Real>::body_metric(p, c, side_b, i);
+    return {2 * m.normal, 2 * m.tangential, 2 * moment_bound(p, c, i)};
+  }
+
+ private:
+  static SCREE_HD Real moment_bound(const ContactProblem<Real>& p, Index c, Index i) {
+    const Real length = p.rolling[c].length;
+    return length * length * p.general_inertia[i].inv_inertia.trace();
+  }
+};
+
+/// Calls f with the rows class of the layout: one branch per solve, none per contact.
+template <class Real, class F>
+decltype(auto) with_rows(ContactLayout layout, F&& f) {
+  switch (layout) {
+    case ContactLayout::radial:
+      return f(RadialRows<Real>{});
+    case ContactLayout::general:
+      return f(GeneralRows<Real>{});
+    case ContactLayout::rolling:
+      break;
+  }
+  return f(RollingRows<Real>{});
+}
+
+}  // namespace scree

@@ -1,0 +1,254 @@
+#pragma once
+// Element programs that list contacts: which candidates and walls a body touches, their keys in
+// order, and their geometry.
+
+#include "kernels/broad_phase/pair_candidates.h"
+#include "kernels/contact/contact_view.h"
+#include "kernels/narrow_phase/wall_contacts.h"
+
+namespace scree {
+
+/// Gap up to which contacts of body a with walls are listed [m].
+SCREE_HD inline double wall_envelope(const ContactRange& range, Index a, const BodySample& body) {
+  return range.envelope + range.margin_of(a) + range.fall_of(body.radius);
+}
+
+/// Decides which candidates are contacts, exactly: the list of candidates only says which not to
+/// look at.
+template <ShapeMix kMix, class Real>
+struct ContactTest {
+  BodyView<Real> bodies;
+  Span<const ShapeRecord<Real>> shapes;
+  CandidateView candidates;
+  WallView<Real> walls;
+  ContactRange range;
+  ContactKeys keys;
+
+  SCREE_HD BodySample load(Index a) const { return load_body<kMix>(bodies, shapes, range, a); }
+
+  /// Gap up to which contacts of the two bodies are listed [m].
+  SCREE_HD double envelope(Index a, Index j) const {
+    return range.envelope + range.margin_of(a) + range.margin_of(j);
+  }
+
+  /// What that has to be for spheres to be in contact [m]. Below the envelope without margins any
+  /// value will do.
+  SCREE_HD double needed(const BodySample& body, Index j) const {
+    const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
+    const double distance = norm(d);
+    const auto radius_j = static_cast<double>(bodies.radius[j]);
+    const double gap = distance - (body.radius + radius_j);
+    if (gap <= range.envelope) return gap;
+    const Vec3d u = course_velocity(bodies, range, j) - body.motion.linear;
+    return needed_envelope(gap, dot(u, d) / distance, range.h) - falls(body.radius, radius_j);
+  }
+
+  /// Calls emit(feature) for each contact of body a with the higher body j.
+  template <class Emit>
+  SCREE_HD void pair(Index a, const BodySample& body, Index j, Emit&& emit) const {
+    if constexpr (kMix != ShapeMix::any) {
+      if (needed(body, j) <= envelope(a, j)) emit(0u);
+    } else {
+      const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
+      const BodySample other = load_body<kMix>(bodies, shapes, range, j);
+      const int features = pair_features(body.kind, other.kind);
+      for (int k = 0; k < features; ++k) {
+        const auto feature = static_cast<std::uint32_t>(k);
+        const ContactGeometry g = body_pair<kMix>(body, other, d, feature);
+        const double speed = separation_speed(g, body.motion, other.motion);
+        const double reach = envelope(a, j) + falls(body.radius, other.radius);
+        if (is_listed(g.gap, speed, reach, range.h)) emit(feature);
+      }
+    }
+  }
+
+  /// How far two bodies may come nearer because gravity acts on one of them only [m].
+  SCREE_HD double falls(double radius_a, double radius_b) const {
+    return range.fall > 0 ? range.fall_of(radius_a) + range.fall_of(radius_b) : 0;
+  }
+
+  /// Calls emit(element) for each contact of body a with the walls, elements ascending.
+  template <class Emit>
+  SCREE_HD void with_walls(Index a, const BodySample& body, Emit&& emit) const {
+    const float inflated = inflated_radius(bodies, range, a);
+    if (!(inflated > 0)) return;
+    visit_walls<kMix>(walls, range, keys, body, wall_envelope(range, a, body), inflated, emit);
+  }
+};
+
+/// The envelope that a contact takes, rounded: 4 bytes a candidate are enough, since what is not
+/// sure is looked at again.
+SCREE_HD inline float note_needed(double needed) { return static_cast<float>(needed); }
+
+/// Whether the note tells if the envelope is enough: not when rounding might decide, nor when there
+/// is no note.
+SCREE_HD inline bool note_decides(float note, double envelope) {
+  const double noted = note;
+  return std::abs(noted - envelope) > 1.2e-7 * std::abs(noted);
+}
+
+/// Counts the contacts of each piece of the candidates, those with walls in the last piece of a
+/// body, and notes which candidates they are, and what envelopes it would take.
+/// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
+/// written, and 4 per candidate.
+template <ShapeMix kMix, class Real>
+struct CountContacts {
+  static constexpr const char* name = "count_contacts";
+  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 4 : 1;
+  ContactTest<kMix, Real> test;
+  Span<Index> count;             ///< [piece count] out
+  Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
+  Span<float> needed;  ///< [candidates] out: for RecountContacts [m]; or empty: not asked for
+
+  SCREE_HD void operator()(Index p) const {
+    const CandidateView& list = test.candidates;
+    const Index a = list.body[p];
+    const BodySample body = test.load(a);
+    const Index first = list.begin[p], end = list.begin[p + 1];
+    std::uint32_t found = 0;
+    Index n = 0;
+    const auto add = [&](Index k) {
+      found |= 1u << (k - first);
+      ++n;
+    };
+    for (Index k = first; k < end; ++k) {
+      const Index j = list.other[k];
+      if constexpr (kMix != ShapeMix::any) {
+        const double least = test.needed(body, j);
+        if (!needed.empty()) needed[k] = note_needed(least);
+        if (least <= test.envelope(a, j)) add(k);
+      } else {
+        test.pair(a, body, j, [&](std::uint32_t) { add(k); });
+      }
+    }
+    if (list.is_last_of_body(p)) test.with_walls(a, body, [&](std::uint32_t) { ++n; });
+    count[p] = n;
+    touching[p] = found;
+  }
+};
+
+/// The same again for other margins, when bodies are where they were, and the list is the same but
+/// for pairs that were added to it. Spheres only. Bytes per piece, besides margins from the caches:
+/// 8 and 8 per candidate, 40 of its body; 8 written.
+template <ShapeMix kMix, class Real>
+struct RecountContacts {
+  static constexpr const char* name = "recount_contacts";
+  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 4 : 1;
+  ContactTest<kMix, Real> test;
+  Span<float> needed;  ///< [candidates] by CountContacts; in: kNotNoted, out: noted, where added
+  Span<Index> count;
+  Span<std::uint32_t> touching;
+
+  SCREE_HD void operator()(Index p) const {
+    const CandidateView& list = test.candidates;
+    const Index a = list.body[p];
+    const Index first = list.begin[p], end = list.begin[p + 1];
+    std::uint32_t found = 0;
+    Index n = 0;
+    for (Index k = first; k < end; ++k) {
+      if (!is_contact(a, k)) continue;
+      found |= 1u << (k - first);
+      ++n;
+    }
+    if (list.is_last_of_body(p)) {
+      test.with_walls(a, test.load(a), [&](std::uint32_t) { ++n; });
+    }
+    count[p] = n;
+    touching[p] = found;
+  }
+
+ private:
+  SCREE_HD bool is_contact(Index a, Index k) const {
+    const Index j = test.candidates.other[k];
+    const double envelope = test.envelope(a, j);
+    const float note = needed[k];
+    if (note_decides(note, envelope)) return static_cast<double>(note) < envelope;
+    const double least = test.needed(test.load(a), j);
+    needed[k] = note_needed(least);
+    return least <= envelope;
+  }
+};
+
+/// Writes the keys of the contacts in ascending order.
+/// Bytes per piece: 24 read, per contact 4 read and 8 written; bodies at walls are looked at again.
+template <ShapeMix kMix, class Real>
+struct WriteContactKeys {
+  static constexpr const char* name = "write_contact_keys";
+  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 5 : 1;
+  ContactTest<kMix, Real> test;
+  Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
+  Span<const std::uint32_t> touching;
+  Span<std::uint64_t> key;  ///< [contact count] out
+
+  SCREE_HD void operator()(Index p) const {
+    Offset next = begin[p];
+    const Offset end = begin[p + 1];
+    if (next == end) return;
+    const CandidateView& list = test.candidates;
+    const Index a = list.body[p];
+    const std::uint32_t found = touching[p];
+    for (Index k = 0; k < kPieceLength && found >> k != 0; ++k) {
+      if ((found >> k & 1) != 0) write_pair(a, list.other[list.begin[p] + k], next);
+    }
+    if (next == end) return;
+    // What is left are walls, whose elements are above those of all bodies.
+    test.with_walls(a, test.load(a),
+                    [&](std::uint32_t element) { key[next++] = make_key(a, element); });
+  }
+  SCREE_HD void write_pair(Index a, Index j, Offset& next) const {
+    const ContactKeys& keys = test.keys;
+    if (keys.feature_bits == 0) {
+      key[next++] = make_key(a, keys.body_element(j, 0));
+      return;
+    }
+    test.pair(a, test.load(a), j, [&](std::uint32_t feature) {
+      key[next++] = make_key(a, keys.body_element(j, feature));
+    });
+  }
+};
+
+/// Turns keys into contacts: bodies, normal, gap, lever arms. Spheres that pass each other within
+/// the step are left to TurnPasses.
+/// Bytes per contact (float, radial), besides bodies from the caches: 8 read, 24 written.
+template <ShapeMix kMix, class Real>
+struct FillContacts {
+  static constexpr const char* name = "fill_contacts";
+  BodyView<Real> bodies;
+  Span<const ShapeRecord<Real>> shapes;
+  WallView<Real> walls;
+  ContactRange range;
+  ContactKeys keys;
+  Span<const std::uint64_t> key;
+  Span<Index> body_a;       ///< out
+  Span<Index> body_b;       ///< out
+  Span<Vec3<Real>> normal;  ///< out
+  Span<Real> gap;           ///< out [m]
+  Span<Vec3<Real>> arm_a;   ///< out, empty when radial [m]
+  Span<Vec3<Real>> arm_b;   ///< out, empty when radial [m]
+
+  SCREE_HD void operator()(Index c) const {
+    const Index a = key_body(key[c]);
+    const std::uint32_t element = key_element(key[c]);
+    const BodySample body = load_body<kMix>(bodies, shapes, range, a);
+    ContactGeometry g;
+    Index b;
+    if (keys.is_body(element)) {
+      b = keys.body(element);
+      const BodySample other = load_body<kMix>(bodies, shapes, range, b);
+      const Vec3d d = minimum_image(other.position - body.position, range.period);
+      g = body_pair<kMix>(body, other, d, keys.feature(element));
+    } else {
+      g = wall_contact<kMix>(walls, range, keys, body, wall_envelope(range, a, body), element, b);
+    }
+    body_a[c] = a;
+    body_b[c] = b;
+    normal[c] = Vec3<Real>(g.normal);
+    gap[c] = static_cast<Real>(g.gap);
+    if (!arm_a.empty()) {
+      arm_a[c] = Vec3<Real>(g.arm_a);
+      arm_b[c] = Vec3<Real>(g.arm_b);
+    }
+  }
+};
+
+}  // namespace scree

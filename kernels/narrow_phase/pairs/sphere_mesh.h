@@ -1,0 +1,172 @@
+#pragma once
+// A sphere on a triangle mesh. A triangle gives a contact only where its distance to the center has
+// a local minimum over the whole surface: on its face, on an edge it owns, or at a vertex it owns.
+// So a flat floor of many triangles is one contact, and a sphere rolling over inner edges meets no
+// ghost.
+//
+// Whether the foot of the center lies inside a triangle, past an edge or past a vertex is decided
+// from the edge alone, by the same arithmetic for both triangles. A strip around each edge
+// (MeshInfo::tolerance, 1e-11 of the mesh) belongs to the edge, and what is within twice that of a
+// vertex to the vertex: no center falls between two features, and none is claimed twice.
+
+#include "kernels/narrow_phase/mesh_view.h"
+#include "kernels/narrow_phase/pairs/sphere_triangle.h"
+
+namespace scree {
+
+/// Where a center stands relative to one edge.
+struct EdgeSides {
+  bool past[2];  ///< not on the inner side of triangle 0, 1; true at a border
+  double
+      from[2];  ///< distance of its foot on the edge from either end [m], negative beyond the end
+};
+
+template <class Real>
+SCREE_HD EdgeSides edge_sides(const MeshView<Real>& mesh, const MeshEdge& edge, double tolerance,
+                              const Vec3d& center) {
+  const Vec3d a(mesh.points[edge.vertex[0]]), b(mesh.points[edge.vertex[1]]);
+  const Vec3d along = normalized(b - a), from_a = center - a;
+  EdgeSides sides;
+  sides.from[0] = dot(from_a, along);
+  sides.from[1] = dot(center - b, -along);
+  for (int k = 0; k < 2; ++k) {
+    sides.past[k] = true;
+    if (edge.triangle[k] < 0) continue;
+    const Vec3d to_opposite = Vec3d(mesh.points[edge.opposite[k]]) - a;
+    const Vec3d inward = to_opposite - dot(to_opposite, along) * along;
+    sides.past[k] = dot(from_a, inward) <= tolerance * norm(inward);
+  }
+  return sides;
+}
+
+/// Whether a vertex is the point of its surroundings closest to the center.
+template <class Real>
+SCREE_HD bool is_closest_vertex(const MeshView<Real>& mesh, Index v, double tolerance,
+                                const Vec3d& center) {
+  const MeshVertex& vertex = mesh.vertices[v];
+  const Vec3d point(mesh.points[v]);
+  for (Index k = 0; k < vertex.neighbor_count; ++k) {
+    const Vec3d along = Vec3d(mesh.points[mesh.neighbors[vertex.first_neighbor + k]]) - point;
+    if (dot(center - point, along) > 2 * tolerance * norm(along)) return false;
+  }
+  return true;
+}
+
+/// What of triangle t, or of the edges and vertices it owns, is closest to the center of a sphere.
+template <class Real>
+SCREE_HD bool closest_feature(const MeshView<Real>& mesh, double tolerance, Index t,
+                              const Vec3d& center, TriangleFeature& feature, int& index) {
+  const MeshTriangle& triangle = mesh.triangles[t];
+  bool near_vertex[3] = {false, false, false};  // within its range along one of the edges of t
+  bool inside = true;
+  int edge = -1;
+  for (int k = 0; k < 3; ++k) {
+    const MeshEdge& e = mesh.edges[triangle.edge[k]];
+    const EdgeSides sides = edge_sides(mesh, e, tolerance, center);
+    inside = inside && !sides.past[e.triangle[0] == t ? 0 : 1];
+    if (e.triangle[0] == t && sides.past[0] && sides.past[1] && sides.from[0] > tolerance &&
+        sides.from[1] > tolerance) {
+      edge = k;
+    }
+    for (int end = 0; end < 2; ++end) {
+      if (sides.from[end] > 2 * tolerance) continue;
+      near_vertex[e.vertex[end] == triangle.vertex[k] ? k : (k + 1) % 3] = true;
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    const Index v = triangle.vertex[k];
+    if (!near_vertex[k] || !is_closest_vertex(mesh, v, tolerance, center)) continue;
+    feature = TriangleFeature::vertex;
+    index = k;
+    return mesh.vertices[v].owner == t;
+  }
+  feature = edge >= 0 ? TriangleFeature::edge : TriangleFeature::face;
+  index = edge;
+  return edge >= 0 || inside;
+}
+
+/// A contact of a sphere with a mesh, in the frame of the mesh.
+struct MeshPoint {
+  Vec3d offset;  ///< contact point on the mesh to the center [m]
+  Vec3d normal;  ///< unit outward direction of the surface there
+  TriangleFeature feature = TriangleFeature::face;
+  int index = 0;  ///< of the edge or vertex in its triangle
+};
+
+/// The contact of a sphere with what triangle t owns.
+/// @param center  of the sphere, in the frame of the mesh [m]
+/// @return        false: no contact
+template <class Real>
+SCREE_HD bool sphere_mesh_triangle(const MeshView<Real>& mesh, const MeshInfo& info, Index t,
+                                   const Vec3d& center, MeshPoint& point) {
+  int& k = point.index;
+  if (!closest_feature(mesh, info.tolerance, t, center, point.feature, k)) return false;
+  const MeshTriangle& triangle = mesh.triangles[t];
+  Vec3d& offset = point.offset;
+  Vec3d& normal = point.normal;
+  if (point.feature == TriangleFeature::vertex) {
+    offset = center - Vec3d(mesh.points[triangle.vertex[k]]);
+    normal = Vec3d(mesh.vertex_normal[triangle.vertex[k]]);
+  } else if (point.feature == TriangleFeature::edge) {
+    const MeshEdge& edge = mesh.edges[triangle.edge[k]];
+    const Vec3d a(mesh.points[edge.vertex[0]]);
+    const Vec3d along = normalized(Vec3d(mesh.points[edge.vertex[1]]) - a);
+    offset = (center - a) - dot(center - a, along) * along;
+    normal = Vec3d(mesh.edge_normal[triangle.edge[k]]);
+  } else {
+    const Vec3d a(mesh.points[triangle.vertex[0]]);
+    normal = normalized(cross(Vec3d(mesh.points[triangle.vertex[1]]) - a,
+                              Vec3d(mesh.points[triangle.vertex[2]]) - a));
+    offset = dot(center - a, normal) * normal;
+  }
+  return !info.closed || dot(offset, normal) >= 0;
+}
+
+/// Whether a leaf of the mesh is within `reach` of the center.
+template <class Real>
+SCREE_HD bool is_near_mesh(const MeshView<Real>& mesh, const MeshInfo& info, const Vec3d& center,
+                           double reach) {
+  Index n = info.first_node;
+  while (n < info.end_node) {
+    const MeshNode& node = mesh.nodes[n];
+    bool hit = true;
+    for (int k = 0; k < 3; ++k) {
+      hit = hit && center[k] + reach >= node.lower[k] && center[k] - reach <= node.upper[k];
+    }
+    if (hit && node.leaf >= 0) return true;
+    n = hit ? n + 1 : node.skip;
+  }
+  return false;
+}
+
+/// Calls visit(triangle, point) for each contact within `reach` of the center.
+template <class Real, class Visit>
+SCREE_HD void visit_sphere_mesh(const MeshView<Real>& mesh, const MeshInfo& info,
+                                const Vec3d& center, double reach, Visit&& visit) {
+  Index n = info.first_node;
+  while (n < info.end_node) {
+    const MeshNode& node = mesh.nodes[n];
+    bool hit = true;
+    for (int k = 0; k < 3; ++k) {
+      hit = hit && center[k] + reach >= node.lower[k] && center[k] - reach <= node.upper[k];
+    }
+    if (!hit) {
+      n = node.skip;
+      continue;
+    }
+    ++n;
+    if (node.leaf < 0) continue;
+    const Index first = info.first_triangle + (node.leaf >> 3);
+    for (Index t = first; t < first + (node.leaf & 7); ++t) {
+      const MeshTriangle& triangle = mesh.triangles[t];
+      const TrianglePoint nearest = closest_on_triangle(
+          center, Vec3d(mesh.points[triangle.vertex[0]]), Vec3d(mesh.points[triangle.vertex[1]]),
+          Vec3d(mesh.points[triangle.vertex[2]]));
+      if (!(norm2(center - nearest.point) <= reach * reach)) continue;
+      MeshPoint point;
+      if (sphere_mesh_triangle(mesh, info, t, center, point)) visit(t, point);
+    }
+  }
+}
+
+}  // namespace scree

@@ -1,0 +1,325 @@
+#pragma once
+// Contacts of one free body with the walls.
+
+#include "kernels/broad_phase/binning.h"
+#include "kernels/contact/contact_key.h"
+#include "kernels/narrow_phase/body_pairs.h"
+#include "kernels/narrow_phase/mesh_way.h"
+#include "kernels/narrow_phase/pairs/box_plane.h"
+#include "kernels/narrow_phase/pairs/sphere_plane.h"
+
+namespace scree {
+
+template <class Real>
+struct WallView {
+  Span<const WallPlane> planes;
+  Span<const WallSolid> solids;
+  MeshView<Real> meshes;
+};
+
+/// Contact of body A with a plane; `corner` counts for boxes only.
+template <ShapeMix kMix>
+SCREE_HD ContactGeometry plane_contact(const BodySample& a, const WallPlane& plane, int corner) {
+  const double height = dot(a.position - plane.point, plane.normal);
+  const Vec3d d = plane.center - a.position;
+  if constexpr (kMix == ShapeMix::any) {
+    if (a.kind == ShapeKind::box) {
+      return box_half_space(height, plane.normal, d, a.orientation, a.half_extents, corner);
+    }
+  }
+  return sphere_half_space(height, plane.normal, d, a.radius);
+}
+
+/// Sphere A on a mesh, from the contact point found in the frame of the mesh.
+/// @param d               center of A to the center of the mesh [m]
+/// @param offset, normal  see MeshPoint
+SCREE_HD inline ContactGeometry mesh_contact(const BodySample& a, const WallSolid& solid,
+                                             const Vec3d& d, const Vec3d& offset,
+                                             const Vec3d& normal) {
+  const Vec3d world = rotate(solid.orientation, offset);
+  return sphere_surface_point(world, rotate(solid.orientation, normal), -world - d, a.radius);
+}
+
+/// Sphere A and a box or mesh wall, in all images that it can touch.
+template <class Real>
+struct SolidContacts {
+  const MeshView<Real>& meshes;
+  const WallSolid& solid;
+  const ContactRange& range;
+  const BodySample& a;
+  double envelope;  ///< contacts are listed up to this gap [m]
+
+  /// Calls emit(element) for each contact, ascending.
+  template <class Emit>
+  SCREE_HD void visit(Emit& emit) const {
+    const WallImages images = reached_images();
+    if (solid.kind == ShapeKind::box) {
+      visit_box(images, emit);
+    } else {
+      visit_mesh(images, emit);
+    }
+  }
+
+  /// Geometry of the contact with this element.
+  SCREE_HD ContactGeometry geometry(std::uint32_t element) const {
+    const std::uint32_t slot = element - solid.first_element;
+    const Vec3d d = center_of(slot / solid.slots);
+    if (solid.kind == ShapeKind::box) {
+      const ContactGeometry g = sphere_box(d, a.radius, solid.orientation, solid.half_extents);
+      return sphere_box_on_way(g, d, range.h * wall_speed(d), a.radius, solid.orientation,
+                               solid.half_extents);
+    }
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    const auto t = info.first_triangle + static_cast<Index>(slot % solid.slots);
+    MeshPoint point;
+    const bool is_closest = sphere_mesh_triangle(meshes, info, t, in_mesh(d), point);
+    const ContactGeometry closest = mesh_contact(a, solid, d, point.offset, point.normal);
+    if (is_closest && is_met(closest, is_fast())) return closest;
+    const WallImages images = reached_images();
+    const WayContacts found = on_way(images, planes(images));
+    for (int k = 0; k < found.count; ++k) {
+      const HoldingPlane& plane = found.contact[k].plane;
+      if (found.contact[k].element != element) continue;
+      return mesh_contact(a, solid, d, plane.height * plane.normal, plane.normal);
+    }
+    return closest;
+  }
+
+ private:
+  SCREE_HD Vec3d center_of(std::uint32_t image) const {
+    return image_of_wall(solid, range.period, a.position, image);
+  }
+  /// Center of the sphere in the frame of the mesh. @param d  center of A to that of the mesh
+  SCREE_HD Vec3d in_mesh(const Vec3d& d) const { return rotate_back(solid.orientation, -d); }
+  SCREE_HD bool is_contact(const ContactGeometry& g) const {
+    return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
+  }
+  /// Along a normal, every point of the wall body approaches the center of A as the point there
+  /// does [m/s].
+  SCREE_HD Vec3d wall_speed(const Vec3d& d) const {
+    return solid.motion.linear - cross(solid.motion.angular, d) - a.motion.linear;
+  }
+  /// How far A may come to touch within the step [m].
+  SCREE_HD double reach(const Vec3d& d) const {
+    return a.radius + envelope + range.h * norm(wall_speed(d));
+  }
+  /// The same whichever image it is that touches.
+  SCREE_HD double farthest_reach() const {
+    const double turn = range.h * norm(solid.motion.angular);
+    const double way = range.h * norm(solid.motion.linear - a.motion.linear) +
+                       turn * norm(solid.middle) + turn * norm(solid.half);
+    return (a.radius + envelope + way) / (1 - (turn < 0.5 ? turn : 0.5));
+  }
+
+  SCREE_HD WallImages reached_images() const {
+    if (!(range.period.x > 0 || range.period.y > 0 || range.period.z > 0)) return {};
+    return {solid, range.period, a.position, farthest_reach()};
+  }
+
+  template <class Emit>
+  SCREE_HD void visit_box(const WallImages& images, Emit& emit) const {
+    const auto contact = [&](std::uint32_t image, auto&& found) {
+      const Vec3d d = center_of(image);
+      const ContactGeometry g = sphere_box(d, a.radius, solid.orientation, solid.half_extents);
+      if (is_contact(g)) found(d, g);
+    };
+    HoldingPlanes held;
+    if (!images.is_one()) {
+      images.for_each(range.period, [&](std::uint32_t image) {
+        contact(image, [&](const Vec3d&, const ContactGeometry& g) {
+          held.add({-g.normal, g.gap + a.radius}, image, 0);
+        });
+      });
+    }
+    images.for_each(range.period, [&](std::uint32_t image) {
+      contact(image, [&](const Vec3d& d, const ContactGeometry& g) {
+        const auto covers = [&](const HoldingPlane& plane) {
+          const Vec3d n = rotate_back(solid.orientation, plane.normal);
+          double top = dot(plane.normal, d);
+          for (int k = 0; k < 3; ++k) top += std::abs(n[k]) * solid.half_extents[k];
+          return plane.height + top <= kHiddenRise * a.radius;
+        };
+        if (held.other_image_hides(g.gap + a.radius, image, covers)) return;
+        emit(solid.first_element + image);
+      });
+    });
+  }
+
+  /// Whether a contact with what is closest at the start is listed. Where the step leads farther,
+  /// on_way() finds what is beyond the envelope, and from where it is met.
+  SCREE_HD bool is_met(const ContactGeometry& g, bool is_fast) const {
+    return is_fast ? g.gap <= envelope : is_contact(g);
+  }
+
+  /// Calls found(t, point, g) for the listed contacts with what is closest at the start.
+  template <class Found>
+  SCREE_HD void closest_points(const Vec3d& d, bool is_fast, Found&& found) const {
+    visit_sphere_mesh(
+        meshes, meshes.meshes[solid.mesh], in_mesh(d), is_fast ? a.radius + envelope : reach(d),
+        [&](Index t, const MeshPoint& point) {
+          const ContactGeometry g = mesh_contact(a, solid, d, point.offset, point.normal);
+          if (is_met(g, is_fast)) found(t, point, g);
+        });
+  }
+
+  template <class Emit>
+  SCREE_HD void visit_mesh(const WallImages& images, Emit& emit) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    const bool is_one = images.is_one();
+    HoldingPlanes held;
+    WayContacts found;
+    const bool fast = is_fast();
+    if (fast && !is_near(images)) return;
+    if (!is_one || fast) held = planes(images);
+    if (fast) found = on_way(images, held);
+    int next = 0;
+    const auto emit_found = [&](std::uint32_t before) {
+      for (; next < found.count && found.contact[next].element < before; ++next) {
+        emit(found.contact[next].element);
+      }
+    };
+    const auto emit_in_order = [&](std::uint32_t element) {
+      emit_found(element);
+      if (next < found.count && found.contact[next].element == element) ++next;
+      emit(element);
+    };
+    if (is_one && fast && held.is_all) {
+      for (int k = 0; k < held.count; ++k) emit_in_order(held.element[k]);
+      emit_found(~0u);
+      return;
+    }
+    images.for_each(range.period, [&](std::uint32_t image) {
+      const Vec3d d = center_of(image);
+      closest_points(d, fast, [&](Index t, const MeshPoint& point, const ContactGeometry& g) {
+        const auto covers = [&](const HoldingPlane& plane) {
+          return is_below(meshes, t, point.feature, point.index, in_mesh(d), plane,
+                          kHiddenRise * a.radius);
+        };
+        if (!is_one && held.other_image_hides(g.gap + a.radius, image, covers)) return;
+        emit_in_order(mesh_element(solid, info, image, t));
+      });
+    });
+    emit_found(~0u);
+  }
+
+  SCREE_HD bool is_near(const WallImages& images) const {
+    bool is_any = false;
+    images.for_each(range.period, [&](std::uint32_t image) {
+      const Vec3d d = center_of(image);
+      is_any = is_any || is_near_mesh(meshes, meshes.meshes[solid.mesh], in_mesh(d), reach(d));
+    });
+    return is_any;
+  }
+
+  /// Whether the step may lead from one part of a mesh to another: within half the envelope it does
+  /// not matter.
+  SCREE_HD bool is_fast() const {
+    return range.h * norm(wall_speed(center_of(nearest_image()))) > 0.5 * range.envelope;
+  }
+  SCREE_HD std::uint32_t nearest_image() const {
+    return static_cast<std::uint32_t>(image_count(range.period) / 2);
+  }
+
+  /// Planes of what is closest at the start, in the frame of the mesh.
+  SCREE_HD HoldingPlanes planes(const WallImages& images) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    HoldingPlanes held;
+    const bool fast = is_fast();
+    images.for_each(range.period, [&](std::uint32_t image) {
+      closest_points(center_of(image), fast,
+                     [&](Index t, const MeshPoint&, const ContactGeometry& g) {
+                       held.add({rotate_back(solid.orientation, -g.normal), g.gap + a.radius},
+                                image, mesh_element(solid, info, image, t));
+                     });
+    });
+    return held;
+  }
+
+  /// What the sphere meets on its way.
+  /// @param held  planes()
+  SCREE_HD WayContacts on_way(const WallImages& images, HoldingPlanes held) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    const double rise = kHiddenRise * a.radius;
+    WayContacts found;
+    while (found.count < WayContacts::kMost) {
+      WayTouch first;
+      std::uint32_t first_image = 0;
+      Index first_triangle = 0;
+      images.for_each(range.period, [&](std::uint32_t image) {
+        const Vec3d d = center_of(image);
+        const Vec3d free = rotate_back(solid.orientation, -range.h * wall_speed(d));
+        const SphereWay s{in_mesh(d), held.allowed(free, a.radius), a.radius,
+                          a.radius + range.envelope};
+        visit_near_way(meshes, info, s, [&](Index t) {
+          if (found.contains(mesh_element(solid, info, image, t))) return;
+          HiddenParts hidden = 0;
+          for (int k = 0; k < held.count; ++k) {
+            hidden |= parts_below(meshes, t, s.center, held.plane[k], rise);
+            if ((hidden & 1) != 0) return;
+          }
+          const WayTouch touch = touch_triangle(meshes, info.closed, t, s, hidden);
+          if (!(touch.time < first.time)) return;
+          first = touch;
+          first_image = image;
+          first_triangle = t;
+        });
+      });
+      if (first.time > 1) break;
+      found.insert({mesh_element(solid, info, first_image, first_triangle), first.plane});
+      held.add(first.plane, first_image, 0);
+    }
+    return found;
+  }
+};
+
+/// Calls emit(element) for each listed contact of body A with the walls, in ascending order: planes
+/// come before solid walls, and the triangles of a mesh are numbered along its tree.
+/// @param envelope  contacts are listed up to this gap [m]
+/// @param inflated  inflated radius of A [m], see inflated_radius()
+template <ShapeMix kMix, class Real, class Emit>
+SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range,
+                          const ContactKeys& keys, const BodySample& a, double envelope,
+                          double inflated, Emit&& emit) {
+  const bool is_box = kMix == ShapeMix::any && a.kind == ShapeKind::box;
+  for (Index p = 0; p < static_cast<Index>(walls.planes.size); ++p) {
+    const WallPlane& plane = walls.planes[p];
+    // Half of it, and the way of A in one step, are in the inflated radius already.
+    const double height = dot(a.position - plane.point, plane.normal);
+    if (!plane.moves && height > inflated + 0.5 * envelope) continue;
+    const int corners = is_box ? kBoxCorners : 1;
+    for (int corner = 0; corner < corners; ++corner) {
+      const ContactGeometry g = plane_contact<kMix>(a, plane, corner);
+      if (g.gap > envelope &&
+          !is_listed(g.gap, separation_speed(g, a.motion, plane.motion), envelope, range.h)) {
+        continue;
+      }
+      emit(keys.plane_element(p, corner));
+    }
+  }
+  if constexpr (kMix == ShapeMix::spheres_and_planes) return;
+  if (is_box) return;  // a box against a solid wall has no pair function yet
+  for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
+    SolidContacts<Real>{walls.meshes, walls.solids[k], range, a, envelope}.visit(emit);
+  }
+}
+
+/// Geometry of the wall contact an element names, and the wall body.
+/// @param envelope  as in visit_walls()
+template <ShapeMix kMix, class Real>
+SCREE_HD ContactGeometry wall_contact(const WallView<Real>& walls, const ContactRange& range,
+                                      const ContactKeys& keys, const BodySample& a, double envelope,
+                                      std::uint32_t element, Index& body_b) {
+  if (kMix == ShapeMix::spheres_and_planes || element < keys.solid_begin) {
+    const std::uint32_t slot = element - keys.wall_begin;
+    const WallPlane& plane = walls.planes[slot / kPlaneSlots];
+    body_b = plane.body;
+    return plane_contact<kMix>(a, plane, static_cast<int>(slot % kPlaneSlots));
+  }
+  Index k = static_cast<Index>(walls.solids.size) - 1;
+  while (k > 0 && element < walls.solids[k].first_element) --k;
+  const WallSolid& solid = walls.solids[k];
+  body_b = solid.body;
+  return SolidContacts<Real>{walls.meshes, solid, range, a, envelope}.geometry(element);
+}
+
+}  // namespace scree

@@ -1,0 +1,299 @@
+#pragma once
+// Tuned twin of the two APGD passes for the radial layout: one cooperative launch runs many trials.
+//
+// A block takes tiles of bodies that are neighbors in space (Morton order), one in each round. It
+// brings their V_y into shared memory while the tile before is at work, steps their contacts, keeps
+// what the new impulses exert in shared memory too, and sums up there what contacts within the tile
+// exert. Only contacts with bodies outside the tile go through global memory: as B of a lower body,
+// whose tile has its contact step in the same round or an earlier one. So the body pass of a round
+// runs after the contact step of the next one, when that of its own round is done everywhere, and
+// seldom waits. A large body among small ones has thousands of contacts, which all threads of a
+// warp sum up. At the end of a trial the blocks meet, each adds up the sums of all in block order
+// and decides, and the next trial begins without a launch.
+//
+// The warps of a block meet nowhere within a trial: barriers are in halves, with other work between
+// (SplitBarrier). One warp speaks with other blocks; it has the fewest contacts and bodies.
+//
+// Bytes from memory per contact (float, alike bodies): normal, metric and A packed 8, bias 4, B 4,
+// two impulses 24, list 4 read, impulse 12 written. Per body: v*, two V 72, inertia 8, starts 8
+// read, V 24 written: 280 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427. Far
+// contacts and sectors read in part make that 410 MB between the cache levels, and the link between
+// the two halves of the second-level cache, which half of it crosses, is nearly as busy as in a
+// copy (bench/results/h200). The first-level cache is short: a stack of 32 bytes a thread, for
+// registers that were spilled, cost a tenth of the time, and shared memory is dear too.
+// Sums are those of the plain passes in another order: the same bits on every run of one device.
+// Doubles take the plain passes, which are faster for them.
+
+#include "kernels/backend/device_counter.cuh"
+#include "kernels/backend/split_barrier.cuh"
+#include "kernels/solve/apgd_tile.cuh"
+
+namespace scree {
+namespace sweep {
+
+inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
+
+/// What the blocks share, in device memory. All of it starts at zero with a solve.
+struct Shared {
+  unsigned* round_done;         ///< [rounds] contact steps done, over all trials
+  unsigned* arrived;            ///< blocks at the end of a trial, over all trials
+  Sums<3>* partial;             ///< [blocks]
+  const PackedContact* packed;  ///< [contacts]
+};
+
+/// Body pass of the thread's body of a tile: what other tiles exert, then its new velocity. A body
+/// with many contacts is summed up by its warp.
+template <class Real>
+__device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial, Index i,
+                          bool is_there, HalfDone<Real>& body, const Twist<Real>& extrapolated,
+                          Sums<3>& sums) {
+  const Gather<Real> gather(a, trial);
+  const bool is_long = is_there && body.is_long();
+  if (is_there) gather.add_far(body);
+  for (unsigned left = __ballot_sync(0xffffffffu, is_long); left != 0; left &= left - 1) {
+    const int of = __ffs(static_cast<int>(left)) - 1;
+    const auto lane = static_cast<int>(threadIdx.x % 32);
+    const Wrench<Real> sum = gather.by_warp(i - lane + of);
+    if (lane == of) body.wrench = sum;
+  }
+  if (!is_there) return;
+  const RadialInertia<Real> inertia = a.p.radial_inertia[i];
+  const Twist<Real> next =
+      a.p.free_velocity[i] +
+      RadialRows<Real>::apply_inverse_mass(inertia, {body.wrench.force, body.wrench.torque});
+  trial.next_velocity[i] = next;
+  const Twist<Real> change = next - extrapolated;
+  Real energy = 0;
+  if (inertia.inv_mass > Real(0)) energy += norm2(change.linear) * inverse(inertia.inv_mass);
+  if (inertia.inv_spin > Real(0)) energy += norm2(change.angular) * inverse(inertia.inv_spin);
+  sums.value[2] += static_cast<double>(energy);
+}
+
+/// Sum over the block in a fixed order, in thread 0.
+__device__ inline Sums<3> block_sum(Sums<3> mine) {
+  __shared__ Sums<3> of_warp[kWarps];
+  const auto over_warp = [](Sums<3>& x) {
+#pragma unroll
+    for (int step = 16; step > 0; step /= 2) {
+#pragma unroll
+      for (int k = 0; k < 3; ++k) x.value[k] += __shfl_down_sync(0xffffffffu, x.value[k], step);
+    }
+  };
+  over_warp(mine);
+  __syncthreads();
+  if (threadIdx.x % 32 == 0) of_warp[threadIdx.x / 32] = mine;
+  __syncthreads();
+  if (threadIdx.x < 32) {
+    mine = threadIdx.x < kWarps ? of_warp[threadIdx.x] : Sums<3>{};
+    over_warp(mine);
+  }
+  return mine;
+}
+
+/// Ends a trial: adds up the sums of all blocks and decides. Each block does so by itself, sooner
+/// than the word of one would reach it, and finds the same bits.
+/// @param meanwhile  to be done while other blocks finish
+/// @param exact      as of ApgdPasses
+template <class Meanwhile>
+__device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums, ApgdState& state,
+                       bool exact, const Meanwhile& meanwhile) {
+  const Sums<3> mine = block_sum(sums);
+  if (threadIdx.x == 0) {
+    shared.partial[blockIdx.x] = mine;
+    DeviceCounter(*shared.arrived).fetch_add(1, cuda::memory_order_release);
+  }
+  meanwhile();
+  if (threadIdx.x == 0) wait_for(*shared.arrived, (trial + 1) * gridDim.x);
+  __syncthreads();
+  // A block writes its next sums when all have read these: before, it waits for their first round.
+  Sums<3> all;
+  for (unsigned k = threadIdx.x; k < gridDim.x; k += kThreads) all.combine(shared.partial[k]);
+  all = block_sum(all);
+  if (threadIdx.x == 0) {
+    ApgdContactFinish{&state}({{all.value[0], all.value[1]}});
+    ApgdBodyFinish{&state, exact}({{all.value[2]}});
+  }
+  __syncthreads();
+}
+
+template <int kWeights, Law kLaw, class Real>
+__global__ void __launch_bounds__(kThreads, kBlocks)
+    run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
+               int count, double enough) {
+  extern __shared__ __align__(16) unsigned char bytes[];
+  TileMemory<Real>& memory = *reinterpret_cast<TileMemory<Real>*>(bytes);
+  __shared__ SplitBarrier ready;  // V_y of a tile is there, the pulls of the one before are summed
+  __shared__ SplitBarrier stepped;  // the contact step of a tile is done
+  __shared__ SplitBarrier reached;  // other blocks are done with the round before
+  __shared__ ApgdState state;       // the same in all blocks
+  __shared__ unsigned trials;       // before this launch: no block arrives before all know
+  const auto blocks = static_cast<Index>(gridDim.x);
+  const auto local = static_cast<Index>(threadIdx.x);
+  const bool is_speaker = local == kThreads - 32;
+  if (local == 0) {
+    ready.init(kThreads);
+    stepped.init(kThreads);
+    reached.init(1);
+    state = *a.state;
+    trials = *shared.arrived / gridDim.x;
+  }
+  __syncthreads();
+  const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x));
+  {
+    const Trial<Real> trial(a, state, shared.packed);
+    first.start(trial.velocity, trial.previous_velocity, memory.bodies);
+  }
+  unsigned turn = 0;  // tiles so far: phases of `stepped`
+  for (unsigned k = 0; k < static_cast<unsigned>(count); ++k) {
+    if (k > 0 && !(state.measure > enough)) break;
+    const Trial<Real> trial(a, state, shared.packed);
+    const unsigned number = trials + k;
+    const Index accepted = state.accepted;
+    const Gather<Real> gather(a, trial);
+    Sums<3> sums;
+    auto t = static_cast<Index>(blockIdx.x);
+    first.finish(trial, memory.bodies);
+    ready.arrive();
+    for (Index round = 0;; t += blocks, ++round) {
+      const TileBodies<Real>& here = memory.bodies[round % 2];
+      TileBodies<Real>& other = memory.bodies[(round + 1) % 2];
+      const bool has_tile = t < tiles;
+      ready.wait((turn + k) % 2);  // one more than tiles in each trial
+      // Now that no warp waits for `reached` of the round before, its next phase may end.
+      if (is_speaker && round > 0) {
+        const Index done = min(blocks, tiles - (round - 1) * blocks);
+        wait_for(shared.round_done[round - 1], (number + 1) * static_cast<unsigned>(done));
+        reached.arrive();
+      }
+      __syncwarp();
+      TileRange range;
+      if (has_tile) {
+        range.begin = t * kBodies;
+        range.count = min(kBodies, a.p.free_count - range.begin);
+        range.first = here.a_start[0];
+        range.last = here.a_start[range.count];
+        step_contacts<kWeights, kLaw>(a, trial, range, here, memory.pull, sums);
+        stepped.arrive();
+      }
+      const Index i = (t - blocks) * kBodies + local;
+      const bool is_before = round > 0 && local < kBodies && i < a.p.free_count;
+      Twist<Real> extrapolated;
+      if (is_before) extrapolated = other.extrapolated[local];
+      BodyFetch<Real> fetch(a, trial, (t + blocks) * kBodies);
+      const bool has_next = t + blocks < tiles;
+      if (has_next) fetch.start(a, other);
+      if (is_speaker && has_tile) {
+        stepped.wait(turn % 2);
+        DeviceCounter(shared.round_done[round]).fetch_add(1, cuda::memory_order_release);
+      }
+      __syncwarp();
+      if (round > 0) {
+        reached.wait((turn - 1) % 2);
+        HalfDone<Real> body;
+        if (is_before) body = memory.half_done[local];
+        step_body(a, trial, i, is_before, body, extrapolated, sums);
+      }
+      if (has_next) fetch.read_previous();
+      if (has_tile) {
+        stepped.wait(turn % 2);
+        if (local < range.count) memory.half_done[local] = gather.within(range, here, memory.pull);
+      }
+      if (has_next) fetch.finish(other);
+      if (!has_tile) break;
+      ++turn;
+      ready.arrive();
+    }
+    // Nearly all trials are accepted.
+    decide(shared, number, sums, state, kLaw == Law::coulomb,
+           [&] { first.start(trial.next_velocity, trial.velocity, memory.bodies); });
+    if (state.accepted == accepted) first.restart(trial.velocity, trial.velocity, memory.bodies);
+  }
+  __pipeline_wait_prior(0);
+  if (blockIdx.x == 0 && local == 0) *a.state = state;
+}
+
+}  // namespace sweep
+
+template <>
+class ApgdIteration<Cuda> {
+ public:
+  explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda), packed_(cuda) {}
+
+  template <class R, class Real>
+  void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
+    if constexpr (kIsSwept<R, Real>) {
+      tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
+      if constexpr (sweep::kIsImpact<R, Real>) {
+        kernel_ = kernel_of<sweep::Law::impact>(a.metric);
+      } else {
+        kernel_ = a.exact ? kernel_of<sweep::Law::coulomb>(a.metric)
+                          : kernel_of<sweep::Law::convex>(a.metric);
+      }
+      blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
+      const Offset counters = Offset{tiles_} / blocks_ + 2;
+      counters_.reserve_discard(counters);
+      partial_.reserve_discard(blocks_);
+      fill(cuda, counters_.view(counters), 0u);
+      packed_.reserve_discard(a.p.contact_count);
+      for_each(cuda, a.p.contact_count,
+               sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(a.p.contact_count)});
+      shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data()};
+    }
+  }
+
+  template <class R, class Real>
+  bool stops(const ApgdPasses<R, Real>&) const {
+    return kIsSwept<R, Real>;
+  }
+  template <class R, class Real>
+  bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
+    return !kIsSwept<R, Real>;
+  }
+
+  template <class R, class Real>
+  void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double enough) {
+    if constexpr (kIsSwept<R, Real>) {
+      sweep::RadialPasses<Real> passes = sweep::radial_passes(a);
+      void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
+      check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, sweep::kThreads, arguments, kBytes,
+                                             cuda.stream()),
+                 "apgd_sweep");
+      cuda.check_launch("apgd_sweep");
+    } else {
+      for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
+    }
+  }
+
+ private:
+  /// Doubles take the plain passes, which are faster for them.
+  template <class R, class Real>
+  static constexpr bool kIsSwept = std::is_same_v<Real, float> &&
+                                   (std::is_same_v<R, RadialRows<Real>> ||
+                                    sweep::kIsImpact<R, Real>);
+  static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
+
+  /// Loads behind a branch would start late, so there is a program for each way to store weights.
+  template <sweep::Law kLaw, class R>
+  static const void* kernel_of(const StoredMetric<R, float>& metric) {
+    const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
+    if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, float>);
+    return metric.one_each ? of(&sweep::run_trials<1, kLaw, float>)
+                           : of(&sweep::run_trials<2, kLaw, float>);
+  }
+  /// Blocks wait for each other, so all must be on the device at once.
+  unsigned resident_blocks(const Cuda& cuda) const {
+    check_cuda(cudaFuncSetAttribute(kernel_, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes),
+               "shared memory of apgd_sweep");
+    return cuda.resident_blocks(kernel_, "occupancy of apgd_sweep", kBytes);
+  }
+
+  Buffer<Cuda, unsigned> counters_;  ///< arrived, round_done
+  Buffer<Cuda, Sums<3>> partial_;
+  Buffer<Cuda, PackedContact> packed_;
+  sweep::Shared shared_{};
+  const void* kernel_ = nullptr;
+  Index tiles_ = 0;
+  unsigned blocks_ = 0;
+};
+
+}  // namespace scree

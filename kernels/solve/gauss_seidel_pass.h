@@ -1,0 +1,100 @@
+#pragma once
+// Gauss-Seidel on one contact, and what brings contacts into the order of their colors and back.
+
+#include "kernels/solve/metric_step.h"
+
+namespace scree {
+
+/// Solves contact `first + k` against the velocities its bodies have now, and moves the two bodies
+/// at once. Contacts run concurrently only when no two of them share a free body; in sequence, in
+/// any order. Bytes per contact (radial, float): read normal and bias 16, ids 8, metric 12, impulse
+/// 12, two twists and inertias 64 gathered; written 12 and two twists 48.
+template <class R, class Real>
+struct GaussSeidelPass {
+  static constexpr const char* name = "gauss_seidel_pass";
+  ContactProblem<Real> p;
+  Span<const ContactMetric<Real>> metric;  ///< D of each contact; empty: worked out on the way
+  Span<Twist<Real>> velocity;              ///< V of the present impulses [body_count]
+  Span<Vec3<Real>> gamma;
+  Real relaxation;
+  Index first = 0;
+
+  SCREE_HD void operator()(Index k) const {
+    const Index c = first + k;
+    const Index a = p.body_a[c], b = p.body_b[c];
+    const Twist<Real> v_a = velocity[a], v_b = velocity[b];
+    const auto old = R::load(gamma, c);
+    const ContactMetric<Real> d = metric.empty() ? own_metric<R>(p, c) : metric[c];
+    const auto next = metric_step<R>(p, c, old, R::velocity(p, c, v_a, v_b), d, relaxation);
+    const auto move = next - old;
+    R::store(gamma, c, next);
+    velocity[a] = v_a + R::apply_inverse_mass(p, a, R::wrench(p, c, false, move));
+    if (b < p.free_count) {
+      velocity[b] = v_b + R::apply_inverse_mass(p, b, R::wrench(p, c, true, move));
+    }
+  }
+};
+
+/// Contact data in another order. Empty spans belong to fields that the problem does not store.
+template <class Real>
+struct OrderedContacts {
+  Span<Index> body_a;
+  Span<Index> body_b;
+  Span<Vec3<Real>> normal;
+  Span<Real> bias;
+  Span<Real> friction;
+  Span<Real> adhesion;
+  Span<Vec3<Real>> arm_a;
+  Span<Vec3<Real>> arm_b;
+  Span<RollingRow<Real>> rolling;
+  Span<Vec3<Real>> drift;
+  Span<ContactMetric<Real>> metric;
+};
+
+/// to[k] = data of contact order[k], and its block metric: one pass per solve, so that every sweep
+/// reads the contacts of a color as one contiguous stretch.
+template <class R, class Real>
+struct GatherContacts {
+  static constexpr const char* name = "gather_contacts";
+  ContactProblem<Real> p;
+  Span<const Index> order;
+  OrderedContacts<Real> to;
+  SCREE_HD void operator()(Index k) const {
+    const Index c = order[k];
+    to.body_a[k] = p.body_a[c];
+    to.body_b[k] = p.body_b[c];
+    to.normal[k] = p.normal[c];
+    to.bias[k] = p.bias[c];
+    if (!to.friction.empty()) to.friction[k] = p.friction[c];
+    if (!to.adhesion.empty()) to.adhesion[k] = p.adhesion[c];
+    if (!to.arm_a.empty()) {
+      to.arm_a[k] = p.arm_a[c];
+      to.arm_b[k] = p.arm_b[c];
+    }
+    if (!to.rolling.empty()) to.rolling[k] = p.rolling[c];
+    if (!to.drift.empty()) to.drift[k] = p.drift[c];
+    to.metric[k] = own_metric<R>(p, c);
+  }
+};
+
+/// ordered[k] = gamma[order[k]].
+template <class R, class Real>
+struct GatherImpulses {
+  static constexpr const char* name = "gather_impulses";
+  Span<const Index> order;
+  Span<const Vec3<Real>> gamma;
+  Span<Vec3<Real>> ordered;
+  SCREE_HD void operator()(Index k) const { R::store(ordered, k, R::load(gamma, order[k])); }
+};
+
+/// gamma[order[k]] = ordered[k].
+template <class R, class Real>
+struct ScatterImpulses {
+  static constexpr const char* name = "scatter_impulses";
+  Span<const Index> order;
+  Span<const Vec3<Real>> ordered;
+  Span<Vec3<Real>> gamma;
+  SCREE_HD void operator()(Index k) const { R::store(gamma, order[k], R::load(ordered, k)); }
+};
+
+}  // namespace scree

@@ -1,0 +1,212 @@
+#pragma once
+// Element programs of the impacts of a step: which contacts take part, the problem they make, and
+// what follows from its solution. docs/theory.md, section "Impacts".
+
+#include "kernels/backend/atomic.h"
+#include "kernels/backend/backend.h"
+#include "kernels/contact/contact_operator.h"
+#include "kernels/step/step_setup.h"
+
+namespace scree {
+
+/// Which contacts bounce, and which others touch.
+template <class Real>
+struct ImpactTest {
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  LawTable<Real> law;
+  Real time_step = 0;       ///< h [s]
+  Real threshold = 0;       ///< approach speed below which contacts do not bounce [m/s]
+  Real touching_gap = 0;    ///< largest gap of bodies that count as touching [m]
+  Vec3<Real> gravity_step;  ///< h g [m/s]
+
+  SCREE_HD const PairLaw<Real>& pair(Index c) const {
+    return law(bodies.material[contacts.body_a[c]], bodies.material[contacts.body_b[c]]);
+  }
+  /// @param u_n  normal velocity of contact c [m/s]
+  SCREE_HD bool bounces(Index c, Real u_n) const {
+    return pair(c).restitution > 0 && u_n < -threshold &&
+           contacts.gap[c] + time_step * (u_n + 2 * half_load(c)) <= 0;
+  }
+  SCREE_HD bool touches(Index c) const { return contacts.gap[c] <= touching_gap; }
+
+  /// Normal velocity that the loads of half a step add at contact c [m/s].
+  SCREE_HD Real half_load(Index c) const {
+    const Vec3<Real> gained = load(contacts.body_b[c]) - load(contacts.body_a[c]);
+    return dot(gained, contacts.normal[c]) / 2;
+  }
+
+ private:
+  SCREE_HD Vec3<Real> load(Index i) const {
+    if (i >= bodies.free_count) return {};
+    return on_axes(gravity_step, free_linear_axes(bodies.locks[i]));
+  }
+};
+
+/// What the search for impacts adds up.
+struct ImpactSums {
+  double approach_squares = 0;  ///< sum over bouncing contacts of u_n^2 [m^2/s^2]
+  double bouncing = 0;          ///< their number
+  double touching_squares = 0;  ///< as SetupSums::approach_squares
+  double touching = 0;          ///< as SetupSums::touching
+  SCREE_HD void combine(const ImpactSums& o) {
+    approach_squares += o.approach_squares;
+    bouncing += o.bouncing;
+    touching_squares += o.touching_squares;
+    touching += o.touching;
+  }
+};
+
+/// Finds the contacts that bounce, and marks their bodies.
+template <class Real>
+struct FindImpacts {
+  static constexpr const char* name = "find_impacts";
+  ImpactTest<Real> test;
+  float mark;              ///< of bodies of bouncing contacts
+  Span<Index> takes_part;  ///< [contacts.count] out: 0 or 1
+  Span<float> reached;     ///< [free_count] in: zero; out: mark
+
+  SCREE_HD ImpactSums operator()(Index c) const {
+    const Real u_n = normal_velocity(test.bodies, test.contacts, c);
+    ImpactSums s;
+    if (test.contacts.gap[c] <= 0) {
+      s.touching = 1;
+      if (u_n < 0) s.touching_squares = static_cast<double>(u_n) * u_n;
+    }
+    takes_part[c] = test.bounces(c, u_n) ? 1 : 0;
+    if (takes_part[c] == 0) return s;
+    s.bouncing = 1;
+    s.approach_squares = static_cast<double>(u_n) * u_n;
+    const Index b = test.contacts.body_b[c];
+    atomic_max(&reached[test.contacts.body_a[c]], mark);
+    if (b < test.bodies.free_count) atomic_max(&reached[b], mark);
+    return s;
+  }
+};
+
+/// One round over the contacts: those that touch a body reached before take part, and reach their
+/// own bodies. Marks fall by one a round, so what one contact writes no other reads in that round.
+template <class Real>
+struct SpreadImpacts {
+  static constexpr const char* name = "spread_impacts";
+  ImpactTest<Real> test;
+  float least;  ///< mark of bodies reached before
+  Span<Index> takes_part;
+  Span<float> reached;
+
+  SCREE_HD void operator()(Index c) const {
+    if (takes_part[c] != 0 || !test.touches(c)) return;
+    const Index a = test.contacts.body_a[c], b = test.contacts.body_b[c];
+    const bool has_b = b < test.bodies.free_count;
+    if (!(reached[a] >= least) && !(has_b && reached[b] >= least)) return;
+    takes_part[c] = 1;
+    atomic_max(&reached[a], least - 1);
+    if (has_b) atomic_max(&reached[b], least - 1);
+  }
+};
+
+/// The contacts that take part, one after the other: what their problem needs.
+template <class Real>
+struct GatherImpacts {
+  static constexpr const char* name = "gather_impacts";
+  ImpactTest<Real> test;
+  Span<const Index> takes_part;
+  Span<const Offset> place;  ///< where a contact goes
+  Span<Index> contact;       ///< out: where it comes from
+  Span<Index> body_a, body_b;
+  Span<Vec3<Real>> normal;
+  Span<Vec3<Real>> arm_a, arm_b;   ///< empty when radial
+  Span<Real> bias;                 ///< [m/s]
+  Span<Real> friction;             ///< [-]
+  Span<Real> restitution;          ///< [-], 0 where the contact does not bounce
+  Span<RollingRow<Real>> rolling;  ///< empty unless the layout is rolling
+
+  SCREE_HD void operator()(Index c) const {
+    if (takes_part[c] == 0) return;
+    const Offset k = place[c];
+    const ContactView<Real>& from = test.contacts;
+    contact[k] = c;
+    body_a[k] = from.body_a[c];
+    body_b[k] = from.body_b[c];
+    normal[k] = from.normal[c];
+    if (!arm_a.empty()) {
+      arm_a[k] = from.arm_a[c];
+      arm_b[k] = from.arm_b[c];
+    }
+    const PairLaw<Real>& pair = test.pair(c);
+    friction[k] = pair.friction;
+    if (!rolling.empty()) rolling[k] = rolling_row(test.bodies, from, c, pair);
+    // Bodies meet in the middle of the step, on average: with half of its loads.
+    const Real u_n = normal_velocity(test.bodies, from, c);
+    const Real load = test.half_load(c);
+    const bool bounces = test.bounces(c, u_n);
+    bias[k] = bounces && u_n + load < 0 ? load : Real(0);
+    restitution[k] = bounces ? pair.restitution : Real(0);
+  }
+};
+
+/// The least normal impulse of each contact after its compression, Poisson's hypothesis: 1 + e
+/// times that of the compression, as far as this went into stopping the approach and not into the
+/// lift of a sliding contact. Impulses are raised to it.
+template <class R, class Real>
+struct ReleaseImpacts {
+  static constexpr const char* name = "release_impacts";
+  ContactProblem<Real> p;
+  Span<const Real> restitution;        ///< [-]
+  Span<const Twist<Real>> compressed;  ///< body velocities at the end of the compression
+  Span<Vec3<Real>> gamma;              ///< impulses of the compression; out: a guess of the total
+  Span<Real> least;                    ///< out [N s]
+
+  SCREE_HD void operator()(Index c) const {
+    least[c] = 0;
+    const Real e = restitution[c];
+    auto g = R::load(gamma, c);
+    const Vec3<Real> n = p.normal[c];
+    const Real g_n = dot(n, g.force);
+    if (!(e > Real(0)) || !(g_n > Real(0))) return;
+    const Index a = p.body_a[c], b = p.body_b[c];
+    const Real before = dot(n, R::velocity(p, c, p.free_velocity[a], p.free_velocity[b]).force);
+    const Real after = dot(n, R::velocity(p, c, compressed[a], compressed[b]).force);
+    if (!(before < Real(0))) return;
+    const Real share = after > Real(0) ? before / (before - after) : Real(1);
+    least[c] = (1 + e) * share * g_n;
+    if (least[c] > g_n) g.force += (least[c] - g_n) * n;
+    R::store(gamma, c, g);
+  }
+};
+
+/// Exact Coulomb friction: adds mu |u_t| to the bias. Returns the squared changes.
+template <class R, class Real>
+struct LiftBias {
+  static constexpr const char* name = "lift_bias";
+  ContactProblem<Real> p;  ///< with the unchanged bias
+  Span<const Twist<Real>> velocity;
+  Span<Real> bias;  ///< in, out [m/s]
+
+  SCREE_HD Sums<1> operator()(Index c) const {
+    const auto u = R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);
+    const Real lifted = p.bias[c] + de_saxce_shift(p, c, u);
+    const double change = static_cast<double>(lifted) - bias[c];
+    bias[c] = lifted;
+    return {{change * change}};
+  }
+};
+
+/// Takes the velocities after the impacts over, where a body took part in one.
+template <class Real>
+struct TakeVelocities {
+  static constexpr const char* name = "take_velocities";
+  ContactProblem<Real> p;
+  Span<const Twist<Real>> velocity;
+  BodyView<Real> bodies;
+
+  SCREE_HD void operator()(Index i) const {
+    if (p.a_start[i] == p.a_start[i + 1] && p.b_start[i] == p.b_start[i + 1]) return;
+    bodies.velocity[i] = velocity[i].linear;
+    bodies.angular_velocity[i] = p.layout == ContactLayout::radial
+                                     ? (Real(1) / bodies.radius[i]) * velocity[i].angular
+                                     : velocity[i].angular;
+  }
+};
+
+}  // namespace scree

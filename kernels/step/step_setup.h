@@ -1,0 +1,198 @@
+#pragma once
+// Element programs that turn bodies and contacts into the contact problem of a step.
+// docs/theory.md, sections "Time step" and "Contact law".
+
+#include "kernels/backend/backend.h"
+#include "kernels/bodies/body_view.h"
+#include "kernels/bodies/locks.h"
+#include "kernels/contact/contact_problem.h"
+
+namespace scree {
+
+/// Contact law of one pair of materials.
+template <class Real>
+struct PairLaw {
+  Real friction = 0;           ///< [-]
+  Real restitution = 0;        ///< [-]
+  Real cohesion = 0;           ///< [N]
+  Real rolling_friction = 0;   ///< [m]
+  Real spinning_friction = 0;  ///< [m]
+};
+
+/// Symmetric table of contact laws, row-major.
+template <class Real>
+struct LawTable {
+  Span<const PairLaw<Real>> laws;
+  Index material_count = 0;
+  SCREE_HD const PairLaw<Real>& operator()(Index a, Index b) const {
+    return laws[a * material_count + b];
+  }
+};
+
+/// v* = v + h g, and the inverse mass, of one body in the radial layout (angular part: r w).
+/// Solid spheres need no such pass: see FreeVelocity and RadialInertias.
+template <class Real>
+struct PredictRadial {
+  static constexpr const char* name = "predict_radial";
+  BodyView<Real> bodies;
+  Vec3<Real> gravity_step;  ///< h g [m/s]
+  Span<Twist<Real>> free_velocity;
+  Span<RadialInertia<Real>> inertia;
+
+  SCREE_HD void operator()(Index i) const {
+    const Real r = bodies.radius[i];
+    if (i >= bodies.free_count) {  // the layout is chosen only when such bodies do not rotate
+      free_velocity[i] = {i >= bodies.fixed_begin ? bodies.velocity[i] : Vec3<Real>{}, {}};
+      inertia[i] = {};
+      return;
+    }
+    const bool turns = bodies.locks[i] == 0;
+    free_velocity[i] = {bodies.velocity[i] + gravity_step,
+                        turns ? r * bodies.angular_velocity[i] : Vec3<Real>{}};
+    inertia[i] = {bodies.inv_mass[i], turns ? r * r / bodies.moments(i).x : Real(0)};
+  }
+};
+
+/// The same for any shape, with locked axes.
+template <class Real>
+struct PredictGeneral {
+  static constexpr const char* name = "predict_general";
+  BodyView<Real> bodies;
+  Vec3<Real> gravity_step;  ///< h g [m/s]
+  Span<Twist<Real>> free_velocity;
+  Span<GeneralInertia<Real>> inertia;
+
+  SCREE_HD void operator()(Index i) const {
+    if (i >= bodies.free_count) {
+      const bool exists = i >= bodies.fixed_begin;
+      free_velocity[i] = {exists ? bodies.velocity[i] : Vec3<Real>{},
+                          exists ? bodies.angular_velocity[i] : Vec3<Real>{}};
+      inertia[i] = {};
+      return;
+    }
+    const unsigned linear = free_linear_axes(bodies.locks[i]);
+    const unsigned angular = free_angular_axes(bodies.locks[i]);
+    free_velocity[i] = {on_axes(bodies.velocity[i] + gravity_step, linear),
+                        on_axes(bodies.angular_velocity[i], angular)};
+    GeneralInertia<Real> g;
+    g.mass = Real(1) / bodies.inv_mass[i];
+    g.inv_mass =
+        on_axes(Vec3<Real>{bodies.inv_mass[i], bodies.inv_mass[i], bodies.inv_mass[i]}, linear);
+    g.inertia = rotated_diagonal(bodies.orientation[i], bodies.moments(i));
+    g.inv_inertia = inverse_on_axes(g.inertia, angular);
+    inertia[i] = g;
+  }
+};
+
+/// Normal velocity of body B against body A at contact c [m/s]; negative: they approach.
+template <class Real>
+SCREE_HD Real normal_velocity(const BodyView<Real>& bodies, const ContactView<Real>& contacts,
+                              Index c) {
+  const Index a = contacts.body_a[c], b = contacts.body_b[c];
+  Vec3<Real> relative = bodies.velocity[b] - bodies.velocity[a];
+  if (!contacts.arm_a.empty()) {  // radial arms turn no normal velocity
+    relative += cross(bodies.angular_velocity[b], contacts.arm_b[c]) -
+                cross(bodies.angular_velocity[a], contacts.arm_a[c]);
+  }
+  return dot(relative, contacts.normal[c]);
+}
+
+/// Scale of the moment rows of contact c [m]: the smaller lever arm of its free bodies, so they
+/// weigh like the tangential ones.
+template <class Real>
+SCREE_HD RollingRow<Real> rolling_row(const BodyView<Real>& bodies,
+                                      const ContactView<Real>& contacts, Index c,
+                                      const PairLaw<Real>& pair) {
+  const Real arm_a = norm(contacts.arm_a[c]);
+  const Real arm_b = norm(contacts.arm_b[c]);
+  const Real length = contacts.body_b[c] < bodies.free_count && arm_b < arm_a ? arm_b : arm_a;
+  return {length, pair.rolling_friction / length, pair.spinning_friction / length};
+}
+
+/// Velocity that the vertex of a free body at arm r gains by turning for half a step [m/s]: h/2 of
+/// the acceleration w' x r + w x (w x r) of a free rotation, I w' = I w x w. With it a contact that
+/// sticks keeps its place to second order. docs/theory.md, section "Rotation".
+template <class Real>
+struct ContactDrift {
+  static constexpr const char* name = "contact_drift";
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  Span<const GeneralInertia<Real>> inertia;
+  Real half_step;          ///< h / 2 [s]
+  Span<Vec3<Real>> drift;  ///< out [m/s]
+
+  SCREE_HD void operator()(Index c) const {
+    drift[c] = {};
+    // Vertices of boxes on walls. Where a sphere touches, the point of contact moves over it.
+    const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    if (bodies.shape[a] < 0 || b < bodies.fixed_begin || bodies.shape[b] < 0) return;
+    const Vec3<Real> w = on_axes(bodies.angular_velocity[a], free_angular_axes(bodies.locks[a]));
+    const Vec3<Real> r = contacts.arm_a[c];
+    const GeneralInertia<Real>& body = inertia[a];
+    const Vec3<Real> turn = body.inv_inertia * cross(body.inertia * w, w);
+    drift[c] = -half_step * (cross(turn, r) + cross(w, cross(w, r)));
+  }
+};
+
+/// What the set-up pass adds up over contacts.
+struct SetupSums {
+  double max_penetration = 0;   ///< [m]
+  double approach_squares = 0;  ///< sum over touching contacts of min(u_n, 0)^2 [m^2/s^2]
+  double touching = 0;          ///< their number
+  SCREE_HD void combine(const SetupSums& o) {
+    if (o.max_penetration > max_penetration) max_penetration = o.max_penetration;
+    approach_squares += o.approach_squares;
+    touching += o.touching;
+  }
+};
+
+/// Bias and cone parameters of one contact. docs/theory.md eq. (3) and (4):
+///   a gap may be closed but not passed:  bias = gap / h
+///   an overlap is pushed out:            bias = max(gap / h, -max_recovery_speed)
+///   an impact bounces:                   bias = min(bias, e u_n) when approach is faster than the
+///   threshold
+///                                        and the gap closes within the step
+template <class Real>
+struct ContactSetup {
+  static constexpr const char* name = "contact_setup";
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  LawTable<Real> law;
+  ContactBias<Real> without_impact;  ///< of contacts that do not bounce
+  Real time_step;                    ///< h [s]
+  Real restitution_threshold;        ///< [m/s]
+  Real cohesion_range;               ///< largest gap at which cohesion acts [m]
+  Span<Real> bias;                   ///< out [m/s], empty when no pair bounces
+  Span<Real> friction;               ///< out, empty when uniform
+  Span<Real> adhesion;               ///< out [N s], empty when no pair has cohesion
+  Span<RollingRow<Real>> rolling;    ///< out, empty unless the layout is rolling
+
+  SCREE_HD SetupSums operator()(Index c) const {
+    const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    const PairLaw<Real>& pair = law(bodies.material[a], bodies.material[b]);
+    const Real gap = contacts.gap[c];
+    const Real u_n = normal_velocity(bodies, contacts, c);
+    if (!bias.empty()) {
+      Real value = without_impact[c];
+      if (pair.restitution > 0 && u_n < -restitution_threshold && gap + time_step * u_n <= 0 &&
+          pair.restitution * u_n < value) {
+        value = pair.restitution * u_n;
+      }
+      bias[c] = value;
+    }
+    if (!friction.empty()) friction[c] = pair.friction;
+    if (!adhesion.empty())
+      adhesion[c] = gap <= cohesion_range ? pair.cohesion * time_step : Real(0);
+    if (!rolling.empty()) rolling[c] = rolling_row(bodies, contacts, c, pair);
+
+    SetupSums s;
+    if (gap < 0) s.max_penetration = -gap;
+    if (gap <= 0) {
+      s.touching = 1;
+      if (u_n < 0) s.approach_squares = static_cast<double>(u_n) * u_n;
+    }
+    return s;
+  }
+};
+
+}  // namespace scree

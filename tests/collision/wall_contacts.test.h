@@ -1,0 +1,242 @@
+#pragma once
+// Contacts of spheres and boxes with walls of each kind.
+
+#include <cmath>
+
+#include "tests/backend_fixture.h"
+#include "tests/collision/collision_scene.h"
+
+namespace scree {
+namespace {
+
+template <class Real>
+class WallTest : public BackendTest<Real> {
+ protected:
+  std::vector<HostContact> contacts(const CollisionScene<Real>& scene) {
+    CollisionRun<TestBackend, Real> run(this->backend(), scene);
+    return run.detect();
+  }
+  static void expect_near(const Vec3<double>& a, const Vec3<double>& b) {
+    const double t = BackendTest<Real>::tolerance(1e-12, 1e-6);
+    EXPECT_NEAR(a.x, b.x, t);
+    EXPECT_NEAR(a.y, b.y, t);
+    EXPECT_NEAR(a.z, b.z, t);
+  }
+  static constexpr double kEps = std::is_same_v<Real, float> ? 1e-6 : 1e-12;
+};
+TYPED_TEST_SUITE(WallTest, Reals);
+
+TYPED_TEST(WallTest, SphereOnHalfSpace) {
+  CollisionScene<TypeParam> s;
+  s.settings.envelope = 0.01;
+  s.add_free({3, 4, 0.505}, 0.5);
+  s.add_free({3, 6, 0.52}, 0.5);
+  const Index wall = s.add_half_space({0, 0, 0}, {0, 0, 1});
+  const auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_EQ(c[0].a, 0);
+  EXPECT_EQ(c[0].b, wall);
+  EXPECT_NEAR(c[0].gap, 0.005, this->kEps);
+  this->expect_near(c[0].normal, {0, 0, -1});
+  this->expect_near(c[0].arm_a, {0, 0, -0.5});
+  this->expect_near(c[0].arm_b, {3, 4, 0});
+}
+
+TYPED_TEST(WallTest, FastSphereIsListedAheadOfTheWall) {
+  CollisionScene<TypeParam> s;
+  s.h = 0.1;
+  s.add_free({0, 0, 3}, 0.5, {0, 0, -26});  // passes the plane within the step
+  s.add_free({0, 2, 3}, 0.5, {0, 0, -24});
+  s.add_free({0, 4, 3}, 0.5, {0, 0, 26});
+  s.add_half_space({0, 0, 0}, {0, 0, 1});
+  const auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_EQ(c[0].a, 0);
+}
+
+TYPED_TEST(WallTest, SphereThatFallsOntoAWallWithinTheStepIsListed) {
+  CollisionScene<TypeParam> s;
+  s.h = 0.1;
+  s.gravity = {0, 0, -10};  // 0.1 m in a step
+  s.add_free({0, 0, 1.59}, 0.5);
+  s.add_free({0, 1.2, 1.61}, 0.5);
+  s.add_free({0, -1.2, 1.55}, 0.5);
+  s.locks = {0, 0, 1 << 2};  // the last one is held up
+  const auto only_first = [&] {
+    const auto c = this->contacts(s);
+    EXPECT_EQ(c.size(), 1u);
+    for (const auto& contact : c) EXPECT_EQ(contact.a, 0);
+  };
+  s.settings.envelope = 0;
+  s.add_half_space({0, 0, 1}, {0, 0, 1});
+  only_first();
+  s.position.back().z = 0.9;
+  s.velocity.back() = {0, 0, 1};  // meets it half way
+  only_first();
+  s = {};
+  s.h = 0.1;
+  s.gravity = {0, 0, -10};
+  s.add_free({0, 0, 1.59}, 0.5);
+  s.add_free({0, 1.2, 1.61}, 0.5);
+  const auto with_wall = s;
+  s.add_box_wall({0, 0, 0.5}, {3, 3, 0.5});
+  only_first();
+  s = with_wall;
+  s.add_mesh_wall({0, 0, 1}, flat_floor(4, 1));
+  only_first();
+}
+
+TYPED_TEST(WallTest, MovingAndTurningWallComesToTheSphere) {
+  CollisionScene<TypeParam> s;
+  s.h = 0.1;
+  s.add_free({2, 0, 1}, 0.5);
+  s.add_half_space({0, 0, 0}, {0, 0, 1});
+  EXPECT_EQ(this->contacts(s).size(), 0u);
+  s.velocity.back() = {0, 0, 6};
+  EXPECT_EQ(this->contacts(s).size(), 1u);
+  s.velocity.back() = {};
+  s.angular_velocity.back() = {0, -3, 0};  // rises at 6 m/s at x = 2
+  EXPECT_EQ(this->contacts(s).size(), 1u);
+  s.angular_velocity.back() = {0, 3, 0};
+  EXPECT_EQ(this->contacts(s).size(), 0u);
+}
+
+TYPED_TEST(WallTest, ContainerHoldsFromInsideAndOpenFacesAreMissing) {
+  CollisionScene<TypeParam> s;
+  s.add_free({0.9, 1.9, 2.9}, 0.2);  // corner +x +y +z
+  s.add_free({-0.9, 0, 0}, 0.2);     // face -x
+  s.add_free({0, 0, 0}, 0.2);        // touches nothing
+  const Index wall = s.add_container({0, 0, 0}, {1, 2, 3});
+  auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), 4u);
+  this->expect_near(c[0].normal, {1, 0, 0});
+  this->expect_near(c[1].normal, {0, 1, 0});
+  this->expect_near(c[2].normal, {0, 0, 1});
+  this->expect_near(c[3].normal, {-1, 0, 0});
+  for (const auto& contact : c) {
+    EXPECT_EQ(contact.b, wall);
+    EXPECT_NEAR(contact.gap, -0.1, this->kEps);
+  }
+  s.obstacles.shapes.back().open_faces = 1 << 5;  // +z
+  EXPECT_EQ(this->contacts(s).size(), 3u);
+}
+
+TYPED_TEST(WallTest, ContainerTurnsWithItsBody) {
+  CollisionScene<TypeParam> s;
+  const Quat<double> q = exp_map(Vec3<double>{0.4, 0.2, -0.7});
+  const Vec3<double> center{5, -3, 1};
+  s.add_free(center + rotate(q, Vec3<double>{0.85, 0.1, 0.2}), 0.2);
+  s.add_container(center, {1, 2, 3});
+  s.orientation.back() = Quat<TypeParam>(q);
+  const auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_NEAR(c[0].gap, -0.05, 4 * this->kEps);
+  this->expect_near(c[0].normal, rotate(q, Vec3<double>{1, 0, 0}));
+}
+
+TYPED_TEST(WallTest, BoxOnHalfSpaceHasFourCorners) {
+  CollisionScene<TypeParam> s;
+  s.settings.envelope = 1e-3;
+  s.add_free_box({0, 0, 0.5}, {0.4, 0.3, 0.5});
+  s.add_half_space({0, 0, 0}, {0, 0, 1});
+  const auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), 4u);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR(c[k].gap, 0, this->kEps);
+    this->expect_near(c[k].arm_a, {k & 1 ? 0.4 : -0.4, k & 2 ? 0.3 : -0.3, -0.5});
+  }
+}
+
+TYPED_TEST(WallTest, SpinningBoxCornerIsListedAhead) {
+  CollisionScene<TypeParam> s;
+  s.h = 0.01;
+  s.add_free_box({0, 0, 0.55}, {0.5, 0.5, 0.5});
+  s.add_half_space({0, 0, 0}, {0, 0, 1});
+  EXPECT_EQ(this->contacts(s).size(), 0u);
+  s.angular_velocity[0] = {0, 12, 0};  // the corners at +x sink at 6 m/s
+  EXPECT_EQ(this->contacts(s).size(), 2u);
+}
+
+TYPED_TEST(WallTest, BoxInContainerCorner) {
+  CollisionScene<TypeParam> s;
+  s.add_free_box({-0.51, -0.51, -0.51}, {0.5, 0.5, 0.5});
+  s.add_container({0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(this->contacts(s).size(), 12u) << "four corners on each of three faces";
+}
+
+TYPED_TEST(WallTest, SphereOnBoxWall) {
+  CollisionScene<TypeParam> s;
+  s.settings.envelope = 0.2;
+  s.add_free({1.6, 0, 0}, 0.5);
+  s.add_free({1.5, 2.5, 0}, 0.6);
+  s.add_free({9, 9, 9}, 0.5);
+  const Index wall = s.add_box_wall({0, 0, 0}, {1, 2, 3});
+  const auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), 2u);
+  EXPECT_EQ(c[0].b, wall);
+  EXPECT_NEAR(c[0].gap, 0.1, this->kEps);
+  EXPECT_NEAR(c[1].gap, std::sqrt(0.5) - 0.6, this->kEps);
+  this->expect_near(c[1].arm_b, {1, 2, 0});
+}
+
+TYPED_TEST(WallTest, SpheresAroundAFreeBox) {
+  for (const bool box_first : {true, false}) {
+    CollisionScene<TypeParam> s;
+    const auto box = [&] { s.add_free_box({0, 0, 0}, {0.5, 0.5, 0.5}); };
+    if (box_first) box();
+    s.add_free({0.65, 0, 0}, 0.2);
+    s.add_free({0, -0.65, 0.3}, 0.2);
+    s.add_free({0.65, 0.65, 0.65}, 0.2);  // inside the bounding sphere, off the corner
+    if (!box_first) box();
+    s.add({0, 0, 0.9}, 0.45);  // a fixed sphere
+    const auto c = this->contacts(s);
+    ASSERT_EQ(c.size(), 3u);
+    double sign = 0;
+    for (const auto& contact : c) {
+      EXPECT_NEAR(contact.gap, -0.05, this->kEps);
+      const Vec3<double> toward = s.position[contact.b] - s.position[contact.a];
+      sign += dot(contact.normal, toward) > 0;
+    }
+    EXPECT_EQ(sign, 3) << "normals point from A to B";
+  }
+}
+
+TYPED_TEST(WallTest, BoxesWithoutAPairFunctionAreRefused) {
+  CollisionScene<TypeParam> s;
+  s.add_free_box({0, 0, 0}, {1, 1, 1});
+  s.add_free_box({9, 0, 0}, {1, 1, 1});
+  EXPECT_THROW(this->contacts(s), std::runtime_error);
+  CollisionScene<TypeParam> t;
+  t.add_free_box({0, 0, 0}, {1, 1, 1});
+  t.add_box_wall({9, 0, 0}, {1, 1, 1});
+  EXPECT_THROW(this->contacts(t), std::runtime_error);
+}
+
+TYPED_TEST(WallTest, RadialLayoutStoresNoArms) {
+  CollisionScene<TypeParam> s;
+  s.settings.layout = ContactLayout::radial;
+  s.add_free({0, 0, 0.4}, 0.5);
+  s.add_half_space({0, 0, 0}, {0, 0, 1});
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
+  EXPECT_EQ(run.detect().size(), 1u);
+  EXPECT_TRUE(run.detector().contacts().arm_a.empty());
+  EXPECT_TRUE(run.detector().contacts().arm_b.empty());
+}
+
+TYPED_TEST(WallTest, BodiesOutsideTheCountAreNotSeen) {
+  CollisionScene<TypeParam> s;
+  s.add_free({0, 0, 0.4}, 0.5);
+  s.add_half_space({0, 0, 0}, {0, 0, 1});
+  s.free_count = 0;
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
+  auto view = run.bodies();
+  view.fixed_begin = 1;
+  run.detector().detect(this->backend(), view, 1e-3, {});
+  EXPECT_EQ(run.detector().contacts().count, 0);
+  view.free_count = 1;
+  run.detector().detect(this->backend(), view, 1e-3, {});
+  EXPECT_EQ(run.detector().contacts().count, 1);
+}
+
+}  // namespace
+}  // namespace scree

@@ -1,0 +1,141 @@
+// Lists of bodies with very many contacts or near pairs: the order of a plain sort, in time that
+// grows like the number of elements and not like its square.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "solvers/body_contacts.h"
+#include "tests/backend_fixture.h"
+#include "tests/collision/collision_scene.h"
+
+namespace scree {
+namespace {
+
+class OrderedListsTest : public BackendTest<float> {
+ protected:
+  /// Seconds of the quickest of some runs.
+  template <class F>
+  static double quickest(const F& run) {
+    double least = std::numeric_limits<double>::max();
+    for (int k = 0; k < 5; ++k) {
+      const auto start = std::chrono::steady_clock::now();
+      run();
+      const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
+      least = std::min(least, spent.count());
+    }
+    return least;
+  }
+
+  /// The lists of bodies B, [free_count + 1] starts and then the contacts.
+  std::vector<Index> lists_as_b(const std::vector<Index>& body_a, const std::vector<Index>& body_b,
+                                Index free_count, double* seconds = nullptr) {
+    TestBackend& b = backend();
+    Buffer<TestBackend, Index> of_a(b), of_b(b);
+    upload(b, body_a, of_a);
+    upload(b, body_b, of_b);
+    ContactProblem<float> p;
+    p.contact_count = static_cast<Index>(body_a.size());
+    p.free_count = free_count;
+    p.body_a = of_a.view();
+    p.body_b = of_b.view();
+    BodyContacts<TestBackend> lists(b);
+    lists.build(b, p);
+    if (seconds != nullptr) *seconds = quickest([&] { lists.build(b, p); });
+    std::vector<Index> found = download(b, p.b_start);
+    const std::vector<Index> contacts = download(b, p.b_contact.first(found.back()));
+    found.insert(found.end(), contacts.begin(), contacts.end());
+    return found;
+  }
+
+  /// The same by a plain sort.
+  static std::vector<Index> sorted_as_b(const std::vector<Index>& body_b, Index free_count) {
+    std::vector<std::vector<Index>> of_body(static_cast<std::size_t>(free_count));
+    for (std::size_t c = 0; c < body_b.size(); ++c) {
+      if (body_b[c] < free_count)
+        of_body[static_cast<std::size_t>(body_b[c])].push_back(static_cast<Index>(c));
+    }
+    std::vector<Index> lists{0}, contacts;
+    for (const auto& list : of_body) {
+      contacts.insert(contacts.end(), list.begin(), list.end());
+      lists.push_back(static_cast<Index>(contacts.size()));
+    }
+    lists.insert(lists.end(), contacts.begin(), contacts.end());
+    return lists;
+  }
+
+  /// Spheres in a plane, and a large one on all of them: by its number the first or the last body.
+  static CollisionScene<float> plane_under_a_ball(Index count, bool ball_is_first) {
+    CollisionScene<float> s;
+    s.settings.envelope = 0.5;  // the ball is so large that it reaches all
+    s.settings.skin = 0;        // each listing makes a new list
+    const auto add_ball = [&] { s.add_free({0, 0, 1e5 + 0.5}, 1e5); };
+    if (ball_is_first) add_ball();
+    const auto side = static_cast<Index>(std::sqrt(count));
+    for (Index k = 0; k < side * side; ++k) {
+      s.add_free({1.3 * (k % side - 0.5 * side), 1.3 * (k / side - 0.5 * side), 0}, 0.5);
+    }
+    if (!ball_is_first) add_ball();
+    return s;
+  }
+};
+
+TEST_F(OrderedListsTest, MixedLengthsAreInTheOrderOfAPlainSort) {
+  std::mt19937 random(1);
+  const Index free_count = 300;
+  std::vector<Index> body_a, body_b;
+  for (Index a = 0; a < free_count - 10; ++a) {
+    for (const Index b : {free_count - 1, free_count - 2, free_count + 1}) {
+      for (int k = 0; k < 4; ++k) body_a.push_back(a), body_b.push_back(b);
+    }
+    for (int k = 0; k < 5; ++k) {
+      body_a.push_back(a);
+      body_b.push_back(a + 1 + static_cast<Index>(random() % 9));
+    }
+  }
+  const auto found = lists_as_b(body_a, body_b, free_count);
+  EXPECT_EQ(found, sorted_as_b(body_b, free_count));
+}
+
+/// Lengths about the one where the way to sort changes.
+TEST_F(OrderedListsTest, LengthsAboutTheLongestShortList) {
+  for (const Index length : {255, 256, 257, 258}) {
+    std::vector<Index> body_a, body_b;
+    for (Index a = 0; a < length; ++a) {
+      for (const Index b : {length, length + 1}) body_a.push_back(a), body_b.push_back(b);
+    }
+    EXPECT_EQ(lists_as_b(body_a, body_b, length + 2), sorted_as_b(body_b, length + 2)) << length;
+  }
+}
+
+TEST_F(OrderedListsTest, TimeIsLinearInTheContactsOfABody) {
+  const auto seconds = [&](Index contacts) {
+    std::vector<Index> body_a, body_b;
+    for (Index a = 0; a < contacts; ++a) body_a.push_back(a), body_b.push_back(contacts);
+    double spent = 0;
+    EXPECT_EQ(lists_as_b(body_a, body_b, contacts + 1, &spent), sorted_as_b(body_b, contacts + 1));
+    return spent;
+  };
+  const double few = seconds(10000), many = seconds(160000);
+  EXPECT_LT(many, 64 * few) << few << " s and " << many << " s; the square of 16 is 256";
+}
+
+TEST_F(OrderedListsTest, TimeIsLinearInTheNearPairsOfABody) {
+  for (const bool ball_is_first : {true, false}) {
+    const auto seconds = [&](Index count) {
+      CollisionRun<TestBackend, float> run(backend(), plane_under_a_ball(count, ball_is_first));
+      const auto contacts = run.detect();
+      EXPECT_TRUE(std::is_sorted(contacts.begin(), contacts.end(),
+                                 [](const auto& x, const auto& y) { return x.key < y.key; }));
+      EXPECT_GE(contacts.size(), static_cast<std::size_t>(count));
+      return quickest([&] { run.detect(); });
+    };
+    const double few = seconds(10000), many = seconds(160000);
+    EXPECT_LT(many, 64 * few) << few << " s and " << many << " s; the square of 16 is 256";
+  }
+}
+
+}  // namespace
+}  // namespace scree

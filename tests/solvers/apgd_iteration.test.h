@@ -1,0 +1,220 @@
+// Iterations of APGD as the backend runs them, against its two plain passes.
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "kernels/solve/apgd_iteration.h"
+#include "solvers/solver.h"
+#include "tests/backend_fixture.h"
+#include "tests/problem_builder.h"
+
+namespace scree {
+namespace {
+
+using fixtures::linear;
+using fixtures::PlainProblem;
+using fixtures::ProblemBuffers;
+using fixtures::random_problem;
+using fixtures::relative_distance;
+
+/// The arrays of a solve from zero impulses.
+template <class Real>
+class Arrays {
+ public:
+  using R = RadialRows<Real>;
+
+  Arrays(TestBackend& b, const ContactProblem<Real>& p,
+         ApgdMetricKind kind = ApgdMetricKind::diagonal)
+      : metric_(b, StoredMetric<R, Real>::per_contact(p) * Offset{p.contact_count}), state_(b, 1) {
+    passes_.p = p;
+    for (int k = 0; k < 2; ++k) {
+      impulses_.emplace_back(b, p.contact_count);
+      passes_.gamma.buffer[k] = impulses_.back().view();
+      fill(b, impulses_.back().view(), Vec3<Real>{});
+    }
+    ApgdVelocities<Real>& v = passes_.velocity;
+    for (Span<Twist<Real>>* view : {&v.of_iterate[0], &v.of_iterate[1], &v.of_extrapolated}) {
+      twists_.emplace_back(b, p.body_count);
+      *view = twists_.back().view();
+      for_each(b, p.body_count, StartVelocity<Real>{p, *view});
+    }
+    if (kind == ApgdMetricKind::diagonal)
+      passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
+    passes_.state = state_.data();
+    reduce<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, passes_.metric},
+                            ApgdStart{state_.data(), 0});
+  }
+
+  const ApgdPasses<R, Real>& passes() const { return passes_; }
+  ApgdState state(TestBackend& b) { return fetch(b, state_.data()); }
+  std::vector<Vec3<Real>> impulses(TestBackend& b) {
+    return download(b, passes_.gamma.current(state(b).accepted));
+  }
+  std::vector<Twist<Real>> velocities(TestBackend& b) {
+    return download(b, passes_.velocity.current(state(b)));
+  }
+
+ private:
+  ApgdPasses<R, Real> passes_;
+  std::vector<Buffer<TestBackend, Vec3<Real>>> impulses_;
+  std::vector<Buffer<TestBackend, Twist<Real>>> twists_;
+  Buffer<TestBackend, Real> metric_;
+  Buffer<TestBackend, ApgdState> state_;
+};
+
+template <class Real>
+class ApgdIterationTest : public BackendTest<Real> {
+ protected:
+  /// Trials in blocks of several sizes against plain ones; returns how many were accepted.
+  Index expect_match(const ContactProblem<Real>& p,
+                     ApgdMetricKind kind = ApgdMetricKind::diagonal) {
+    TestBackend& b = this->backend();
+    Arrays<Real> plain(b, p, kind), tuned(b, p, kind), again(b, p, kind);
+    for (int k = 0; k < 20; ++k) apgd_trial(b, plain.passes());
+    for (Arrays<Real>* arrays : {&tuned, &again}) {
+      ApgdIteration<TestBackend> iteration(b);
+      iteration.start(b, arrays->passes());
+      for (const int count : {1, 12, 7}) iteration.run(b, arrays->passes(), count, -1);
+    }
+    const ApgdState expected = plain.state(b), found = tuned.state(b);
+    EXPECT_EQ(found.accepted, expected.accepted);
+    EXPECT_EQ(found.restarts, expected.restarts);
+    // A quotient of sums over small differences: rounding of velocities shows in it enlarged.
+    EXPECT_NEAR(found.lipschitz, expected.lipschitz,
+                this->tolerance(1e-12, 2e-5) * expected.lipschitz);
+    EXPECT_NEAR(found.beta, expected.beta, 1e-12);
+    const double tolerance = this->tolerance(1e-13, 2e-5);
+    EXPECT_LE(relative_distance(plain.impulses(b), tuned.impulses(b)), tolerance);
+    EXPECT_LE(relative_distance(linear(plain.velocities(b)), linear(tuned.velocities(b))),
+              tolerance);
+    EXPECT_EQ(tuned.impulses(b), again.impulses(b));
+    return expected.accepted;
+  }
+};
+TYPED_TEST_SUITE(ApgdIterationTest, Reals);
+
+TYPED_TEST(ApgdIterationTest, MatchesThePlainPasses) {
+  const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 3});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// Two weights a contact, as above, one where bodies are alike, or none.
+TYPED_TEST(ApgdIterationTest, MatchesInEveryMetric) {
+  const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 7});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  ContactProblem<TypeParam> p = buffers.problem();
+  EXPECT_GT(this->expect_match(p, ApgdMetricKind::euclidean), 10);
+  p.radial_inertia.spin_ratio = TypeParam(2.5);
+  ASSERT_EQ((StoredMetric<RadialRows<TypeParam>, TypeParam>::per_contact(p)), 1);
+  EXPECT_GT(this->expect_match(p), 10);
+}
+
+/// More contacts than a tile keeps in fast memory.
+TYPED_TEST(ApgdIterationTest, MatchesWithManyContactsABody) {
+  const PlainProblem plain =
+      random_problem({.free_count = 300, .contact_count = 6000, .seed = 4, .has_adhesion = true});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// A large body among small ones.
+TYPED_TEST(ApgdIterationTest, MatchesWithABodyOfThousandsOfContacts) {
+  const PlainProblem plain =
+      random_problem({.free_count = 3000, .contact_count = 9000, .seed = 6, .hub_contacts = 4000});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// More tiles than a device works on at a time, and many pieces of a sum on the CPU.
+TYPED_TEST(ApgdIterationTest, MatchesOverManyRounds) {
+  const Index size = TestBackend::kIsDevice ? 100000 : 10000;
+  const PlainProblem plain =
+      random_problem({.free_count = 3 * size, .contact_count = 5 * size, .seed = 5});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  EXPECT_GT(this->expect_match(buffers.problem()), 10);
+}
+
+/// Where the tuned twin may end early, it does at the first trial that measures little enough, and
+/// goes on from there as if nothing had been.
+TYPED_TEST(ApgdIterationTest, StopsWhereTheMeasureIsSmallEnough) {
+  TestBackend& b = this->backend();
+  const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 3});
+  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  const ContactProblem<TypeParam> p = buffers.problem();
+  constexpr int kTrials = 20;
+
+  Arrays<TypeParam> all(b, p), some(b, p);
+  ApgdIteration<TestBackend> steady(b), stopping(b);
+  steady.start(b, all.passes());
+  std::vector<double> measure;
+  for (int k = 0; k < kTrials; ++k) {
+    steady.run(b, all.passes(), 1, -1);
+    measure.push_back(all.state(b).measure);
+    EXPECT_GT(measure.back(), 0);
+    EXPECT_EQ(all.state(b).trials, k + 1);
+  }
+  const double level = measure[kTrials / 2];
+  const auto first =
+      std::find_if(measure.begin(), measure.end(), [&](double value) { return value <= level; });
+
+  stopping.start(b, some.passes());
+  stopping.run(b, some.passes(), kTrials, level);
+  const Index stopped = some.state(b).trials;
+  EXPECT_EQ(stopped, stopping.stops(some.passes()) ? first - measure.begin() + 1 : kTrials);
+  if (stopped < kTrials) stopping.run(b, some.passes(), kTrials - stopped, -1);
+  EXPECT_EQ(some.state(b).trials, kTrials);
+  EXPECT_EQ(some.impulses(b), all.impulses(b));
+}
+
+/// L after a trial that met the curvature rho, from L = 1.
+TEST(ApgdStepRule, FollowsTheCurvature) {
+  const auto after = [](double rho, double bound) {
+    ApgdState s;
+    s.lipschitz_max = bound;
+    s.set_lipschitz(1);
+    s.set_momentum(0.25, 0);
+    s.step_squares = 4;
+    ApgdBodyFinish{&s}({{4 * rho}});
+    return s;
+  };
+  EXPECT_EQ(after(0.3, 10).trials, 1);
+  EXPECT_DOUBLE_EQ(after(3, 10).measure, 2);  // of the step that was taken
+  EXPECT_EQ(after(0.3, 10).accepted, 1);
+  EXPECT_DOUBLE_EQ(after(0.3, 10).lipschitz, 0.95);
+  EXPECT_GT(after(0.3, 10).beta, 0.6);    // momentum from the first iteration on
+  EXPECT_EQ(after(1.5, 10).accepted, 1);  // too long, but it descends
+  EXPECT_DOUBLE_EQ(after(1.5, 10).lipschitz, 1.65);
+  EXPECT_EQ(after(3, 10).accepted, 0);
+  EXPECT_EQ(after(3, 10).beta, 0);  // from the iterate itself: the one before is overwritten
+  EXPECT_DOUBLE_EQ(after(3, 10).theta, 0.25);
+  EXPECT_DOUBLE_EQ(after(3, 10).lipschitz, 3.3);
+  EXPECT_EQ(after(3, 1).accepted, 1);  // rounding: no curvature is above the bound
+  EXPECT_DOUBLE_EQ(after(3, 1).lipschitz, 1);
+}
+
+/// One stored weight a contact when all bodies are alike, the same steps as with two.
+TYPED_TEST(ApgdIterationTest, AlikeBodiesNeedOneWeightAContact) {
+  TestBackend& b = this->backend();
+  PlainProblem plain;
+  for (int i = 0; i < 40; ++i) {
+    plain.data.bodies[plain.add_sphere(1 + 0.1 * i, 1, 2.5)].velocity = {0.1 * i, 0, -1};
+  }
+  plain.add_fixed();
+  plain.data.free_count = 40;
+  for (int i = 0; i < 40; ++i) plain.add_radial_contact(i, i + 1, {0, 0.6, -0.8}, 0.3);
+  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  ContactProblem<TypeParam> p = buffers.problem();
+  Arrays<TypeParam> two(b, p);
+  p.radial_inertia.spin_ratio = TypeParam(2.5);
+  Arrays<TypeParam> one(b, p);
+  for (int k = 0; k < 20; ++k) {
+    apgd_trial(b, two.passes());
+    apgd_trial(b, one.passes());
+  }
+  EXPECT_EQ(one.state(b).accepted, two.state(b).accepted);
+  EXPECT_LE(relative_distance(two.impulses(b), one.impulses(b)), this->tolerance(1e-12, 2e-5));
+}
+
+}  // namespace
+}  // namespace scree

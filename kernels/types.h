@@ -8,8 +8,8 @@
 #ifdef __CUDACC__
 #define SCREE_HD __host__ __device__
 #else
-/// Marks a function that runs on the host and on the device; nothing when no CUDA compiler reads
-/// the file.
+/// Marks a function that runs on the host and on the device; nothing when no CUDA
+/// compiler reads the file.
 #define SCREE_HD
 #endif
 

@@ -48,8 +48,7 @@ SCREE_HD inline void atomic_max(float* address, float value) {
 
 /// *address += value, safely against other threads that do the same.
 /// @return  what it was before: that does depend on the order, so a program that hands out places
-/// by
-///          it must be followed by one that puts what is there into order
+///          by it must be followed by one that puts what is there into order
 SCREE_HD inline Index atomic_add(Index* address, Index value) {
 #ifdef __CUDA_ARCH__
   return atomicAdd(address, value);

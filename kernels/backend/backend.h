@@ -5,14 +5,13 @@
 //
 //   for_each(b, n, f)            f(i) for i in [0, n), any order
 //   reduce<R>(b, n, f, finish)   combines the R returned by f(i) in a fixed order, then runs
-//   finish(total)
-//                                once on the backend; f may also write its own element
+//                                finish(total) once on the backend; f may also write its element
 //   exclusive_scan(b, in, out)   out[i] = sum of in[0..i), out has one element more than in
-//   sort_pairs(b, keys, values, bits)  stable ascending radix sort of 64-bit keys with 32-bit
-//   values
+//   sort_pairs(b, keys, values, bits)
+//                                stable ascending radix sort of 64-bit keys with 32-bit values
 //
-// R is trivially copyable with a default constructor giving the identity and `void combine(const
-// R&)`.
+// R is trivially copyable with a default constructor giving the identity and
+// `void combine(const R&)`.
 
 #include <cstddef>
 #include <cstdint>
@@ -115,8 +114,8 @@ class Buffer {
   Offset capacity_ = 0;
 };
 
-/// Workspace of sort_pairs, specialized by each backend; owned by the caller, so repeated sorts do
-/// not allocate.
+/// Workspace of sort_pairs, specialized by each backend; owned by the caller, so repeated
+/// sorts do not allocate.
 template <class B>
 struct SortSpace;
 

@@ -152,8 +152,8 @@ inline void sort_pairs(Cpu& cpu, SortSpace<Cpu>& space, Span<std::uint64_t> keys
     const auto digit = [&](Offset i) { return (from_keys[i] >> shift) & (kDigits - 1); };
 #pragma omp parallel num_threads(threads) if (threads > 1)
     {
-      // The share of a thread is computed from the number of threads asked for, so the two loops
-      // agree.
+      // The share of a thread is computed from the number of threads asked for,
+      // so the two loops agree.
 #pragma omp for schedule(static, 1)
       for (int t = 0; t < threads; ++t) {
         Offset* count = counts.data() + static_cast<std::size_t>(t) * kDigits;

@@ -12,8 +12,8 @@ namespace scree {
 Cuda::Cuda(int device) : device_(device) {
   check_cuda(cudaSetDevice(device), "select device");
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "create stream");
-  // Freed blocks stay in the pool: buffers that grow during a run do not go back to the driver each
-  // time.
+  // Freed blocks stay in the pool: buffers that grow during a run do not go back to
+  // the driver each time.
   cudaMemPool_t pool = nullptr;
   check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
   std::uint64_t keep = ~std::uint64_t{0};

@@ -47,8 +47,8 @@ class Cuda {
   /// Temporary storage of a scan; grows, and is valid until the next call.
   void* scan_space(std::size_t bytes);
 
-  /// Partial results of a reduction, kReduceBlocks records; and its ticket counter, zero between
-  /// calls.
+  /// Partial results of a reduction, kReduceBlocks records; and its ticket counter,
+  /// zero between calls.
   void* partials() { return partials_; }
   unsigned* ticket() { return ticket_; }
 
@@ -126,9 +126,9 @@ __device__ R block_combine(R mine) {
   return shared[0];
 }
 
-/// Each block reduces its share; the block that finishes last combines the partial results in block
-/// order and runs `finish`. The ticket is an integer, so its order of arrival does not touch the
-/// sums.
+/// Each block reduces its share; the block that finishes last combines the partial results
+/// in block order and runs `finish`. The ticket is an integer, so its order of arrival
+/// does not touch the sums.
 template <class R, class F, class G>
 __global__ void __launch_bounds__(Cuda::kBlock)
     reduce_kernel(Index n, F f, G finish, R* partials, unsigned* ticket) {
@@ -154,8 +154,8 @@ __global__ void __launch_bounds__(Cuda::kBlock)
   if (threadIdx.x == 0) finish(total);
 }
 
-/// As many blocks as the device holds at once, so that none is left over for a last, half empty
-/// wave.
+/// As many blocks as the device holds at once, so that none is left over for a last,
+/// half empty wave.
 template <class R, class F, class G = NoFinish>
 void reduce(Cuda& cuda, Index n, F f, G finish = {}) {
   static_assert(sizeof(R) <= Cuda::kMaxReduceRecord);

@@ -7,8 +7,8 @@ namespace scree {
 
 using DeviceCounter = cuda::atomic_ref<unsigned, cuda::thread_scope_device>;
 
-/// Waits until a counter has reached a value. What was written before it did is visible after
-/// acquire().
+/// Waits until a counter has reached a value. What was written before it did is visible
+/// after acquire().
 __device__ inline void spin_until(unsigned& counter, unsigned value) {
   while (DeviceCounter(counter).load(cuda::memory_order_relaxed) < value) {
   }

@@ -26,8 +26,8 @@ SCREE_HD inline Vec3<double> mean_position(const Sums<4>& sums) {
   return (1 / sums.value[3]) * Vec3<double>{sums.value[0], sums.value[1], sums.value[2]};
 }
 
-/// Sum of the distances from the center [m]: a measure of size that a few bodies far away do not
-/// ruin.
+/// Sum of the distances from the center [m]: a measure of size that a few bodies far
+/// away do not ruin.
 struct SumDeviations {
   static constexpr const char* name = "sum_deviations";
   Span<const Vec3<double>> position;

@@ -10,8 +10,8 @@
 
 namespace scree {
 
-/// The tiles of a problem, and who touches a body: its own tile, always, and those of its contacts
-/// as B.
+/// The tiles of a problem, and who touches a body: its own tile, always, and those
+/// of its contacts as B.
 struct BodyTiles {
   Index bodies = 1;  ///< of a tile
   Index free_count = 0;

@@ -39,8 +39,8 @@ struct MeshSetView {
 };
 
 /// Storage: free bodies in [0, free_count), in Morton order; then room for bodies not yet inserted;
-/// then fixed and kinematic bodies in [fixed_begin, count). A lower index than `fixed_begin` means
-/// movable.
+/// then fixed and kinematic bodies in [fixed_begin, count). A lower index than `fixed_begin`
+/// means movable.
 template <class Real>
 struct BodyView {
   Index free_count = 0;

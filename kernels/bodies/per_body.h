@@ -5,8 +5,8 @@
 
 namespace scree {
 
-/// A constant of every body: stored for each, or shared by all bodies below `first` and stored for
-/// those behind.
+/// A constant of every body: stored for each, or shared by all bodies below `first` and
+/// stored for those behind.
 template <class T>
 struct PerBody {
   Span<const T> values;  ///< of the bodies [first, ...)

@@ -5,11 +5,11 @@
 // of a row along x follow each other, so that what is near a body in one row is one range of
 // bodies. Cells are shorter along x, which costs memory, but does not make more ranges.
 //
-// Every axis of a level wraps: along a periodic axis after its whole number of cells, else after a
-// number of cells chosen so that a table over all cells stays in proportion to the bodies of the
-// level. Bodies that are a multiple of the wrap length apart share a cell, which costs candidates
-// but loses none: distances are first compared modulo the wrap length, which never makes them
-// larger.
+// Every axis of a level wraps: along a periodic axis after its whole number of cells,
+// else after a number of cells chosen so that a table over all cells stays in proportion to
+// the bodies of the level. Bodies that are a multiple of the wrap length apart share a cell,
+// which costs candidates but loses none: distances are first compared modulo the wrap length,
+// which never makes them larger.
 
 #include "kernels/broad_phase/morton.h"
 #include "kernels/math/vec3.h"
@@ -59,7 +59,7 @@ SCREE_HD inline double finest_edge_of_phase(const BodyExtent& e, int phase) {
 
 /// Edge of the finest level: among the phases the one that costs the fewest candidates, a body
 /// costing (edge of its level / diameter)^3, and about as much again for each coarser level that it
-/// has to look at too.
+/// has to search too.
 SCREE_HD inline double finest_edge(const BodyExtent& e) {
   if (!(e.max_diameter > 0)) return 1;
   constexpr double kStep = 1.1387886347566916;  // 2^(3/16): one phase more costs that much more
@@ -137,8 +137,8 @@ SCREE_HD inline Index first_of_row(const BinLevel& l, Index y, Index z) {
   return l.first_cell + (row_part(l, 1, y) + row_part(l, 2, z)) * l.cells[0];
 }
 
-/// How far from a body of radius r, slack included, the centers of bodies may be that it touches in
-/// a level [m].
+/// How far from a body of radius r, slack included, the centers of bodies may be that it
+/// touches in a level [m].
 SCREE_HD inline float reach_in(const BinLevel& l, float radius) {
   return radius + (0.5f * static_cast<float>(l.max_diameter) * (1 + 2e-7f) + 2 * l.slack);
 }

@@ -16,8 +16,8 @@ SCREE_HD inline Index axis_blocks(const BinLevel& l, int axis) {
   return (l.cells[axis] + (1 << l.block_bits) - 1) >> l.block_bits;
 }
 
-/// Most cells of a level before padding. A level of few bodies still gets some, since all others
-/// look at it.
+/// Most cells of a level before padding. A level of few bodies still gets some, since
+/// all others search it.
 /// @param body_count  bodies of the level
 /// @param total       bodies of all levels
 SCREE_HD inline double cell_limit(Index body_count, double total) {
@@ -52,8 +52,8 @@ SCREE_HD inline void plan_level(const BodyExtent& extent, const Vec3<double>& pe
     for (int k = 1; k < 3; ++k) {
       if (cells[k] * edges[k] > cells[longest] * edges[longest]) longest = k;
     }
-    // As much shorter as is needed, but at most to one half, so that the three axes shrink
-    // together.
+    // As much shorter as is needed, but at most to one half, so that the three axes
+    // shrink together.
     double shorter = std::floor(cells[longest] * limit / product);
     const double half = std::floor(cells[longest] / 2);
     if (shorter < half) shorter = half;
@@ -88,8 +88,8 @@ SCREE_HD inline Index level_cells(const BinLevel& l) {
   return ((axis_blocks(l, 1) * axis_blocks(l, 2)) << (2 * l.block_bits)) * l.cells[0];
 }
 
-/// Whether pairs of two levels are found from the bodies of the coarser one, each of which looks at
-/// many rows, and not from those of the finer one, which look at few.
+/// Whether pairs of two levels are found from the bodies of the coarser one, each of which searches
+/// many rows, and not from those of the finer one, which search few.
 SCREE_HD inline bool searches_finer(const BinLevel& coarse, const BinLevel& fine) {
   constexpr double kRowsInCoarser = 5;
   constexpr double kMostRows = 12;  // along an axis: the work for one body stays small

@@ -28,8 +28,8 @@ struct SpareReach {
   /// the skin of all.
   double steps_ahead = 4;
 
-  /// The longest way that is spared, as a fraction of the radius: fast bodies shall not fill the
-  /// list.
+  /// The longest way that is spared, as a fraction of the radius: fast bodies shall
+  /// not fill the list.
   static constexpr double kMostAhead = 1;
 
   /// Steps at its present speed for which a body is in its ball, the present one included.
@@ -51,8 +51,8 @@ struct SpareReach {
 /// their courses, and E the envelope with both margins. A contact is listed when gap <= E, or
 /// when u_n < 0 and gap + h u_n <= E. Half a step on
 ///
-///     |D + h u / 2|^2 = (gap + h u_n / 2)^2 + (h u_t / 2)^2,   |gap + h u_n / 2| <= E + h |u_n| /
-///     2
+///     |D + h u / 2|^2 = (gap + h u_n / 2)^2 + (h u_t / 2)^2,
+///     |gap + h u_n / 2| <= E + h |u_n| / 2
 ///
 /// in both cases, unless the bodies overlap by more than E, when the distance of their centers is
 /// below the sum of their radii. So |D + h u / 2| <= E + h |u| / 2; u is at most the sum of the

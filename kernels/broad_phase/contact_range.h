@@ -1,5 +1,5 @@
 #pragma once
-// How far contacts are looked for, and with which velocities.
+// How far contacts are searched for, and with which velocities.
 
 #include "kernels/bodies/body_view.h"
 #include "kernels/bodies/locks.h"
@@ -7,7 +7,7 @@
 
 namespace scree {
 
-/// How far contacts are looked for.
+/// How far contacts are searched for.
 struct ContactRange {
   double envelope = 0;  ///< contacts are listed up to this gap [m]
   double h = 0;         ///< time step [s]; approaching surfaces are listed when they meet within it
@@ -45,9 +45,9 @@ SCREE_HD Vec3<double> course_velocity(const BodyView<Real>& bodies, const Contac
   return on_axes(v + range.gravity_step, free) - range.gravity_step;
 }
 
-/// Radius of a body about its center that covers all it may touch within the step, walls that do
-/// not move included. Zero for bodies that are not binned. Turning counts for shapes that are not
-/// spheres.
+/// Radius of a body about its center that covers all it may touch within the step,
+/// walls that do not move included. Zero for bodies that are not binned. Turning counts for
+/// shapes that are not spheres.
 template <class Real>
 SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange& range, Index i) {
   const bool is_sphere = bodies.shape[i] < 0;

@@ -11,8 +11,8 @@ namespace scree {
 
 /// Most pairs that are added to a list at a time.
 inline constexpr Index kMostAddedPairs = 1 << 17;
-/// Added to the number of missing pairs when they cannot be added, which may happen at each body
-/// that left.
+/// Added to the number of missing pairs when they cannot be added, which may happen at
+/// each body that left.
 inline constexpr Index kTooManyPairs = kMostAddedPairs + 1;
 
 /// So many balls that follow each other are covered by one.
@@ -148,7 +148,7 @@ struct HitBlocks {
   }
 };
 
-/// How many elements look at what is below the covers that were hit: their number is not known to
+/// How many elements search what is below the covers that were hit: their number is not known to
 /// the host, so each takes one after the other.
 inline constexpr Index kHitElements = 1 << 17;
 
@@ -239,7 +239,7 @@ struct InsertAdded {
 };
 
 /// Moves candidates up by the pairs that go before them. An element moves several, at distances
-/// that let elements beside each other move neighbors, and looks for the places once.
+/// that let elements beside each other move neighbors, and searches for the places once.
 /// Bytes per candidate: 4 read, 4 written, 8 more for its note, and the places from the caches.
 struct MoveListed {
   static constexpr const char* name = "move_listed";

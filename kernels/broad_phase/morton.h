@@ -1,6 +1,6 @@
 #pragma once
-// Morton (Z-order) codes: cells that are close in space are mostly close in the order of their
-// codes.
+// Morton (Z-order) codes: cells that are close in space are mostly close in the order
+// of their codes.
 
 #include "kernels/types.h"
 

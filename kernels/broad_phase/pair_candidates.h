@@ -63,8 +63,8 @@ struct alignas(16) ReachRecord {
   }
 };
 
-/// A ball so much larger that two of them overlap wherever those before rounding do, images
-/// included.
+/// A ball so much larger that two of them overlap wherever those before rounding do,
+/// images included.
 SCREE_HD inline ReachRecord room_for_rounding(const ReachRecord& ball) {
   if (!(ball.reach > 0)) return ball;
   return {ball.center, ball.reach + static_cast<float>(4 * ball.rounding())};
@@ -175,8 +175,8 @@ struct FoundPairs {
 };
 
 /// Counts the pairs of each lower body, and notes what each element of the search finds.
-/// Bytes per element, besides neighbors from the caches: 28 read, 8 per pair and 4 written; 4 per
-/// pair added to.
+/// Bytes per element, besides neighbors from the caches: 28 read, 8 per pair and 4 written;
+/// 4 per pair added to.
 template <class Real>
 struct CountCandidates {
   static constexpr const char* name = "count_candidates";

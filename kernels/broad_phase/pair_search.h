@@ -21,8 +21,7 @@ struct BinView {
 struct CellSpan {
   Index first;  ///< may be negative: coordinates wrap
   Index count;
-  bool is_whole;  ///< all cells of the axis: which image of a body is near is not known from its
-                  ///< cell
+  bool is_whole;  ///< all cells of the axis: a body's cell does not tell which image is near
 };
 
 SCREE_HD inline CellSpan cells_around(const BinLevel& l, int axis, float x, float reach) {
@@ -63,7 +62,7 @@ SCREE_HD inline float wrapped_difference(float d, float wrap, float inv_wrap) {
 
 /// Finds the pairs of binned bodies whose balls overlap, or nearly so; at least one of the two is
 /// free. Its elements are all positions in cell order, and then the slices of those of coarser
-/// levels: a body looks at one layer of cells of one finer level in each. So large bodies, which
+/// levels: a body searches one layer of cells of one finer level in each. So large bodies, which
 /// have many neighbors, do not hold up small ones.
 template <class Real>
 struct PairSearch {
@@ -147,7 +146,7 @@ struct PairSearch {
                  {0, 0, s.layer, 1}, i, emit);
   }
 
-  /// What of a level is looked at.
+  /// What of a level is searched.
   struct Part {
     Index cell = 0;      ///< rows before that of this cell are left out
     Index position = 0;  ///< bodies at positions before this one are left out

@@ -5,9 +5,9 @@
 
 namespace scree {
 
-/// Start of each value's run in a sorted sequence: start[v] is the first position whose value is >=
-/// v, for v in [0, value_count]. Run over positions 0..count (one more than elements); every start
-/// is written once.
+/// Start of each value's run in a sorted sequence: start[v] is the first position whose value
+/// is >= v, for v in [0, value_count]. Run over positions 0..count (one more than elements);
+/// every start is written once.
 template <class Value>
 struct RunStarts {
   static constexpr const char* name = "run_starts";
@@ -23,8 +23,8 @@ struct RunStarts {
   }
 };
 
-/// Counts the contacts of each free body as B. Bytes per contact: 4 read; counts are added to in
-/// the caches.
+/// Counts the contacts of each free body as B. Bytes per contact: 4 read; counts are
+/// added to in the caches.
 struct CountAsB {
   static constexpr const char* name = "count_as_b";
   Span<const Index> body_b;

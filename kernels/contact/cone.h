@@ -70,9 +70,9 @@ struct BoundedPart {
 };
 
 /// Normal component of the projection onto {|t_k| <= mu_k n for every part k}.
-/// The derivative of the distance is increasing, concave and piecewise linear in n, so Newton's
-/// method from n = 0 walks monotonically and lands exactly after at most one step per part and one
-/// more.
+/// The derivative of the distance is increasing, concave and piecewise linear in n,
+/// so Newton's method from n = 0 walks monotonically and lands exactly after at most one step
+/// per part and one more.
 /// @param a_n  metric weight of the normal
 /// @param y_n  normal impulse before projection [N s]
 /// Source: docs/theory.md eq. (8); cones of Tasora & Anitescu, Meccanica 48, 2013.

@@ -6,8 +6,7 @@
 //     [0, wall_begin)              body b << feature_bits | feature
 //     [wall_begin, solid_begin)    plane p of the walls, slot corner: wall_begin + 8 p + corner
 //     [solid_begin, end)           solid walls, each with a range of its own: one slot for a box,
-//     one per
-//                                  triangle for a mesh
+//                                  one per triangle for a mesh
 
 #include "kernels/types.h"
 

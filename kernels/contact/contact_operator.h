@@ -1,6 +1,6 @@
 #pragma once
-// Element programs every solver shares: body velocities from impulses, contact velocities,
-// residual.
+// Element programs every solver shares: body velocities from impulses, contact
+// velocities, residual.
 
 #include "kernels/backend/backend.h"
 #include "kernels/contact/contact_rows.h"
@@ -23,8 +23,8 @@ SCREE_HD Twist<Real> gather_wrench(const ContactProblem<Real>& p, Span<const Vec
 }
 
 /// velocity[i] = v*_i + (M^-1 J^T gamma)_i, for free bodies.
-/// Bytes per body (radial, float): 24 read + 24 written + 8; per contact 2 x (12 + 12) gathered
-/// + 4.
+/// Bytes per body (radial, float): 24 read + 24 written + 8; per contact 2 x (12 + 12)
+/// gathered + 4.
 template <class R, class Real>
 struct BodyVelocity {
   static constexpr const char* name = "body_velocity";
@@ -93,8 +93,8 @@ struct ResidualSums {
   }
 };
 
-/// Natural-map residual of one contact: e = (gamma - P_K(gamma - rho u)) / rho, rho = 3 /
-/// trace(N_cc).
+/// Natural-map residual of one contact: e = (gamma - P_K(gamma - rho u)) / rho,
+/// rho = 3 / trace(N_cc).
 /// @param u  contact velocity J V + bias [m/s]
 template <class R, class Real>
 SCREE_HD typename R::Rows natural_map(const ContactProblem<Real>& p, Index c,

@@ -2,8 +2,8 @@
 // The contact problem of one step as solvers see it: operator, right-hand side, cones, body data;
 // no shapes and no scenes. Element programs carry it by value.
 //
-//   minimize 1/2 gamma^T N gamma + r^T gamma over the product of cones,  N = J M^-1 J^T,  r = J v*
-//   + bias
+//   minimize 1/2 gamma^T N gamma + r^T gamma over the product of cones,
+//   N = J M^-1 J^T,  r = J v* + bias
 //
 // Body rates are twists (v, s). In the radial layout s = r w is the surface speed of a sphere, so
 // that no radius and no lever arm is read in a solver iteration; otherwise s = w.
@@ -78,8 +78,8 @@ struct ContactBias {
       constexpr ContactBias(const Span<U>& all)
       : values(all) {}
   SCREE_HD Real operator[](Index c) const { return value(read(c)); }
-  /// What is stored of a contact, and its bias: in two steps where other loads should not wait for
-  /// this one.
+  /// What is stored of a contact, and its bias: in two steps where other loads should
+  /// not wait for this one.
   SCREE_HD Real read(Index c) const { return values.empty() ? gap[c] : values[c]; }
   SCREE_HD Real value(const Real& stored) const {
     if (!values.empty()) return stored;
@@ -111,8 +111,8 @@ struct FreeVelocity {
   }
 };
 
-/// Inverse mass of each body in the radial layout: stored, or that of bodies alike in inv_spin /
-/// inv_mass.
+/// Inverse mass of each body in the radial layout: stored, or that of bodies alike
+/// in inv_spin / inv_mass.
 template <class Real>
 struct RadialInertias {
   Span<const RadialInertia<Real>> values;  ///< [body_count], or empty:

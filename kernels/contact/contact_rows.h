@@ -22,8 +22,8 @@ struct ForceRows {
   friend SCREE_HD Real dot(const ForceRows& a, const ForceRows& b) { return dot(a.force, b.force); }
 };
 
-/// Force and moment rows of one contact, world frame, moments divided by the contact's length [N
-/// s].
+/// Force and moment rows of one contact, world frame, moments divided by the contact's
+/// length [N s].
 template <class Real>
 struct ForceMomentRows {
   Vec3<Real> force;
@@ -43,9 +43,9 @@ struct ForceMomentRows {
   }
 };
 
-/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides by
-/// weights, so they are raised to this share of the block's trace. A larger weight is still a bound
-/// from above.
+/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides
+/// by weights, so they are raised to this share of the block's trace. A larger weight is
+/// still a bound from above.
 template <class Real>
 SCREE_HD ContactMetric<Real> floor_metric(const ContactMetric<Real>& m, Real trace) {
   const Real least = trace > Real(0) ? Real(1e-5) * trace : Real(1);
@@ -125,8 +125,8 @@ struct RadialRows : ForceRowsBase<Real> {
   using Rows = ForceRows<Real>;
 
   /// J (V_a, V_b) + bias: velocity of B against A at the contact, world frame [m/s].
-  /// The arms are r_a n and -r_b n, so the rotation enters as (s_a + s_b) x n with surface speeds
-  /// s.
+  /// The arms are r_a n and -r_b n, so the rotation enters as (s_a + s_b) x n with
+  /// surface speeds s.
   static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
                                 const Twist<Real>& b) {
     const Vec3<Real> n = p.normal[c];
@@ -253,8 +253,8 @@ struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real> {
   }
 };
 
-/// Any shapes with rolling and spinning friction: six rows a contact, three cones on one normal
-/// impulse.
+/// Any shapes with rolling and spinning friction: six rows a contact, three cones on
+/// one normal impulse.
 template <class Real>
 struct RollingRows : LeverArms<Real> {
   using Rows = ForceMomentRows<Real>;

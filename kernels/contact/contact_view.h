@@ -7,8 +7,7 @@ namespace scree {
 
 /// Which arrays a contact carries. Chosen once per run; the element programs are templates on it.
 ///   radial   spheres among themselves and on surfaces that do not rotate: both lever arms lie
-///   along the
-///            normal, so none is stored and body rates are kept as surface speed r * w
+///            along the normal, so none is stored and body rates are kept as surface speed r * w
 ///   general  any shapes: two stored lever arms
 ///   rolling  general, with three more rows: rolling and spinning friction
 enum class ContactLayout : std::uint8_t { radial, general, rolling };
@@ -22,8 +21,7 @@ inline SCREE_HD int vectors_per_contact(ContactLayout layout) {
 template <class Real>
 struct ContactView {
   Index count = 0;
-  Span<const std::uint64_t>
-      key;  ///< a in the high half; below it what a touches: a body or a wall feature
+  Span<const std::uint64_t> key;  ///< high half: a; low half: the body or wall feature it touches
   Span<const Index> body_a;       ///< storage index
   Span<const Index> body_b;       ///< storage index
   Span<const Vec3<Real>> normal;  ///< unit, world frame, from body A to body B

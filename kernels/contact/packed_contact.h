@@ -12,11 +12,11 @@ namespace scree {
 
 /// Normal, weight of the metric, and body A within its tile.
 ///
-/// The normal is a point of the octahedron |x| + |y| + |z| = 1, unfolded to a square: two
-/// coordinates of 22 bits. It comes back within 1.3e-6: half a step of the grid in both of them,
-/// seen from the middle of a face, is 1.0e-6, and the rest is rounding. Along an axis it comes back
-/// as it was. Positions in float a meter from the origin leave 6e-6 to the normals of spheres of 1
-/// cm.
+/// The normal is a point of the octahedron |x| + |y| + |z| = 1, unfolded to a square:
+/// two coordinates of 22 bits. It comes back within 1.3e-6: half a step of the grid in
+/// both of them, seen from the middle of a face, is 1.0e-6, and the rest is rounding.
+/// Along an axis it comes back as it was. Positions in float a meter from the origin leave 6e-6 to
+/// the normals of spheres of 1 cm.
 /// Source of the unfolding: Meyer et al., On Floating-Point Normal Vectors, CGF 29(4), 2010.
 class alignas(8) PackedContact {
  public:

@@ -31,8 +31,8 @@ SCREE_HD inline double inverse(double x) { return 1.0 / x; }
 
 /// 1 / sqrt(x) for x >= 0; a number below the smallest normal one counts as that.
 SCREE_HD inline float inverse_sqrt(float x) {
-  constexpr float kLeast = 1.17549435e-38f;
-  x = x > kLeast ? x : kLeast;
+  constexpr float kMinNormal = 1.17549435e-38f;
+  x = x > kMinNormal ? x : kMinNormal;
 #ifdef __CUDA_ARCH__
   float y;
   asm("rsqrt.approx.ftz.f32 %0, %1;" : "=f"(y) : "f"(x));
@@ -42,8 +42,8 @@ SCREE_HD inline float inverse_sqrt(float x) {
 #endif
 }
 SCREE_HD inline double inverse_sqrt(double x) {
-  constexpr double kLeast = 2.2250738585072014e-308;
-  x = x > kLeast ? x : kLeast;
+  constexpr double kMinNormal = 2.2250738585072014e-308;
+  x = x > kMinNormal ? x : kMinNormal;
 #ifdef __CUDA_ARCH__
   return rsqrt(x);
 #else

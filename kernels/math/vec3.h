@@ -7,8 +7,8 @@
 
 namespace scree {
 
-/// A vector in world (or stated) axes. Twelve bytes in float: compact records move the fewest
-/// bytes.
+/// A vector in world (or stated) axes. Twelve bytes in float: compact records move
+/// the fewest bytes.
 template <class Real>
 struct Vec3 {
   Real x = 0;

@@ -125,8 +125,7 @@ struct ColorBodies {
 
 /// Linear light to the 8-bit value of a screen (sRGB, IEC 61966-2-1).
 /// @param threshold  value in (0, 1) at which the last digit rounds up; varying it over the picture
-/// keeps
-///                   slow gradients free of bands
+///                   keeps slow gradients free of bands
 SCREE_HD inline std::uint8_t to_srgb(float linear, float threshold = 0.5f) {
   const float c = clamp(linear, 0.0f, 1.0f);
   const float s = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;

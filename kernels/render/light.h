@@ -102,7 +102,7 @@ struct Occlusion {
 
   /// Part of the sky that is hidden, 0 to 1.
   /// @param point, normal  view coordinates
-  /// @param wide           look at both reaches; plain walls take the small one only
+  /// @param wide           sample both reaches; plain walls take the small one only
   template <class Disk>
   SCREE_HD float operator()(const Disk& disk, int i, int j, const Vec3f& point, const Vec3f& normal,
                             bool wide) const {

@@ -7,8 +7,8 @@
 
 namespace scree::render {
 
-/// One pixel of a band of rows: shades its samples in linear light, averages them, and stores 8-bit
-/// sRGB.
+/// One pixel of a band of rows: shades its samples in linear light, averages them,
+/// and stores 8-bit sRGB.
 ///
 /// Bodies get a key light with shadows, a sky that neighbors hide, a darker rim that parts
 /// neighbors, and a pattern fixed to the body that shows how it turns. Planes and containers take
@@ -50,8 +50,8 @@ struct ShadePixel {
     if (solid.body >= list.fixed_begin) return 1.0f;
     const float footprint = view.footprint(depth);
     if (solid.kind == SolidKind::sphere) {
-      // A dark belt and two unlike halves; gone before it would flicker on spheres of a few
-      // samples.
+      // A dark belt and two unlike halves; gone before it would flicker on spheres
+      // of a few samples.
       const Vec3f n = rotate_back(Quat<float>(list.orientation[solid.body]), normal);
       const float blur = 0.02f + footprint / solid.radius;
       const float belt = 1.0f - smooth_step(0.20f - blur, 0.20f + blur, std::abs(n.z));
@@ -138,8 +138,8 @@ struct ShadePixel {
     const float over = (v - kStart) / (1.0f - kStart);
     return kStart + (1.0f - kStart) * over / (1.0f + 0.55f * over);
   }
-  /// 4x4 ordered dither, thresholds (k + 1/2) / 16: the bits of x ^ y and y, interleaved, low bits
-  /// first.
+  /// 4x4 ordered dither, thresholds (k + 1/2) / 16: the bits of x ^ y and y, interleaved,
+  /// low bits first.
   SCREE_HD static float round_up_at(int px, int py) {
     const int a = px ^ py;
     const int k = ((a & 1) << 3) | ((py & 1) << 2) | (a & 2) | ((py & 2) >> 1);

@@ -1,6 +1,6 @@
 #pragma once
-// What the camera and the color map need to know about all free bodies: extent, mean size, value
-// range.
+// What the camera and the color map need to know about all free bodies: extent,
+// mean size, value range.
 
 #include "kernels/render/color.h"
 
@@ -65,8 +65,8 @@ struct MeasureBodies {
   PerBody<Index> shape;
   Span<const ShapeRecord<Real>> shapes;
 
-  /// Half the size of the body along the world axes: exact for boxes, the bounding radius
-  /// otherwise.
+  /// Half the size of the body along the world axes: exact for boxes, the bounding
+  /// radius otherwise.
   SCREE_HD Vec3<double> half_size(Index body, double r) const {
     const Index s = shape[body];
     if (s < 0 || (shapes[s].kind != ShapeKind::box && shapes[s].kind != ShapeKind::container)) {
@@ -100,8 +100,8 @@ struct MeasureBodies {
 };
 
 /// How far back a camera of given axes must stand so that each side of its picture holds
-/// everything: the smallest of z - x / tan and so on, over all points. Host code turns it into a
-/// position.
+/// everything: the smallest of z - x / tan and so on, over all points. Host code turns
+/// it into a position.
 struct FrameSides {
   double left = 1e300;     ///< of z + x / tan_x [m]
   double right = 1e300;    ///< of z - x / tan_x

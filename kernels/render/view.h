@@ -138,9 +138,9 @@ SCREE_HD inline SampleRect drawn_rect(const View& view) {
   return {0, view.width, view.row_begin, view.row_end};
 }
 
-/// Grows to the image-plane rectangle around points and edges in view coordinates. Edges are cut at
-/// the near depth, so that solids which reach behind the eye get the rectangle of their visible
-/// part.
+/// Grows to the image-plane rectangle around points and edges in view coordinates.
+/// Edges are cut at the near depth, so that solids which reach behind the eye get the rectangle
+/// of their visible part.
 struct PlaneBounds {
   float x_low = 1e30f, x_high = -1e30f;
   float y_low = 1e30f, y_high = -1e30f;

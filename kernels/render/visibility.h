@@ -1,8 +1,8 @@
 #pragma once
-// Which primitive each sample sees, or how deep it sees. A drawing pass has three steps: count the
-// 8x8-sample chunks of every primitive's rectangle, scan the counts, and run one work item per
-// chunk. Small and large solids thus cost each thread the same, and a sphere of one pixel costs one
-// item.
+// Which primitive each sample sees, or how deep it sees. A drawing pass has three steps:
+// count the 8x8-sample chunks of every primitive's rectangle, scan the counts, and run one
+// work item per chunk. Small and large solids thus cost each thread the same, and a sphere of
+// one pixel costs one item.
 
 #include <cstring>
 

@@ -3,9 +3,9 @@
 // as a vector register holds. Their numbers are turned from records to lanes, and the step of the
 // plain pass runs on lanes. The body pass is the plain one.
 //
-// The time goes into arithmetic, not memory: with AVX-512 a contact takes 8 ns in place of 22 (one
-// thread of an AMD EPYC, float). Sums are added up block by block: the same bits for any number of
-// threads.
+// The time goes into arithmetic, not memory: with AVX-512 a contact takes 8 ns in place of
+// 22 (one thread of an AMD EPYC, float). Sums are added up block by block: the same bits
+// for any number of threads.
 
 #include <algorithm>
 

@@ -206,14 +206,14 @@ struct ApgdBodyPass {
   }
 };
 
-/// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that the trial
-/// met. Up to 2 L the trial lowers the objective and is accepted; a shorter step follows when rho
-/// passed L. Above, it is rejected, and one from the iterate itself follows: the previous iterate,
-/// on which y rests, is gone. That is seldom, as L follows rho closely. At the upper bound of the
-/// spectrum rho <= L in exact arithmetic, so the trial is accepted whatever rounding says. An
-/// accepted step against the gradient restarts the momentum. Exact friction has no objective, and
-/// momentum can grow without end where contacts slide: a measure of twice the lowest one restarts
-/// it too.
+/// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that
+/// the trial met. Up to 2 L the trial lowers the objective and is accepted; a shorter step
+/// follows when rho passed L. Above, it is rejected, and one from the iterate itself follows:
+/// the previous iterate, on which y rests, is gone. That is seldom, as L follows rho closely.
+/// At the upper bound of the spectrum rho <= L in exact arithmetic, so the trial is accepted
+/// whatever rounding says. An accepted step against the gradient restarts the momentum.
+/// Exact friction has no objective, and momentum can grow without end where contacts slide:
+/// a measure of twice the lowest one restarts it too.
 struct ApgdBodyFinish {
   static constexpr double kAbove = 1.1;       ///< L over rho after a step that was too long
   static constexpr double kDecay = 0.95;      ///< of L after any other: finds the local curvature

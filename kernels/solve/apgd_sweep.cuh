@@ -45,7 +45,7 @@ struct Shared {
 /// with many contacts is summed up by its warp.
 template <class Real>
 __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial, Index i,
-                          bool is_there, HalfDone<Real>& body, const Twist<Real>& extrapolated,
+                          bool is_there, PartialWrench<Real>& body, const Twist<Real>& extrapolated,
                           Sums<3>& sums) {
   const Gather<Real> gather(a, trial);
   const bool is_long = is_there && body.is_long();
@@ -189,7 +189,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       __syncwarp();
       if (round > 0) {
         reached.wait((turn - 1) % 2);
-        HalfDone<Real> body;
+        PartialWrench<Real> body;
         if (is_before) body = memory.half_done[local];
         step_body(a, trial, i, is_before, body, extrapolated, sums);
       }

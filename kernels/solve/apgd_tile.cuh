@@ -89,7 +89,7 @@ struct TileBodies {
 /// A body between the contact step of its tile and its body pass: the sum of its contacts within
 /// the tile, and those with bodies of tiles before. Of a body with a long list nothing is summed.
 template <class Real>
-struct HalfDone {
+struct PartialWrench {
   Wrench<Real> wrench;
   Index far[kAtOnce];  ///< the first of the latter, or -1
   Index more, end;     ///< the others, as places in the list; more > end: the list is long
@@ -100,7 +100,7 @@ struct HalfDone {
 template <class Real>
 struct TileMemory {
   TileBodies<Real> bodies[2];  ///< of this round, and of the one before or after it
-  HalfDone<Real> half_done[kBodies];
+  PartialWrench<Real> half_done[kBodies];
   Pull<Real> pull[kStaged];
 };
 
@@ -227,7 +227,7 @@ class BodyFetch {
 };
 
 /// V_y of the first tile of a trial, the room of both tiles at hand: it is on its way while the
-/// trial before is decided, so which velocities are needed is only foretold.
+/// trial before is decided, so which velocities are needed is only predicted.
 template <class Real>
 class FirstFetch {
  public:
@@ -324,8 +324,8 @@ class Gather {
       : p_(a.p), gamma_(trial.next_gamma.data), packed_(trial.packed) {}
 
   /// Contacts within the tile of the thread's body, when the tile's contact step is done.
-  __device__ HalfDone<Real> within(const TileRange& range, const TileBodies<Real>& bodies,
-                                   const Pull<Real>* pull) const {
+  __device__ PartialWrench<Real> within(const TileRange& range, const TileBodies<Real>& bodies,
+                                        const Pull<Real>* pull) const {
     const auto pull_of = [&](Index c) { return pull[c - range.first]; };
     const auto pull_of_any = [&](Index c) {
       return c - range.first < kStaged ? pull[c - range.first] : of(c);
@@ -335,7 +335,7 @@ class Gather {
   }
 
   /// Adds contacts with bodies of tiles before, when their contact steps are done.
-  __device__ void add_far(HalfDone<Real>& body) const {
+  __device__ void add_far(PartialWrench<Real>& body) const {
     add(body.far, body.wrench);
     for (Index at = body.more; at < body.end; at += kAtOnce) {
       Index c[kAtOnce];
@@ -360,12 +360,12 @@ class Gather {
   __device__ Pull<Real> of(Index c) const { return {gamma_[c], packed_[c].normal()}; }
 
   template <class PullOf>
-  __device__ HalfDone<Real> sum_within(const TileRange& range, const TileBodies<Real>& bodies,
-                                       const PullOf& pull_of) const {
+  __device__ PartialWrench<Real> sum_within(const TileRange& range, const TileBodies<Real>& bodies,
+                                            const PullOf& pull_of) const {
     const auto local = static_cast<int>(threadIdx.x);
     const Index a_begin = bodies.a_start[local], a_end = bodies.a_start[local + 1];
     const Index b_begin = bodies.b_start[local], b_end = bodies.b_start[local + 1];
-    HalfDone<Real> body;
+    PartialWrench<Real> body;
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j) body.far[j] = -1;
     body.more = body.end = b_begin + kAtOnce;

@@ -132,8 +132,8 @@ struct ColoringEntries {
   }
 };
 
-/// Finds the lists of the bodies in the sorted entries; the states start out empty. Element k looks
-/// at entries 2k and 2k + 1.
+/// Finds the lists of the bodies in the sorted entries; the states start out empty. Element k reads
+/// entries 2k and 2k + 1.
 struct ColoringLists {
   static constexpr const char* name = "coloring_lists";
   Span<const std::uint64_t> key;

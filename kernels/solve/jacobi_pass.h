@@ -5,10 +5,10 @@
 
 namespace scree {
 
-/// gamma_c = P_K(gamma_c - omega P^-1 u_c) for all contacts at once, in the mass-split metric P >=
-/// N. A contact reads only its own impulse, so the update is in place. Bytes per contact (radial,
-/// float): read normal and bias 16, ids 8, metric 12, impulse 12, two twists 48 gathered;
-/// written 12.
+/// gamma_c = P_K(gamma_c - omega P^-1 u_c) for all contacts at once, in the mass-split metric
+/// P >= N. A contact reads only its own impulse, so the update is in place. Bytes per contact
+/// (radial, float): normal and bias 16, ids 8, metric 12, impulse 12 read, two twists 48 gathered,
+/// impulse 12 written.
 template <class R, class Real>
 struct JacobiPass {
   static constexpr const char* name = "jacobi_pass";

@@ -1,8 +1,8 @@
 #pragma once
-// Tuned twin of LinkTiles: a warp links the contacts of a tile, 32 at a time. Those whose bodies no
-// earlier one of the 32 waits for take their colors together, which gives each the color that it
-// would get alone. By one thread a tile, each step waits for memory several times: 1.0 ms for 1e6
-// bodies.
+// Tuned twin of LinkTiles: a warp links the contacts of a tile, 32 at a time. Those whose bodies
+// no earlier one of the 32 waits for take their colors together, which gives each the color
+// that it would get alone. By one thread a tile, each step waits for memory several times:
+// 1.0 ms for 1e6 bodies.
 
 #include "kernels/backend/cuda.cuh"
 #include "kernels/solve/tile_linking.h"

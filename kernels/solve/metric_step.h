@@ -1,14 +1,14 @@
 #pragma once
-// One projected step of a contact in a diagonal metric: what Jacobi and Gauss-Seidel have in
-// common.
+// One projected step of a contact in a diagonal metric: what Jacobi and Gauss-Seidel
+// have in common.
 
 #include "kernels/contact/contact_operator.h"
 
 namespace scree {
 
-/// P_K(gamma - omega D^-1 u), both in the metric D. For D >= N_cc and omega < 2 the objective falls
-/// by at least (1/omega - 1/2) |move|_D^2; for D = N_cc and omega = 1 it is the contact's exact
-/// minimizer.
+/// P_K(gamma - omega D^-1 u), both in the metric D. For D >= N_cc and omega < 2 the objective
+/// falls by at least (1/omega - 1/2) |move|_D^2; for D = N_cc and omega = 1 it is the
+/// contact's exact minimizer.
 /// @param u           contact velocity J V + bias at gamma [m/s]
 /// @param relaxation  omega, in (0, 2)
 /// Source: docs/theory.md, section "Gauss-Seidel and Jacobi".

@@ -12,9 +12,9 @@ inline SCREE_HD double next_theta(double theta) { return theta / (1 + theta / 3)
 /// The factor beta of y+ = x+ + beta (x+ - x) that goes with next_theta(theta).
 inline SCREE_HD double next_beta(double theta) { return (1 - theta) / (1 + theta / 3); }
 
-/// The theta of a solve that begins: that of one that runs for some iterations already. The first
-/// ones are few against those that it takes, and waste none on gathering speed. Cold starts gain as
-/// well.
+/// The theta of a solve that begins: that of one that runs for some iterations already.
+/// The first ones are few against those that it takes, and waste none on gathering speed.
+/// Cold starts gain as well.
 inline constexpr double kFirstTheta = 0.25;
 
 }  // namespace scree

@@ -16,8 +16,7 @@ struct SchwarzState {
   double beta[2] = {0, next_beta(kFirstTheta)};  ///< extrapolation factor of pass k in k % 2
   Index restarts = 0;
   bool has_momentum = true;
-  bool is_restarting =
-      false;  ///< the last decision was a restart, the next pass knows nothing of it
+  bool is_restarting = false;  ///< the last decision was a restart, unknown to the next pass
 
   SCREE_HD double beta_of(int k) const { return k % 2 == 0 ? beta[0] : beta[1]; }
 };
@@ -71,8 +70,8 @@ struct SweepTile {
   }
 };
 
-/// (y - x+) . D (x+ - x) of contact c, D its own metric: positive when the pass went against the
-/// momentum.
+/// (y - x+) . D (x+ - x) of contact c, D its own metric: positive when the pass went
+/// against the momentum.
 /// @param x, y, moved  the iterate, the extrapolated point and the next iterate
 template <class R, class Real, class Rows>
 SCREE_HD Sums<1> against_momentum(const ContactProblem<Real>& p, Index c,
@@ -94,8 +93,8 @@ struct AgainstMomentum {
   }
 };
 
-/// Ends pass k and decides on the momentum of pass k + 2: restarts it where it led astray, else
-/// lets it grow.
+/// Ends pass k and decides on the momentum of pass k + 2: restarts it where it led astray,
+/// else lets it grow.
 struct SchwarzFinish {
   SchwarzState* state;
   int k;

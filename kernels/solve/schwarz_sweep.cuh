@@ -77,11 +77,11 @@ __global__ void __launch_bounds__(kLanes, kLeastWarps<Real>)
         work.load_bodies(tile);
         work.sweep(step);
         work.store_bodies(tile);
-        work.tell(shared, pass);
+        work.signal_done(shared, pass);
         work.store_contacts(tile, step, sum);
       } else {
         work.sweep_in_place();
-        work.tell(shared, pass);
+        work.signal_done(shared, pass);
       }
       __syncwarp();
     }

@@ -14,7 +14,7 @@ inline constexpr int kLanes = 32;  ///< threads of a block: one warp
 inline constexpr int kAtOnce = 4;  ///< contacts or bodies that a thread fetches together
 template <class Real>
 inline constexpr int kLeastWarps = sizeof(Real) == 4 ? 20 : 12;  ///< wanted on a multiprocessor
-inline constexpr std::size_t kMost = 24'000;  ///< bytes of shared memory of a tile
+inline constexpr std::size_t kMaxTileBytes = 24'000;  ///< bytes of shared memory of a tile
 
 template <class Real>
 using Passes = SchwarzPasses<RadialRows<Real>, Real>;
@@ -116,7 +116,8 @@ struct RoomOfTile {
   Span<const TileShape> shape;
   SCREE_HD Room operator()(Index t) const {
     const Room room{tiles.first_contact(t + 1) - tiles.first_contact(t), shape[t].bodies};
-    return shape[t].colors > 0 && TileProblem<Real>::bytes(p, room) <= kMost ? room : Room{};
+    return shape[t].colors > 0 && TileProblem<Real>::bytes(p, room) <= kMaxTileBytes ? room
+                                                                                     : Room{};
   }
 };
 
@@ -241,7 +242,7 @@ struct TileSweep {
   }
 
   /// Lets the neighbors go on.
-  __device__ void tell(const Shared& shared, unsigned pass) const {
+  __device__ void signal_done(const Shared& shared, unsigned pass) const {
     if (lane == 0) DeviceCounter(shared.done[t]).store(pass + 1, cuda::memory_order_release);
   }
 

@@ -9,9 +9,10 @@
 namespace scree {
 namespace conflicts {
 
-inline constexpr int kLanes = 32;    ///< threads of a block
-inline constexpr int kSlots = 128;   ///< of the hash table
-inline constexpr Index kMost = 100;  ///< conflicts that it is made for; more are counted as kSlots
+inline constexpr int kLanes = 32;   ///< threads of a block
+inline constexpr int kSlots = 128;  ///< of the hash table
+inline constexpr Index kMaxConflicts =
+    100;  ///< conflicts that it is made for; more are counted as kSlots
 
 /// Puts a tile into the table, unless it is there.
 /// @return whether it is there now
@@ -51,7 +52,7 @@ __global__ void __launch_bounds__(kLanes)
   Index count = 0;
   for (int k = 0; k < kSlots; k += kLanes)
     count += __popc(__ballot_sync(0xffffffffu, table[k + lane] >= 0));
-  if (__any_sync(0xffffffffu, !fits) || count > kMost) count = kSlots;
+  if (__any_sync(0xffffffffu, !fits) || count > kMaxConflicts) count = kSlots;
   for (int k = lane; k < kSlots; k += kLanes) {
     const Index tile = table[k];
     if (tile < 0) continue;

@@ -45,7 +45,7 @@ struct TilePrevious {
 /// Numbers the bodies of a tile and colors its contacts, each with the smallest color that no
 /// earlier one on its bodies has. All arrays begin with the tile's first contact or body.
 struct TileLinker {
-  static constexpr Index kMost = 0xffff;  ///< contacts, and bodies
+  static constexpr Index kMaxNumber = 0xffff;  ///< contacts, and bodies
 
   Index begin;  ///< first body
   Index own;    ///< bodies
@@ -63,7 +63,7 @@ struct TileLinker {
     const auto contacts = static_cast<Index>(body_a.size);
     s = {};
     Index free_outside = 0, fixed = 0;
-    bool has_links = own + contacts <= kMost;
+    bool has_links = own + contacts <= kMaxNumber;
     for (Index i = 0; i < own; ++i) inside_colors[i] = 0;
     for (Index c = 0; c < contacts; ++c) {
       const Index a = body_a[c] - begin, b = body_b[c] - begin;

@@ -1,6 +1,6 @@
 #pragma once
-// The way of a free sphere in one step, as the solved velocities lead it, but not through mesh and
-// box walls.
+// The way of a free sphere in one step, as the solved velocities lead it, but not through
+// mesh and box walls.
 //
 // Contacts hold a sphere off what it would meet on the way it had before they acted. One that
 // bounces, or is pushed aside by another body, may meet more, and a wall that turns far is not

@@ -12,8 +12,8 @@
 namespace scree {
 
 /// Torque-free rotation over one step by the implicit Lie midpoint rule with the spatial angular
-/// momentum carried exactly: w_m = I(q_m)^-1 L with q_m = exp(h w_m / 2) q; q' = exp(h w_m) q; w' =
-/// I(q')^-1 L. Conserves L to rounding; the energy error is O(h^2) without trend.
+/// momentum carried exactly: w_m = I(q_m)^-1 L with q_m = exp(h w_m / 2) q; q' = exp(h w_m)
+/// q; w' = I(q')^-1 L. Conserves L to rounding; the energy error is O(h^2) without trend.
 /// @param moments  principal moments, body frame [kg m^2]
 template <class Real>
 SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3<Real>& w) {

@@ -150,8 +150,7 @@ struct SetupSums {
 ///   a gap may be closed but not passed:  bias = gap / h
 ///   an overlap is pushed out:            bias = max(gap / h, -max_recovery_speed)
 ///   an impact bounces:                   bias = min(bias, e u_n) when approach is faster than the
-///   threshold
-///                                        and the gap closes within the step
+///                                        threshold and the gap closes within the step
 template <class Real>
 struct ContactSetup {
   static constexpr const char* name = "contact_setup";

@@ -1,6 +1,6 @@
 #pragma once
-// Collision detection of one step, from bodies to sorted contacts, and the memory of their
-// impulses.
+// Collision detection of one step, from bodies to sorted contacts, and the memory
+// of their impulses.
 
 #include <stdexcept>
 #include <string>
@@ -24,29 +24,26 @@ struct CollisionSettings {
   double lift = 0;          ///< largest separation speed that the contact law asks for, per sliding
                             ///< speed [-]: the friction of the convex law, 0 for the exact one
   double bounce_threshold = 0;  ///< approach speed up to which bodies do not bounce [m/s]
-  double bounce = 0;  ///< largest restitution of bodies that may bounce more than once in a
-                      ///< step [-]
+  double bounce = 0;  ///< largest restitution of bodies that may bounce repeatedly in a step [-]
   double skin = 0;    ///< how far two bodies together may come nearer, about, until pairs of near
                       ///< bodies are listed anew [m]; 0: for every listing of contacts
-  bool keep_candidates = true;  ///< false: the list of pairs goes at the end of detect(), to save
-                                ///< memory
+  bool keep_candidates = true;  ///< false: detect() frees the list of pairs at its end
 };
 
 template <class B, class Real>
 class ContactDetector {
  public:
-  /// @throws std::runtime_error when the setting or the obstacles cannot be handled: a negative or
-  /// infinite
-  ///         envelope or period, a wall of an unknown kind, or boxes that would need a missing pair
-  ///         function
+  /// @throws std::runtime_error when the setting or the obstacles cannot be handled:
+  ///         a negative or infinite envelope or period, a wall of an unknown kind, or boxes that
+  ///         would need a missing pair function
   ContactDetector(B& b, const CollisionSettings& settings, const ObstacleData<Real>& obstacles);
 
   /// Lists the contacts of all bodies. A contact is listed when its gap is at most the envelope, or
   /// will be within the time step at the speed of the two surfaces after loads, so that fast bodies
   /// do not tunnel, nor those that fall far in a step. Where gravity moves bodies by more than half
   /// the envelope in a step, pairs are listed by as much farther, to a quarter of a diameter each:
-  /// one may be held up and the other fall. Contacts through a periodic side are those with the
-  /// nearest image.
+  /// one may be held up and the other fall. Contacts through a periodic side are those
+  /// with the nearest image.
   ///
   /// A body that is hit within the step moves where it was not expected. So when a contact may push
   /// its bodies farther than half the envelope, bodies get margins, see ImpactMargins, by which all
@@ -59,15 +56,15 @@ class ContactDetector {
   /// have, see PairCandidates. The contacts do not depend on it.
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
-  /// one more to extend the list and three more for a new one; up to five more for each detection
-  /// with margins.
+  /// one more to extend the list and three more for a new one; up to five more for each
+  /// detection with margins.
   ///
-  /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each, every
-  /// array counted once: check 60, candidates 56 + 12 m, scan 12, keys 24 + 12 k, geometry (8 + 24
-  /// + 36) k; about 150 + 12 m + 80 k = 450 for m = 5 and k = 3. A new list takes about 230 for the
-  /// bins (extent and levels 52, cells 60, records 84, and 16 a cell), and 152 +
-  /// 40 m = 350 for itself. Its search also reads about 4 ranges of records and 14 records of 16
-  /// bytes in a bed of equal spheres, 7 and 17 in one of diameters 1 : 10, from the caches,
+  /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each,
+  /// every array counted once: check 60, candidates 56 + 12 m, scan 12, keys 24 + 12 k,
+  /// geometry (8 + 24 + 36) k; about 150 + 12 m + 80 k = 450 for m = 5 and k = 3. A new list
+  /// takes about 230 for the bins (extent and levels 52, cells 60, records 84, and 16 a cell), and
+  /// 152 + 40 m = 350 for itself. Its search also reads about 4 ranges of records and 14 records
+  /// of 16 bytes in a bed of equal spheres, 7 and 17 in one of diameters 1 : 10, from the caches,
   /// because rows of cells follow the Morton order.
   ///
   /// Memory, radial layout in float, for good: 25 + 4 m bytes a body for the list (nothing when it
@@ -78,9 +75,8 @@ class ContactDetector {
   ///
   /// @param h             time step [s]
   /// @param gravity_step  what loads add to the velocity of free bodies in the step, h g [m/s]
-  /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than an
-  /// Index can number, or more bodies and
-  ///         wall features than fit a contact key
+  /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than
+  ///         an Index can number, or more bodies and wall features than fit a contact key
   void detect(B& b, const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step);
 
   /// The contacts found by the last detect(); valid until the next one.
@@ -292,8 +288,8 @@ void ContactDetector<B, Real>::release_contacts() {
   normal_.release(), gap_.release(), arm_a_.release(), arm_b_.release();
 }
 
-/// Looks at bodies once for each list: margins change which candidates are contacts, but not what
-/// it takes. Boxes are looked at again.
+/// Reads bodies once for each list: margins change which candidates are contacts, but not what
+/// it takes. Boxes are read again.
 template <class B, class Real>
 template <ShapeMix kMix>
 void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real>& test,

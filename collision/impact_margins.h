@@ -45,8 +45,8 @@ class ImpactMargins {
     return std::as_const(margin_).view(n);
   }
 
-  /// How much the largest growth of a margin was from the start() before to this one [m]; one host
-  /// read.
+  /// How much the largest growth of a margin was from the start() before to this one [m];
+  /// one host read.
   double growth(B& b, Index free_count) {
     reduce<Largest<double>>(b, free_count,
                             MarginGrowth{std::as_const(last_).view(free_count),

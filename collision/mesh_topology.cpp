@@ -14,8 +14,8 @@ namespace {
 
 using Vec = Vec3<double>;
 constexpr Index kLeafTriangles = 4;
-/// Width of edges relative to the size of the mesh: well above rounding, well below anything that
-/// matters.
+/// Width of edges relative to the size of the mesh: well above rounding, well below
+/// anything that matters.
 constexpr double kFeatureTolerance = 1e-11;
 
 /// Appends one mesh to a topology.

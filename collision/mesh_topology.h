@@ -15,8 +15,8 @@ struct MeshSource {
   bool closed = true;                           ///< false: both sides are surface
 };
 
-/// All meshes, concatenated; see MeshView for the fields. Triangles are renumbered along the
-/// hierarchy.
+/// All meshes, concatenated; see MeshView for the fields. Triangles are renumbered
+/// along the hierarchy.
 template <class Real>
 struct MeshTopology {
   std::vector<Vec3<Real>> points;
@@ -30,8 +30,8 @@ struct MeshTopology {
   std::vector<MeshInfo> meshes;
 };
 
-/// An edge of more than two triangles is taken apart: from the third on, each has an edge of its
-/// own.
+/// An edge of more than two triangles is taken apart: from the third on, each has
+/// an edge of its own.
 /// @throws std::runtime_error when a triangle names a vertex that does not exist
 template <class Real>
 MeshTopology<Real> build_mesh_topology(const std::vector<MeshSource>& meshes);

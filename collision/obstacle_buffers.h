@@ -14,8 +14,7 @@ template <class B, class Real>
 class ObstacleBuffers {
  public:
   /// @throws std::runtime_error for walls of an unknown kind and for boxes that would need a pair
-  /// function
-  ///         which does not exist: two free boxes, or a free box with a box or mesh wall
+  ///         function which does not exist: two free boxes, or a free box with a box or mesh wall
   /// @param period  of the domain, see CollisionSettings
   ObstacleBuffers(B& b, const ObstacleData<Real>& data, const Vec3d& period)
       : images_(static_cast<std::uint64_t>(image_count(period))),

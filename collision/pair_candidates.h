@@ -64,7 +64,7 @@ class PairCandidates {
   /// more and more bodies leave their balls, and extensions in every listing are dearer than a new
   /// list now and then.
   /// @param note  [candidates] what is noted of each, or empty; follows the list: kNotNoted at
-  /// pairs that were added, empty when the list is a new one
+  ///              pairs that were added, empty when the list is a new one
   void renew(B& b, const BodyView<Real>& bodies, const ContactRange& range, SpareReach spare,
              Buffer<B, float>& note) {
     spare.skin *= stretch_;
@@ -135,10 +135,10 @@ class PairCandidates {
     group_.release(), block_.release();
   }
 
-  /// Whether spheres may pass each other within the step, as far as the last covers() saw: it looks
-  /// at bodies only when there is a list.
+  /// Whether spheres may pass each other within the step, as far as the last covers() saw: it reads
+  /// bodies only when there is a list.
   bool has_passes() const { return has_passes_; }
-  /// Which free bodies are so fast that they may; empty when the last covers() looked at none.
+  /// Which free bodies are so fast that they may; empty when the last covers() searched none.
   Span<const std::uint8_t> may_pass() const { return may_pass_.view(may_pass_.capacity()); }
 
   /// Lists made so far, and how often one was extended.
@@ -149,11 +149,11 @@ class PairCandidates {
   /// Most bodies that get new balls in a list: a share of all, since each is compared with the
   /// covers of all others, which should not take longer than a new list.
   static Index most_renewed(Index bodies) {
-    constexpr Index kLeast = B::kIsDevice ? 1024 : 128, kMost = 8192, kShare = 128;
+    constexpr Index kMinBodies = B::kIsDevice ? 1024 : 128, kMaxBodies = 8192, kShare = 128;
     const Offset blocks = CoverBalls::covers_of(CoverBalls::covers_of(bodies));
     const Offset numbered = std::numeric_limits<Index>::max() / std::max<Offset>(blocks, 1);
     return static_cast<Index>(
-        std::min<Offset>(std::clamp(bodies / kShare, kLeast, kMost), numbered));
+        std::min<Offset>(std::clamp(bodies / kShare, kMinBodies, kMaxBodies), numbered));
   }
   static Index most_added(Index renewed) { return std::min(64 * renewed, kMostAddedPairs); }
   /// A list that has served for so many listings is not extended any more, and for half a listing
@@ -164,9 +164,9 @@ class PairCandidates {
   static constexpr Index kShortAge = 9, kLongAge = 20;
   static constexpr double kStretchStep = 1.5, kMostStretch = 4;
 
-  /// Gives the bodies that left their balls new ones, and adds what they reach to the list; one
-  /// host read. Bytes per body with m candidates: 3, the first time 19, and 36 + 8 m, with notes 36
-  /// + 16 m, when there is something to add.
+  /// Gives the bodies that left their balls new ones, and adds what they reach to the list;
+  /// one host read. Bytes per body with m candidates: 3, the first time 19, and 36 + 8 m,
+  /// with notes 36 + 16 m, when there is something to add.
   /// @return  false when there is too much to add: the list is void then
   bool extend(B& b, const BodyView<Real>& bodies, const ContactRange& range,
               const SpareReach& spare, Buffer<B, float>& note) {

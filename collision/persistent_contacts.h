@@ -1,6 +1,6 @@
 #pragma once
-// Contacts remembered from one step to the next, with their impulses and what the solver left
-// there.
+// Contacts remembered from one step to the next, with their impulses and what
+// the solver left there.
 
 #include <algorithm>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// Accelerated projected gradient descent (Nesterov) with adaptive step and restart, the flagship
-// solver.
+// Accelerated projected gradient descent (Nesterov) with adaptive step and restart,
+// the flagship solver.
 //
 // Source: Mazhar, Heyn, Negrut, Tasora, ACM TOG 34(3), 2015, algorithm "APGD", with other
 // rules for step and momentum; docs/theory.md.
@@ -139,7 +139,7 @@ class Apgd final : public Solver<B, Real> {
     LoadedBlock<B, Real> loaded(b);
     CheckSchedule schedule(kPatience * params_.check_every, tolerance);
     for (;;) {
-      // The residual is looked at on the host, the only synchronization of the loop.
+      // The host reads the residual, the only synchronization of the loop.
       reduce<ResidualSums>(b, p.contact_count,
                            ApgdResidual<R, Real>{p, impulses, velocities, state},
                            ApgdCheckFinish{state, w.check.data()});
@@ -199,8 +199,8 @@ class Apgd final : public Solver<B, Real> {
       const int to_half = (params_.max_iterations + 1) / 2 - stats.applications;
       const bool is_late = to_half <= 0;
       // Trials end where the tolerance should be reached, and in the second half where an iterate
-      // is worth to be put aside. A look is due otherwise if that is not met for long. Where trials
-      // cannot end or their level is not known yet, looks are frequent.
+      // is worth to be put aside. A check is due otherwise if that is not met for long.
+      // Where trials cannot end or their level is not known yet, checks are frequent.
       const double aim =
           is_late && !this->is_recorded() ? std::max(tolerance, kWorth * best) : tolerance;
       const bool stops = !is_lifted && w.iteration.stops(passes);

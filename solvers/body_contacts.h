@@ -1,6 +1,6 @@
 #pragma once
-// The body-to-contact lists of a contact problem: as A a range of the sorted contacts, as B a
-// sorted list.
+// The body-to-contact lists of a contact problem: as A a range of the sorted contacts,
+// as B a sorted list.
 
 #include "kernels/backend/backend.h"
 #include "kernels/backend/ordered_lists.h"

@@ -1,5 +1,5 @@
 #pragma once
-// When a solver looks at its residual: a look costs more than half an iteration on a GPU, and every
+// When a solver checks its residual: a check costs more than half an iteration on a GPU, and every
 // iteration past the tolerance is wasted.
 
 #include <algorithm>
@@ -7,30 +7,30 @@
 
 namespace scree {
 
-/// Foretells from the last two looks when the tolerance will be reached.
+/// Predicts from the last two checks when the tolerance will be reached.
 class CheckSchedule {
  public:
-  /// @param longest    most iterations between two looks, > 0
+  /// @param longest    most iterations between two checks, > 0
   /// @param tolerance  residual to be reached; 0: never
   CheckSchedule(int longest, double tolerance) : longest_(longest), tolerance_(tolerance) {}
 
-  /// Iterations from this look to the next one.
-  /// @param done  iterations so far; not less than at the look before
+  /// Iterations from this check to the next one.
+  /// @param done  iterations so far; not less than at the check before
   /// @param rms   residual found, above the tolerance
   int next(int done, double rms) {
-    const double wait = foretell(done, rms);
+    const double wait = predict(done, rms);
     done_ = done;
     rms_ = rms;
-    const double least = std::min(kLeast, longest_);
+    const double least = std::min(kMinWait, longest_);
     return static_cast<int>(std::ceil(std::clamp(wait, least, static_cast<double>(longest_))));
   }
 
  private:
-  static constexpr int kLeast = 3;
+  static constexpr int kMinWait = 3;
   static constexpr double kOffset = 5;  ///< iterations: the power law below holds from the start
 
   /// Residuals of accelerated methods fall like a power of the iterations done.
-  double foretell(int done, double rms) const {
+  double predict(int done, double rms) const {
     if (!(tolerance_ > 0 && rms_ > rms && done > done_)) return longest_;
     const double here = done + kOffset;
     const double power = std::log(rms_ / rms) / std::log(here / (done_ + kOffset));
@@ -41,7 +41,7 @@ class CheckSchedule {
   int longest_;
   double tolerance_;
   int done_ = 0;
-  double rms_ = 0;  ///< 0: no look so far
+  double rms_ = 0;  ///< 0: no check so far
 };
 
 }  // namespace scree

@@ -27,8 +27,8 @@
 
 namespace scree {
 
-/// The recorded curve holds the exact residual after each outer iteration, over the work of all
-/// inner ones.
+/// The recorded curve holds the exact residual after each outer iteration, over the work
+/// of all inner ones.
 template <class B, class Real>
 class CoulombFixedPoint final : public Solver<B, Real> {
  public:

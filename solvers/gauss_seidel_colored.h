@@ -1,6 +1,6 @@
 #pragma once
-// Projected block Gauss-Seidel in parallel: contacts of one color share no free body and are solved
-// at once.
+// Projected block Gauss-Seidel in parallel: contacts of one color share no free body
+// and are solved at once.
 //
 // Source: docs/theory.md, section "Gauss-Seidel and Jacobi". Once per solve: a coloring, in which
 // contacts keep the color they had in the step before, and one pass that brings contact data into
@@ -68,8 +68,8 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
     return buffer.view(original.size);
   }
 
-  /// The problem with its contacts in the order of colors; its body-to-contact lists are not
-  /// usable.
+  /// The problem with its contacts in the order of colors; its body-to-contact
+  /// lists are not usable.
   template <class R>
   static ContactProblem<Real> order_contacts(B& b, const ContactProblem<Real>& p, Workspace& w) {
     OrderedContacts<Real> to;

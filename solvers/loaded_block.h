@@ -49,11 +49,11 @@ class LoadedBlock {
   }
 
  private:
-  /// Ratio of masses of two bodies in contact from which on loads are looked for. Beds of spheres
+  /// Ratio of masses of two bodies in contact from which on loads are searched for. Beds of spheres
   /// of 1 : 10 have 1000.
   static constexpr double kContrast = 2000;
   /// Most contacts that are solved at once: the work grows with the cube of their number.
-  static constexpr Index kMost = 600;
+  static constexpr Index kMaxContacts = 600;
   /// Residual of the block over that of the whole problem.
   static constexpr double kShare = 0.1;
 
@@ -69,15 +69,15 @@ class LoadedBlock {
   std::vector<Index> choose(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
                             double speed) {
     const Span<std::uint8_t> loaded = loaded_.resize_discard(p.free_count);
-    const Span<Index> room = contact_.resize_discard(kMost + 1);
+    const Span<Index> room = contact_.resize_discard(kMaxContacts + 1);
     fill(b, loaded, std::uint8_t(0));
     fill(b, room, Index(0));
     for_each(b, p.contact_count, MarkLoaded<R, Real>{p, gamma, speed, loaded});
     Index* const count = contact_.data();
-    const Span<Index> list{count + 1, kMost};
+    const Span<Index> list{count + 1, kMaxContacts};
     for_each(b, p.contact_count, PickLoaded<Real>{p, loaded, count, list});
     const Index n = fetch(b, static_cast<const Index*>(count));
-    if (n > kMost) return {};
+    if (n > kMaxContacts) return {};
     std::vector<Index> chosen = download(b, list.first(n));
     std::sort(chosen.begin(), chosen.end());
     return chosen;

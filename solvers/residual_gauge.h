@@ -1,5 +1,5 @@
 #pragma once
-// Foretells the residual from something that a solver measures in every iteration anyway.
+// Predicts the residual from something that a solver measures in every iteration anyway.
 
 #include <algorithm>
 

@@ -22,8 +22,7 @@ class InvalidParameter : public std::runtime_error {
 /// Metric in which APGD takes its steps and projections.
 enum class ApgdMetricKind {
   euclidean,  ///< as in the paper
-  diagonal  ///< two or three weights per contact, see ApgdMetric: fewer iterations, most with mixed
-            ///< sizes
+  diagonal    ///< two or three weights per contact, see ApgdMetric: fewer iterations
 };
 
 /// The contact law that APGD's steps aim at, and with it the residual that tolerances are on.
@@ -55,8 +54,8 @@ inline void validate(const SolverParams& p) {
 }
 
 /// The one measure every solver is judged by: e_c = (gamma_c - P_K(gamma_c - rho_c u_c)) / rho_c
-/// with rho_c = 3 / trace(N_cc), over all contacts. Does not depend on problem size. docs/theory.md
-/// eq. (12).
+/// with rho_c = 3 / trace(N_cc), over all contacts. Does not depend on problem size.
+/// docs/theory.md eq. (12).
 struct Residual {
   double rms = 0;             ///< [m/s]
   double max = 0;             ///< [m/s]

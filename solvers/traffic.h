@@ -84,8 +84,8 @@ constexpr Traffic residual_traffic() {
   return {streamed, 8 * r, streamed + 16 * r, 0};
 }
 
-/// BodyVelocity. Body: v* 6R, inertia 2R, starts 8 read; V 6R written. Contact: as in the body
-/// pass.
+/// BodyVelocity. Body: v* 6R, inertia 2R, starts 8 read; V 6R written. Contact:
+/// as in the body pass.
 template <class Real>
 constexpr Traffic body_velocity_traffic() {
   constexpr double r = sizeof(Real);
@@ -140,10 +140,10 @@ constexpr Traffic cone_projection_traffic() {
 /// Bits of one digit of the backends' radix sorts: cpu.h, and CUB's choice for 12-byte pairs.
 constexpr int radix_digit_bits(bool is_device) { return is_device ? 8 : 11; }
 
-/// sort_pairs, bytes per pair of 8-byte key and 4-byte value. Each digit reads and writes the
-/// pair, 24. Counting reads the keys, 8: all digits in one go on the device (onesweep), once a
-/// digit on the CPU. The copy back after an odd number of digits is not needed by the method and
-/// not counted.
+/// sort_pairs, bytes per pair of 8-byte key and 4-byte value. Each digit reads and writes
+/// the pair, 24. Counting reads the keys, 8: all digits in one go on the device (onesweep),
+/// once a digit on the CPU. The copy back after an odd number of digits is not needed by
+/// the method and not counted.
 constexpr double sort_bytes(int bits, bool is_device) {
   const int digit = radix_digit_bits(is_device);
   const int passes = (bits + digit - 1) / digit;

@@ -114,15 +114,15 @@ class AcceleratedPoints {
   AcceleratedState* state() { return state_.data(); }
 
   /// Runs trials from a first state until the monitor stops.
-  /// @param rules  finish of a reduction to Sums<3>, AcceleratedSums: decides on the trial and
-  ///               writes state()
+  /// @param rules  finish of a reduction to Sums<3>, AcceleratedSums: decides on the trial
+  ///               and writes state()
   template <class Rules>
   void run(const AcceleratedState& first, Rules rules) {
     B& b = p_.backend();
     upload(b, &first, state_.view(1));
     AcceleratedState now = first;
     for (;;) {
-      if (monitor_.due(now.accepted) && look(now)) return;
+      if (monitor_.due(now.accepted) && check(now)) return;
       for (int left = monitor_.until_due(now.accepted); left > 0; --left) trial(rules);
       now = fetch(b, state_.data());
     }
@@ -133,10 +133,10 @@ class AcceleratedPoints {
     p_.multiply(x, y);
     monitor_.count_applications();
   }
-  bool look(const AcceleratedState& now) {
+  bool check(const AcceleratedState& now) {
     const bool trial_is_iterate = now.from == TrialFrom::extrapolated;
-    return p_.look(monitor_, now.accepted, trial_is_iterate ? next_ : r_,
-                   trial_is_iterate ? next_moved_ : moved_);
+    return p_.check(monitor_, now.accepted, trial_is_iterate ? next_ : r_,
+                    trial_is_iterate ? next_moved_ : moved_);
   }
   template <class Rules>
   void trial(Rules rules) {

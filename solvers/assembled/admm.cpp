@@ -11,7 +11,7 @@
 // is used as it is there. Nothing is proven for exact friction, whose law is not monotone.
 //
 // An iteration costs one pass over the factor for each of two triangular solves, some 20 vectors
-// read or written, and no product with W but at looks. rho is multiplied or divided so that the
+// read or written, and no product with W but at checks. rho is multiplied or divided so that the
 // changes of w and z stay alike, relative to the impulses and to the larger of velocities and
 // loads, each time with a new factorization, at growing intervals: a rho that changes forever need
 // not converge. Source: Boyd et al., Found. Trends Mach. Learn. 3, 2011; rule for rho as in
@@ -60,7 +60,7 @@ class Admm final : public AssembledSolver {
 
   void run(const AssembledProblem& p, const AssembledOptions& o,
            AssembledMonitor& monitor) const override {
-    if (monitor.look(0, o.guess)) return;
+    if (monitor.check(0, o.guess)) return;
     const ScaledProblem scaled(p);
     const AssembledProblem& s = scaled.problem;
     const std::size_t rows = p.q.size();

@@ -1,14 +1,13 @@
 // Accelerated projected gradient descent as published: Nesterov's momentum, a step 1/L that is
-// halved where the objective does not fall as foretold, and restarts.
+// halved where the objective does not fall as predicted, and restarts.
 //
 //   t = 1/L, g = W y + q, r+ = P_K(y - t g); while (r+ - y).W (r+ - y) > L |r+ - y|^2: L = 2 L
 //   theta+ = (sqrt(theta^4 + 4 theta^2) - theta^2) / 2, b = theta (1 - theta) / (theta^2 + theta+)
 //   y+ = r+ + b (r+ - r), but y+ = r+ and theta+ = 1 if g.(r+ - r) > 0;  L = 0.9 L
 //
-// One iteration is one product with W, 14 vectors read or written beside it, and the same once more
-// for every halving. The best iterate that was
-// looked at is kept, as in the paper. Steps are the same for all contacts, whatever their masses:
-// apgd is the same method in a better metric.
+// One iteration is one product with W, 14 vectors read or written beside it, and the same once
+// more for every halving. The best iterate that was checked is kept, as in the paper. Steps are
+// the same for all contacts, whatever their masses: apgd is the same method in a better metric.
 // Source: Mazhar, Heyn, Negrut and Tasora, ACM TOG 34(3), 2015, algorithm "APGD".
 
 #include <cmath>

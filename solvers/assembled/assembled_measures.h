@@ -20,8 +20,8 @@ enum class AssembledModel {
 enum class ContactState : unsigned char { open, stick, slip };
 
 /// How far impulses are from a solution. v is u for the convex model and the De Saxce velocity
-/// u + mu |u_t| e_n for the exact one, P the Euclidean projection on the cones; norms are over all
-/// contacts.
+/// u + mu |u_t| e_n for the exact one, P the Euclidean projection on the cones;
+/// norms are over all contacts.
 struct AssembledResidual {
   double absolute = 0;  ///< |r - P(r - v)|, impulses and velocities as they are (rho = 1)
   double relative =

@@ -62,13 +62,13 @@ int AssembledMonitor::until_due(int iteration) const {
   return std::max(1, std::min(to_check, phase_limit_ - iteration));
 }
 
-bool AssembledMonitor::look(int iteration, const std::vector<double>& r) {
+bool AssembledMonitor::check(int iteration, const std::vector<double>& r) {
   count_applications();
-  return look(iteration, r, contact_velocity(problem_, r));
+  return check(iteration, r, contact_velocity(problem_, r));
 }
 
-bool AssembledMonitor::look(int iteration, const std::vector<double>& r,
-                            const std::vector<double>& u) {
+bool AssembledMonitor::check(int iteration, const std::vector<double>& r,
+                             const std::vector<double>& u) {
   if (stopped_) return true;
   last_ = measure(problem_, options_.model, scale_, r, u, &state_);
   last_r_ = r;

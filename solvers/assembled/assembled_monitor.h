@@ -1,5 +1,5 @@
 #pragma once
-// Options and results of solvers of assembled problems, and the monitor that looks at iterates: it
+// Options and results of solvers of assembled problems, and the monitor that checks iterates: it
 // measures, records, keeps the best, and says when to stop. Every solver is judged by it alone.
 
 #include <chrono>
@@ -15,10 +15,10 @@ struct AssembledOptions {
   double tolerance = 1e-8;  ///< on the measure below, >= 0; 0 runs all iterations
   AssembledMeasure measure = AssembledMeasure::relative;
   int max_iterations = 0;  ///< of the method, outer ones where there are two kinds; 0: its own
-  int check_every = 0;     ///< iterations between looks; 0: the method's own
+  int check_every = 0;     ///< iterations between checks; 0: the method's own
   double max_seconds = 0;  ///< by the clock; 0: no limit
   double relaxation = 0;   ///< of methods that have one, in (0, 2); 0: the method's own
-  /// Whether looks tell problems without solution, see infeasibility.h.
+  /// Whether checks find problems without solution, see infeasibility.h.
   bool tell_unsolvable = true;
   /// Set by AssembledSolver::solve() where the tolerance is not on the relative residual: what has
   /// to be reached by that measure. Methods aim at `tolerance`, which is relative for them.
@@ -44,7 +44,7 @@ enum class AssembledStatus {
 /// "converged", "iteration limit", ...
 const char* to_string(AssembledStatus status);
 
-/// One look at an iterate.
+/// One check of an iterate.
 struct AssembledCurvePoint {
   int iteration = 0;
   long applications = 0;
@@ -55,14 +55,14 @@ struct AssembledCurvePoint {
   /// between their velocities and those of the reference [J]; -1 without its impulses. Where r is
   /// not unique, it is good to about 1e-16 times that of the whole impulses.
   double kinetic_error = -1;
-  int state_changes = 0;  ///< contacts whose open/stick/slip state changed since the last look
+  int state_changes = 0;  ///< contacts whose open/stick/slip state changed since the last check
 };
 
 struct AssembledResult {
-  std::vector<double> r;    ///< best impulses that were looked at [3 contact_count]
+  std::vector<double> r;    ///< best impulses that were checked [3 contact_count]
   int iterations = 0;       ///< done
   long applications = 0;    ///< products with W: a sweep over all its rows counts one, and so does
-                            ///< the velocity that a look needs
+                            ///< the velocity that a check needs
   long factorizations = 0;  ///< of sparse matrices
   double seconds = 0;
   AssembledResidual residual;  ///< of r
@@ -77,27 +77,26 @@ class AssembledMonitor {
   AssembledMonitor(const AssembledProblem& problem, const AssembledOptions& options,
                    std::vector<AssembledCurvePoint>* curve);
 
-  /// Whether an iteration (from 0, the guess) is one to look at: every check_every-th, and the
-  /// last.
+  /// Whether an iteration (from 0, the guess) is one to check: every check_every-th, and the last.
   bool due(int iteration) const;
   /// Iterations from this one to the next that is due by its number, at least 1: what a method may
   /// run without asking.
   int until_due(int iteration) const;
 
-  /// Looks at the impulses after `iteration` iterations of the current phase: one product with W.
+  /// Checks the impulses after `iteration` iterations of the current phase: one product with W.
   /// @return whether to stop
-  bool look(int iteration, const std::vector<double>& r);
+  bool check(int iteration, const std::vector<double>& r);
   /// The same for a solver that has u = W r + q at hand.
-  bool look(int iteration, const std::vector<double>& r, const std::vector<double>& u);
-  /// Both of the above in a loop: looks when due and says whether to stop.
+  bool check(int iteration, const std::vector<double>& r, const std::vector<double>& u);
+  /// Both of the above in a loop: checks when due and says whether to stop.
   bool look_if_due(int iteration, const std::vector<double>& r) {
-    return due(iteration) && look(iteration, r);
+    return due(iteration) && check(iteration, r);
   }
 
   void count_applications(long count = 1) { result_.applications += count; }
   void count_factorizations(long count = 1) { result_.factorizations += count; }
 
-  /// The result shall be the last impulses that were looked at, not those of the least residual:
+  /// The result shall be the last impulses that were checked, not those of the least residual:
   /// for methods that solve another law than the one of the residual.
   void keep_last() { keep_last_ = true; }
 
@@ -112,7 +111,7 @@ class AssembledMonitor {
   /// Starts another phase, for solvers that hand over to another: iterations count from 0 again,
   /// and how the last phase ended is forgotten.
   /// @param most         iterations of the phase, at whose end it stops; 0: what is left
-  /// @param check_every  iterations between looks in it; 0: that of the options
+  /// @param check_every  iterations between checks in it; 0: that of the options
   /// @return whether there is one: false, and nothing changes, when the solve has converged or is
   ///         out of iterations or time, or has shown that there is no solution
   bool next_phase(int most = 0, int check_every = 0);
@@ -123,15 +122,15 @@ class AssembledMonitor {
   bool converged() const { return stopped_ && result_.status == AssembledStatus::converged; }
   bool out_of_time() const;
   double seconds() const;
-  /// Residual of the last look.
+  /// Residual of the last check.
   const AssembledResidual& last() const { return last_; }
   /// Best impulses so far and their residual.
   const std::vector<double>& best() const { return result_.r; }
   const AssembledResidual& best_residual() const { return result_.residual; }
-  /// Contacts whose state changed between the last two looks.
+  /// Contacts whose state changed between the last two checks.
   int state_changes() const { return state_changes_; }
   long applications() const { return result_.applications; }
-  /// Impulses and u of the last look.
+  /// Impulses and u of the last check.
   const std::vector<double>& last_impulses() const { return last_r_; }
   const std::vector<double>& last_velocity() const { return velocity_; }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Contact problems given by the assembled operator: W in 3x3 blocks, q and mu, in double on the
-// host.
+// Contact problems given by the assembled operator: W in 3x3 blocks, q and mu,
+// in double on the host.
 //
 // u = W r + q, rows of a contact: normal, two tangents. Everything here has three rows a contact;
 // 2-D problems get a second tangent that nothing acts on (assembled_form.h).
@@ -42,8 +42,8 @@ struct PlacedBlock {
   Block3 value{};
 };
 
-/// The problem with these blocks, zero blocks added on the diagonal and across it where there are
-/// none.
+/// The problem with these blocks, zero blocks added on the diagonal and across it
+/// where there are none.
 /// @param q, mu  [3 n], [n]
 AssembledProblem assemble(int contact_count, std::vector<PlacedBlock> blocks, std::vector<double> q,
                           std::vector<double> mu);

@@ -60,8 +60,8 @@ void aim(const AssembledProblem& p, AssembledOptions& o) {
   if (o.measure == AssembledMeasure::absolute) {
     if (square > 0) o.tolerance /= std::sqrt(square);
   } else {
-    // How the two compare is known when the problem is solved. What is too strict only makes
-    // methods go on.
+    // How the two compare is known when the problem is solved. What is too strict only
+    // makes methods go on.
     o.tolerance *= 1e-3;
   }
 }
@@ -110,7 +110,7 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
     monitor.note(text);
   }
   if (const int hopeless = untouchable_contact(p); hopeless >= 0) {
-    monitor.look(0, o.guess);
+    monitor.check(0, o.guess);
     monitor.fail(AssembledStatus::no_solution,
                  "contact " + std::to_string(hopeless) + " approaches and no impulse acts on it");
   } else if (convex ? own.convex : own.exact) {

@@ -41,7 +41,7 @@ class AssembledSolver {
   /// Solves from the guess of the options. For the convex model an unsymmetric W is replaced by its
   /// symmetric part, which the result notes; residuals and objective are those of that problem.
   /// Never throws because a problem is hard: what happened is the status.
-  /// @param curve  when given, every look is appended
+  /// @param curve  when given, every check is appended
   /// @throws AssembledError when sizes disagree or an option is out of range
   AssembledResult solve(const AssembledProblem& problem, const AssembledOptions& options,
                         std::vector<AssembledCurvePoint>* curve = nullptr) const;
@@ -60,7 +60,7 @@ class AssembledError : public std::runtime_error {
 };
 
 /// Where a solver computes. On a device W, q, mu and all vectors of a method are in its memory; a
-/// look brings impulses and velocities to the host, which measures them.
+/// check brings impulses and velocities to the host, which measures them.
 struct AssembledTarget {
   bool cuda = false;
   /// Of the CPU, for solvers that run on backends; 0: all. With one, times of all solvers are of

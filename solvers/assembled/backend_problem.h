@@ -56,14 +56,14 @@ class BackendProblem {
     (*product_)(*backend_, rows(), x.view(row_count()), y.view(row_count()));
   }
 
-  /// Lets the monitor look at impulses: brings them and W r to the host, 48 bytes a contact.
+  /// Lets the monitor check impulses: brings them and W r to the host, 48 bytes a contact.
   /// @param moved  W r
   /// @return whether to stop
-  bool look(AssembledMonitor& monitor, int iteration, const Buffer<B, double>& r,
-            const Buffer<B, double>& moved) const {
+  bool check(AssembledMonitor& monitor, int iteration, const Buffer<B, double>& r,
+             const Buffer<B, double>& moved) const {
     std::vector<double> u = download(*backend_, moved.view(row_count()));
     for (std::size_t i = 0; i < u.size(); ++i) u[i] += host_->q[i];
-    return monitor.look(iteration, download(*backend_, r.view(row_count())), u);
+    return monitor.check(iteration, download(*backend_, r.view(row_count())), u);
   }
 
  private:

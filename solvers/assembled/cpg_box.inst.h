@@ -1,7 +1,7 @@
-// Conjugate projected gradient on box friction: |r_t1|, |r_t2| <= mu r_n, the law of pgs_box. With
-// bounds that stand still it is a quadratic program over intervals, where the method is at home;
-// bounds are taken from the normal impulses whenever the error of that program has fallen to a
-// tenth.
+// Conjugate projected gradient on box friction: |r_t1|, |r_t2| <= mu r_n, the law of pgs_box.
+// With bounds that stand still it is a quadratic program over intervals, where the method
+// is at home; bounds are taken from the normal impulses whenever the error of that program
+// has fallen to a tenth.
 //
 // Costs and memory passes as in cpg.inst.h; an iteration is one of the inner program. Bounds follow
 // impulses, so nothing is minimized as a whole and nothing proven; where friction carries much,

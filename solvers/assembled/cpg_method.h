@@ -182,18 +182,18 @@ class ConjugateProjectedGradient {
     const double stretch = 1.1 * largest_stretch(p, scale_, monitor);
     if (stretch > 0) stiffness_ = stretch;
     fill(b_, moved_.view(), 0.0);
-    start_anew();
+    restart_directions();
   }
 
   /// @param other_law  name of the law where it is not that of the cone, else empty
   void run(const std::string& other_law) {
     double target = other_law.empty() ? 0 : inner_share * error();
     for (int k = 0;; ++k) {
-      if ((k == 0 || monitor_.due(k)) && look(k)) return;
+      if ((k == 0 || monitor_.due(k)) && check(k)) return;
       if (!other_law.empty() && error() <= std::max(target, settled_)) {
         const double renewed = renewed_error();
         if (renewed <= settled_) {
-          if (!look(k))
+          if (!check(k))
             monitor_.fail(AssembledStatus::stalled, "solved with " + other_law + ", not the cone");
           return;
         }
@@ -214,9 +214,9 @@ class ConjugateProjectedGradient {
     monitor_.count_applications();
   }
 
-  bool look(int k) {
+  bool check(int k) {
     apply(r_, u_);  // rounding of what was carried along goes
-    if (p_.look(monitor_, k, r_, u_)) return true;
+    if (p_.check(monitor_, k, r_, u_)) return true;
     add_to_velocity(1, p_.q());
     return false;
   }
@@ -243,12 +243,12 @@ class ConjugateProjectedGradient {
     } else {
       add_to_velocity(0, p_.q());  // lifts alone are new
     }
-    start_anew();
+    restart_directions();
     return error();
   }
 
   /// Without a last direction the next one is that of descent.
-  void start_anew() { fill(b_, direction_.view(), 0.0); }
+  void restart_directions() { fill(b_, direction_.view(), 0.0); }
 
   /// |r - P(r - g / D)|
   double error() {
@@ -265,7 +265,7 @@ class ConjugateProjectedGradient {
     apply(direction_, moved_);
     if (!advance()) {
       gradient_step();
-      start_anew();
+      restart_directions();
     }
   }
 
@@ -312,8 +312,8 @@ class ConjugateProjectedGradient {
                          StoreResult<CpgTrialSums>{trial_.data()});
   }
 
-  /// Goes to the point to the bit, as tangent cones look at which bounds a point is on. Velocities
-  /// change by `length` times moved_.
+  /// Goes to the point to the bit, as tangent cones depend on the bounds that a point is on.
+  /// Velocities change by `length` times moved_.
   void go(double length) {
     swap(r_, point_);
     add_to_velocity(length, moved_.view());
@@ -342,10 +342,10 @@ class ConjugateProjectedGradient {
   double stiffness_ = 1;                  ///< |W| in the metric of D
 };
 
-/// Runs from the guess until the monitor stops it or, for a law that is not the cone's, until
-/// |r - P_C(r - (u + lift) / D)| is below the tolerance times |q / D|, both in the metric of D =
-/// contact_scales, with bounds and lifts of the moment: a stall with a note, as the residual is
-/// that of another law. 9 vectors in backend memory beside q. See cpg.inst.h for the method.
+/// Runs from the guess until the monitor stops it or, for a law that is not the cone's,
+/// until |r - P_C(r - (u + lift) / D)| is below the tolerance times |q / D|, both in the metric
+/// of D = contact_scales, with bounds and lifts of the moment: a stall with a note, as the residual
+/// is that of another law. 9 vectors in backend memory beside q. See cpg.inst.h for the method.
 /// @param law        see above; its spans point into the memory of the backend
 /// @param other_law  name of the law where it is not that of the cone, else empty
 template <class B, class Law>

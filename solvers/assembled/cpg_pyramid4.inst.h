@@ -2,8 +2,8 @@
 // pgs_pyramid4; cpg_pyramid_method.h.
 //
 // Costs and memory passes as in cpg.inst.h: one product with W an iteration, three where
-// constraints change. For the
-// convex model it converges to the minimum over the pyramids; W need not be regular.
+// constraints change. For the convex model it converges to the minimum over the pyramids;
+// W need not be regular.
 // Source: Renouf and Alart, Comput. Methods Appl. Mech. Engrg. 194, 2005.
 
 #include "solvers/assembled/backend_solver.h"

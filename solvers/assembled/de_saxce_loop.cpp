@@ -37,7 +37,7 @@ void run_de_saxce_loop(const AssembledSolver& convex, const AssembledProblem& pr
   AssembledProblem inner = unsymmetric ? symmetrized(problem) : problem;
   const AssembledTraits traits = convex.traits();
   std::vector<double> r = options.guess, full, symmetric;
-  if (monitor.look(0, r)) return;
+  if (monitor.check(0, r)) return;
   std::vector<double> lift = lift_of(problem, monitor.last_velocity()), last_change;
   double factor = 1;
   for (int k = 1;; ++k) {
@@ -76,7 +76,7 @@ void run_de_saxce_loop(const AssembledSolver& convex, const AssembledProblem& pr
       return;
     }
     r = result.r;
-    if (monitor.look(k, r)) return;
+    if (monitor.check(k, r)) return;
     const std::vector<double> wanted = lift_of(problem, monitor.last_velocity());
     std::vector<double> change(wanted.size());
     for (std::size_t c = 0; c < change.size(); ++c) change[c] = wanted[c] - lift[c];

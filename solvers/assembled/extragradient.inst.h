@@ -1,11 +1,11 @@
 // Extragradient: a trial step r' = P_K(r - s v(r)), then the step r+ = P_K(r - s v(r')), v of the
 // model and the step s in units of 1 / D, the inverse scale of each contact.
 //
-// s adapts itself: with a = s |v(r) - v(r')| / |r - r'| (in the metric of D) it shrinks and the
-// trial is repeated while a > 0.9, and grows when a < 0.3. Two products with W and 16 vectors read
-// or written an iteration, and as much per repeated trial. Converges for monotone problems, the
-// convex model among them. Source: Korpelevich 1976; Khobotov, USSR Comput. Math. Math. Phys. 27,
-// 1987.
+// s adapts itself: with a = s |v(r) - v(r')| / |r - r'| (in the metric of D) it shrinks and
+// the trial is repeated while a > 0.9, and grows when a < 0.3. Two products with W and 16 vectors
+// read or written an iteration, and as much per repeated trial. Converges for monotone problems,
+// the convex model among them. Source: Korpelevich 1976; Khobotov, USSR Comput. Math.
+// Math. Phys. 27, 1987.
 
 #include <cmath>
 
@@ -131,7 +131,7 @@ class Extragradient final : public BackendSolver<BuildBackend> {
     const LawVelocities law{o.model, p.q(), p.mu()};
     multiply(r, moved);
     for (int k = 0;; k = fetch(b, state.data()).accepted) {
-      if (monitor.due(k) && p.look(monitor, k, r, moved)) return;
+      if (monitor.due(k) && p.check(monitor, k, r, moved)) return;
       for (int left = monitor.until_due(k); left > 0; --left) {
         for_each(b, p.contact_count(),
                  ExtragradientTrial{law, scale.view(), state.data(), r.view(n), moved.view(n),

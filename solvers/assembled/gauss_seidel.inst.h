@@ -1,9 +1,9 @@
 // Block Gauss-Seidel for the convex model: each contact's 3x3 problem is solved to rounding.
 //
 // One iteration is a sweep: one pass over W, 100 bytes a block with the impulses that it gathers,
-// and 80 bytes a contact; at slipping contacts some ten 2x2 solves. The
-// objective never rises, and with a positive semidefinite W it converges to the minimum, linearly.
-// The exact model is reached by the De Saxce fixed point; nlgs solves it in the sweep.
+// and 80 bytes a contact; at slipping contacts some ten 2x2 solves. The objective never rises,
+// and with a positive semidefinite W it converges to the minimum, linearly. The exact model is
+// reached by the De Saxce fixed point; nlgs solves it in the sweep.
 // Source: Tseng, JOTA 109, 2001 (convergence); one_contact.h.
 
 #include "solvers/assembled/backend_solver.h"

@@ -9,11 +9,11 @@ namespace scree {
 /// about it; -1 when there is none.
 int untouchable_contact(const AssembledProblem& p);
 
-/// Whether impulses r of the cones, far from a solution, point along a direction d with W d = 0 and
-/// q.d < 0. For a symmetric W no impulses then give velocities in the dual cones, as d.u = d.q < 0
-/// for all of them: the convex problem has no solution. With W d small instead of zero there is
-/// none below |q.d| / |W d|, and "small" means: a thousand times what the loads ask of single
-/// contacts.
+/// Whether impulses r of the cones, far from a solution, point along a direction d with
+/// W d = 0 and q.d < 0. For a symmetric W no impulses then give velocities in the dual cones,
+/// as d.u = d.q < 0 for all of them: the convex problem has no solution. With W d small instead
+/// of zero there is none below |q.d| / |W d|, and "small" means: a thousand times what the loads
+/// ask of single contacts.
 /// @param moved  W r, where it is known
 bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r,
                          const std::vector<double>& moved);
@@ -28,7 +28,7 @@ bool grows_without_bound(const AssembledProblem& p, const std::vector<double>& r
 /// velocities it is, whatever the friction, where normal impulses d >= 0 have W^T d = 0 and
 /// q.d < 0, as then d.u = d.q < 0 for all impulses. Where W is symmetric and not indefinite these d
 /// exist when the problem without friction has no solution, and only then; so the method is asked
-/// about that one, and W^T d is looked at. A problem of the exact model can have velocities and no
+/// about that one, and W^T d is checked. A problem of the exact model can have velocities and no
 /// solution all the same (contacts that jam); nothing here shows that.
 /// @param p            with a symmetric W for the convex model
 /// @param max_seconds  0: no limit; false when they do not suffice

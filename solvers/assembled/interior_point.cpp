@@ -1,5 +1,5 @@
-// Primal-dual interior point for the convex model: Nesterov-Todd scaling, Mehrotra's predictor and
-// corrector.
+// Primal-dual interior point for the convex model: Nesterov-Todd scaling, Mehrotra's
+// predictor and corrector.
 //
 // With x = (mu r_n, r_t) and s = (u_n / mu, u_t) both laws of the model are cones of second order
 // that are their own duals. Iterates are inside the cones and need not satisfy u = W r + q until
@@ -30,7 +30,7 @@ namespace {
 
 /// Share of the way to the surface that a step goes at most.
 constexpr double most_of_the_way = 0.995;
-/// Looks without a better residual, once the mean x.s is as small as that, after which rounding is
+/// Checks without a better residual, once the mean x.s is as small as that, after which rounding is
 /// all that is left.
 constexpr int looks_without_gain = 3;
 constexpr double small_gap = 1e-6;
@@ -94,7 +94,7 @@ class InteriorPoint {
     for (;; ++k) {
       for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = conic_.factor[i] * x_[i];
       const double best = monitor_.best_residual().relative;
-      if (monitor_.look(k, r_) || no_solution()) return;
+      if (monitor_.check(k, r_) || no_solution()) return;
       const bool gained = k == 0 || monitor_.last().relative < best;
       without_gain = gained || !(gap() < small_gap) ? 0 : without_gain + 1;
       if (without_gain >= looks_without_gain || !step()) break;
@@ -129,7 +129,7 @@ class InteriorPoint {
       const AssembledResult result = inner.finish();
       monitor_.count_applications(result.applications);
       monitor_.count_factorizations(result.factorizations);
-      if (monitor_.look(k + t, result.r)) return;
+      if (monitor_.check(k + t, result.r)) return;
       settings.first_weight = std::max(settings.least_weight, 0.1 * settings.first_weight);
     }
     monitor_.fail(AssembledStatus::stalled, "rounding ends the interior point");

@@ -4,8 +4,8 @@
 // W from above as the mass-split metric does, but from W alone, so with a symmetric W and the
 // convex model every step descends for omega < 2. One iteration is one product with W and 4 vectors
 // read or written beside it. Source:
-// Tonge, Benevolenski and Voroshilov, ACM TOG 31(4), 2012, with the bound taken from W by the test
-// of Schur.
+// Tonge, Benevolenski and Voroshilov, ACM TOG 31(4), 2012, with the bound taken from W
+// by the test of Schur.
 
 #include <algorithm>
 #include <cmath>
@@ -75,7 +75,7 @@ class Jacobi final : public BackendSolver<BuildBackend> {
     for (int k = 0;; ++k) {
       p.multiply(r, moved);
       monitor.count_applications();
-      if (monitor.due(k) && p.look(monitor, k, r, moved)) return;
+      if (monitor.due(k) && p.check(monitor, k, r, moved)) return;
       for_each(backend(), p.contact_count(), step);
     }
   }

@@ -10,9 +10,9 @@ namespace scree {
 
 /// Row by row, with rho the inverse diagonal entry of the contact's block:
 ///   F_n = min(r_n, rho_n u_n),   F_t = max(r_t - mu r_n, min(r_t + mu r_n, rho_t u_t))
-/// Bounds of a negative r_n are zero. Each is the middle one of three terms, so a row of the
-/// Jacobian is one of W or has one or two entries: once the right terms are picked a Newton step is
-/// exact.
+/// Bounds of a negative r_n are zero. Each is the middle one of three terms, so a row of
+/// the Jacobian is one of W or has one or two entries: once the right terms are picked
+/// a Newton step is exact.
 /// Source: Ortiz-Rosado, PhD thesis, University of Iowa, 2007, as described by Preclik, Iglberger
 /// and Ruede, Iterative rigid multibody dynamics, 2009.
 struct MinMaxFunction {

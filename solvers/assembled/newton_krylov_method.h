@@ -103,7 +103,7 @@ class NewtonKrylovRun {
                             shift_.view(p_.contact_count())};
     double reduction = 1e-2;
     for (int k = 0;; ++k) {
-      if (monitor_.due(k) && look(k)) return;
+      if (monitor_.due(k) && check(k)) return;
       if (Function::other_law != nullptr && std::sqrt(2 * merit_) <= load) {
         if (!stops_at(k)) fail_as_solved(monitor_, Function::other_law);
         return;
@@ -126,9 +126,9 @@ class NewtonKrylovRun {
   }
 
  private:
-  bool look(int k) { return p_.look(monitor_, k, r_, moved_); }
+  bool check(int k) { return p_.check(monitor_, k, r_, moved_); }
   /// Lets the monitor see the last iterate if it has not. @return whether it stops there itself
-  bool stops_at(int k) { return !monitor_.due(k) && look(k); }
+  bool stops_at(int k) { return !monitor_.due(k) && check(k); }
 
   /// The merit 1/2 |D^1/2 F|^2 [J], with F in the right side of the next system.
   double evaluate(const Buffer<B, double>& at, Buffer<B, double>& at_moved) {

@@ -76,9 +76,9 @@ class Newton {
 
   void run() {
     for (int k = 0;; ++k) {
-      if (monitor_.due(k) && monitor_.look(k, r_, equations_.velocity())) return;
+      if (monitor_.due(k) && monitor_.check(k, r_, equations_.velocity())) return;
       if (!settings_.law.name.empty() && std::sqrt(2 * merit_) <= settled_) {
-        if (!monitor_.look(k, r_, equations_.velocity()))
+        if (!monitor_.check(k, r_, equations_.velocity()))
           fail_as_solved(monitor_, settings_.law.name);
         return;
       }
@@ -93,7 +93,7 @@ class Newton {
         return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");
       // Along a Newton step the merit falls by twice itself at first.
       if (descend(step, 2 * merit_)) continue;
-      monitor_.look(k, r_);
+      monitor_.check(k, r_);
       if (monitor_.stopped()) return;
       if (norm(step) > singular_from * norm(value))
         return monitor_.fail(AssembledStatus::singular, "the Jacobian is singular to rounding");

@@ -10,8 +10,7 @@ namespace scree {
 
 /// The equations of another law than the cone's, contact by contact.
 struct NewtonLaw {
-  std::string
-      name;  ///< of the law; empty: there is none, and contact_function() of the model holds
+  std::string name;  ///< of the law; empty: none, and contact_function() of the model holds
   /// @param c, r, u  contact, its impulse and its velocity [3]
   std::function<ContactFunction(int c, const double* r, const double* u)> function;
 };

@@ -1,9 +1,9 @@
 // Nonlinear Gauss-Seidel: each contact's Coulomb problem is solved exactly with the others held.
 //
 // One iteration is a sweep: one pass over W, 100 bytes a block with the impulses that it gathers,
-// and 80 bytes a contact; at slipping contacts some ten 2x2 solves. W
-// may be unsymmetric. No proof of convergence; in practice quick to 1e-4, then slow where contacts
-// are redundant. Solves the convex model too, then as gauss_seidel. Source: Jean, CMAME 177, 1999;
+// and 80 bytes a contact; at slipping contacts some ten 2x2 solves. W may be unsymmetric.
+// No proof of convergence; in practice quick to 1e-4, then slow where contacts are redundant.
+// Solves the convex model too, then as gauss_seidel. Source: Jean, CMAME 177, 1999;
 // the one-contact solve of one_contact.h.
 
 #include "solvers/assembled/backend_solver.h"

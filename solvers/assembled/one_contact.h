@@ -172,9 +172,9 @@ SCREE_HD inline void solve_convex(const Block3& W, const double* b, double mu, d
     const double n_times_a = -sign * load(t);
     return length(slip.tangent(stretched(scale, t), n_times_a, sign * pivot(t))) - mu * n_times_a;
   };
-  // r_n = -load / pivot, but near the pole, where contacts that only slide sit, that is 0 / 0.
-  // There |A n + B| = mu n has one positive root, as the cone holds the null vector (1, A) of the
-  // pole.
+  // r_n = -load / pivot, but near the pole, where contacts that only slide sit,
+  // that is 0 / 0. There |A n + B| = mu n has one positive root, as the cone holds the null
+  // vector (1, A) of the pole.
   const auto set_slip = [&](double t) {
     const Vec2 A = slip.tangent(stretched(scale, t), 1, 0);
     const Vec2 B = slip.tangent(stretched(scale, t), 0);

@@ -1,5 +1,5 @@
-// Proximal point around nonlinear Gauss-Seidel alone: the method of proximal without Newton, on any
-// backend.
+// Proximal point around nonlinear Gauss-Seidel alone: the method of proximal without
+// Newton, on any backend.
 //
 // Inner problems, with W + a D, have a unique solution of the convex model even where contacts are
 // redundant, and the larger a is, the fewer sweeps come to it; the smaller, the fewer outer

@@ -85,7 +85,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
   bool failed = false;
   double growth = 2;
   Progress progress(settings.patience);
-  for (int k = 0; !monitor.look(k, r); ++k) {
+  for (int k = 0; !monitor.check(k, r); ++k) {
     if (progress.ended(k, monitor.last().relative))
       return monitor.fail(AssembledStatus::stalled, "the proximal method no longer gains");
     regularize(p, scale, weight, r, inner);

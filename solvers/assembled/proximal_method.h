@@ -32,8 +32,8 @@ struct ProximalMethods {
 /// Those of the host, with factorizations.
 ProximalMethods host_proximal_methods();
 
-/// Runs from the guess until the monitor stops it, or stalls out of patience. See proximal.cpp for
-/// the method.
+/// Runs from the guess until the monitor stops it, or stalls out of patience.
+/// See proximal.cpp for the method.
 void run_proximal(const AssembledProblem& problem, const AssembledOptions& options,
                   const ProximalSettings& settings, AssembledMonitor& monitor,
                   const ProximalMethods& methods = host_proximal_methods());

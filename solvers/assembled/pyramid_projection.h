@@ -9,9 +9,9 @@
 namespace scree {
 
 /// One face of {(n, t) : t in the polygon of radius mu n}, friction_pyramid.h, with the axes
-/// (n, m, s) in which it is symmetric: m from the axis of the pyramid to the middle of the face, s
-/// along it. By that symmetry the nearest point of the pyramid lies in the same sector as the
-/// point.
+/// (n, m, s) in which it is symmetric: m from the axis of the pyramid to the middle of
+/// the face, s along it. By that symmetry the nearest point of the pyramid lies in the same
+/// sector as the point.
 struct PyramidFace {
   double cosine, sine;  ///< of the angle of m
   double apothem;       ///< m on the face for n = 1
@@ -55,8 +55,8 @@ struct PyramidFace {
   }
 };
 
-/// Euclidean projection on {(n, t) : t in the polygon of radius mu n}, friction_pyramid.h, in
-/// place.
+/// Euclidean projection on {(n, t) : t in the polygon of radius mu n}, friction_pyramid.h,
+/// in place.
 /// @param sides  even, 4 or more
 /// @param x      [3]
 SCREE_HD inline void project_on_pyramid(int sides, double mu, double* x) {

@@ -18,7 +18,7 @@ struct SumOfChanges {
 };
 
 /// Sweeps until the monitor stops or a sweep moves less than the tolerance times |q|, which is
-/// asked whenever the monitor looks, and then is a stall with a note. A look costs one product.
+/// asked whenever the monitor checks, and then is a stall with a note. A check costs one product.
 /// @param r       impulses, which `sweep` changes
 /// @param change  [contact_count] which `sweep` fills
 /// @param sweep   does one
@@ -35,7 +35,7 @@ void run_settling_sweeps(const BackendProblem<B>& p, const Buffer<B, double>& r,
     if (monitor.due(k)) {
       p.multiply(r, moved);
       monitor.count_applications();
-      if (p.look(monitor, k, r, moved)) return;
+      if (p.check(monitor, k, r, moved)) return;
       if (k > 0) {
         reduce<Sums<1>>(b, p.contact_count(), SumOfChanges{change.view(p.contact_count())},
                         StoreResult<Sums<1>>{sum.data()});

@@ -6,7 +6,7 @@
 // product with W an iteration and 14 vectors read or written beside it. A step is taken whole when
 // the objective then lies below the largest of the last 50 by enough, and else ends at the vertex
 // of the parabola. Where contacts are redundant, 50 instead of the usual 10 and two kinds of steps
-// by turns save most iterations. The best iterate that was looked at is kept. Source: Birgin,
+// by turns save most iterations. The best iterate that was checked is kept. Source: Birgin,
 // Martinez and Raydan, SIAM J. Optim. 10, 2000 (SPG2); turns of steps: Bonettini, Zanella and
 // Zanni, Inverse Problems 25, 2009; for contacts Heyn, Anitescu, Tasora and Negrut, IJNME 95, 2013.
 
@@ -201,7 +201,7 @@ class Spg final : public BackendSolver<BuildBackend> {
     for (int k = 0;; ++k) {
       if (monitor.due(k)) {
         multiply(r, moved);
-        if (p.look(monitor, k, r, moved)) return;
+        if (p.check(monitor, k, r, moved)) return;
         // g is carried along; here its rounding is cut off.
         const SpgGradient gradient{p.q(), moved.view(n), r.view(n), g.view(n)};
         if (k == 0) {

@@ -6,7 +6,7 @@
 
 namespace scree {
 
-/// Sweeps from the guess until the monitor stops. A look costs one product with W.
+/// Sweeps from the guess until the monitor stops. A check costs one product with W.
 template <class B>
 void run_sweeps(const BackendProblem<B>& p, AssembledModel model, double relaxation,
                 const std::vector<double>& guess, AssembledMonitor& monitor) {
@@ -17,7 +17,7 @@ void run_sweeps(const BackendProblem<B>& p, AssembledModel model, double relaxat
     if (monitor.due(k)) {
       p.multiply(r, moved);
       monitor.count_applications();
-      if (p.look(monitor, k, r, moved)) return;
+      if (p.check(monitor, k, r, moved)) return;
     }
     order.run(visit);
     monitor.count_applications();

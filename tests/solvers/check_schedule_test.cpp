@@ -1,4 +1,4 @@
-// When a solver looks at its residual.
+// When a solver checks its residual.
 #include "solvers/check_schedule.h"
 
 #include <gtest/gtest.h>

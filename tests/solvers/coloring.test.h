@@ -143,8 +143,8 @@ TEST_F(ColoringTest, EqualSpheresNeedFewColors) {
   EXPECT_LE(colors, 18);
 }
 
-/// A heavy sphere in a bed: one color per contact of it, and time that does not grow with their
-/// square.
+/// A heavy sphere in a bed: one color per contact of it, and time that does not grow
+/// with their square.
 TEST_F(ColoringTest, BodyWithTwoThousandContacts) {
   PlainProblem plain = lattice_problem(10, 0.5, 9);
   const int heavy = plain.add_sphere(1000, 10);

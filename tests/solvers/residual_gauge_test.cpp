@@ -1,4 +1,4 @@
-// What a solver foretells of its residual.
+// What a solver predicts of its residual.
 #include "solvers/residual_gauge.h"
 
 #include <gtest/gtest.h>

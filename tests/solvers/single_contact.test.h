@@ -38,8 +38,8 @@ PlainProblem body_on_plane(double spin_factor, double mu, double bias,
   return p;
 }
 
-/// Uniform rod of half length 1 and mass 1, its lower tip on the plane, tan(theta) = 2: VALIDATION
-/// A45.
+/// Uniform rod of half length 1 and mass 1, its lower tip on the plane, tan(theta) = 2:
+/// VALIDATION A45.
 PlainProblem painleve_rod(double mu, double tip_speed, double fall_speed) {
   PlainProblem p;
   p.layout = ContactLayout::general;
@@ -55,8 +55,8 @@ PlainProblem painleve_rod(double mu, double tip_speed, double fall_speed) {
 template <class Real>
 class SingleContactTest : public BackendTest<Real> {
  protected:
-  /// Every way to solve that runs on the backend: convex solvers, or the De Saxce fixed point
-  /// around each.
+  /// Every way to solve that runs on the backend: convex solvers, or the De Saxce fixed
+  /// point around each.
   template <class F>
   void for_each_solver(bool exact, F check) {
     for (const std::string& name : solver_names()) {
@@ -169,8 +169,8 @@ TYPED_TEST(SingleContactTest, A31SteadyGlide) {
   });
 }
 
-/// With rolling and spinning cones the contact lifts off at mu |u_t| + rolling |u_roll| + spinning
-/// |u_spin|.
+/// With rolling and spinning cones the contact lifts off at mu |u_t| + rolling
+/// |u_roll| + spinning |u_spin|.
 TYPED_TEST(SingleContactTest, A32LiftWithRollingAndSpinning) {
   const double h = 0.0025, mu = 0.3, rolling = 0.02, spinning = 0.01, length = 0.5;
   PlainProblem plain = body_on_plane(2.5, mu, 0, {2, 0.3, -kGravity * h}, {0.4, 1.1, 3});

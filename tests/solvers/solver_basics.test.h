@@ -1,5 +1,5 @@
-// What every registered solver does alike: empty and smallest problems, bits, curves, bad
-// parameters.
+// What every registered solver does alike: empty and smallest problems, bits, curves,
+// bad parameters.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -149,7 +149,7 @@ TYPED_TEST(SolverBasicsTest, RecordsItsConvergenceCurve) {
 }
 
 /// Where no tolerance is met, the answer is nearly the best iterate of the second half, though few
-/// are looked at: one is worth it that seems to halve the residual, and seeming is off by a tenth.
+/// are checked: one is worth it that seems to halve the residual, and seeming is off by a tenth.
 /// Wherever the iterations end, so that nothing rests on where rounding lets the residual rise: it
 /// triples in places.
 TYPED_TEST(SolverBasicsTest, ApgdAnswersWithNearlyTheBestOfItsSecondHalf) {

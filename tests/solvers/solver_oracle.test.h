@@ -1,5 +1,5 @@
-// Every registered solver against the dense oracle: VALIDATION A04 and A05, and exact Coulomb
-// friction.
+// Every registered solver against the dense oracle: VALIDATION A04 and A05, and exact
+// Coulomb friction.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -18,8 +18,8 @@ namespace {
 using fixtures::PlainProblem;
 using fixtures::ProblemBuffers;
 
-/// Random problem number `seed`: 5 to 40 contacts, about three per free body; N is singular in
-/// many.
+/// Random problem number `seed`: 5 to 40 contacts, about three per free body;
+/// N is singular in many.
 template <class Real>
 PlainProblem small_problem(ContactLayout layout, unsigned seed) {
   const int contacts = 5 + static_cast<int>(seed * 7 % 36);
@@ -109,8 +109,8 @@ TYPED_TEST(SolverOracleTest, A05RankDeficientBox) {
     double sum = 0;
     for (const Eigen::Vector3d& g : buffers.impulses()) {
       sum += -g.z();
-      // Gauss-Seidel takes the corners one after the other, so its answer need not be the symmetric
-      // one.
+      // Gauss-Seidel takes the corners one after the other, so its answer need not
+      // be the symmetric one.
       if (name == "apgd" || name == "jacobi") {
         EXPECT_NEAR(-g.z(), weight / 4, this->tolerance(1e-10, 1e-5) * weight);
       }
@@ -119,8 +119,8 @@ TYPED_TEST(SolverOracleTest, A05RankDeficientBox) {
   }
 }
 
-/// De Saxce's fixed point against the same fixed point on dense matrices with interior-point
-/// solves.
+/// De Saxce's fixed point against the same fixed point on dense matrices with
+/// interior-point solves.
 TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
   const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 3e-4;
   for (ContactLayout layout :
@@ -149,8 +149,8 @@ TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
         const oracle::Residual dense = oracle::residual(plain.data, gamma);
         EXPECT_NEAR(stats.residual.exact_rms, dense.exact_rms, 0.3 * tolerance);
         EXPECT_NEAR(stats.residual.rms, dense.rms, 1e-5 + 1e-4 * dense.rms);
-        // The oracle itself must have got there for its answer to count; answers may differ where
-        // several exist.
+        // The oracle itself must have got there for its answer to count; answers may differ
+        // where several exist.
         if (expected.exact_rms > 1e-8) continue;
         const Eigen::MatrixXd n = oracle::delassus(plain.data);
         EXPECT_LE((n * (gamma - expected.gamma)).cwiseAbs().maxCoeff(),

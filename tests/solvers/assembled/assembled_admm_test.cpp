@@ -51,7 +51,7 @@ TEST(AssembledAdmm, OneIterationIsOneSolveWithFactors) {
     EXPECT_EQ(result.status, AssembledStatus::converged) << result.residual.relative;
     EXPECT_LE(coulomb_error(p, result.r), 1e-8);
     EXPECT_LE(result.factorizations, 12);
-    // Looks, one in ten iterations, are all that takes products.
+    // Checks, one in ten iterations, are all that takes products.
     EXPECT_LE(result.applications, result.iterations / 10 + 3);
   }
 }

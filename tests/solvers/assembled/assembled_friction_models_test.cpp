@@ -259,8 +259,8 @@ TEST(FrictionModels, MinMaxNewtonWithoutFactorsCarriesWhatRedundantContactsShare
   EXPECT_NEAR(krylov.r[0] + krylov.r[3], 1, 1e-10);
 }
 
-/// A tower of boxes: what the ground carries passes through all of them, which takes sweeps one
-/// level each.
+/// A tower of boxes: what the ground carries passes through all of them, which takes
+/// sweeps one level each.
 TEST(FrictionModels, ConjugateGradientsTakeFewerIterationsWhereContactsFollowEachOther) {
   const AssembledProblem p = tower(20);
   for (const auto& [sweeps, gradients, model] :

@@ -18,11 +18,11 @@ std::vector<double> weights(const ProximalSettings& settings, double enough, int
   methods.newton = [&](const AssembledProblem& inner, const AssembledOptions& o,
                        AssembledMonitor& monitor) {
     seen.push_back(inner.diagonal(0)[0] - p.diagonal(0)[0]);
-    monitor.look(0, o.guess);
+    monitor.check(0, o.guess);
     monitor.fail(seen.back() < enough ? AssembledStatus::stalled : AssembledStatus::converged);
   };
   methods.sweeps = [](const AssembledProblem&, const AssembledOptions& o,
-                      AssembledMonitor& monitor) { monitor.look(0, o.guess); };
+                      AssembledMonitor& monitor) { monitor.check(0, o.guess); };
   AssembledOptions o;
   o.max_iterations = iterations;
   o.guess.assign(3, 0.0);

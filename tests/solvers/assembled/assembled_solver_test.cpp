@@ -76,8 +76,8 @@ TEST_P(AssembledSolvers, OneSlidingContactHasItsClosedForm) {
   EXPECT_NEAR(convex.r[0], 0.548434 + g_h, 1e-6);
 }
 
-/// Four supports of one box: how they share its weight is not determined, but from zero they share
-/// it equally.
+/// Four supports of one box: how they share its weight is not determined, but from zero
+/// they share it equally.
 TEST_P(AssembledSolvers, ABoxOnFourCornersIsCarried) {
   if (!is_robust()) GTEST_SKIP() << "plain Newton has no inverse here";
   const double m = 3, speed = 0.01;
@@ -268,8 +268,8 @@ TEST(AssembledSolver, AWedgeIsWithoutSolutionOfTheConvexModelOnly) {
   }
 }
 
-/// Gyroscopic terms can do what the symmetric part of W cannot: here a tangential impulse moves the
-/// walls apart.
+/// Gyroscopic terms can do what the symmetric part of W cannot: here a tangential impulse
+/// moves the walls apart.
 TEST(AssembledSolver, AnUnsymmetricOperatorIsAskedAsItIs) {
   AssembledProblem p = closing_walls(0.3);
   EXPECT_TRUE(has_no_solution(p, AssembledModel::exact, 0));

@@ -144,7 +144,7 @@ TEST_P(BackendSolvers, StopsAtTheLimitOfIterations) {
   const AssembledResult result = solver->solve(p, o, &curve);
   EXPECT_EQ(result.status, AssembledStatus::iteration_limit);
   EXPECT_EQ(result.iterations, 3);
-  // A hybrid looks as often as its phases do.
+  // A hybrid checks as often as its phases do.
   EXPECT_GE(curve.size(), GetParam() == "hybrid_krylov" ? 2u : 4u);
   // A device adds products up in another order.
   const double relative = measure(p, AssembledModel::exact, result.r).relative;
@@ -272,7 +272,7 @@ TEST_F(BackendNewton, SolvesTheMinMaxFormOfBoxFrictionAsWithFactors) {
     EXPECT_NEAR(result.r[k], direct.r[k], 1e-8) << k;
 }
 
-/// The last iterate counts, also between two looks.
+/// The last iterate counts, also between two checks.
 TEST_F(BackendNewton, LooksWhereItEnds) {
   const AssembledProblem p = chains(50, 4);
   AssembledOptions o = to(1e-12, AssembledModel::exact);

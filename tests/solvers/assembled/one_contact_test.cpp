@@ -22,8 +22,8 @@ std::array<double, 3> solved(AssembledModel model, const Block3& W, const std::a
 
 constexpr AssembledModel models[] = {AssembledModel::convex, AssembledModel::exact};
 
-/// A block pressed on a plane at 0.01 m/s and sliding at 2 m/s, k times easier to slide than to
-/// lift.
+/// A block pressed on a plane at 0.01 m/s and sliding at 2 m/s, k times easier to
+/// slide than to lift.
 Block3 block(double k) { return {1, 0, 0, 0, k, 0, 0, 0, k}; }
 
 TEST(OneContact, OpensWhereItSeparates) {
@@ -108,8 +108,8 @@ TEST(OneContact, RandomBlocksAreSolvedToRounding) {
   }
 }
 
-/// Sweeps come with the impulses of the last visit: from guesses near and far the solution is that
-/// from none.
+/// Sweeps come with the impulses of the last visit: from guesses near and far the solution
+/// is that from none.
 TEST(OneContact, GuessesDoNotChangeTheSolution) {
   std::mt19937 generator(7);
   std::normal_distribution<double> normal;
@@ -144,7 +144,7 @@ TEST(OneContact, GuessesDoNotChangeTheSolution) {
 }
 
 /// Impulses that stop a sphere and lie on the cone up to rounding, on either side of it. Where the
-/// sign of the miss is rounding alone, the root must not be looked for elsewhere.
+/// sign of the miss is rounding alone, the root must not be searched elsewhere.
 TEST(OneContact, ContactsThatJustBeginToSlipAreSolved) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);

@@ -1,6 +1,6 @@
 // Whole APGD iterations on a bed: the two passes and their scalar updates alone, and the solver
-// itself with its residual checks. Both report the residual reached: a speed without it is not a
-// result.
+// itself with its residual checks. Both report the residual reached:
+// a speed without it is not a result.
 
 #include <utility>
 

@@ -44,8 +44,8 @@ class ApgdArrays {
     iteration_.start(b, passes());
   }
 
-  /// Unrelated random numbers in all arrays a pass reads, and a momentum as in the middle of a
-  /// solve.
+  /// Unrelated random numbers in all arrays a pass reads, and a momentum as in
+  /// the middle of a solve.
   void scramble(B& b, const BedProblem<B, Real>& bed) {
     for (unsigned k = 0; k < 2; ++k) {
       bed.random_impulses(b, 20 + k, gamma.buffer[k]);

@@ -1,6 +1,6 @@
 #pragma once
-// The contact problem of a synthetic bed in the memory of a backend: radial layout, random
-// velocities.
+// The contact problem of a synthetic bed in the memory of a backend: radial layout,
+// random velocities.
 
 #include <algorithm>
 #include <vector>
@@ -65,8 +65,8 @@ class BedProblem {
   Index contact_count() const { return problem_.contact_count; }
   Index free_count() const { return problem_.free_count; }
 
-  /// Impulses of the size of a sphere's weight, in all directions: inside, beside and under the
-  /// cone.
+  /// Impulses of the size of a sphere's weight, in all directions: inside, beside
+  /// and under the cone.
   void random_impulses(B& b, std::uint64_t seed, Span<Vec3<Real>> out) const {
     for_each(b, problem_.contact_count, RandomVectors<Real>{seed, impulse_scale_, {}, out});
   }

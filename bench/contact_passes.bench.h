@@ -1,5 +1,5 @@
-// Single passes over a bed: those of an APGD iteration, the residual, the lists, the cone
-// projection.
+// Single passes over a bed: those of an APGD iteration, the residual, the lists,
+// the cone projection.
 
 #include <utility>
 
@@ -92,8 +92,8 @@ void run_body_contacts(Suite<B>& suite, benchmark::State& state, Index spheres) 
     state.SkipWithError("wrong lists");
 }
 
-/// From one array to another, so that every run meets the same mix of points in and out of the
-/// cone.
+/// From one array to another, so that every run meets the same mix of points in
+/// and out of the cone.
 template <class Real>
 struct ProjectToCone {
   static constexpr const char* name = "project_to_cone";

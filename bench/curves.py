@@ -70,7 +70,7 @@ def reached(curve, key, level):
 
 
 def at(curve, iteration, key):
-    """Value at the last look up to an iteration that the curve reaches, or None."""
+    """Value at the last check up to an iteration that the curve reaches, or None."""
     if curve[-1]["iteration"] < iteration:
         return None
     return [point for point in curve if point["iteration"] <= iteration][-1][key]

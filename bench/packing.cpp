@@ -119,7 +119,7 @@ Bed make_bed(const BedParams& params) {
   visit_cells(grid, 0, 0, 0, size, place);
 
   // Nearest neighbors only: with the largest jitter allowed their gaps stay below 0.11 diameters
-  // and those of the next shell, at 1.155 diameters apart, are not looked at.
+  // and those of the next shell, at 1.155 diameters apart, are not searched.
   const auto capacity = static_cast<std::size_t>(1.02 * expected) + 1000;
   bed.body_a.reserve(capacity);
   bed.body_b.reserve(capacity);

@@ -63,7 +63,7 @@ def arrival(curve, level):
 
 
 def quiet_since(curve):
-    """Iteration of the last look at which a contact changed its state."""
+    """Iteration of the last check at which a contact changed its state."""
     changed = [point["iteration"] for point in curve if point["state_changes"] > 0]
     return f"{changed[-1]:.0f}" if changed else "0"
 

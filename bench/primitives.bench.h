@@ -93,8 +93,8 @@ void run_scan(Suite<B>& suite, benchmark::State& state, Index n) {
   if (fetch(b, starts.data() + n) != expected) state.SkipWithError("wrong scan");
 }
 
-/// Sorting happens in place, so each run first writes fresh keys: 20 bytes a pair (8 read, 12
-/// written).
+/// Sorting happens in place, so each run first writes fresh keys: 20 bytes a pair
+/// (8 read, 12 written).
 template <class B>
 void run_sort(Suite<B>& suite, benchmark::State& state, Index n) {
   B& b = suite.backend();

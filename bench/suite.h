@@ -29,8 +29,8 @@ struct Work {
   double requested_bytes = 0;  ///< 0: the same
 };
 
-/// Components that are NaN or infinite: an output poisoned with NaN must have none after its
-/// kernel.
+/// Components that are NaN or infinite: an output poisoned with NaN must have none
+/// after its kernel.
 template <class Real>
 struct CountBad {
   static constexpr const char* name = "count_bad";
@@ -78,8 +78,8 @@ class Suite {
   }
 
   /// Times `run`, which queues one operation on the backend, and reports what `work` says it did.
-  /// A batch is as many runs as fill a few milliseconds, so that the wait at its end does not
-  /// count.
+  /// A batch is as many runs as fill a few milliseconds, so that the wait at its
+  /// end does not count.
   template <class F>
   void measure(benchmark::State& state, const Work& work, F run) {
     const int runs = runs_per_batch(run);

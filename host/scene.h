@@ -1,7 +1,7 @@
 #pragma once
 // What is simulated: bodies, walls, materials and parameters. A Scene is plain data with SI units;
-// the scene reader fills it from a file, tests and programs fill it by hand. validate() checks all
-// of it.
+// the scene reader fills it from a file, tests and programs fill it by hand.
+// validate() checks all of it.
 
 #include <array>
 #include <cstdint>
@@ -30,8 +30,8 @@ struct Material {
   double spinning_friction = 0.0;  ///< spinning coefficient, a length [m], >= 0
 };
 
-/// Values that replace the default mix (geometric mean of friction, smaller of the others) for a
-/// pair.
+/// Values that replace the default mix (geometric mean of friction, smaller of the others)
+/// for a pair.
 struct MaterialPair {
   int material_a = 0;
   int material_b = 0;
@@ -59,8 +59,8 @@ struct Motion {
   std::vector<Quatd> orientations;  ///< sampled: rotation applied to the initial pose, may be empty
 };
 
-/// A value that few of very many owners have: kept elsewhere, a shared default where it was never
-/// set.
+/// A value that few of very many owners have: kept elsewhere, a shared default where
+/// it was never set.
 template <class T>
 class Rare {
  public:
@@ -128,8 +128,8 @@ struct BodyDescription {
   int entry = -1;          ///< number in the list `bodies` of the scene file, for messages
 };
 
-/// A property of many particles: one value for all of them, or one for each. Copies share the
-/// values.
+/// A property of many particles: one value for all of them, or one for each.
+/// Copies share the values.
 template <class T>
 class PerParticle {
  public:
@@ -186,14 +186,12 @@ struct SolverSettings {
   bool exact_coulomb = false;     ///< De Saxce fixed point around the convex solve
   int max_outer_iterations = 50;  ///< exact Coulomb: fixed point iterations, > 0
   double relaxation = 1.0;        ///< Gauss-Seidel omega, in (0, 2)
-  bool diagonal_metric =
-      true;  ///< APGD: steps in a diagonal metric; false: Euclidean, as published
+  bool diagonal_metric = true;    ///< APGD: steps in a diagonal metric; false: Euclidean
 };
 
 /// How contacts bounce. docs/theory.md, section "Impacts".
 enum class RestitutionLaw : std::uint8_t {
-  poisson,  ///< impacts come before the loads, one after the other within the step; none adds
-            ///< energy
+  poisson,  ///< impacts come before the loads, one after the other; none adds energy
   newton    ///< a bias of the one contact problem of a step
 };
 

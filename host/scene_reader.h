@@ -13,8 +13,7 @@ namespace scree {
 /// @param overrides  `key.path=value` each, applied before reading: `solver.max_iterations=50`,
 ///                   `particles.0.count=500`; the value is JSON or a bare string
 /// @throws InputError "<file>: <key path>: <value> is not allowed: <expected>", or with the line
-/// and
-///         column of broken JSON
+///         and column of broken JSON
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 /// The same for a text already in memory.

@@ -106,8 +106,8 @@ inline std::vector<double> velocity(const AssembledProblem& p, const std::vector
   return u;
 }
 
-/// Largest error of a row of box friction with coupled bounds, by r = the nearest to r - u of what
-/// is allowed.
+/// Largest error of a row of box friction with coupled bounds, by r = the nearest to r - u
+/// of what is allowed.
 inline double box_friction_error(const AssembledProblem& p, const std::vector<double>& r) {
   const std::vector<double> u = velocity(p, r);
   double largest = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// Fixture of tests that are compiled once per backend (scree::TestBackend) and typed over float and
-// double.
+// Fixture of tests that are compiled once per backend (scree::TestBackend) and typed
+// over float and double.
 
 #include <gtest/gtest.h>
 

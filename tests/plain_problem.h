@@ -1,6 +1,6 @@
 #pragma once
-// Contact problems as plain arrays of doubles, for the dense oracle. Their makers are compiled
-// once.
+// Contact problems as plain arrays of doubles, for the dense oracle. Their makers
+// are compiled once.
 
 #include <vector>
 

@@ -102,8 +102,8 @@ class ProblemBuffers {
       vectors.push_back(to_eigen(Vec3<double>(v)));
     return vectors;
   }
-  /// The oracle's twists (v, w) from the solver's: in the radial layout those carry the surface
-  /// speed r w.
+  /// The oracle's twists (v, w) from the solver's: in the radial layout those carry
+  /// the surface speed r w.
   Eigen::VectorXd velocities(Span<const Twist<Real>> twists) {
     const std::vector<Twist<Real>> host = download(*backend_, twists);
     Eigen::VectorXd v(6 * static_cast<Eigen::Index>(host.size()));

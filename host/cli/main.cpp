@@ -24,8 +24,8 @@
 namespace {
 
 int fail(const std::string& what, int code) {
-  constexpr std::size_t kLongest = 4000;  // a key or a name in a message may be of any length
-  scree::say("scree: " + scree::printable(what, kLongest));
+  constexpr std::size_t kMaxPrinted = 4000;  // a key or a name in a message may be of any length
+  scree::say("scree: " + scree::printable(what, kMaxPrinted));
   return code;
 }
 

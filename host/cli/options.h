@@ -35,8 +35,8 @@ void add_target_options(CLI::App& command, RunTarget& target);
 /// The file of a scene given by path or by name. @throws InputError listing the known names
 std::filesystem::path find_scene(const std::string& name_or_path);
 
-/// Backend and precision to use: the command line before the scene; `auto` takes CUDA when it is
-/// there.
+/// Backend and precision to use: the command line before the scene; `auto` takes CUDA
+/// when it is there.
 /// @param notice  when given: what a user should know about the choice, or empty
 /// @throws InputError when the backend that was asked for is not available
 WorldOptions resolve_options(const RunTarget& target, const Scene& scene,

@@ -199,7 +199,7 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
       ->take_last();
   command
       ->add_option("--check-every", options.check_every,
-                   "iterations between looks at the residual (default: each solver's own)")
+                   "iterations between checks of the residual (default: each solver's own)")
       ->take_last();
   command
       ->add_option("--relaxation", options.relaxation,

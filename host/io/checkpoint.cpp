@@ -25,7 +25,7 @@ namespace {
 constexpr const char* format_name = "scree checkpoint";
 
 /// Positions [m] and speeds [m/s, rad/s] of runs are far below this, and those far above it are no
-/// place where contacts could be looked for in float.
+/// place where contacts could be found in float.
 constexpr double most_size = 1e15;
 
 /// What a float holds.

@@ -1,6 +1,6 @@
 #pragma once
-// checkpoint.h5: all that a run needs to go on bit for bit, and the spheres for other scenes to
-// read.
+// checkpoint.h5: all that a run needs to go on bit for bit, and the spheres for
+// other scenes to read.
 //
 // Layout (HDF5, sealed, see seal.h): attributes of the root group: format, format_version, program,
 // backend, precision, step, time [s], insertions_done. Datasets: scene (text); body/id, position,
@@ -35,10 +35,9 @@ void write_checkpoint(const std::filesystem::path& path, const WorldState& state
                       const BodyConstants& bodies, const std::string& scene_text,
                       BackendKind backend, Precision precision);
 
-/// @throws InputError naming the file, what was found and what was expected: no such file, not
-/// HDF5,
-///         truncated, another program or format version, missing datasets, sizes that disagree, or
-///         contents that do not match their checksum
+/// @throws InputError naming the file, what was found and what was expected: no such file,
+///         not HDF5, truncated, another program or format version, missing datasets, sizes that
+///         disagree, or contents that do not match their checksum
 Checkpoint read_checkpoint(const std::filesystem::path& path);
 
 /// "cpu" or "cuda", "float" or "double": the words of files and the command line.

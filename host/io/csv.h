@@ -15,8 +15,8 @@ namespace scree {
 class CsvReader {
  public:
   /// Reads the header. @param known  column names that are allowed
-  /// @throws InputError naming the file: missing, unreadable, empty, or an unknown or repeated
-  /// column
+  /// @throws InputError naming the file: missing, unreadable, empty, or an unknown
+  ///         or repeated column
   CsvReader(std::filesystem::path file, const std::vector<std::string>& known);
 
   const std::vector<std::string>& columns() const { return columns_; }
@@ -28,8 +28,8 @@ class CsvReader {
   /// Lines of the file: at least as many as it has rows.
   std::size_t line_count() const;
 
-  /// Goes to the next row. False at the end. @throws InputError when the row has too few or too
-  /// many values
+  /// Goes to the next row. False at the end.
+  /// @throws InputError when the row has too few or too many values
   bool next();
 
   std::string_view cell(int column) const { return cells_[static_cast<std::size_t>(column)]; }

@@ -8,7 +8,7 @@ namespace scree {
 
 /// What keeps files from being made in a folder, which is there or would be created with its
 /// parents: "it is not a directory", "it cannot be created, ... is not a directory", and so on.
-/// Empty when nothing does. Looks only.
+/// Empty when nothing does. Changes nothing.
 std::string why_not_writable(const std::filesystem::path& folder);
 
 }  // namespace scree

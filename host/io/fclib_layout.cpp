@@ -31,8 +31,8 @@ std::vector<double> read_vector(const h5::Group& group, const std::string& name)
 }
 
 /// Text up to the zero byte that ends it; empty when it is not there or not of a fixed length.
-/// Those of variable length lie in a heap that HDF5 reads unchecked: a damaged one would end the
-/// program.
+/// Those of variable length lie in a heap that HDF5 reads unchecked: a damaged one
+/// would end the program.
 std::string read_text(const h5::Group& group, const std::string& name) {
   if (!group.has(name)) return {};
   try {
@@ -118,8 +118,8 @@ class MatrixReader {
     return compress(rows_, columns_, entries);
   }
 
-  /// Compressed along the outer dimension: rows as stored, or columns, then the result is the
-  /// transpose.
+  /// Compressed along the outer dimension: rows as stored, or columns, then the result
+  /// is the transpose.
   SparseMatrix compressed(std::int32_t outer, const char* outer_name, std::int32_t inner) const {
     if (p_.size() != static_cast<std::size_t>(outer) + 1)
       refuse(

@@ -32,13 +32,13 @@ struct FrameExtent {
 
 class FrameWriter {
  public:
-  /// Starts a new file, published with the first frame, or continues the one a checkpoint belongs
-  /// to.
+  /// Starts a new file, published with the first frame, or continues the one
+  /// a checkpoint belongs to.
   /// @param precision    of the run: what velocities and orientations are stored in
   /// @param resume_time  simulated time of the checkpoint [s]: frames after it are dropped. No file
   ///                     there counts as an empty one. Not set: an existing file is removed
-  /// @throws InputError when the file to continue is unreadable, of another scene or of another
-  ///         precision
+  /// @throws InputError when the file to continue is unreadable, of another scene or
+  ///         of another precision
   /// @throws RunError when the file cannot be written
   FrameWriter(std::filesystem::path path, const Scene& scene, Precision precision,
               std::optional<double> resume_time = {});

@@ -188,8 +188,8 @@ bool is_hdf5(const std::filesystem::path& path);
 class File {
  public:
   /// A new file; an old one of that name is emptied.
-  /// @param user_block  bytes in front of it that HDF5 leaves alone: 0 or a power of two from 512
-  /// on
+  /// @param user_block  bytes in front of it that HDF5 leaves alone: 0 or a power
+  ///                    of two from 512 on
   static File create(const std::filesystem::path& path, std::uint64_t user_block = 0);
   static File open(const std::filesystem::path& path);
   /// A file that anybody may have made: sizes that it declares are compared with its own before

@@ -1,7 +1,7 @@
 #pragma once
-// What keeps reading within one file and its size: HDF5 files may name other files as the place of
-// their data, and declare arrays that they do not hold. Functions on HDF5's identifiers; they hold
-// no lock.
+// What keeps reading within one file and its size: HDF5 files may name other files as the place
+// of their data, and declare arrays that they do not hold. Functions on HDF5's identifiers;
+// they hold no lock.
 
 #include <cstdint>
 #include <string>
@@ -14,8 +14,8 @@ namespace scree::h5 {
 /// of the common filters, can reach.
 inline constexpr std::uint64_t most_expansion = 1100;
 
-/// What was read from a file so far, against its size: one array under many names is read many
-/// times.
+/// What was read from a file so far, against its size: one array under many names
+/// is read many times.
 struct Bounds {
   std::uint64_t file_bytes = 0;
   std::uint64_t bytes_read = 0;

@@ -19,7 +19,7 @@ enum class ExistingOutput {
   resume    ///< --resume: the run of its checkpoint goes on
 };
 
-/// The output directory of a run. Made in two moves: the constructor only looks, so that it can
+/// The output directory of a run. Made in two moves: the constructor only checks, so that it can
 /// refuse before anything starts; prepare() creates and removes.
 ///
 /// Rules: a directory that does not exist is created, with its parents. One that is not empty is
@@ -28,8 +28,7 @@ enum class ExistingOutput {
 class OutputDirectory {
  public:
   /// @param scene_text  resolved scene, as write_checkpoint stores it; compared with the
-  /// checkpoint's
-  ///                    when resuming. JSON texts are compared by value
+  ///                    checkpoint's when resuming. JSON texts are compared by value
   /// @param may_differ  JSON pointers of values that a resumed run may change, for example
   ///                    "/stepping/duration"; what lies below them may change too
   /// @throws InputError naming the path, what was found and what to do
@@ -39,8 +38,8 @@ class OutputDirectory {
   OutputDirectory(const OutputDirectory&) = delete;
   OutputDirectory& operator=(const OutputDirectory&) = delete;
 
-  /// Creates the directory, or removes the files of the earlier run, and locks it against other
-  /// runs.
+  /// Creates the directory, or removes the files of the earlier run, and locks it
+  /// against other runs.
   /// @throws InputError when another run came first, @throws RunError when the system refuses
   void prepare();
 

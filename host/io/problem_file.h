@@ -24,9 +24,9 @@ class NoProblemInFile : public InputError {
   using InputError::InputError;
 };
 
-/// Checks and writes a problem: with bodies in scree's layout, else in FCLIB's, matrices stored as
-/// that library's collection has them (local: rows, global: triplets) or as told. Replaces the file
-/// in one rename.
+/// Checks and writes a problem: with bodies in scree's layout, else in FCLIB's, matrices
+/// stored as that library's collection has them (local: rows, global: triplets) or as told.
+/// Replaces the file in one rename.
 /// @throws InputError when the problem is not valid, RunError naming the file and the reason
 void write_problem(const std::filesystem::path& path, const StoredProblem& problem);
 void write_problem(const std::filesystem::path& path, const StoredProblem& problem,

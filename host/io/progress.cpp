@@ -18,7 +18,7 @@ double seconds(std::chrono::steady_clock::duration d) {
   return std::chrono::duration<double>(d).count();
 }
 
-// A closed or full output must not end the run, so failures are not looked at; prepare_streams() in
+// A closed or full output must not end the run, so failures are ignored; prepare_streams() in
 // main() keeps a closed pipe from killing it.
 void put(std::FILE* out, const std::string& text) {
   std::fputs(text.c_str(), out);

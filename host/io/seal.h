@@ -2,7 +2,7 @@
 // A seal in front of an HDF5 file: what it is, how long it is, and a checksum of all the rest.
 //
 // HDF5 trusts what it reads: a damaged file can crash the library, and damaged numbers pass
-// unnoticed. The seal is looked at first, so that only whole files are given to the library. It
+// unnoticed. The seal is checked first, so that only whole files are given to the library. It
 // lies in the user block, which HDF5 leaves to programs; other readers of HDF5 do not notice it.
 
 #include <cstdint>
@@ -20,8 +20,8 @@ void write_seal(const std::filesystem::path& path, const std::string& kind, int 
 /// Whether the file begins with the seal of a kind; whether it is whole is for check_seal to say.
 bool has_seal(const std::filesystem::path& path, const std::string& kind);
 
-/// What is wrong with the file, as half a sentence; empty when it is whole and of that kind and
-/// version.
+/// What is wrong with the file, as half a sentence; empty when it is whole and of
+/// that kind and version.
 std::string check_seal(const std::filesystem::path& path, const std::string& kind, int version);
 
 }  // namespace scree

@@ -7,11 +7,11 @@
 
 namespace scree {
 
-/// While one exists, the first SIGINT, SIGTERM or SIGHUP only sets a flag, which the stepping loop
-/// looks at to end the run cleanly. A second SIGINT or SIGTERM kills the process as usual; a second
-/// SIGHUP does not, since shell and system each send one when a terminal closes. A signal that the
-/// process was started to ignore (nohup, a job in the background) stays ignored. At most one guard
-/// at a time.
+/// While one exists, the first SIGINT, SIGTERM or SIGHUP only sets a flag, which the stepping
+/// loop reads to end the run cleanly. A second SIGINT or SIGTERM kills the process as usual;
+/// a second SIGHUP does not, since shell and system each send one when a terminal closes.
+/// A signal that the process was started to ignore (nohup, a job in the background) stays ignored.
+/// At most one guard at a time.
 class SignalGuard {
  public:
   SignalGuard();

@@ -21,8 +21,7 @@ class StepsCsv {
  public:
   /// Starts a new file, or continues one after the given step.
   /// @param resume_step  number of steps done by the checkpoint: later lines, and a torn last one,
-  /// are
-  ///                     cut off. Not set, or no file there: a new file
+  ///                     are cut off. Not set, or no file there: a new file
   /// @throws InputError when the file to continue has other columns or its steps do not rise,
   /// @throws RunError when the file cannot be written
   explicit StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resume_step = {});
@@ -38,8 +37,8 @@ class StepsCsv {
 
   /// Writes the lines held back. Call it before a checkpoint is written, so that no step of the
   /// checkpoint can be missing here.
-  /// @throws RunError when the file cannot be written, and then ends after a whole line, or when it
-  ///         was removed
+  /// @throws RunError when the file cannot be written, and then ends after a whole line,
+  ///         or when it was removed
   void flush();
 
  private:

@@ -20,8 +20,8 @@ struct WallSurface {
   Surface surface;
 };
 
-/// One surface for each fixed or kinematic body, by id. Half spaces become squares as large as the
-/// scene.
+/// One surface for each fixed or kinematic body, by id. Half spaces become squares as
+/// large as the scene.
 std::vector<WallSurface> wall_surfaces(const Scene& scene);
 
 }  // namespace scree

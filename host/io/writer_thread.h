@@ -13,10 +13,10 @@ namespace scree {
 
 /// Runs tasks one after the other, in order, on a thread of its own.
 ///
-/// The queue is short: each waiting task holds a copy of all body states. When it is full, post()
-/// waits, so that a slow disk slows the run down instead of filling the memory. After a task has
-/// thrown, later tasks are dropped and every post(), check() and finish() throws that first
-/// exception.
+/// The queue is short: each waiting task holds a copy of all body states. When it is full,
+/// post() waits, so that a slow disk slows the run down instead of filling the memory.
+/// After a task has thrown, later tasks are dropped and every post(), check() and finish()
+/// throws that first exception.
 class WriterThread {
  public:
   /// @param capacity  tasks that may wait, >= 1

@@ -9,7 +9,7 @@ namespace {
 
 /// Most cells along an axis: their numbers and those of the sites of a region stay exact.
 constexpr double kMostCells = 1e15;
-/// Rows that are looked at beside those that are needed.
+/// Rows that are searched beside those that are needed.
 constexpr long long kSpareRows = 4'000'000;
 /// Components of a direction below this are taken as zero where that moves no end by a cell.
 constexpr double kParallel = 1e-9;
@@ -69,8 +69,8 @@ LatticeSites::Range LatticeSites::around(int axis, double low, double high) cons
   return {number(low, -1), number(high, 2)};
 }
 
-/// Rows run along x, at a distance of |(y - c_y) a_z - (z - c_z) a_y| / |(a_y, a_z)| from the axis
-/// of a cylinder.
+/// Rows run along x, at a distance of |(y - c_y) a_z - (z - c_z) a_y| / |(a_y, a_z)| from
+/// the axis of a cylinder.
 LatticeSites::Range LatticeSites::rows_of(long long plane) const {
   const Range all{0, cells_[1]};
   const Vec3d& axis = region_.axis;

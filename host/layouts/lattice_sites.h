@@ -31,8 +31,8 @@ class LatticeSites {
   Vec3d position(long long plane, long long row, long long x) const;
 
   /// Calls f(run) for the runs of sites of the lowest planes, in order, until it returns false.
-  /// @param wanted  sites that are looked for, which bounds the search
-  /// @throws DoesNotFit when very many rows had to be looked at
+  /// @param wanted  sites that are needed, which bounds the search
+  /// @throws DoesNotFit when very many rows had to be searched
   template <class F>
   void for_each_run(long long wanted, F f) const {
     if (cell_count() == 0) return;
@@ -56,7 +56,7 @@ class LatticeSites {
     long long begin = 0;
     long long end = 0;
   };
-  /// Rows that may be looked at.
+  /// Rows that may be searched.
   class RowBudget {
    public:
     RowBudget(const LatticeSites& sites, long long wanted);
@@ -83,8 +83,8 @@ class LatticeSites {
   Vec3d first_;
 };
 
-/// The sites of the lowest planes, of as many as hold the sites that are wanted: numbered, not
-/// listed.
+/// The sites of the lowest planes, of as many as hold the sites that are wanted:
+/// numbered, not listed.
 class LowestSites {
  public:
   /// @throws DoesNotFit when the region does not hold so many, or far too many in one plane

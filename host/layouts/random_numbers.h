@@ -22,8 +22,8 @@ class RandomNumbers {
   /// Uniform in [low, high).
   double uniform(double low, double high) { return std::fma(high - low, unit(), low); }
 
-  /// Uniform in 0 .. count - 1; count > 0. The bias of the product is below 2^-32 for 32-bit
-  /// counts.
+  /// Uniform in 0 .. count - 1; count > 0. The bias of the product is below 2^-32
+  /// for 32-bit counts.
   std::uint64_t below(std::uint64_t count) {
     return static_cast<std::uint64_t>(unit() * static_cast<double>(count));
   }

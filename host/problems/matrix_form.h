@@ -34,8 +34,8 @@ enum class MatrixForm { local, global };
 /// @throws InputError as the forms above
 StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form);
 
-/// The same for any form; what is in the form asked for stays as it is, and guesses and solution
-/// come along.
+/// The same for any form; what is in the form asked for stays as it is, and guesses and
+/// solution come along.
 /// @throws InputError as the forms above, and for a local problem that shall be global: W does not
 ///         say what M and H are
 StoredProblem as_matrices(const StoredProblem& problem, MatrixForm form);

@@ -131,9 +131,9 @@ inline FrameSides box_sides(const FrameAxes& axes, const Box& box) {
   return sides;
 }
 
-/// Axes with the opening narrowed where the picture has room to spare, so that another measurement
-/// centers what is shown there, too. Measure, narrow and measure again a few times: kFramingPasses
-/// are enough.
+/// Axes with the opening narrowed where the picture has room to spare, so that another
+/// measurement centers what is shown there, too. Measure, narrow and measure again a few times:
+/// kFramingPasses are enough.
 inline FrameAxes narrowed(const FrameAxes& axes, const FrameSides& sides) {
   FrameAxes result = axes;
   const double z_x = 0.5 * (sides.left + sides.right), z_y = 0.5 * (sides.bottom + sides.top);
@@ -166,7 +166,7 @@ inline CameraSettings framing_camera(const CameraSettings& base, const FrameAxes
 
 /// The perspective view of a camera.
 /// @param width, height  picture size [pixels]
-/// @param scene_size     size of what is looked at [m]; sets the near plane
+/// @param scene_size     size of what is shown [m]; sets the near plane
 inline View camera_view(const CameraSettings& camera, int width, int height, double scene_size) {
   const CameraAxes axes = camera_axes(camera.target - camera.position, camera.up);
   View view;

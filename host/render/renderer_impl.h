@@ -37,8 +37,8 @@ render::BodyStatistics Renderer<B, Real>::measure(B& b, const BodyView<Real>& bo
 /// Where most free bodies are, by every n-th of them.
 template <class B, class Real>
 render::Box Renderer<B, Real>::bulk(B& b, const BodyView<Real>& bodies) {
-  constexpr Index kMost = 1 << 16;
-  const Index stride = bodies.free_count / kMost + 1;
+  constexpr Index kMaxPicked = 1 << 16;
+  const Index stride = bodies.free_count / kMaxPicked + 1;
   const Index count = (bodies.free_count + stride - 1) / stride;
   picked_.reserve_discard(count);
   for_each(b, count, render::PickPositions{bodies.position, stride, picked_.view(count)});
@@ -226,7 +226,7 @@ Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
   clear(b, light, light_samples, render::kNoDepth);
   draw(b, render::SolidSource<Real, std::uint32_t>{list, light, light_samples, true});
 
-  // The window holds the rows of a band and those above and below that occlusion looks at.
+  // The window holds the rows of a band and those above and below that occlusion reads.
   render::View view = render::camera_view(camera, settings.width, settings.height, scene_size);
   constexpr int kMargin = 2 * render::kOcclusionReach;
   view.buffer_rows = static_cast<int>(std::min<Offset>(

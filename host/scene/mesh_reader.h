@@ -15,9 +15,9 @@ struct MeshOptions {
 
 /// Reads a mesh; equal vertices (to 1e-9 of the diagonal) become one, polygons become triangles,
 /// and a closed mesh that is inside out is turned right.
-/// @throws InputError naming the file: missing, unreadable, truncated, a number that is not one, an
-/// index out of range, a degenerate triangle, an edge that is open or shared by more than two
-/// triangles, or neighbors of opposite orientation
+/// @throws InputError naming the file: missing, unreadable, truncated, a number that is not one,
+///         an index out of range, a degenerate triangle, an edge that is open or shared by more
+///         than two triangles, or neighbors of opposite orientation
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& options = {});
 
 }  // namespace scree

@@ -13,8 +13,8 @@ struct Pose {
 /// Pose of a body at time t [s]; the initial pose when it has no motion.
 Pose pose_at(const BodyDescription& body, double t);
 
-/// Velocities that carry pose `from` to pose `to` in time h, exactly under x' = x + h v, q' = exp(h
-/// w) q.
+/// Velocities that carry pose `from` to pose `to` in time h, exactly under x' = x + h
+/// v, q' = exp(h w) q.
 struct Rates {
   Vec3d velocity;          ///< [m/s]
   Vec3d angular_velocity;  ///< world frame [rad/s]

@@ -14,8 +14,8 @@ namespace scree {
 namespace {
 
 constexpr double kTolerated = 1e-3;  // of the smaller diameter
-/// Bodies in a cell so small that all of them overlap: so many that listing their pairs could take
-/// hours.
+/// Bodies in a cell so small that all of them overlap: so many that listing their
+/// pairs could take hours.
 constexpr std::size_t kCrowd = 2000;
 
 /// A free sphere at the start.

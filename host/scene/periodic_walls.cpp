@@ -1,5 +1,5 @@
 // Walls that a periodic domain cannot hold: a plane that a repeating axis would have to pass, and
-// boxes and meshes over more cells than are looked at.
+// boxes and meshes over more cells than are searched.
 
 #include <fmt/format.h>
 

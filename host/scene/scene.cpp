@@ -228,16 +228,16 @@ void check_materials(const Scene& scene) {
 
 /// The name is that of a folder inside out/, and is printed.
 void check_name(const std::string& name) {
-  constexpr std::size_t kLongest = 200;  // bytes, below what file systems allow
+  constexpr std::size_t kMaxNameBytes = 200;  // bytes, below what file systems allow
   const auto is_bad = [](char c) {
     return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '/' || c == '\\';
   };
-  if (name.empty() || name.size() > kLongest || name == "." || name == ".." ||
+  if (name.empty() || name.size() > kMaxNameBytes || name == "." || name == ".." ||
       std::any_of(name.begin(), name.end(), is_bad))
     refuse("name", quoted(printable(name, 80)),
            fmt::format("must be fit for a folder: 1 to {} bytes without slashes and control "
                        "characters, not . or ..",
-                       kLongest));
+                       kMaxNameBytes));
 }
 
 void check_settings(const Scene& scene) {
@@ -376,8 +376,8 @@ void check_containers(const Scene& scene) {
   }
 }
 
-/// Calls f(body, path maker) for the bodies that are described one by one, those of insertions
-/// included.
+/// Calls f(body, path maker) for the bodies that are described one by one, those of
+/// insertions included.
 template <class F>
 void for_each_body(const Scene& scene, F f) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
@@ -443,12 +443,12 @@ void check_particles(const Scene& scene, const ParticleSet& set, const std::stri
   check_count(path + ".angular_velocity", set.angular_velocity.fits(count), count);
   check_count(path + ".material", set.material.fits(count), count);
   check_count(path + ".group", set.group.fits(count), count);
-  const bool alike = set.radius.uniform() && set.density.uniform() && set.mass.uniform() &&
-                     set.orientation.uniform() && set.velocity.uniform() &&
-                     set.angular_velocity.uniform() && set.material.uniform() &&
-                     set.group.uniform();
+  const bool uniform = set.radius.uniform() && set.density.uniform() && set.mass.uniform() &&
+                       set.orientation.uniform() && set.velocity.uniform() &&
+                       set.angular_velocity.uniform() && set.material.uniform() &&
+                       set.group.uniform();
   for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0 && alike && is_in_range(set.position[i])) continue;  // as good as the first
+    if (i > 0 && uniform && is_in_range(set.position[i])) continue;  // as good as the first
     if (const auto fault = body_fault(scene, particle_body(set, i)))
       refuse(fmt::format("{}[{}].{}", path, i, fault->field), fault->value, fault->expected);
   }

@@ -53,8 +53,8 @@ class Builder {
     if (fault.id == 406)  // a number beyond the range of double
       throw InputError(fmt::format("{}: {}: {} is not allowed: must be a finite number (line {})",
                                    file_name_, path(), token, line));
-    // Only the end of the library's message is for people: "...: syntax error while parsing X -
-    // why". Newer versions say something of their own about an empty text.
+    // Only the end of the library's message is for people: "...: syntax error while parsing
+    // X - why". Newer versions say something of their own about an empty text.
     const std::string what = fault.what();
     const std::size_t start = what.find("syntax error");
     throw InputError(fmt::format(

@@ -41,12 +41,12 @@ std::string with_unit(const std::string& expected, const char* unit) {
 }  // namespace
 
 std::string nearest_hint(const std::string& wrong, const std::vector<std::string>& known) {
-  constexpr std::size_t kLongest = 64;  // comparing takes the product of both lengths
-  if (wrong.size() > kLongest) return "";
+  constexpr std::size_t kMaxWordLength = 64;  // comparing takes the product of both lengths
+  if (wrong.size() > kMaxWordLength) return "";
   std::size_t best = 1 + std::max<std::size_t>(2, wrong.size() / 2);
   std::string name;
   for (const std::string& word : known) {
-    if (word.size() > kLongest) continue;
+    if (word.size() > kMaxWordLength) continue;
     const std::size_t distance = edit_distance(wrong, word);
     if (distance < best) {
       best = distance;

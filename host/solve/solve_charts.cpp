@@ -68,7 +68,7 @@ Figure curves_figure(const ProblemReport& report) {
   if (has_reference(report))
     row({"velocity error |u - u*| / max(|u*|, |q| / 1000)", true, diverged},
         [](const Point& p) { return p.velocity_error; });
-  row({"contacts that changed state since the last look"},
+  row({"contacts that changed state since the last check"},
       [](const Point& p) { return static_cast<double>(p.state_changes); });
   return figure;
 }

@@ -23,8 +23,8 @@ Figure profile_figure(const PerformanceProfile& profile, const std::string& cost
 void write_curves_chart(const std::filesystem::path& folder, const ProblemReport& report);
 
 /// Writes profile_seconds.png and profile_applications.png of several problems into a folder.
-/// @return empty; or, in a build that cannot draw, a sentence that says so and where the numbers
-/// are
+/// @return empty; or, in a build that cannot draw, a sentence that says so and
+///         where the numbers are
 /// @throws RunError
 std::string write_profile_charts(const std::filesystem::path& folder,
                                  const std::vector<ProblemReport>& reports);

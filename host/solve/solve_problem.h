@@ -18,8 +18,8 @@ struct ReadyProblem {
   /// What velocity errors are measured against: u of a stored solution of the exact model, or what
   /// find_reference found; empty: nothing.
   std::vector<double> reference_velocity;
-  std::vector<double>
-      reference_impulse;  ///< of find_reference; r of stored solutions is unreliable
+  /// Of find_reference; r of stored solutions is unreliable.
+  std::vector<double> reference_impulse;
   AssembledModel reference_model = AssembledModel::exact;
 };
 

@@ -20,8 +20,8 @@ struct ProblemReport {
   int contact_count = 0;
   int dimension = 3;
   double asymmetry = 0;
-  std::optional<SolverRun>
-      reference;  ///< whose answer velocity errors are against, see find_reference
+  /// Whose answer velocity errors are against, see find_reference.
+  std::optional<SolverRun> reference;
   std::vector<SolverRun> runs;
 };
 
@@ -53,7 +53,7 @@ std::string results_lines(const ProblemReport& report);
 /// Infinite when there is none. Of the convex model alone is it a minimum.
 double least_objective(const ProblemReport& report);
 
-/// One line a look. @param least_objective  that gaps are measured to; not finite: no gaps
+/// One line a check. @param least_objective  that gaps are measured to; not finite: no gaps
 std::string curve_csv(const SolverRun& run, double least_objective);
 
 /// Profiles of the solvers of the first report over all reports, at least one. Cost is time by the

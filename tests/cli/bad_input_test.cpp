@@ -1,5 +1,5 @@
-// What a user gets for bad input: one line that says what is wrong and where, exit code 2, nothing
-// on disk.
+// What a user gets for bad input: one line that says what is wrong and where, exit code 2,
+// nothing on disk.
 
 #include <functional>
 #include <map>

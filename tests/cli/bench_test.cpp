@@ -226,7 +226,7 @@ TEST(CliBench, CapacityComparesMemoryAndEndsWhereItDoesNotFit) {
               1);
 }
 
-TEST(CliBench, MemoryOfASettledBedIsForetold) {
+TEST(CliBench, MemoryOfASettledBedIsPredicted) {
   const Scratch scratch;
   for (const char* precision : {"float", "double"}) {
     for (const char* solver :
@@ -248,7 +248,7 @@ TEST(CliBench, MemoryOfASettledBedIsForetold) {
   }
 }
 
-TEST(CliBench, MemoryOfMixedSpheresIsForetold) {
+TEST(CliBench, MemoryOfMixedSpheresIsPredicted) {
   const Scratch scratch;
   const json result = bench(scratch, {"capacity", "--sizes", "9000", "--polydisperse", "--layers",
                                       "10", "--warmup", "120", "--steps", "2"})

@@ -386,8 +386,8 @@ TEST_F(CliRun, AFolderThatIsRemovedOrReplacedFailsTheRun) {
   }
 }
 
-/// A full disk, by a limit on the size of files: the run fails with one message, what was written
-/// stays.
+/// A full disk, by a limit on the size of files: the run fails with one message,
+/// what was written stays.
 TEST_F(CliRun, FullDiskFailsCleanly) {
   const fs::path out = scratch / "a";
   const Result result =

@@ -216,7 +216,7 @@ TEST(CliSolve, ADamagedSolutionIsRefused) {
   EXPECT_NE(result.err.find("s.hdf5: it is damaged"), std::string::npos) << result.err;
 }
 
-/// Every measure ends the solve at the first look that is below the tolerance by it.
+/// Every measure ends the solve at the first check that is below the tolerance by it.
 TEST(CliSolve, TheToleranceIsOnTheMeasureAskedFor) {
   const Scratch scratch;
   StoredProblem stored = simple_problem(3, 4);

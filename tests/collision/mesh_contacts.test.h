@@ -1,6 +1,6 @@
 #pragma once
-// Spheres on triangle meshes: one contact where the surface is smooth, none that a smooth surface
-// lacks.
+// Spheres on triangle meshes: one contact where the surface is smooth, none that
+// a smooth surface lacks.
 
 #include <cmath>
 #include <numbers>

@@ -120,8 +120,8 @@ void use_checkpoint(const fs::path& path) {
 }
 
 /// Edits the seed that the first byte picks, and seals it. That goes for files of others too:
-/// without a seal they are read in a child process first, and what crashes there is only a refusal
-/// here.
+/// without a seal they are read in a child process first, and what crashes there is
+/// only a refusal here.
 template <class Use>
 void edit_and_use(const std::string& reader, const char* kind, int version, std::string_view bytes,
                   Use use) {

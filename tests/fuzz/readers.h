@@ -1,6 +1,6 @@
 #pragma once
-// Every reader of files behind one function that takes bytes: libFuzzer and the mutation tests call
-// it.
+// Every reader of files behind one function that takes bytes: libFuzzer and the mutation
+// tests call it.
 
 #include <filesystem>
 #include <string>

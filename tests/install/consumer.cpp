@@ -1,5 +1,5 @@
-// A program outside the source tree: the installed headers and libraries are enough to build and
-// run it.
+// A program outside the source tree: the installed headers and libraries are enough
+// to build and run it.
 #include <cstdio>
 
 #include "scree/io/problem_file.h"

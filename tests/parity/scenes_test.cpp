@@ -120,8 +120,8 @@ Scene exact_coulomb() {
 Scene restitution() {
   Scene scene = walls();
   scene.materials[0].restitution = 0.5;
-  // Energies after solves to 1e-5 m/s are 1.2e-3 off, after these 1e-4: bounces keep what a solve
-  // leaves.
+  // Energies after solves to 1e-5 m/s are 1.2e-3 off, after these 1e-4: bounces keep
+  // what a solve leaves.
   solve_to(scene, 1e-6);
   return scene;
 }
@@ -205,8 +205,8 @@ INSTANTIATE_TEST_SUITE_P(All, ParitySolvers,
                          ::testing::Values("apgd", "jacobi", "gauss_seidel_colored", "schwarz"),
                          [](const auto& info) { return std::string(info.param); });
 
-/// Once the spheres are down, one step is solved by every solver to the residual that all of them
-/// reach.
+/// Once the spheres are down, one step is solved by every solver to the residual that
+/// all of them reach.
 TEST_P(ParitySolvers, OneStepOnBothBackends) {
   Scene scene = walls();
   World fall = world_on(BackendKind::cpu, scene, Precision::double_precision);

@@ -7,7 +7,7 @@
 namespace scree::parity {
 namespace {
 
-/// The column of grains, which stands on its own for the one step looked at. The velocities
+/// The column of grains, which stands on its own for the one step checked. The velocities
 /// compared are those after the step, which starts it moving.
 Scene standing_column(double residual) {
   static const Column column = cut_column(800);

@@ -55,8 +55,8 @@ struct StoredAnswer {
   std::vector<Vec3d> velocity, angular_velocity;
 };
 
-/// Contacts as stored: bodyA, bodyB (0: container), normal from A to B, points on A and B, depth,
-/// impulse.
+/// Contacts as stored: bodyA, bodyB (0: container), normal from A to B, points on A and B,
+/// depth, impulse.
 StoredAnswer evaluate_stored(const PileStates& pile,
                              const std::vector<std::vector<double>>& contacts, double h,
                              double mass) {
@@ -174,10 +174,10 @@ TEST_P(ChronoStep, OneStepOfASettledPile) {
       << "stored " << stored.objective;
 
   // The objective grows at least like 1/2 |V - V_min|_M^2 away from its minimum, so the stored
-  // velocities may be this far from the true ones. For h = 1e-3 that is nothing. The stored
-  // impulses of h = 5e-3 are cruder: their objective is 7e-6 above ours, and whichever solver finds
-  // the minimum, the velocities lie 1.2e-5 m/s from it (RMS of components; 5e-5 with r w, per
-  // sphere).
+  // velocities may be this far from the true ones. For h = 1e-3 that is nothing.
+  // The stored impulses of h = 5e-3 are cruder: their objective is 7e-6 above ours,
+  // and whichever solver finds the minimum, the velocities lie 1.2e-5 m/s from it
+  // (RMS of components; 5e-5 with r w, per sphere).
   const double allowance = stored.objective - report.objective;
   EXPECT_LE(d.energy, allowance + 1e-9 * std::abs(stored.objective));
   EXPECT_LT(d.linear_rms, 2e-5);

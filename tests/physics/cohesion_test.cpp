@@ -7,8 +7,8 @@
 namespace scree::physics {
 namespace {
 
-/// Moves by less than this [m] within 0.5 s: holds. A load 1 % over the limit moves a body by 12
-/// mm.
+/// Moves by less than this [m] within 0.5 s: holds. A load 1 % over the limit moves
+/// a body by 12 mm.
 constexpr double kHolds = 1e-6;
 constexpr double kLetsGo = 5e-3;
 

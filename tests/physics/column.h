@@ -7,8 +7,8 @@
 
 namespace scree::physics {
 
-/// Diameter of the grains [m]; a power of two, so that the radius is the same number in float and
-/// double.
+/// Diameter of the grains [m]; a power of two, so that the radius is the same number
+/// in float and double.
 inline constexpr double kGrain = 1.0 / 128;
 
 struct Column {
@@ -47,9 +47,9 @@ inline Column cut_column(int count, unsigned seed = 3) {
   return column;
 }
 
-/// The column at rest on a floor of glued grains, nothing holding it; bodies 0 to count - 1 are the
-/// grains. On a smooth floor spheres roll on for ever: nothing but friction at a point would stop
-/// them.
+/// The column at rest on a floor of glued grains, nothing holding it; bodies 0 to count - 1 are
+/// the grains. On a smooth floor spheres roll on for ever: nothing but friction at
+/// a point would stop them.
 inline Scene column_scene(const Column& column, double time_step) {
   Scene scene = empty_scene(time_step, 0.5);
   scene.solver.stop = {StopRule::Level::quality, 0};

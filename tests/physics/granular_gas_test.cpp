@@ -1,5 +1,5 @@
-// Gases of spheres: they keep their energy when elastic, never gain any, and cool by Haff's law, T
-// = T0 / (1 + t / tau)^2.
+// Gases of spheres: they keep their energy when elastic, never gain any, and cool by Haff's law,
+// T = T0 / (1 + t / tau)^2.
 
 #include <gtest/gtest.h>
 

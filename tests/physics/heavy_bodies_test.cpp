@@ -1,5 +1,5 @@
-// Bodies far heavier than those they rest on: steps end at the residual asked for, with default
-// settings.
+// Bodies far heavier than those they rest on: steps end at the residual asked for,
+// with default settings.
 
 #include <gtest/gtest.h>
 

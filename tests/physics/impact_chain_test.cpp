@@ -91,9 +91,9 @@ TEST(ImpactChain, A44_HeavyLightHeavy) {
                 1e-6);
 }
 
-/// Normal and tangential impulse on a rod that touches the floor with its tip, tan(theta) = 2; W_nn
-/// = 1.6, W_nt = -1.2, W_tt = 3.4. The rod is a box without thickness to speak of, which moves in
-/// the x-z plane.
+/// Normal and tangential impulse on a rod that touches the floor with its tip,
+/// tan(theta) = 2; W_nn = 1.6, W_nt = -1.2, W_tt = 3.4. The rod is a box without thickness to speak
+/// of, which moves in the x-z plane.
 struct TipImpulse {
   double n = 0, t = 0;
 };
@@ -123,8 +123,8 @@ TipImpulse rod_impulse(double slip, double gravity, double mu, Model model) {
 }
 
 TEST(ImpactChain, A45_PainleveRodWedgesWithoutCollision) {
-  // Without gravity Coulomb's law also allows no impulse at all, so only the convex answer is
-  // unique.
+  // Without gravity Coulomb's law also allows no impulse at all, so only the convex
+  // answer is unique.
   const TipImpulse weightless = rod_impulse(-1, 0, 1.6, Model::convex);
   EXPECT_NEAR(weightless.n, 0.3, 1e-6);
   EXPECT_NEAR(weightless.t, 0.4, 1e-6);

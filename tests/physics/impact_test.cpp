@@ -156,8 +156,8 @@ Momenta momenta_of(const BodyStates& s, const Scene& scene) {
   return m;
 }
 
-/// Change of the angular momentum over 0.2 s, RMS over seeds; checks the linear momentum on the
-/// way.
+/// Change of the angular momentum over 0.2 s, RMS over seeds; checks the linear
+/// momentum on the way.
 double angular_drift(double h, double restitution) {
   double squares = 0;
   const int seeds = 30;

@@ -15,9 +15,9 @@
 namespace scree::physics {
 namespace {
 
-/// Height below which 99 % of the centers lie, which a few loose grains on top do not move, and the
-/// RMS distance of the centers from the pile's axis, which grows when the foot of the pile creeps
-/// outward.
+/// Height below which 99 % of the centers lie, which a few loose grains on top do not move,
+/// and the RMS distance of the centers from the pile's axis, which grows when the foot of
+/// the pile creeps outward.
 struct PileSize {
   double height = 0;
   double spread = 0;

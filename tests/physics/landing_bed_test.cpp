@@ -12,9 +12,9 @@
 namespace scree::physics {
 namespace {
 
-/// In the first half the grains gather speed, in the second they meet. With high friction single
-/// steps may end above the tolerance: grains in the edges of the box jam where they overlap both
-/// walls.
+/// In the first half the grains gather speed, in the second they meet. With high friction
+/// single steps may end above the tolerance: grains in the edges of the box jam where
+/// they overlap both walls.
 TEST(LandingBed, ExactStepsConvergeAtAnyFriction) {
   constexpr int kSteps = 30;
   for (const double mu : {1.0, 2.0, 5.0, 10.0}) {

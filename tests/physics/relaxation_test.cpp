@@ -127,8 +127,8 @@ TEST(Relaxation, A31_ASlidingBlockGlidesAtAGapProportionalToTheStep) {
   EXPECT_NEAR(coarse.gap / fine.gap, 2, 0.05);
   for (const Glide& g : {coarse, fine}) {
     EXPECT_NEAR(g.load, 1, kRelative);
-    // The gap at the end of a step belongs to the speed of that step, up to the deceleration within
-    // it.
+    // The gap at the end of a step belongs to the speed of that step, up to the
+    // deceleration within it.
     EXPECT_NEAR(g.gap_ratio, 1, 0.01);
   }
 }

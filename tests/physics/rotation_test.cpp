@@ -37,8 +37,8 @@ std::vector<double> flips(double h, const Vec3d& spin, double duration) {
   return times;
 }
 
-// The scheme is of second order; at h = 1e-3 with spin 5 its period is off by about (h w)^2 / 12 =
-// 2e-6.
+// The scheme is of second order; at h = 1e-3 with spin 5 its period is off by about
+// (h w)^2 / 12 = 2e-6.
 TEST(Rotation, A50_IntermediateAxisFlips) {
   const std::vector<double> times = flips(1e-3, {0.01, 5, 0.01}, 100);
   ASSERT_GE(times.size(), 19u);

@@ -12,8 +12,8 @@
 
 namespace scree::physics {
 
-/// A data file: below the folder named by SCREE_SHARED_DATA, else below "shared" beside the source
-/// tree.
+/// A data file: below the folder named by SCREE_SHARED_DATA, else below "shared"
+/// beside the source tree.
 inline std::filesystem::path shared_file(const std::string& name) {
   const char* folder = std::getenv("SCREE_SHARED_DATA");
   if (folder != nullptr) return std::filesystem::path(folder) / name;

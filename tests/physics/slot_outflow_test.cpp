@@ -12,8 +12,8 @@ constexpr double kDiameter = 2e-3;
 constexpr double kLength = 10e-3;  // L, along x
 constexpr double kWidth = 20e-3;   // w, along y: from wall to wall
 
-/// A silo of 25 x 20 mm with a slot across the middle of its floor, closed by a gate that drops at
-/// `open`.
+/// A silo of 25 x 20 mm with a slot across the middle of its floor, closed by a gate
+/// that drops at `open`.
 Scene silo(double open) {
   Scene scene = empty_scene(5e-4, 0.3);
   solve_to(scene, 1e-4);

@@ -84,8 +84,8 @@ void polish(const Problem& p, const Eigen::MatrixXd& n, const Eigen::VectorXd& r
   }
 }
 
-/// Rows bounded by zero leave the problem; what stays is s = G x + h in a product of second-order
-/// cones.
+/// Rows bounded by zero leave the problem; what stays is s = G x + h in a product of
+/// second-order cones.
 struct ConeProgram {
   std::vector<int> kept;  // row of each variable
   Matrix P, G;

@@ -11,8 +11,8 @@
 
 namespace scree::oracle {
 
-/// Inverse mass matrix and rates of a body, world frame. A fixed body has zero inverse mass and
-/// inertia.
+/// Inverse mass matrix and rates of a body, world frame. A fixed body has zero inverse
+/// mass and inertia.
 struct Body {
   Eigen::Vector3d inv_mass = Eigen::Vector3d::Zero();          ///< per axis [1/kg]
   Eigen::Matrix3d inv_inertia = Eigen::Matrix3d::Zero();       ///< [1/(kg m^2)]

@@ -85,8 +85,8 @@ inline BodyStates states_of(int frame, int bodies) {
   return states;
 }
 
-/// Runs a function in a child process whose files may not grow past the given size, as on a full
-/// disk.
+/// Runs a function in a child process whose files may not grow past the given size,
+/// as on a full disk.
 /// @return the child's exit code: what the function returns
 template <class Function>
 int with_full_disk(rlim_t bytes, Function function) {

@@ -290,8 +290,8 @@ TEST(SolveCharts, ShowWhatWasMeasured) {
   EXPECT_EQ(with_reference.charts[4].lines[0].y, (std::vector<double>{0.25, 0.25, 0.25}));
 }
 
-/// Distances from the least objective that a solver of the cone has converged to, in charts and
-/// CSV.
+/// Distances from the least objective that a solver of the cone has converged to,
+/// in charts and CSV.
 TEST(SolveCharts, ShowTheObjectiveGapWhereItIsKnown) {
   const auto run = [](const std::string& solver, AssembledStatus status, double end) {
     SolverRun r = run_of(solver, -1);

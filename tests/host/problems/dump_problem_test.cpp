@@ -16,7 +16,7 @@ namespace {
 
 using namespace physics;
 
-/// A heap of spheres in a tank, some of which join later than the steps that are looked at.
+/// A heap of spheres in a tank, some of which join later than the steps that are checked.
 Scene heap(ContactLayout layout) {
   Scene scene = empty_scene(1e-3, 0.4);
   scene.name = "heap";

@@ -1,5 +1,5 @@
-// Solvers on the problems of the FCLIB collection that others wrote. The files are not part of the
-// source tree.
+// Solvers on the problems of the FCLIB collection that others wrote. The files are not
+// part of the source tree.
 #include <gtest/gtest.h>
 
 #include <algorithm>

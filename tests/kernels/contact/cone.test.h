@@ -1,5 +1,5 @@
-// Cone projections: VALIDATION A01 and A02, and the conditions of optimality for every layout and
-// metric.
+// Cone projections: VALIDATION A01 and A02, and the conditions of optimality for every
+// layout and metric.
 #include <algorithm>
 #include <cmath>
 #include <random>

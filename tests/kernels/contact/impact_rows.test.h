@@ -1,5 +1,5 @@
-// Projection on cones that are cut off below a least normal impulse, against the nearest of many
-// points.
+// Projection on cones that are cut off below a least normal impulse, against the nearest
+// of many points.
 #include <algorithm>
 #include <cmath>
 #include <random>

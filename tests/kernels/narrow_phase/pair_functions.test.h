@@ -60,8 +60,8 @@ TEST(SphereSphereTest, WhatMissesHasThePlaneOfItsNearestPass) {
   EXPECT_NEAR(met({0.15, 1.015, 0}, {-0.2, 0, 0}).gap, 0.015, kTiny);
   const Vec3d end = normalized(Vec3d{0.02, 1.015, 0});
   expect_near(met({0.22, 1.015, 0}, {-0.2, 0, 0}).normal, end);
-  // As at the start: hits, overlap, short ways, ways that do not cut the plane, ways that lead
-  // apart.
+  // As at the start: hits, overlap, short ways, ways that do not cut the plane,
+  // ways that lead apart.
   const std::vector<std::pair<Vec3d, Vec3d>> unchanged{{{1.3, 0.6, 0}, {-1, 0, 0}},
                                                        {{0.7, 0.6, 0}, {-1, 0, 0}},
                                                        {{0.81, 0.6, 0}, {-0.015, 0, 0}},

@@ -126,8 +126,8 @@ inline int differing_pixels(const Image& a, const Image& b, int more_than = 0) {
   return count;
 }
 
-/// Red minus blue of the pixel in the middle: positive for coral (group 3), negative for blue
-/// (group 1).
+/// Red minus blue of the pixel in the middle: positive for coral (group 3), negative
+/// for blue (group 1).
 inline int middle_warmth(const Image& image) {
   const std::size_t p =
       3 * (static_cast<std::size_t>(image.height / 2) * image.width + image.width / 2);
@@ -516,8 +516,8 @@ TYPED_TEST(RenderTest, ShadowEdgesHaveNoSteps) {
   record.kind = ShapeKind::half_space;
   record.normal = {0, 0, 1};
   scene.shaped(record, {0, 0, 0}, {}, 0);
-  // The light comes along (0.62, 0.3, -1): the edge of the top, 1.8 m high, has its shadow at x =
-  // 0.
+  // The light comes along (0.62, 0.3, -1): the edge of the top, 1.8 m high,
+  // has its shadow at x = 0.
   record.kind = ShapeKind::box;
   record.half_extents = {2, 2, TypeParam(0.4)};
   scene.shaped(record, {-2 - 0.62 * 1.8, -0.3 * 1.8, 1.4}, {}, 2.9);

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "kernels/backend/backend.h"
-#include "kernels/contact/block_rows.h"
+#include "kernels/math/block_rows.h"
 
 namespace scree {
 

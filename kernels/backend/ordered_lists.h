@@ -7,7 +7,7 @@
 
 #include "kernels/backend/atomic.h"
 #include "kernels/backend/backend.h"
-#include "kernels/contact/contact_key.h"
+#include "kernels/math/pair_key.h"
 
 namespace scree {
 

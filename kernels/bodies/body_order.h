@@ -2,7 +2,7 @@
 // Element programs that order bodies along the Morton curve and tell when the order has decayed.
 
 #include "kernels/backend/backend.h"
-#include "kernels/broad_phase/morton.h"
+#include "kernels/math/morton.h"
 #include "kernels/math/vec3.h"
 
 namespace scree {

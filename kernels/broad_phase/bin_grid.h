@@ -11,7 +11,7 @@
 // which costs candidates but loses none: distances are first compared modulo the wrap length,
 // which never makes them larger.
 
-#include "kernels/broad_phase/morton.h"
+#include "kernels/math/morton.h"
 #include "kernels/math/vec3.h"
 
 namespace scree {

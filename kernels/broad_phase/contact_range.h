@@ -7,6 +7,9 @@
 
 namespace scree {
 
+/// On ways up to this part of the sum of the radii, misses are deflected by less than counts.
+inline constexpr double kMinTurningWay = 0.02;
+
 /// How far contacts are searched for.
 struct ContactRange {
   double envelope = 0;  ///< contacts are listed up to this gap [m]

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "kernels/broad_phase/pair_candidates.h"
-#include "kernels/contact/contact_key.h"
+#include "kernels/math/pair_key.h"
 
 namespace scree {
 

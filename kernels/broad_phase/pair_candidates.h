@@ -8,7 +8,6 @@
 
 #include "kernels/backend/ordered_lists.h"
 #include "kernels/broad_phase/pair_search.h"
-#include "kernels/narrow_phase/pairs/sphere_sphere.h"
 
 namespace scree {
 
@@ -123,7 +122,7 @@ struct CheckReach {
   SCREE_HD bool passes(Index i) const {
     const double way = balls.range.h * norm(course_velocity(balls.bodies, balls.range, i));
     const double own = balls.bodies.radius[i];
-    return !(way <= (1 - 1e-6) * kLeastTurningWay * own);
+    return !(way <= (1 - 1e-6) * kMinTurningWay * own);
   }
   SCREE_HD bool is_within(Index m) const {
     const Index i = binned.body(m);

@@ -8,7 +8,7 @@
 //     [solid_begin, end)           solid walls, each with a range of its own: one slot for a box,
 //                                  one per triangle for a mesh
 
-#include "kernels/types.h"
+#include "kernels/math/pair_key.h"
 
 namespace scree {
 
@@ -33,13 +33,5 @@ struct ContactKeys {
     return wall_begin + static_cast<std::uint32_t>(plane * kPlaneSlots + corner);
   }
 };
-
-SCREE_HD inline std::uint64_t make_key(Index a, std::uint32_t element) {
-  return static_cast<std::uint64_t>(a) << 32 | element;
-}
-SCREE_HD inline Index key_body(std::uint64_t key) { return static_cast<Index>(key >> 32); }
-SCREE_HD inline std::uint32_t key_element(std::uint64_t key) {
-  return static_cast<std::uint32_t>(key);
-}
 
 }  // namespace scree

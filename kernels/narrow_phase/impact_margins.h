@@ -3,6 +3,7 @@
 // speed that it did not have when contacts were listed, and so do the bodies behind it.
 
 #include "kernels/backend/atomic.h"
+#include "kernels/backend/backend.h"
 #include "kernels/broad_phase/contact_range.h"
 #include "kernels/contact/contact_view.h"
 

@@ -3,7 +3,7 @@
 // turn, color after color, improves the impulses of its contacts by Gauss-Seidel sweeps. Source:
 // docs/theory.md, section "Accelerated Schwarz".
 
-#include "kernels/bodies/body_tiles.h"
+#include "kernels/solve/body_tiles.h"
 #include "kernels/solve/gauss_seidel_pass.h"
 #include "kernels/solve/momentum.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "kernels/backend/backend.h"
-#include "kernels/bodies/body_tiles.h"
+#include "kernels/solve/body_tiles.h"
 
 namespace scree {
 

@@ -2,7 +2,7 @@
 // Numbers the bodies that a tile touches, and colors and orders its contacts.
 
 #include "kernels/backend/backend.h"
-#include "kernels/bodies/body_tiles.h"
+#include "kernels/solve/body_tiles.h"
 #include "kernels/solve/coloring.h"
 
 namespace scree {

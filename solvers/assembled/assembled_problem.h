@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/contact/block_rows.h"
+#include "kernels/math/block_rows.h"
 
 namespace scree {
 

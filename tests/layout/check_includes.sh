@@ -7,21 +7,30 @@
 #   scenes/     scenes and host/*.h         tests/reference/  anything but kernels/
 # Nobody includes tests/, bench/, host/cli/ or host/python/. kernels/, collision/ and solvers/ use only
 # the standard library and CUDA beside these, and sources of solvers/assembled/ Eigen; host/*.h has
-# nothing of CUDA.
+# nothing of CUDA. The folders of kernels/, solvers/ and host/ have rules of their own, `within` below;
+# a folder without a rule is a fault. docs/ARCHITECTURE.md draws all of it.
 set -euo pipefail
 cd "$1"
 
 files=()
-for folder in kernels collision solvers host scenes tests/reference; do
-  [ -d "$folder" ] || continue
+for folder in */; do
+  folder=${folder%/}
+  case $folder in
+    build* | bench | tests | out | shared) continue ;;
+  esac
   while IFS= read -r file; do files+=("$file"); done < <(
     find "$folder" -type f \( -name '*.h' -o -name '*.cpp' -o -name '*.cu' -o -name '*.cuh' \) \
       ! -path 'host/cli/*' ! -path 'host/python/*' | LC_ALL=C sort)
 done
+if [ -d tests/reference ]; then
+  while IFS= read -r file; do files+=("$file"); done < <(find tests/reference -type f -name '*.[hc]*' | LC_ALL=C sort)
+fi
 [ ${#files[@]} -gt 0 ] || { echo "no sources below $1"; exit 1; }
 
 awk '
   function fault(reason) { print FILENAME ":" FNR ": " reason; faults++ }
+  # folder_in("kernels/math/vec3.h") is "math", and "." for a file beside the folders.
+  function folder_in(path,  part) { return split(path, part, "/") > 2 ? part[2] : "." }
   BEGIN {
     allowed["kernels"] = " kernels "
     allowed["collision"] = " kernels collision "
@@ -30,18 +39,48 @@ awk '
     allowed["scenes"] = " host scenes "
     allowed["tests"] = " tests collision solvers host scenes "
     is_layer = " kernels collision solvers host scenes tests bench "
+
+    # What a folder may include of the tree that it is in; each may include itself.
+    within["kernels/."] = " "
+    within["kernels/math"] = " . "
+    within["kernels/backend"] = " . math "
+    within["kernels/bodies"] = " . math backend "
+    within["kernels/contact"] = " . math backend bodies "
+    within["kernels/broad_phase"] = " . math backend bodies contact "
+    within["kernels/narrow_phase"] = " . math backend bodies contact broad_phase "
+    within["kernels/step"] = " . math backend bodies contact broad_phase narrow_phase "
+    within["kernels/solve"] = " . math backend bodies contact "
+    within["kernels/render"] = " . math backend bodies "
+    within["solvers/."] = " assembled "
+    within["solvers/assembled"] = " "
+    within["host/."] = " "
+    within["host/layouts"] = " . "
+    within["host/plot"] = " . "
+    within["host/render"] = " . "
+    within["host/problems"] = " . "
+    within["host/scene_reader"] = " . scene layouts "
+    within["host/scene"] = " . scene_reader layouts io engine "
+    within["host/io"] = " . scene problems engine "
+    within["host/engine"] = " . scene problems render "
+    within["host/solve"] = " . problems io plot "
     cuda = "^(cuda|cub/|thrust/|cusparse|cooperative_groups|nvtx3/|mma\\.h|math_constants\\.h)"
+  }
+  FNR == 1 {
+    from = FILENAME
+    sub(/\/.*$/, "", from)
+    place = from "/" folder_in(FILENAME)
+    has_rules = from ~ /^(kernels|solvers|host)$/
+    if (!(from in allowed) || (has_rules && !(place in within))) fault("no rule for the includes of this folder")
   }
   /^[ \t]*#[ \t]*include[ \t]*[<"]/ {
     quoted = $0 ~ /include[ \t]*"/
     path = $0
     sub(/^[^<"]*[<"]/, "", path)
     sub(/[>"].*$/, "", path)
-    split(FILENAME, parts, "/")
-    from = parts[1]
     to = path
     sub(/\/.*$/, "", to)
     in_tree = index(path, "/") && index(is_layer, " " to " ")
+    goal = to "/" folder_in(path)
 
     if (path ~ /(^|\/)\.\.\//) {
       fault("\"" path "\": includes are written from the root")
@@ -49,6 +88,11 @@ awk '
       fault("nobody includes host/cli or host/python (" path ")")
     } else if (in_tree && !index(allowed[from], " " to " ")) {
       fault(from " may not include " to " (" path ")")
+    } else if (in_tree && from == to && has_rules && place != goal &&
+               !index(within[place], " " folder_in(path) " ")) {
+      fault(place " may not include " goal " (" path ")")
+    } else if (in_tree && from == "host" && to == "collision" && place != "host/engine") {
+      fault("of host, only host/engine may include collision (" path ")")
     } else if (in_tree && from == "scenes" && path ~ /^host\/.*\//) {
       fault("scenes may include public host headers only (" path ")")
     } else if ((!quoted || path ~ "/") && !in_tree && from ~ /^(kernels|collision|solvers)$/ &&

@@ -67,7 +67,7 @@ SCREE_HD inline ContactGeometry sphere_box_on_way(const ContactGeometry& g, cons
                                                   const Vec3d& way, double radius,
                                                   const Quatd& orientation,
                                                   const Vec3d& half_extents) {
-  const double least = 2 * kLeastTurningWay * radius;
+  const double least = 2 * kMinTurningWay * radius;
   if (!(g.gap > 0 && norm2(way) > least * least && g.gap + dot(g.normal, way) < 0)) return g;
   const Vec3d start = rotate_back(orientation, -d), along = rotate_back(orientation, -way);
   // The distance to a box is a convex function of the way: its slope changes sign once.

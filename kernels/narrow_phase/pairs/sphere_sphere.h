@@ -1,12 +1,10 @@
 #pragma once
 // Two spheres.
 
+#include "kernels/broad_phase/contact_range.h"
 #include "kernels/narrow_phase/pairs/contact_geometry.h"
 
 namespace scree {
-
-/// On ways up to this part of the sum of the radii, misses are deflected by less than counts.
-inline constexpr double kLeastTurningWay = 0.02;
 
 /// @param d         center of A to center of B [m]
 /// @param radius_a  [m]
@@ -32,7 +30,7 @@ SCREE_HD inline ContactGeometry sphere_sphere(const Vec3d& d, double radius_a, d
 /// @param way  of B relative to A in the step [m]
 SCREE_HD inline ContactGeometry spheres_on_way(const ContactGeometry& g, const Vec3d& d,
                                                const Vec3d& way, double radius_a, double radius_b) {
-  const double sum = radius_a + radius_b, least = kLeastTurningWay * sum;
+  const double sum = radius_a + radius_b, least = kMinTurningWay * sum;
   const double a = norm2(way);
   if (!(g.gap > 0 && a > least * least && g.gap + dot(g.normal, way) < 0)) return g;
   const double nearest = -dot(d, way) / a;

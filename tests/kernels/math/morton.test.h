@@ -5,7 +5,7 @@
 #include <set>
 
 #include "kernels/broad_phase/bin_plan.h"
-#include "kernels/broad_phase/morton.h"
+#include "kernels/math/morton.h"
 #include "tests/backend_fixture.h"
 
 namespace scree {

@@ -1,0 +1,4 @@
+#pragma once
+#include "collision/broad.h"
+#include "host/error.h"
+#include "host/io/csv.h"

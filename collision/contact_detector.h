@@ -26,7 +26,7 @@ struct CollisionSettings {
   double bounce_threshold = 0;  ///< approach speed up to which bodies do not bounce [m/s]
   double bounce = 0;  ///< largest restitution of bodies that may bounce repeatedly in a step [-]
   double skin = 0;    ///< how far two bodies together may come nearer, about, until pairs of near
-                      ///< bodies are listed anew [m]; 0: for every listing of contacts
+                      ///< bodies are listed again [m]; 0: for every listing of contacts
   bool keep_candidates = true;  ///< false: detect() frees the list of pairs at its end
 };
 
@@ -52,7 +52,7 @@ class ContactDetector {
   /// for the bodies behind.
   ///
   /// Contacts are picked from a list of pairs of near bodies, which reaches farther by a skin. When
-  /// a few bodies have moved too far since it was made, it is extended, and made anew when many
+  /// a few bodies have moved too far since it was made, it is extended, and rebuilt when many
   /// have, see PairCandidates. The contacts do not depend on it.
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;

@@ -10,9 +10,9 @@ namespace scree {
 
 template <class Real>
 struct ObstacleData {
-  std::vector<ShapeRecord<Real>>
-      shapes;                ///< of all bodies that are not spheres; BodyView::shape points here
-  std::vector<Index> walls;  ///< indices into `shapes`: fixed and kinematic bodies
+  /// Of all bodies that are not spheres; BodyView::shape points here.
+  std::vector<ShapeRecord<Real>> shapes;
+  std::vector<Index> walls;        ///< indices into `shapes`: fixed and kinematic bodies
   std::vector<MeshSource> meshes;  ///< ShapeRecord::mesh points here
 };
 

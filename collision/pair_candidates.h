@@ -60,7 +60,7 @@ class PairCandidates {
   }
 
   /// Makes the list cover the range, after covers() said that it does not: adds what a few bodies
-  /// that left their balls may touch now, or builds the list anew. An old list is not extended:
+  /// that left their balls may touch now, or rebuilds the list. An old list is not extended:
   /// more and more bodies leave their balls, and extensions in every listing are dearer than a new
   /// list now and then.
   /// @param note  [candidates] what is noted of each, or empty; follows the list: kNotNoted at

@@ -91,8 +91,8 @@ struct Shape {
   Kind kind = Kind::sphere;
   double radius = 0;   ///< sphere [m]
   Vec3d half_extents;  ///< box, container: half edge lengths [m]
-  Vec3d normal{0, 0,
-               1};  ///< half_space: unit outward normal in the body frame (bodies are on this side)
+  /// half_space: unit outward normal in the body frame (bodies are on this side).
+  Vec3d normal{0, 0, 1};
   unsigned open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
   int mesh = -1;            ///< mesh: index into Scene::meshes
 };
@@ -201,9 +201,9 @@ struct SteppingSettings {
   double max_recovery_speed = 0.5;  ///< fastest push-out of an overlap [m/s], >= 0
   RestitutionLaw restitution_law = RestitutionLaw::poisson;
   double restitution_threshold = 1e-2;  ///< approach speed below which e = 0 [m/s], >= 0
-  double envelope =
-      -1;  ///< contacts are listed up to this gap [m]; negative: 1 % of the median diameter
-  double skin = -1;  ///< how far bodies move, about, until near pairs are listed anew [m]; changes
+  /// Contacts are listed up to this gap [m]; negative: 1 % of the median diameter.
+  double envelope = -1;
+  double skin = -1;  ///< how far bodies move, about, until near pairs are listed again [m]; changes
                      ///< speed only; negative: 10 % of the median diameter
 };
 
@@ -229,8 +229,8 @@ struct PictureSettings {
 };
 
 struct OutputSettings {
-  double frame_interval =
-      0;  ///< simulated time between frames in frames.vtkhdf [s]; 0: first and last
+  /// Simulated time between frames in frames.vtkhdf [s]; 0: first and last.
+  double frame_interval = 0;
   double checkpoint_interval = 0;  ///< [s]; 0: at the end (and on an interrupt) only
   PictureSettings picture;
 };

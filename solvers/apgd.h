@@ -52,7 +52,7 @@ class Apgd final : public Solver<B, Real> {
   }
 
  private:
-  /// Bytes: 48 a body and 16 a contact (radial layout of alike bodies in float; by the tuned twin
+  /// Bytes: 48 a body and 16 a contact (radial layout of uniform bodies in float; by the tuned twin
   /// of a GPU 24 and 24); 12 more a contact in the second half of the iterations allowed.
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
@@ -199,7 +199,7 @@ class Apgd final : public Solver<B, Real> {
       const int to_half = (params_.max_iterations + 1) / 2 - stats.applications;
       const bool is_late = to_half <= 0;
       // Trials end where the tolerance should be reached, and in the second half where an iterate
-      // is worth to be put aside. A check is due otherwise if that is not met for long.
+      // is worth keeping. A check is due otherwise if that is not met for long.
       // Where trials cannot end or their level is not known yet, checks are frequent.
       const double aim =
           is_late && !this->is_recorded() ? std::max(tolerance, kWorth * best) : tolerance;

@@ -11,7 +11,7 @@ namespace {
 
 /// Of the interior point method, which takes 10 to 60.
 constexpr int kMostIterations = 100;
-/// Residual, over that of the impulses so far, from which on others are worth to start anew.
+/// Residual, over that of the impulses so far, from which on others are worth starting from.
 constexpr double kEnough = 0.5;
 
 double dot6(const double (&x)[6], const double (&y)[6]) {

@@ -27,7 +27,7 @@ class ResidualGauge {
   void carry(double ratio) { carried_ = ratio, seen_ = 0; }
 
  private:
-  static constexpr double kSure = 0.98;   ///< below the level, a check seldom fails
+  static constexpr double kSure = 0.98;   ///< below the level, a check rarely fails
   static constexpr double kForget = 0.9;  ///< of what the last solve saw
 
   double ratio() const { return seen_ > 0 ? std::max(seen_, kForget * carried_) : carried_; }

@@ -36,8 +36,8 @@ StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form);
 
 /// The same for any form; what is in the form asked for stays as it is, and guesses and
 /// solution come along.
-/// @throws InputError as the forms above, and for a local problem that shall be global: W does not
-///         say what M and H are
+/// @throws InputError as the forms above, and for a local problem that is to become global:
+///         W does not say what M and H are
 StoredProblem as_matrices(const StoredProblem& problem, MatrixForm form);
 
 /// Contact rows of world vectors, one a contact.

@@ -8,8 +8,8 @@
 namespace scree {
 
 struct MeshOptions {
-  double scale =
-      1;  ///< coordinates of the file are multiplied by this [m per unit of the file], > 0
+  /// Coordinates of the file are multiplied by this [m per unit of the file], > 0.
+  double scale = 1;
   bool closed = true;  ///< the surface must be watertight; false: edges with one triangle are fine
 };
 

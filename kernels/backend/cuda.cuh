@@ -84,7 +84,7 @@ class Cuda {
   std::size_t peak_ = 0;
 };
 
-/// Blocks a multiprocessor shall hold: programs that wait for memory name a number, and get as few
+/// Blocks a multiprocessor should hold: programs that wait for memory name a number, and get as few
 /// registers as that takes.
 template <class F>
 constexpr int least_blocks() {

@@ -33,8 +33,8 @@ struct MeshRange {
 template <class Real>
 struct MeshSetView {
   Span<const Vec3<Real>> vertices;  ///< [m]
-  Span<const TriangleIndices>
-      triangles;                 ///< vertex indices into `vertices`, outside counter-clockwise
+  /// Vertex indices into `vertices`, outside counter-clockwise.
+  Span<const TriangleIndices> triangles;
   Span<const MeshRange> ranges;  ///< [mesh_count]
 };
 

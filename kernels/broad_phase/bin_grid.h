@@ -16,8 +16,8 @@
 
 namespace scree {
 
-inline constexpr int kMaxLevels =
-    16;  ///< sizes up to 2^15 to 1; smaller bodies share the finest level
+/// Sizes up to 2^15 to 1; smaller bodies share the finest level.
+inline constexpr int kMaxLevels = 16;
 /// Cells along x in the length of an edge along y and z.
 inline constexpr int kCellsPerEdge = 2;
 /// Phases of the edge of the finest level within a factor of two.

@@ -28,7 +28,7 @@ struct SpareReach {
   /// the skin of all.
   double steps_ahead = 4;
 
-  /// The longest way that is spared, as a fraction of the radius: fast bodies shall
+  /// The longest way that is spared, as a fraction of the radius: fast bodies must
   /// not fill the list.
   static constexpr double kMostAhead = 1;
 

@@ -105,7 +105,7 @@ struct PairSearch {
     for (s.level = grid.level_count - 1; grid.level[s.level].first_slice > left;) --s.level;
     const BinLevel& own = grid.level[s.level];
     left -= own.first_slice;
-    // Bodies run faster than layers, and layers faster than levels: threads of a warp do alike.
+    // Bodies run faster than layers, and layers faster than levels: threads of a warp do the same.
     for (;; ++s.finer) {
       if ((own.searched >> s.finer & 1) == 0) continue;
       const Index count = own.body_count * slices_of_body(own, grid.level[s.finer]);

@@ -35,8 +35,8 @@ struct DrawList {
   PerBody<Index> shape;
   Span<const ShapeRecord<Real>> shapes;
   MeshSetView<Real> meshes;
-  Span<const Offset>
-      triangle_begin;        ///< [shapes + 1] scanned triangle counts; empty without meshes
+  /// [shapes + 1] scanned triangle counts; empty without meshes.
+  Span<const Offset> triangle_begin;
   Index triangle_count = 0;  ///< of all mesh bodies
   Vec3<double> eye;          ///< position of the camera [m]
   Vec3<double> focus;        ///< center of the free bodies [m]: walls between the two are not drawn

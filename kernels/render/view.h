@@ -13,10 +13,10 @@ namespace scree::render {
 using Vec3f = Vec3<float>;
 
 inline constexpr int kSupersampling = 2;  ///< samples per pixel and axis
-inline constexpr int kChunkSide =
-    8;  ///< samples per axis of a chunk, one work item of a drawing pass
-inline constexpr float kTiny =
-    1e-20f;  ///< keeps divisions by vanishing direction components finite
+/// Samples per axis of a chunk, one work item of a drawing pass.
+inline constexpr int kChunkSide = 8;
+/// Keeps divisions by vanishing direction components finite.
+inline constexpr float kTiny = 1e-20f;
 
 SCREE_HD inline float smaller(float a, float b) { return a < b ? a : b; }
 SCREE_HD inline float larger(float a, float b) { return a > b ? a : b; }

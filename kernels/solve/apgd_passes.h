@@ -12,8 +12,8 @@ namespace scree {
 
 /// Scalars of a running solve, in backend memory.
 struct ApgdState {
-  double lipschitz =
-      1;  ///< L, inverse step: [-] in the diagonal metric, [1/kg] in the Euclidean one
+  /// L, inverse step: [-] in the diagonal metric, [1/kg] in the Euclidean one.
+  double lipschitz = 1;
   double lipschitz_max = 1;  ///< upper bound of the largest eigenvalue of H^-1 N
   double step = 1;           ///< 1 / L
   double theta = 1;          ///< momentum parameter of the extrapolated point in use
@@ -107,11 +107,11 @@ struct StoredMetric {
   }
 };
 
-/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L) or, for
-/// exact friction, P_K replaced by the projection onto the disk that the normal part leaves, on
-/// given buffers; gamma+ may take the place of gamma_prev. Bytes per contact (radial, float): read
-/// normal and bias 16, ids 8, two impulses 24, metric 4 for alike bodies and 8 else, two twists 48
-/// gathered (from cache when bodies are in Morton order); written 12.
+/// y = gamma + beta (gamma - gamma_prev), g = J V_y + bias, gamma+ = P_K^H(y - H^-1 g / L) or,
+/// for exact friction, P_K replaced by the projection onto the disk that the normal part leaves,
+/// on given buffers; gamma+ may take the place of gamma_prev. Bytes per contact (radial, float):
+/// read normal and bias 16, ids 8, two impulses 24, metric 4 for uniform bodies and 8 else,
+/// two twists 48 gathered (from cache when bodies are in Morton order); written 12.
 template <class R, class Real>
 struct ApgdContactStep {
   Span<const Vec3<Real>> current;
@@ -209,7 +209,7 @@ struct ApgdBodyPass {
 /// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that
 /// the trial met. Up to 2 L the trial lowers the objective and is accepted; a shorter step
 /// follows when rho passed L. Above, it is rejected, and one from the iterate itself follows:
-/// the previous iterate, on which y rests, is gone. That is seldom, as L follows rho closely.
+/// the previous iterate, on which y rests, is gone. That is rare, as L follows rho closely.
 /// At the upper bound of the spectrum rho <= L in exact arithmetic, so the trial is accepted
 /// whatever rounding says. An accepted step against the gradient restarts the momentum.
 /// Exact friction has no objective, and momentum can grow without end where contacts slide:

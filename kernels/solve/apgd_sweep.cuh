@@ -7,20 +7,21 @@
 // exert. Only contacts with bodies outside the tile go through global memory: as B of a lower body,
 // whose tile has its contact step in the same round or an earlier one. So the body pass of a round
 // runs after the contact step of the next one, when that of its own round is done everywhere, and
-// seldom waits. A large body among small ones has thousands of contacts, which all threads of a
+// rarely waits. A large body among small ones has thousands of contacts, which all threads of a
 // warp sum up. At the end of a trial the blocks meet, each adds up the sums of all in block order
 // and decides, and the next trial begins without a launch.
 //
 // The warps of a block meet nowhere within a trial: barriers are in halves, with other work between
 // (SplitBarrier). One warp speaks with other blocks; it has the fewest contacts and bodies.
 //
-// Bytes from memory per contact (float, alike bodies): normal, metric and A packed 8, bias 4, B 4,
-// two impulses 24, list 4 read, impulse 12 written. Per body: v*, two V 72, inertia 8, starts 8
-// read, V 24 written: 280 MB for 1e6 bodies with 3e6 contacts, where the plain passes take 427. Far
-// contacts and sectors read in part make that 410 MB between the cache levels, and the link between
-// the two halves of the second-level cache, which half of it crosses, is nearly as busy as in a
-// copy (bench/results/h200). The first-level cache is short: a stack of 32 bytes a thread, for
-// registers that were spilled, cost a tenth of the time, and shared memory is dear too.
+// Bytes from memory per contact (float, uniform bodies): normal, metric and A packed 8, bias 4,
+// B 4, two impulses 24, list 4 read, impulse 12 written. Per body: v*, two V 72, inertia 8,
+// starts 8 read, V 24 written: 280 MB for 1e6 bodies with 3e6 contacts, where the plain passes
+// take 427. Far contacts and sectors read in part make that 410 MB between the cache levels,
+// and the link between the two halves of the second-level cache, which half of it crosses,
+// is nearly as busy as in a copy (bench/results/h200). The first-level cache is short:
+// a stack of 32 bytes a thread, for registers that were spilled, cost a tenth of the time,
+// and shared memory is dear too.
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
 

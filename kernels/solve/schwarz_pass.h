@@ -93,7 +93,7 @@ struct AgainstMomentum {
   }
 };
 
-/// Ends pass k and decides on the momentum of pass k + 2: restarts it where it led astray,
+/// Ends pass k and decides on the momentum of pass k + 2: restarts it where it led uphill,
 /// else lets it grow.
 struct SchwarzFinish {
   SchwarzState* state;

@@ -11,8 +11,8 @@ namespace conflicts {
 
 inline constexpr int kLanes = 32;   ///< threads of a block
 inline constexpr int kSlots = 128;  ///< of the hash table
-inline constexpr Index kMaxConflicts =
-    100;  ///< conflicts that it is made for; more are counted as kSlots
+/// Conflicts that it is made for; more are counted as kSlots.
+inline constexpr Index kMaxConflicts = 100;
 
 /// Puts a tile into the table, unless it is there.
 /// @return whether it is there now

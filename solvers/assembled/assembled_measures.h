@@ -24,10 +24,10 @@ enum class ContactState : unsigned char { open, stick, slip };
 /// norms are over all contacts.
 struct AssembledResidual {
   double absolute = 0;  ///< |r - P(r - v)|, impulses and velocities as they are (rho = 1)
-  double relative =
-      0;  ///< the same over |q|: the error of FCLIB's collection. What tolerances mean by default
-  double to_largest =
-      0;  ///< the same over max(|q|, |r|, |u|), as newer versions of Siconos have it
+  /// The same over |q|: the error of FCLIB's collection. What tolerances mean by default.
+  double relative = 0;
+  /// The same over max(|q|, |r|, |u|), as newer versions of Siconos have it.
+  double to_largest = 0;
   /// |x - P(x - w)| / |D^-1/2 q| with x = D^1/2 r, w = D^-1/2 v and D = contact_scales: the same in
   /// all units, and for contacts on light and heavy bodies.
   double unit_free = 0;

@@ -96,7 +96,7 @@ class AssembledMonitor {
   void count_applications(long count = 1) { result_.applications += count; }
   void count_factorizations(long count = 1) { result_.factorizations += count; }
 
-  /// The result shall be the last impulses that were checked, not those of the least residual:
+  /// The result is to be the last impulses that were checked, not those of the least residual:
   /// for methods that solve another law than the one of the residual.
   void keep_last() { keep_last_ = true; }
 

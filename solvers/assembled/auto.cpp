@@ -13,7 +13,7 @@
 // unless the weight is large, and a failure costs tens of products and 100 sweeps: failures in a
 // row raise the weight faster and faster. From zero it does not fail. But proximal points of the
 // exact law need not attract, and larger weights may lead away from impulses that are nearly
-// solutions. Where they have led astray the sweeps have not, so that each turn starts another
+// solutions. Where they have diverged the sweeps have not, so that each turn starts another
 // attempt from a better place. An iteration is a sweep or an outer iteration; memory passes are
 // those of nlgs and proximal. Source: those of both; the turns are ours.
 

@@ -6,8 +6,8 @@
 //   w = P_T(-g / D),  p+ = w + b P_T(p),  b = -w.W p / p.W p
 //   trial = P_K(r + a p+),  a = -g.p+ / p+.W p+
 // Corrected line search: where the projection changed the trial, the objective is minimized
-// between r and the trial. That alone zigzags between constraints for ever, so a projected
-// gradient step of 1 / |W| follows, and directions start anew. An iteration costs one product
+// between r and the trial. That alone zigzags between constraints forever, so a projected
+// gradient step of 1 / |W| follows, and directions start again. An iteration costs one product
 // with W and 23 vectors read or written beside it, three and 40 where the trial was changed.
 // The best iterate that was checked is kept. Source: Renouf and Alart, Comput. Methods Appl.
 // Mech. Engrg. 194, 2005; gradient steps after changed ones as in Dostal and Schoeberl, Comput.

@@ -2,7 +2,7 @@
 // Conjugate projected gradient on a backend, for any set of impulses that can be projected on.
 //
 // A law minimizes 1/2 r.W r + r.(q + lift) over r in a set C, contact by contact. Bounds and lifts
-// that belong to it but depend on the solution are held, and taken anew now and then. Laws are
+// that belong to it but depend on the solution are held, and updated now and then. Laws are
 // structs of spans in backend memory, which element programs carry by value:
 //
 //   project(c, r)                nearest point of C; r [3] of contact c, in place

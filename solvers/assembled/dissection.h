@@ -8,8 +8,8 @@ namespace scree {
 /// Part of a graph that is eliminated at once.
 struct DissectedPart {
   std::vector<int> nodes;
-  int parent =
-      -1;  ///< part that separates this one from others; -1: none. Larger than its own index
+  /// Part that separates this one from others; -1: none. Larger than its own index.
+  int parent = -1;
 };
 
 /// Splits a graph by levels of breadth-first search from one end of it: the smallest level near the

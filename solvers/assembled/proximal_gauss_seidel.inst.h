@@ -8,7 +8,7 @@
 //
 // An outer iteration costs up to 1000 sweeps, each one pass over W (100 bytes a block) and 80 bytes
 // a contact, one product with W every ten of them, and one on the host to measure r; it sends
-// W + a D to the backend anew. Source: as proximal; inner problems as nlgs.
+// W + a D to the backend again. Source: as proximal; inner problems as nlgs.
 
 #include "solvers/assembled/backend_solver.h"
 #include "solvers/assembled/proximal_method.h"

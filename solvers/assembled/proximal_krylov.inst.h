@@ -3,7 +3,7 @@
 //
 // The method is that of proximal. A weight that is too small for BiCGSTAB makes Newton fail, and so
 // grows again: weights, and with them progress, end where the preconditioner does. Each outer
-// iteration sends W + a D to the backend anew, and measures r by a product on the host; inner
+// iteration sends W + a D to the backend again, and measures r by a product on the host; inner
 // problems cost what newton_krylov and nlgs do. Source: as proximal.
 
 #include "solvers/assembled/backend_solver.h"

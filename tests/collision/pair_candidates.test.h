@@ -1,6 +1,6 @@
 #pragma once
 // The list of near pairs that is kept from step to step: contacts have the same bits with it as
-// without, and it is made anew when it has to be and not before.
+// without, and it is rebuilt when it has to be and not before.
 
 #include <cmath>
 #include <functional>

@@ -106,7 +106,7 @@ TEST(CarriedColors, StayValidFewAndMostlyTheSameInASettlingBed) {
     before = colors;
   }
   EXPECT_GT(before.size(), 4000u);
-  EXPECT_GT(settled_share, 0.9);  // step 192 sorts the bodies anew
+  EXPECT_GT(settled_share, 0.9);  // step 192 sorts the bodies again
   EXPECT_LE(most, most_fresh + 2);
   EXPECT_NEAR(applications, fresh_applications, 0.1 * fresh_applications);
   RecordProperty("colors", most);

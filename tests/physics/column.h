@@ -48,7 +48,7 @@ inline Column cut_column(int count, unsigned seed = 3) {
 }
 
 /// The column at rest on a floor of glued grains, nothing holding it; bodies 0 to count - 1 are
-/// the grains. On a smooth floor spheres roll on for ever: nothing but friction at
+/// the grains. On a smooth floor spheres roll on forever: nothing but friction at
 /// a point would stop them.
 inline Scene column_scene(const Column& column, double time_step) {
   Scene scene = empty_scene(time_step, 0.5);

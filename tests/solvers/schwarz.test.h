@@ -179,7 +179,7 @@ TEST(SchwarzMomentum, GrowsAndRestarts) {
   SchwarzFinish{&s, 0}({{-1.0}});
   EXPECT_GT(s.beta_of(2), first);
   EXPECT_LT(s.theta, theta);
-  SchwarzFinish{&s, 1}({{1.0}});  // pass 1 went astray: pass 3 has no momentum
+  SchwarzFinish{&s, 1}({{1.0}});  // pass 1 went uphill: pass 3 has no momentum
   EXPECT_EQ(s.beta_of(3), 0);
   EXPECT_GT(s.beta_of(2), 0);
   EXPECT_EQ(s.theta, 1);

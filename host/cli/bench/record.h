@@ -20,7 +20,7 @@ class BenchRecord {
  public:
   /// @param path  empty: nothing is written. @throws InputError when the file cannot be written
   BenchRecord(Json header, std::string path);
-  /// Adds a case and writes the file anew, so that what is done is on disk when a later case fails.
+  /// Adds a case and rewrites the file, so that what is done is on disk when a later case fails.
   void add(Json result);
 
  private:

@@ -104,9 +104,11 @@ class NewtonKrylovRun {
     double reduction = 1e-2;
     for (int k = 0;; ++k) {
       if (monitor_.due(k) && check(k)) return;
-      if (Function::other_law != nullptr && std::sqrt(2 * merit_) <= load) {
-        if (!stops_at(k)) fail_as_solved(monitor_, Function::other_law);
-        return;
+      if constexpr (Function::other_law != nullptr) {
+        if (std::sqrt(2 * merit_) <= load) {
+          if (!stops_at(k)) fail_as_solved(monitor_, Function::other_law);
+          return;
+        }
       }
       const double reached = krylov_.solve(J, reduction, settings_.krylov_iterations, monitor_);
       if (!(reached < 1)) {

@@ -10,8 +10,8 @@ check_one() {
 }
 export -f check_one
 folders=()
-for folder in kernels collision solvers host scenes; do
-  [ -d "$folder" ] && folders+=("$folder")
+for folder in */; do # but generated, shared and test code
+  [[ ${folder%/} =~ ^(build.*|out|shared|bench|tests)$ ]] || folders+=("${folder%/}")
 done
 find "${folders[@]}" -name '*.h' ! -name '*.inst.h' ! -path 'host/cli/*' ! -path 'host/python/*' -print0 |
   xargs -0 -r -n 1 -P "$(nproc)" bash -c 'check_one "$@" || { echo "$3: does not compile on its own"; exit 1; }' \

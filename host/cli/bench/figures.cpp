@@ -9,6 +9,7 @@ namespace {
 
 Spread spread_of(const std::vector<StepReport>& reports, double StageTimes::*stage) {
   std::vector<double> v;
+  v.reserve(reports.size());
   for (const StepReport& r : reports) v.push_back(r.ms.*stage);
   std::sort(v.begin(), v.end());
   const double mean = std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());

@@ -42,14 +42,19 @@ void require_writable(const fs::path& out, bool force) {
     throw InputError(fmt::format("{}: there is no folder {}", out.string(), folder.string()));
 }
 
+std::string contacts_of(int count, int dimension) {
+  return dimension == 5 ? fmt::format("{} contacts with rolling friction", count)
+                        : fmt::format("{} contacts in {}-D", count, dimension);
+}
+
 std::string summary_of(const LocalProblem& p) {
-  return fmt::format("local, {} contacts in {}-D, W with {} entries", p.contact_count(),
-                     p.dimension, p.W.entry_count());
+  return fmt::format("local, {}, W with {} entries", contacts_of(p.contact_count(), p.dimension),
+                     p.W.entry_count());
 }
 
 std::string summary_of(const GlobalProblem& p) {
-  return fmt::format("global, {} contacts in {}-D, {} velocities, H with {} entries",
-                     p.contact_count(), p.dimension, p.f.size(), p.H.entry_count());
+  return fmt::format("global, {}, {} velocities, H with {} entries",
+                     contacts_of(p.contact_count(), p.dimension), p.f.size(), p.H.entry_count());
 }
 
 std::string summary_of(const BodyProblem& p) {

@@ -21,6 +21,7 @@
 #include "host/solve/solution_file.h"
 #include "host/solve/solve_charts.h"
 #include "host/solve/solve_report.h"
+#include "solvers/rolling/rolling_solver.h"
 #include "solvers/solver.h"
 
 namespace scree {
@@ -340,8 +341,11 @@ class Session {
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}: {}", file.string(), error.what()));
     }
-    report.runs = options_.matrix_free ? run_matrix_free(*bodies, p, solvers_, o, world_)
-                                       : run_solvers(p, solvers_, o, {cuda_, world_.threads});
+    const bool all_rolling = p.rolling && options_.solver == "all";
+    report.runs = options_.matrix_free
+                      ? run_matrix_free(*bodies, p, solvers_, o, world_)
+                      : run_solvers(p, all_rolling ? rolling_solver_names() : solvers_, o,
+                                    {cuda_, world_.threads});
     keep(p, std::move(report));
   }
 
@@ -375,7 +379,7 @@ class Session {
   }
 
   void write_best(const ReadyProblem& p, const ProblemReport& report) const {
-    if (p.problem.block.empty()) {
+    if (p.problem.block.empty() && !p.rolling) {
       note(fmt::format("--solution: {} has rolling friction and no rows to write", p.name));
       return;
     }

@@ -162,13 +162,16 @@ SparseMatrix read_matrix(const h5::Group& group, const char* name, std::size_t r
 
 int read_dimension(const h5::Group& group) {
   const std::int64_t dimension = read_integer(group, "spacedim");
-  if (dimension == 5)
+  if (dimension != 2 && dimension != 3 && dimension != 5)
     throw InputError(
-        "spacedim is 5, which is rolling friction, expected 2 or 3: only problems with bodies may "
-        "have that");
-  if (dimension != 2 && dimension != 3)
-    throw InputError(fmt::format("spacedim is {}, expected 2 or 3", dimension));
+        fmt::format("spacedim is {}, expected 2, 3, or 5 with rolling friction", dimension));
   return static_cast<int>(dimension);
+}
+
+/// Of problems with rolling friction; others have none.
+std::vector<double> read_rolling(const h5::Group& group, int dimension) {
+  if (dimension != 5 && !group.has("vectors/mu_r")) return {};
+  return read_vector(group, "vectors/mu_r");
 }
 
 LocalProblem read_local(const h5::Group& group) {
@@ -176,6 +179,7 @@ LocalProblem read_local(const h5::Group& group) {
   p.dimension = read_dimension(group);
   p.q = read_vector(group, "vectors/q");
   p.mu = read_vector(group, "vectors/mu");
+  p.mu_r = read_rolling(group, p.dimension);
   p.W = read_matrix(group, "W", p.q.size(), p.q.size());
   if (group.has("V") != group.has("R"))
     throw InputError("only one of V and R is there, expected both or none");
@@ -193,6 +197,7 @@ GlobalProblem read_global(const h5::Group& group) {
   p.f = read_vector(group, "vectors/f");
   p.w = read_vector(group, "vectors/w");
   p.mu = read_vector(group, "vectors/mu");
+  p.mu_r = read_rolling(group, p.dimension);
   p.M = with_both_triangles(read_matrix(group, "M", p.f.size(), p.f.size()));
   p.H = read_matrix(group, "H", p.f.size(), p.w.size());
   if (group.has("G")) {
@@ -281,6 +286,7 @@ h5::Group write_form(h5::Group& root, const LocalProblem& p, FclibStorage storag
   h5::Group vectors = group.create_group("vectors");
   write_vector(vectors, "q", p.q);
   write_vector(vectors, "mu", p.mu);
+  if (!p.mu_r.empty()) write_vector(vectors, "mu_r", p.mu_r);
   if (!p.s.empty()) {
     write_matrix(group, "V", p.V, storage);
     write_matrix(group, "R", p.R, storage);
@@ -290,7 +296,7 @@ h5::Group write_form(h5::Group& root, const LocalProblem& p, FclibStorage storag
 }
 
 h5::Group write_form(h5::Group& root, const GlobalProblem& p, FclibStorage storage) {
-  h5::Group group = root.create_group(global_group);
+  h5::Group group = root.create_group(p.dimension == 5 ? rolling_group : global_group);
   write_integer(group, "spacedim", p.dimension);
   write_matrix(group, "M", p.M, storage);
   write_matrix(group, "H", p.H, storage);
@@ -298,6 +304,7 @@ h5::Group write_form(h5::Group& root, const GlobalProblem& p, FclibStorage stora
   write_vector(vectors, "f", p.f);
   write_vector(vectors, "w", p.w);
   write_vector(vectors, "mu", p.mu);
+  if (!p.mu_r.empty()) write_vector(vectors, "mu_r", p.mu_r);
   if (!p.b.empty()) {
     write_matrix(group, "G", p.G, storage);
     write_vector(vectors, "b", p.b);
@@ -326,19 +333,21 @@ bool is_fclib(const h5::Group& root) {
 }
 
 StoredProblem read_fclib(const h5::Group& root) {
-  if (root.has(rolling_group))
+  std::vector<const char*> found;
+  for (const char* name : {local_group, global_group, rolling_group})
+    if (root.has(name)) found.push_back(name);
+  if (found.size() > 1)
     throw InputError(
-        fmt::format("it holds rolling friction ({}, five rows a contact), expected {} or {}: only "
-                    "problems with bodies may have that",
-                    rolling_group, local_group, global_group));
-  if (root.has(local_group) && root.has(global_group))
-    throw InputError(
-        fmt::format("it holds both {} and {}, expected one problem", local_group, global_group));
-  const bool is_global = root.has(global_group);
-  const h5::Group group = root.open_group(is_global ? global_group : local_group);
+        fmt::format("it holds both {} and {}, expected one problem", found[0], found[1]));
+  const bool is_global = found.at(0) != local_group;
+  const h5::Group group = root.open_group(found[0]);
   StoredProblem stored;
   if (is_global) {
-    stored.form = read_global(group);
+    GlobalProblem global = read_global(group);
+    if ((found[0] == rolling_group) != (global.dimension == 5))
+      throw InputError(fmt::format("spacedim is {} in {}, expected 5 in {} and there alone",
+                                   global.dimension, found[0], rolling_group));
+    stored.form = std::move(global);
   } else {
     stored.form = read_local(group);
   }

@@ -40,7 +40,7 @@ StoredProblem read_contents(const fs::path& path) {
   if (is_fclib(root)) return read_fclib(root);
   throw NoProblemInFile(
       "it holds no contact problem, expected the attribute format (scree) or one of the groups "
-      "fclib_local and fclib_global (FCLIB)");
+      "fclib_local, fclib_global and fclib_global_rolling (FCLIB)");
 }
 
 /// Seconds that reading a file may take: many times what it does take.

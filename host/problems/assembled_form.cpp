@@ -41,6 +41,7 @@ LocalProblem eliminated(const LocalProblem& p) {
   LocalProblem free;
   free.dimension = p.dimension;
   free.mu = p.mu;
+  free.mu_r = p.mu_r;
   free.q = p.q;
   for (std::size_t k = 0; k < free.q.size(); ++k) free.q[k] -= shift(static_cast<int>(k));
   std::vector<MatrixEntry> entries;
@@ -54,6 +55,8 @@ LocalProblem eliminated(const LocalProblem& p) {
 }  // namespace
 
 AssembledProblem assembled_form(const LocalProblem& problem) {
+  if (problem.dimension == 5)
+    throw InputError("the problem has rolling friction, expected two or three rows a contact");
   if (!problem.V.empty()) return assembled_form(eliminated(problem));
   const int dimension = problem.dimension;
   const int contact_count = problem.contact_count();
@@ -91,8 +94,34 @@ AssembledProblem assembled_form(const StoredProblem& problem) {
   return assembled_form(local_form(std::get<BodyProblem>(problem.form)));
 }
 
+bool has_rolling_rows(const StoredProblem& problem) {
+  if (const auto* local = std::get_if<LocalProblem>(&problem.form)) return local->dimension == 5;
+  const auto* global = std::get_if<GlobalProblem>(&problem.form);
+  return global != nullptr && global->dimension == 5;
+}
+
+RollingProblem rolling_form(const LocalProblem& problem) {
+  if (problem.dimension != 5)
+    throw InputError(
+        fmt::format("the problem has {} rows a contact, expected 5", problem.dimension));
+  if (!problem.V.empty()) return rolling_form(eliminated(problem));
+  return {problem.contact_count(),
+          problem.W.row_start,
+          problem.W.column,
+          problem.W.value,
+          problem.q,
+          problem.mu,
+          problem.mu_r};
+}
+
+RollingProblem rolling_form(const StoredProblem& problem) {
+  if (const auto* global = std::get_if<GlobalProblem>(&problem.form))
+    return rolling_form(local_form(*global));
+  return rolling_form(std::get<LocalProblem>(problem.form));
+}
+
 std::vector<double> to_three_rows(int dimension, const std::vector<double>& rows) {
-  if (dimension == 3) return rows;
+  if (dimension != 2) return rows;
   std::vector<double> three;
   three.reserve(rows.size() / 2 * 3);
   for (std::size_t k = 0; k + 1 < rows.size(); k += 2)
@@ -101,7 +130,7 @@ std::vector<double> to_three_rows(int dimension, const std::vector<double>& rows
 }
 
 std::vector<double> from_three_rows(int dimension, const std::vector<double>& rows) {
-  if (dimension == 3) return rows;
+  if (dimension != 2) return rows;
   std::vector<double> two;
   two.reserve(rows.size() / 3 * 2);
   for (std::size_t k = 0; k + 2 < rows.size(); k += 3)

@@ -3,6 +3,7 @@
 
 #include "host/problems/stored_problem.h"
 #include "solvers/assembled/assembled_problem.h"
+#include "solvers/rolling/rolling_problem.h"
 
 namespace scree {
 
@@ -13,13 +14,21 @@ namespace scree {
 /// solutions, residuals and objective are those of the 2-D problem.
 ///
 /// Bilateral impulses are eliminated, l = -R^-1 (V^T r + s): W - V R^-1 V^T and q - V R^-1 s.
-/// @throws InputError when R is singular
+/// @throws InputError when R is singular, and for problems with rolling friction
 AssembledProblem assembled_form(const LocalProblem& problem);
 
 /// The same for any form. @throws InputError as the functions of matrix_form.h
 AssembledProblem assembled_form(const StoredProblem& problem);
 
-/// Rows of a problem's own dimension (a stored guess, a velocity) as three a contact, and back.
+/// Whether matrices have five rows a contact. Problems with bodies do not.
+bool has_rolling_rows(const StoredProblem& problem);
+
+/// The same for problems that do. @throws InputError
+RollingProblem rolling_form(const LocalProblem& problem);
+RollingProblem rolling_form(const StoredProblem& problem);
+
+/// Rows of a problem's own dimension (a stored guess, a velocity) as solvers have them, and back:
+/// two become three a contact, others stay.
 std::vector<double> to_three_rows(int dimension, const std::vector<double>& rows);
 std::vector<double> from_three_rows(int dimension, const std::vector<double>& rows);
 

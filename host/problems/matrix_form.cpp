@@ -317,6 +317,7 @@ LocalProblem local_form(const GlobalProblem& problem) {
   LocalProblem local;
   local.dimension = problem.dimension;
   local.mu = problem.mu;
+  local.mu_r = problem.mu_r;
   local.W = plain(Matrix(H.transpose() * inverse_H));
   local.q = values_of(vector_of(problem.w) + H.transpose() * inverse_f);
   if (!problem.b.empty()) {

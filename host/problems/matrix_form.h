@@ -24,7 +24,7 @@ LocalProblem local_form(const BodyProblem& problem);
 
 /// W, q and with bilateral constraints V = H^T M^-1 G, R = G^T M^-1 G, s = b + G^T M^-1 f.
 /// M is factorized by a sparse LU decomposition: it need not be symmetric.
-/// @throws InputError when M is singular
+/// Rolling friction stays. @throws InputError when M is singular
 LocalProblem local_form(const GlobalProblem& problem);
 
 enum class MatrixForm { local, global };

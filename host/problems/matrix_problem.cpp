@@ -37,16 +37,22 @@ void require_finite_matrix(const SparseMatrix& a, const char* name) {
 }
 
 /// Friction of all contacts, and with it their number.
-void check_contacts(int dimension, const std::vector<double>& mu, std::size_t rows,
-                    const char* rows_name) {
-  if (dimension != 2 && dimension != 3)
-    refuse(fmt::format("spacedim is {}, expected 2 or 3", dimension));
+void check_contacts(int dimension, const std::vector<double>& mu, const std::vector<double>& mu_r,
+                    std::size_t rows, const char* rows_name) {
+  if (dimension != 2 && dimension != 3 && dimension != 5)
+    refuse(fmt::format("spacedim is {}, expected 2, 3, or 5 with rolling friction", dimension));
   if (rows == 0) refuse(fmt::format("{} is 0: the problem has no contacts", rows_name));
   if (rows % static_cast<std::size_t>(dimension) != 0)
     refuse(
         fmt::format("{} is {}, expected a multiple of spacedim, {}", rows_name, rows, dimension));
   require_size(mu, rows / static_cast<std::size_t>(dimension), "mu", "one a contact");
   require_not_negative(mu, "mu");
+  if (dimension == 5) {
+    require_size(mu_r, mu.size(), "mu_r", "one a contact");
+    require_not_negative(mu_r, "mu_r");
+  } else if (!mu_r.empty()) {
+    refuse(fmt::format("mu_r is there and spacedim is {}, expected 5", dimension));
+  }
 }
 
 void check_vector(const std::vector<double>& values, std::size_t size, const std::string& name,
@@ -71,7 +77,7 @@ void check_point(const ProblemPoint& point, std::size_t n, std::size_t rows, std
 void validate(const LocalProblem& p) {
   require_square(p.W, "W");
   const auto rows = static_cast<std::size_t>(p.W.row_count);
-  check_contacts(p.dimension, p.mu, rows, "the number of rows of W");
+  check_contacts(p.dimension, p.mu, p.mu_r, rows, "the number of rows of W");
   require_finite_matrix(p.W, "W");
   check_vector(p.q, rows, "q", "one a row of W");
   require_square(p.R, "R");
@@ -89,7 +95,7 @@ void validate(const GlobalProblem& p) {
   if (n == 0) refuse("M is 0 x 0: the problem has no degrees of freedom");
   const auto rows = static_cast<std::size_t>(p.H.column_count);
   require_shape(p.H, n, rows, "H", "rows of M by rows of all contacts");
-  check_contacts(p.dimension, p.mu, rows, "the number of columns of H");
+  check_contacts(p.dimension, p.mu, p.mu_r, rows, "the number of columns of H");
   require_finite_matrix(p.M, "M");
   require_finite_matrix(p.H, "H");
   check_vector(p.f, n, "f", "one a row of M");

@@ -4,6 +4,10 @@
 // Rows of a contact are consecutive: normal first, then two tangents (one in 2-D). The normal
 // impulse pushes apart when it is positive, the normal velocity separates when it is positive.
 // Coulomb's law is K* contains u + mu |u_t| e_n _|_ r in K = {|r_t| <= mu r_n} for every contact.
+//
+// With rolling friction a contact has two rows more, the rolling rates about the tangents [rad/s] and
+// the moments r_m [N m s] in r: K = {|r_t| <= mu r_n, |r_m| <= mu_r r_n}, and mu_r |u_m| e_n is added
+// as well.
 
 #include <string>
 #include <vector>
@@ -15,13 +19,14 @@ namespace scree {
 /// Reduced form: u = W r + V l + q, 0 = V^T r + R l + s. W is the Delassus matrix and may be
 /// slightly unsymmetric.
 struct LocalProblem {
-  int dimension = 3;       ///< rows per contact: 2 or 3
-  SparseMatrix W;          ///< [rows x rows] [1/kg]
-  std::vector<double> q;   ///< free contact velocity [rows] [m/s]
-  std::vector<double> mu;  ///< friction coefficient [contact_count] [-]
-  SparseMatrix V;          ///< [rows x p], empty without bilateral constraints
-  SparseMatrix R;          ///< [p x p]
-  std::vector<double> s;   ///< [p]
+  int dimension = 3;         ///< rows per contact: 2, 3, or 5 with rolling friction
+  SparseMatrix W;            ///< [rows x rows] [1/kg]
+  std::vector<double> q;     ///< free contact velocity [rows] [m/s]
+  std::vector<double> mu;    ///< friction coefficient [contact_count] [-]
+  std::vector<double> mu_r;  ///< of rolling [contact_count] [m]; empty without five rows a contact
+  SparseMatrix V;            ///< [rows x p], empty without bilateral constraints
+  SparseMatrix R;            ///< [p x p]
+  std::vector<double> s;     ///< [p]
 
   int contact_count() const { return static_cast<int>(mu.size()); }
   friend bool operator==(const LocalProblem&, const LocalProblem&) = default;
@@ -29,14 +34,15 @@ struct LocalProblem {
 
 /// Unreduced form: M v = H r + G l + f, u = H^T v + w, 0 = G^T v + b.
 struct GlobalProblem {
-  int dimension = 3;       ///< rows per contact: 2 or 3
-  SparseMatrix M;          ///< mass [n x n]
-  SparseMatrix H;          ///< transposed contact Jacobian [n x rows]
-  std::vector<double> f;   ///< M v* [n] [N s]
-  std::vector<double> w;   ///< bias [rows] [m/s]
-  std::vector<double> mu;  ///< friction coefficient [contact_count] [-]
-  SparseMatrix G;          ///< transposed Jacobian of bilateral constraints [n x p], or empty
-  std::vector<double> b;   ///< [p]
+  int dimension = 3;         ///< rows per contact: 2, 3, or 5 with rolling friction
+  SparseMatrix M;            ///< mass [n x n]
+  SparseMatrix H;            ///< transposed contact Jacobian [n x rows]
+  std::vector<double> f;     ///< M v* [n] [N s]
+  std::vector<double> w;     ///< bias [rows] [m/s]
+  std::vector<double> mu;    ///< friction coefficient [contact_count] [-]
+  std::vector<double> mu_r;  ///< of rolling [contact_count] [m]; empty without five rows a contact
+  SparseMatrix G;            ///< transposed Jacobian of bilateral constraints [n x p], or empty
+  std::vector<double> b;     ///< [p]
 
   int contact_count() const { return static_cast<int>(mu.size()); }
   friend bool operator==(const GlobalProblem&, const GlobalProblem&) = default;

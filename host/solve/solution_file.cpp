@@ -85,9 +85,7 @@ const SolverRun& best_run(const std::vector<SolverRun>& runs) {
 }
 
 Solution solution_of(const ReadyProblem& problem, const SolverRun& run, AssembledModel model) {
-  const bool symmetric = model == AssembledModel::convex;  // which has the symmetric part of W
-  const std::vector<double> u =
-      contact_velocity(symmetric ? symmetrized(problem.problem) : problem.problem, run.result.r);
+  const std::vector<double> u = velocity_of(problem, model, run.result.r);
   const int dimension = problem.problem.dimension;
   Solution s;
   s.problem = problem.name;

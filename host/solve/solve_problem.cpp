@@ -10,6 +10,7 @@
 #include "host/problems/assembled_form.h"
 #include "host/problems/body_measures.h"
 #include "host/problems/matrix_form.h"
+#include "solvers/rolling/rolling_solver.h"
 
 namespace scree {
 
@@ -19,8 +20,15 @@ ReadyProblem ready(const std::string& name, const StoredProblem& stored) {
     return ready(name, as_matrices(*bodies, MatrixForm::local));
   ReadyProblem p;
   p.name = name;
-  p.problem = assembled_form(stored);
-  p.asymmetry = asymmetry(p.problem);
+  if (has_rolling_rows(stored)) {
+    p.rolling = rolling_form(stored);
+    p.problem.contact_count = p.rolling->contact_count;
+    p.problem.dimension = 5;
+    p.asymmetry = asymmetry(*p.rolling);
+  } else {
+    p.problem = assembled_form(stored);
+    p.asymmetry = asymmetry(p.problem);
+  }
   const int dimension = p.problem.dimension;
   if (!stored.guesses.empty() && !stored.guesses.front().r.empty())
     p.guess = to_three_rows(dimension, stored.guesses.front().r);
@@ -40,9 +48,7 @@ SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
   problem.reference_impulse.clear();
   SolverRun run = run_solvers(problem, {solver}, o).front();
   problem.reference_impulse = run.result.r;
-  const bool convex = o.model == AssembledModel::convex;  // which has the symmetric part of W
-  problem.reference_velocity =
-      contact_velocity(convex ? symmetrized(problem.problem) : problem.problem, run.result.r);
+  problem.reference_velocity = velocity_of(problem, o.model, run.result.r);
   problem.reference_model = o.model;
   return run;
 }
@@ -57,13 +63,21 @@ ReadyProblem ready_matrix_free(const std::string& name, const StoredProblem& sto
   return p;
 }
 
+std::vector<double> velocity_of(const ReadyProblem& problem, AssembledModel model,
+                                const std::vector<double>& r) {
+  const bool symmetric = model == AssembledModel::convex;
+  const auto of = [&](const auto& p) {
+    return contact_velocity(symmetric ? symmetrized(p) : p, r);
+  };
+  return problem.rolling ? of(*problem.rolling) : of(problem.problem);
+}
+
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
                                    const std::vector<std::string>& solvers,
                                    const AssembledOptions& options,
                                    const AssembledTarget& target) try {
   std::vector<SolverRun> runs;
   for (const std::string& name : solvers) {
-    const auto solver = make_assembled_solver(name, target);
     AssembledOptions o = options;
     if (o.model == problem.reference_model) {
       o.reference_velocity = problem.reference_velocity;
@@ -71,9 +85,18 @@ std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
     }
     SolverRun run;
     run.solver = name;
-    run.friction = solver->traits().friction;
     run.backend = target.cuda ? "cuda" : "cpu";
-    run.result = solver->solve(problem.problem, o, &run.curve);
+    if (problem.rolling) {
+      if (target.cuda)
+        throw InputError(fmt::format(
+            "{}: it has rolling friction, for which no solver runs on cuda; on cpu {} do",
+            problem.name, fmt::join(rolling_solver_names(), ", ")));
+      run.result = solve_rolling(name, *problem.rolling, o, &run.curve);
+    } else {
+      const auto solver = make_assembled_solver(name, target);
+      run.friction = solver->traits().friction;
+      run.result = solver->solve(problem.problem, o, &run.curve);
+    }
     runs.push_back(std::move(run));
   }
   return runs;

@@ -1,20 +1,23 @@
 #pragma once
 // Several solvers on one stored problem.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/problems/stored_problem.h"
 #include "solvers/assembled/assembled_solver.h"
+#include "solvers/rolling/rolling_problem.h"
 
 namespace scree {
 
 /// A stored problem made ready to be solved.
 struct ReadyProblem {
   std::string name;
-  AssembledProblem problem;
-  double asymmetry = 0;       ///< largest |W - W^T| over largest |W|
-  std::vector<double> guess;  ///< stored one, three rows a contact; empty: none
+  AssembledProblem problem;               ///< with rolling friction all but W, q and mu
+  std::optional<RollingProblem> rolling;  ///< five rows a contact, where the file has those
+  double asymmetry = 0;                   ///< largest |W - W^T| over largest |W|
+  std::vector<double> guess;              ///< stored one, in rows of the problem; empty: none
   /// What velocity errors are measured against: u of a stored solution of the exact model, or what
   /// find_reference found; empty: nothing.
   std::vector<double> reference_velocity;
@@ -46,9 +49,13 @@ struct SolverRun {
 SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
                          const AssembledOptions& options);
 
+/// u of impulses in rows of the problem; of the convex model with the symmetric part of W.
+std::vector<double> velocity_of(const ReadyProblem& problem, AssembledModel model,
+                                const std::vector<double>& r);
+
 /// Runs solvers by name one after another, each from the guess of the options.
 /// @throws InputError naming an unknown solver and the known ones, one that has no form for the
-///         target, or an option out of range
+///         target or does not take rolling friction, or an option out of range
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
                                    const std::vector<std::string>& solvers,
                                    const AssembledOptions& options,

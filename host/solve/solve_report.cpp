@@ -31,15 +31,35 @@ std::string cell(const std::string& text) {
   return quoted + "\"";
 }
 
+/// Solvers that ran on any of the problems: `all` means others where there is rolling friction.
+std::vector<std::string> solvers_of(const std::vector<ProblemReport>& reports) {
+  std::vector<std::string> names;
+  for (const ProblemReport& report : reports)
+    for (const SolverRun& run : report.runs)
+      if (std::find(names.begin(), names.end(), run.solver) == names.end())
+        names.push_back(run.solver);
+  return names;
+}
+
+/// What a solver did on a problem; null: it did not run there.
+const SolverRun* run_of(const ProblemReport& report, const std::string& solver) {
+  const auto run = std::find_if(report.runs.begin(), report.runs.end(),
+                                [&](const SolverRun& r) { return r.solver == solver; });
+  return run == report.runs.end() ? nullptr : &*run;
+}
+
 template <class Cost>
 PerformanceProfile profile_of(const std::vector<ProblemReport>& reports, Cost cost) {
   ProfileCosts costs;
-  for (const SolverRun& run : reports.front().runs) costs.solvers.push_back(run.solver);
+  costs.solvers = solvers_of(reports);
   for (const ProblemReport& report : reports) {
     costs.cost.emplace_back();
-    for (const SolverRun& run : report.runs)
-      costs.cost.back().push_back(solved(run) ? cost(run.result)
-                                              : std::numeric_limits<double>::infinity());
+    for (const std::string& solver : costs.solvers) {
+      const SolverRun* run = run_of(report, solver);
+      costs.cost.back().push_back(run != nullptr && solved(*run)
+                                      ? cost(run->result)
+                                      : std::numeric_limits<double>::infinity());
+    }
   }
   return performance_profile(costs);
 }
@@ -94,8 +114,9 @@ PerformanceProfile applications_profile(const std::vector<ProblemReport>& report
 }
 
 std::string to_table(const ProblemReport& report) {
-  std::string text =
-      fmt::format("{}: {} contacts in {}-D", report.name, report.contact_count, report.dimension);
+  std::string text = fmt::format("{}: {} contacts ", report.name, report.contact_count);
+  text +=
+      report.dimension == 5 ? "with rolling friction" : fmt::format("in {}-D", report.dimension);
   if (report.asymmetry > 1e-12) text += fmt::format(", W unsymmetric by {:.1e}", report.asymmetry);
   if (!report.runs.empty()) text += ", on " + report.runs.front().backend;
   if (report.reference.has_value())
@@ -119,15 +140,15 @@ std::string to_table(const ProblemReport& report) {
 std::string to_summary(const std::vector<ProblemReport>& reports) {
   std::string text = fmt::format("{} problems\n{:<21} {:>10} {:>12}\n", reports.size(), "solver",
                                  "solved", "seconds");
-  for (std::size_t s = 0; s < reports.front().runs.size(); ++s) {
+  for (const std::string& solver : solvers_of(reports)) {
     int count = 0;
     double seconds = 0;
-    for (const ProblemReport& report : reports) {
-      count += solved(report.runs[s]);
-      seconds += report.runs[s].result.seconds;
-    }
-    text +=
-        fmt::format("{:<21} {:>10} {:>12.4f}\n", reports.front().runs[s].solver, count, seconds);
+    for (const ProblemReport& report : reports)
+      if (const SolverRun* run = run_of(report, solver); run != nullptr) {
+        count += solved(*run);
+        seconds += run->result.seconds;
+      }
+    text += fmt::format("{:<21} {:>10} {:>12.4f}\n", solver, count, seconds);
   }
   return text;
 }

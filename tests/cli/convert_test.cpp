@@ -7,6 +7,7 @@
 #include "host/io/h5.h"
 #include "host/io/problem_file.h"
 #include "tests/cli/program.h"
+#include "tests/rolling_samples.h"
 
 namespace scree::test {
 namespace {
@@ -82,6 +83,23 @@ TEST(CliConvert, AGlobalFileBecomesALocalOneInTheStorageAskedFor) {
     EXPECT_EQ(read.guesses[0].r, direct.guesses.at(0).r);
     EXPECT_EQ(read.info, direct.info);
   }
+}
+
+TEST(CliConvert, RollingFrictionStays) {
+  const Scratch scratch;
+  StoredProblem stored;
+  stored.form = fixtures::rolling_pile(2, 2, 0.4, 0.01, 3);
+  const fs::path global = scratch / "global.hdf5", local = scratch / "local.hdf5";
+  write_problem(global, stored);
+  const Result result = scree(scratch, {"convert", global.string(), local.string()});
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_NE(result.out.find("local, 16 contacts with rolling friction"), std::string::npos)
+      << result.out;
+  const StoredProblem read = read_problem(local);
+  const auto& p = std::get<LocalProblem>(read.form);
+  EXPECT_EQ(p.dimension, 5);
+  EXPECT_EQ(p.mu_r, std::vector<double>(16, 0.01));
+  EXPECT_NEAR(objective_of(scratch, local), objective_of(scratch, global), 1e-12);
 }
 
 TEST(CliConvert, AFileThatIsThereIsReplacedWhenTold) {

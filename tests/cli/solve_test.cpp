@@ -7,6 +7,7 @@
 #include "host/io/problem_file.h"
 #include "host/plot/draw.h"
 #include "tests/cli/program.h"
+#include "tests/rolling_samples.h"
 
 namespace scree::test {
 namespace {
@@ -53,6 +54,56 @@ TEST(CliSolve, PrintsOneLineASolver) {
   for (const char* word : {"a: 4 contacts in 3-D, on cpu", "residual", "objective", "status",
                            "auto", "nlgs", "newton", "proximal", "extragradient", "converged"})
     EXPECT_NE(result.out.find(word), std::string::npos) << word << " in " << result.out;
+}
+
+TEST(CliSolve, SolvesRollingFrictionByWhatCan) {
+  const Scratch scratch;
+  StoredProblem stored;
+  stored.form = fixtures::rolling_pile(3, 2, 0.4, 0.01, 5);
+  const fs::path file = put_problem(scratch / "rolls.hdf5", stored);
+  for (const char* model : {"convex", "exact"}) {
+    const json out = solve_json(scratch, {file.string(), "--solver", "all", "--model", model});
+    const json& problem = out.at("problems").at(0);
+    EXPECT_EQ(problem.at("contacts"), 42);
+    ASSERT_EQ(problem.at("runs").size(), 4u);
+    for (const json& run : problem.at("runs")) EXPECT_TRUE(run.at("converged")) << run.dump(1);
+    // What it reached is a file and a reference for others.
+    const std::string found = (scratch / (std::string(model) + ".hdf5")).string();
+    const Result best =
+        scree(scratch, {"solve", file.string(), "--model", model, "--solution", found});
+    ASSERT_EQ(best.code, 0) << best.err;
+    EXPECT_NE(best.out.find("rolls: 42 contacts with rolling friction"), std::string::npos);
+    EXPECT_NE(best.out.find("auto "), std::string::npos) << best.out;
+    EXPECT_EQ(h5::File::open(found).root().read<double>("solution/r").size(), 210u);
+    EXPECT_EQ(h5::File::open(found).root().read<double>("solution/u").size(), 210u);
+    const json again = solve_json(
+        scratch, {file.string(), "--solver", "nlgs", "--model", model, "--reference", found});
+    EXPECT_TRUE(again.at("problems").at(0).at("runs").at(0).at("converged"));
+  }
+  const Result other = scree(scratch, {"solve", file.string(), "--solver", "nlgs,newton"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_NE(other.err.find("solver \"newton\" does not solve problems with rolling friction; those "
+                           "that do: auto, nlgs, apgd, proximal"),
+            std::string::npos)
+      << other.err;
+}
+
+TEST(CliSolve, AFolderMayMixProblemsWithAndWithoutRollingFriction) {
+  const Scratch scratch;
+  fs::create_directories(scratch / "mixed");
+  StoredProblem stored;
+  stored.form = fixtures::rolling_sphere(0.5, 0.01);
+  put_problem(scratch / "mixed/a.hdf5", stored);
+  put_problem(scratch / "mixed/b.hdf5", simple_problem(3, 3));
+  const Result all = scree(scratch, {"solve", "mixed", "--solver", "all", "--out", "out"});
+  EXPECT_EQ(all.code, 0) << all.err;
+  EXPECT_NE(all.out.find("newton                         1"), std::string::npos) << all.out;
+  EXPECT_NE(all.out.find("nlgs                           2"), std::string::npos) << all.out;
+  const std::string header = contents(scratch / "out/profile_seconds.csv");
+  EXPECT_NE(header.substr(0, header.find('\n')).find("newton"), std::string::npos) << header;
+  const Result one = scree(scratch, {"solve", "mixed", "--solver", "newton"});
+  EXPECT_EQ(one.code, 1);
+  EXPECT_NE(one.err.find("skipped: a: solver \"newton\" does not"), std::string::npos) << one.err;
 }
 
 TEST(CliSolve, AllSolversAgreeInBothDimensionsAndModels) {

@@ -101,7 +101,7 @@ void use_problem(const fs::path& path) {
   try {
     ready("fuzz", stored);
   } catch (const InputError&) {
-    // Rolling friction has no matrices.
+    // Bodies with rolling friction have no matrices.
   }
 }
 

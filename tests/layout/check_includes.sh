@@ -6,7 +6,7 @@
 #   solvers/    kernels, solvers            host/       kernels, collision, solvers, host
 #   scenes/     scenes and host/*.h         tests/reference/  anything but kernels/
 # Nobody includes tests/, bench/, host/cli/ or host/python/. kernels/, collision/ and solvers/ use only
-# the standard library and CUDA beside these, and sources of solvers/assembled/ Eigen; host/*.h has
+# the standard library and CUDA beside these, and sources of solvers/assembled/ and rolling/ Eigen; host/*.h has
 # nothing of CUDA. The folders of kernels/, solvers/ and host/ have rules of their own, `within` below;
 # a folder without a rule is a fault. docs/ARCHITECTURE.md draws all of it.
 set -euo pipefail
@@ -53,6 +53,7 @@ awk '
     within["kernels/render"] = " . math backend bodies "
     within["solvers/."] = " assembled "
     within["solvers/assembled"] = " "
+    within["solvers/rolling"] = " assembled "
     within["host/."] = " "
     within["host/layouts"] = " . "
     within["host/plot"] = " . "
@@ -97,7 +98,7 @@ awk '
       fault("scenes may include public host headers only (" path ")")
     } else if ((!quoted || path ~ "/") && !in_tree && from ~ /^(kernels|collision|solvers)$/ &&
                path !~ /^(experimental\/)?[a-z_0-9]+$/ && path !~ cuda && path !~ /^(omp|immintrin)\.h$/ &&
-               !(FILENAME ~ /^solvers\/assembled\/.*\.cpp$/ && path ~ /^Eigen\//)) {
+               !(FILENAME ~ /^solvers\/(assembled|rolling)\/.*\.cpp$/ && path ~ /^Eigen\//)) {
       fault(from " may include only the standard library and CUDA (" path ")")
     } else if (FILENAME ~ /^host\/[^\/]*\.h$/ && FILENAME !~ /\.inst\.h$/ &&
                (path ~ cuda || path ~ /\.cuh$/)) {

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include "host/io/h5.h"
 #include "host/io/problem_file.h"
@@ -54,6 +55,7 @@ struct RawLocal {
   RawMatrix W{4, 4, -2, {0, 1, 2, 3, 4}, {0, 1, 2, 3}, {1, 2, 3, 4}, 4};
   Doubles q{-1, 0, 1, 0.5};
   Doubles mu{0.5, 0};
+  std::optional<Doubles> mu_r;
   std::string group = "fclib_local";
   std::function<void(h5::Group& root, h5::Group& form)> more = [](h5::Group&, h5::Group&) {};
   bool has_vectors = true;
@@ -70,10 +72,21 @@ void write(const std::filesystem::path& path, const RawLocal& raw) {
       h5::Group vectors = form.create_group("vectors");
       put(vectors, "q", raw.q);
       put(vectors, "mu", raw.mu);
+      if (raw.mu_r) put(vectors, "mu_r", *raw.mu_r);
     }
     raw.more(root, form);
   }
   file.close();
+}
+
+/// Makes it a problem of one contact with rolling friction.
+RawLocal& make_rolling(RawLocal& raw) {
+  raw.spacedim = {5};
+  raw.W = {5, 5, -2, {0, 1, 2, 3, 4, 5}, {0, 1, 2, 3, 4}, {1, 2, 3, 4, 5}, 5};
+  raw.q = {-1, 0, 1, 0.5, 2};
+  raw.mu = {0.5};
+  raw.mu_r = {0.01};
+  return raw;
 }
 
 class FclibFile : public ::testing::Test {
@@ -124,6 +137,7 @@ LocalProblem local_problem(int dimension, bool bilateral) {
   p.W = compress(rows, rows, entries);
   for (int row = 0; row < rows; ++row) p.q.push_back(std::sqrt(row + 1.0) - 2);
   p.mu = {0.3, 0, 0.7};
+  if (dimension == 5) p.mu_r = {0.01, 0.02, 0};
   if (bilateral) {
     p.V = compress(rows, 2, {{0, 1, 0.5}, {rows - 1, 0, -2}});
     p.R = compress(2, 2, {{0, 0, 3}, {0, 1, 0.25}, {1, 0, 0.25}, {1, 1, 1}});
@@ -144,6 +158,7 @@ GlobalProblem global_problem(int dimension, bool bilateral) {
   p.f = {1, -2, 3, std::numeric_limits<double>::denorm_min()};
   p.w.assign(static_cast<std::size_t>(rows), 0.1);
   p.mu = {0.3, 0, 0.7};
+  if (dimension == 5) p.mu_r = {0.01, 0.02, 0};
   if (bilateral) {
     p.G = compress(4, 1, {{1, 0, 1}});
     p.b = {0.5};
@@ -177,7 +192,10 @@ INSTANTIATE_TEST_SUITE_P(All, FclibRoundTrip,
                                            RoundTrip{2, false, FclibStorage::rows},
                                            RoundTrip{3, true, FclibStorage::triplets},
                                            RoundTrip{3, false, FclibStorage::columns},
-                                           RoundTrip{3, true, FclibStorage::rows}));
+                                           RoundTrip{3, true, FclibStorage::rows},
+                                           RoundTrip{5, true, FclibStorage::triplets},
+                                           RoundTrip{5, false, FclibStorage::columns},
+                                           RoundTrip{5, true, FclibStorage::rows}));
 
 TEST_P(FclibRoundTrip, LocalProblem) {
   StoredProblem problem;
@@ -219,6 +237,38 @@ TEST(FclibStorageDefaults, AreThoseOfTheCollection) {
 }
 
 // ---- files of others ---------------------------------------------------------------------------
+
+/// A mass that touches a plane, as Siconos writes problems with rolling friction.
+TEST_F(FclibFile, RollingFrictionLiesInAGroupOfItsOwn) {
+  const auto put_rolling = [&](const char* name, int spacedim) {
+    h5::File file = h5::File::create(path_);
+    {
+      h5::Group root = file.root();
+      h5::Group form = root.create_group(name);
+      put(form, "spacedim", Ints{spacedim});
+      put(form, "M", RawMatrix{2, 2, 2, {0, 1}, {0, 1}, {3, 4}, 2});
+      put(form, "H", RawMatrix{2, 5, 3, {0, 1, 4}, {0, 1, 1}, {1, 2, 3}, 3});
+      h5::Group vectors = form.create_group("vectors");
+      put(vectors, "f", Doubles{-1, 2});
+      put(vectors, "w", Doubles{0, 0, 0, 0, 0.5});
+      put(vectors, "mu", Doubles{0.7});
+      put(vectors, "mu_r", Doubles{0.02});
+    }
+    file.close();
+  };
+  put_rolling("fclib_global_rolling", 5);
+  const auto p = std::get<GlobalProblem>(read_problem(path_).form);
+  EXPECT_EQ(p.dimension, 5);
+  EXPECT_EQ(p.H, compress(2, 5, {{0, 0, 1}, {1, 1, 2}, {1, 4, 3}}));
+  EXPECT_EQ(p.mu, Doubles{0.7});
+  EXPECT_EQ(p.mu_r, Doubles{0.02});
+  put_rolling("fclib_global", 5);
+  EXPECT_THAT(refusal([&] { read_problem(path_); }),
+              AllOf(HasSubstr("spacedim is 5 in fclib_global"), HasSubstr("fclib_global_rolling")));
+  put_rolling("fclib_global_rolling", 3);
+  EXPECT_THAT(refusal([&] { read_problem(path_); }),
+              HasSubstr("spacedim is 3 in fclib_global_rolling, expected 5"));
+}
 
 TEST_F(FclibFile, TripletsHaveRowsInIDuplicatesAndRoomBehind) {
   RawLocal raw;
@@ -295,18 +345,31 @@ INSTANTIATE_TEST_SUITE_P(
     All, BadFclib,
     ::testing::Values(
         BadLocal{"NoProblem", [](RawLocal& r) { r.group = "other"; }, {"holds no contact problem"}},
-        BadLocal{"Rolling",
-                 [](RawLocal& r) { r.group = "fclib_global_rolling"; },
-                 {"rolling friction", "five rows", "fclib_local", "problems with bodies"}},
-        BadLocal{"RollingRows",
+        BadLocal{"RollingWithoutItsFriction",
                  [](RawLocal& r) { r.spacedim = {5}; },
-                 {"spacedim is 5", "rolling friction", "2 or 3", "problems with bodies"}},
+                 {"fclib_local/vectors/mu_r", "no such dataset"}},
+        BadLocal{"RollingFrictionWithoutItsRows",
+                 [](RawLocal& r) { r.mu_r = {0.1, 0.1}; },
+                 {"mu_r", "spacedim is 2", "expected 5"}},
+        BadLocal{"RollingFrictionOfMoreContacts",
+                 [](RawLocal& r) { make_rolling(r).mu_r = {0.1, 0.2}; },
+                 {"mu_r has 2 values, expected 1", "one a contact"}},
+        BadLocal{"NegativeRollingFriction",
+                 [](RawLocal& r) { make_rolling(r).mu_r = {-0.1}; },
+                 {"mu_r[0] is -0.1", "not negative"}},
+        BadLocal{"RollingAndAnother",
+                 [](RawLocal& r) {
+                   r.more = [](h5::Group& root, h5::Group&) {
+                     root.create_group("fclib_global_rolling");
+                   };
+                 },
+                 {"both fclib_local and fclib_global_rolling"}},
         BadLocal{"BothKinds",
                  [](RawLocal& r) {
                    r.more = [](h5::Group& root, h5::Group&) { root.create_group("fclib_global"); };
                  },
                  {"both"}},
-        BadLocal{"Spacedim", [](RawLocal& r) { r.spacedim = {4}; }, {"spacedim", "4", "2 or 3"}},
+        BadLocal{"Spacedim", [](RawLocal& r) { r.spacedim = {4}; }, {"spacedim", "4", "2, 3, or 5"}},
         BadLocal{"TwoSpacedims",
                  [](RawLocal& r) {
                    r.spacedim = {2, 3};

@@ -102,7 +102,7 @@ std::vector<double> RollingMonitor::scaled_impulses(std::vector<double> r) const
   return r;
 }
 
-void RollingMonitor::fail(AssembledStatus status, std::string text) {
+void RollingMonitor::fail(AssembledStatus status, const std::string& text) {
   result_.status = status;
   stopped_ = true;
   note(text);

@@ -37,7 +37,7 @@ class RollingMonitor {
   /// S r
   std::vector<double> scaled_impulses(std::vector<double> r) const;
 
-  void fail(AssembledStatus status, std::string note);
+  void fail(AssembledStatus status, const std::string& note);
   void note(const std::string& text);
   /// The account, complete. Call once, at the end.
   AssembledResult finish();

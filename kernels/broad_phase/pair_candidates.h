@@ -237,7 +237,7 @@ struct PairPlaces {
   SCREE_HD bool put_slots(Index i, Slot&& slot) const {
     for (Index n = 0; n < kPairSlots; n += kSlotGroup) {
       Index j[kSlotGroup];
-      Offset at[kSlotGroup];
+      Offset at[kSlotGroup] = {};  // GCC 13 does not see that what is read was written
       for (Index k = 0; k < kSlotGroup; ++k) j[k] = slot(n + k);
       for (Index k = 0; k < kSlotGroup; ++k) {
         if (j[k] != kNoMore) at[k] = take(i, j[k]);

@@ -5,13 +5,14 @@
 //      the turn before. They go on from the sweeps of that turn;
 //   2. the proximal method, until it no longer gains: around Newton, or around Gauss-Seidel alone
 //      where the factors of a matrix of more than 30,000 contacts would be too costly. From where
-//      the sweeps led, with a first weight no larger than their residual; but for exact friction
-//      and Newton from the guess at first, with the weight that `proximal` takes, and in later
-//      turns with the root of the residual, as regularized Newton methods do.
+//      the sweeps led, with a first weight no larger than their residual; but where exact friction
+//      makes Newton fail from there twice at once, from the guess, with the weight that `proximal`
+//      takes, and in later turns with the root of the residual, as regularized Newton methods do.
 //
-// Sweeps leave contacts at the edge between stick and slip. With exact friction Newton fails there
-// unless the weight is large, and a failure costs tens of products and 100 sweeps: failures in a
-// row raise the weight faster and faster. From zero it does not fail. But proximal points of the
+// Sweeps leave contacts at the edge between stick and slip. With exact friction Newton may fail
+// there unless the weight is large, and a failure costs tens of products and 100 sweeps: then
+// failures in a row raise the weight faster and faster. From zero it does not fail, but takes many
+// more steps where it would not have failed from the sweeps. And proximal points of the
 // exact law need not attract, and larger weights may lead away from impulses that are nearly
 // solutions. Where they have diverged the sweeps have not, so that each turn starts another
 // attempt from a better place. An iteration is a sweep or an outer iteration; memory passes are
@@ -56,9 +57,8 @@ class Auto final : public AssembledSolver {
     settings.newton = p.contact_count < many_contacts;
     settings.adapts = settings.newton;
     settings.patience = patience_of(p.contact_count);
-    const bool fragile = settings.newton && o.model == AssembledModel::exact;
-    if (fragile) settings.largest_growth = 16;
-    bool first = true;
+    if (settings.newton && o.model == AssembledModel::exact) settings.most_opening_failures = 2;
+    bool fails = false;  // Newton, from where sweeps led
     for (int sweeps = std::clamp(p.contact_count, least_sweeps, most_first_sweeps);
          monitor.next_phase(sweeps, 10); sweeps = more_sweeps(sweeps)) {
       for (int k = 0; !monitor.look_if_due(k, swept); ++k) {
@@ -67,13 +67,16 @@ class Auto final : public AssembledSolver {
       }
       if (!monitor.next_phase(1500, 1)) return;
       AssembledOptions from = o;
-      if (!(first && fragile)) {
-        from.guess = swept;
-        const double left = monitor.last().relative;
-        settings.first_weight = std::clamp(fragile ? std::sqrt(left) : left, 1e-6, 1e-2);
-      }
-      first = false;
-      run_proximal(p, from, settings, monitor);
+      from.guess = swept;
+      const double left = monitor.last().relative;
+      settings.first_weight = std::clamp(fails ? std::sqrt(left) : left, 1e-6, 1e-2);
+      if (run_proximal(p, from, settings, monitor)) continue;
+      fails = true;
+      settings.most_opening_failures = 0;
+      settings.largest_growth = 16;
+      settings.first_weight = ProximalSettings().first_weight;
+      if (!monitor.next_phase(1500, 1)) return;
+      run_proximal(p, o, settings, monitor);
     }
   }
 };

@@ -75,7 +75,7 @@ ProximalMethods host_proximal_methods() {
   return methods;
 }
 
-void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
+bool run_proximal(const AssembledProblem& p, const AssembledOptions& o,
                   const ProximalSettings& settings, AssembledMonitor& monitor,
                   const ProximalMethods& methods) {
   const std::vector<double> scale = contact_scales(p);
@@ -83,11 +83,15 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
   std::vector<double> r = o.guess;
   double weight = settings.first_weight;
   bool failed = false;
+  int opening_failures = 0;
+  bool ever_solved = false;
   double growth = 2;
   Progress progress(settings.patience);
   for (int k = 0; !monitor.check(k, r); ++k) {
-    if (progress.ended(k, monitor.last().relative))
-      return monitor.fail(AssembledStatus::stalled, "the proximal method no longer gains");
+    if (progress.ended(k, monitor.last().relative)) {
+      monitor.fail(AssembledStatus::stalled, "the proximal method no longer gains");
+      break;
+    }
     regularize(p, scale, weight, r, inner);
     AssembledOptions inner_options = o;
     inner_options.measure = AssembledMeasure::relative;
@@ -126,6 +130,11 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
       if (!settings.newton || swept.residual.relative < best.residual.relative) best = swept;
     }
     r = best.r;
+    ever_solved = ever_solved || solved;
+    if (!ever_solved && ++opening_failures == settings.most_opening_failures) {
+      monitor.fail(AssembledStatus::stalled, "the proximal method fails from here");
+      return false;
+    }
     if (!settings.adapts) continue;
     // Boldly down until the method fails for the first time, carefully after that: a weight that is
     // too small for Newton throws away what several good steps have won.
@@ -134,6 +143,7 @@ void run_proximal(const AssembledProblem& p, const AssembledOptions& o,
     if (!solved) weight = std::min(settings.largest_weight, growth * weight);
     growth = solved ? 2 : std::min(settings.largest_growth, 2 * growth);
   }
+  return true;
 }
 
 }  // namespace scree

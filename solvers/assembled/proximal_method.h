@@ -17,6 +17,9 @@ struct ProximalSettings {
   bool newton = true;  ///< whether inner problems go to Newton first, or to Gauss-Seidel alone
   int newton_iterations = 30;
   int sweeps = 100;  ///< at most, of Gauss-Seidel where Newton fails or is not asked
+  /// Failures of the method that goes first, before it ever solved an inner problem, after which it
+  /// stalls; 0: it never does.
+  int most_opening_failures = 0;
   /// Outer iterations without half the least residual after which it stalls; 0: it never does.
   int patience = 0;
 };
@@ -32,9 +35,10 @@ struct ProximalMethods {
 /// Those of the host, with factorizations.
 ProximalMethods host_proximal_methods();
 
-/// Runs from the guess until the monitor stops it, or stalls out of patience.
-/// See proximal.cpp for the method.
-void run_proximal(const AssembledProblem& problem, const AssembledOptions& options,
+/// Runs from the guess until the monitor stops it, or stalls out of patience. See proximal.cpp for
+/// the method.
+/// @return  false when it stalled after most_opening_failures
+bool run_proximal(const AssembledProblem& problem, const AssembledOptions& options,
                   const ProximalSettings& settings, AssembledMonitor& monitor,
                   const ProximalMethods& methods = host_proximal_methods());
 

@@ -101,8 +101,8 @@ class Engine;        // host/engine/engine.h: implemented once, compiled per bac
 
 class World {
  public:
-  /// @throws InputError when the scene is invalid, the backend is not there, or memory cannot hold
-  /// it
+  /// @throws InputError when the scene is invalid, the backend is not there,
+  ///         or memory cannot hold it
   World(Scene scene, const WorldOptions& options);
   ~World();
   World(World&&) noexcept;
@@ -122,7 +122,7 @@ class World {
   std::vector<ContactRecord> contacts() const;
 
   /// Pairs of bodies that overlap where they are now, impulses left zero. Takes the place of the
-  /// contacts of the last step, also for the next warm start: for a look before the first step.
+  /// contacts of the last step, also for the next warm start: for a check before the first step.
   std::vector<ContactRecord> overlaps() const;
 
   WorldState save() const;
@@ -152,7 +152,7 @@ struct DeviceInfo {
 DeviceInfo device_info(BackendKind kind);
 
 /// @throws InputError saying how many bodies fit when the scene is expected to need more memory
-/// than is free on the device, or than the limit of the options
+///         than is free on the device, or than the limit of the options
 void require_memory(const Scene& scene, const WorldOptions& options);
 
 /// Bodies like those of a scene that fit, about; the list of near pairs not kept.

@@ -25,8 +25,8 @@ inline void add_floor_rows(GlobalProblem& p, std::vector<MatrixEntry>& h, int bo
   p.w.insert(p.w.end(), 5, 0.0);
 }
 
-/// A solid sphere of 1 kg and radius 0.1 m that rolls along x without sliding and presses with
-/// 0.3 N s.
+/// A solid sphere of 1 kg and radius 0.1 m that rolls along x without sliding and
+/// presses with 0.3 N s.
 struct RollingSphere {
   static constexpr double mass = 1, radius = 0.1, inertia = 0.4 * mass * radius * radius;
   static constexpr double speed = 0.5, press = 0.3;

@@ -7,9 +7,9 @@
 
 namespace scree {
 
-/// Passes over all bodies a run of the scene can ever have, in the order of their ids: calls
-/// on_body(id, body) for those described one by one and on_set(first id, set) for sets of
-/// particles.
+/// Passes over all bodies a run of the scene can ever have, in the order of their ids:
+/// calls on_body(id, body) for those described one by one and on_set(first id, set)
+/// for sets of particles.
 template <class OnBody, class OnSet>
 void for_each_by_id(const Scene& scene, OnBody on_body, OnSet on_set) {
   std::size_t id = 0;

@@ -169,8 +169,8 @@ class BodyStore {
     take_free(velocity_, s.velocity);
     take_free(angular_velocity_, s.angular_velocity);
   }
-  /// Overwrites the state of the free bodies; their constants must be in place already, in order of
-  /// s.id.
+  /// Overwrites the state of the free bodies; their constants must be in place already,
+  /// in order of s.id.
   void restore_free(const WorldState& s) {
     put_free(s.position, position_);
     put_free(s.orientation, orientation_);
@@ -178,8 +178,8 @@ class BodyStore {
     put_free(s.angular_velocity, angular_velocity_);
   }
   /// Brings the free bodies into the storage order of a saved state.
-  /// @param id  [free_count] ids in that order @throws InputError when they are not those of the
-  /// free bodies
+  /// @param id  [free_count] ids in that order
+  /// @throws InputError when they are not those of the free bodies
   void arrange(const std::vector<int>& id) {
     const std::vector<Index> now = take(id_, 0, free_count_);
     const Index id_end = now.empty() ? 0 : *std::max_element(now.begin(), now.end()) + 1;

@@ -1,6 +1,6 @@
 #pragma once
-// The engine's messages, kept out of its header: the formatting library does not compile under
-// nvcc.
+// The engine's messages, kept out of its header: the formatting library does not
+// compile under nvcc.
 
 #include <cstdint>
 
@@ -9,8 +9,8 @@
 
 namespace scree {
 
-/// A state that is not finite, or out of the range of kernels/bodies/range.h. @throws RunError naming the
-/// body
+/// A state that is not finite, or out of the range of kernels/bodies/range.h.
+/// @throws RunError naming the body
 [[noreturn]] void throw_bad_body(std::int64_t step, int body, const Vec3d& position,
                                  const Vec3d& velocity);
 /// @throws RunError naming the quantity

@@ -129,7 +129,7 @@ Bytes solver(const Sizes& s) {
   return bytes;
 }
 
-/// A body and its contacts while contacts are looked for: those of the last step are remembered,
+/// A body and its contacts while contacts are searched for: those of the last step are remembered,
 /// and what is noted of pairs and margins are there too.
 double in_collision(const Sizes& s) {
   return state_of_body(s) + near_pair_list(s) + 8 * s.pairs + 12 +

@@ -1,7 +1,7 @@
 #pragma once
 // Impacts of a step by Poisson's hypothesis, before the step's own contact problem: rounds of
 // compression and release on the contacts that bounce and on those that touch them.
-// docs/theory.md, section "Impacts". Memory: 16 bytes a contact and 4 a body while a round looks
+// docs/theory.md, section "Impacts". Memory: 16 bytes a contact and 4 a body while a round searches
 // for impacts; what else it takes goes with the contacts that take part.
 
 #include <cmath>

@@ -9,8 +9,8 @@
 
 namespace scree {
 
-/// The contact problem of a step with the memory it points at, beside that of the bodies and of the
-/// contacts.
+/// The contact problem of a step with the memory it points at, beside that of the bodies
+/// and of the contacts.
 template <class B, class Real>
 struct StepProblem {
   explicit StepProblem(B& b)

@@ -5,9 +5,9 @@
 // impulse pushes apart when it is positive, the normal velocity separates when it is positive.
 // Coulomb's law is K* contains u + mu |u_t| e_n _|_ r in K = {|r_t| <= mu r_n} for every contact.
 //
-// With rolling friction a contact has two rows more, the rolling rates about the tangents [rad/s] and
-// the moments r_m [N m s] in r: K = {|r_t| <= mu r_n, |r_m| <= mu_r r_n}, and mu_r |u_m| e_n is added
-// as well.
+// With rolling friction a contact has two rows more, the rolling rates about the tangents
+// [rad/s] and the moments r_m [N m s] in r: K = {|r_t| <= mu r_n, |r_m| <= mu_r r_n}, and mu_r
+// |u_m| e_n is added as well.
 
 #include <string>
 #include <vector>

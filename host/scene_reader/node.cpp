@@ -192,7 +192,7 @@ std::pair<double, double> Node::interval(const char* unit) const {
 }
 
 std::filesystem::path Node::file() const {
-  const std::filesystem::path path = source_->base_directory / text();
+  std::filesystem::path path = source_->base_directory / text();
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     refuse("no such file (looked for " + path.string() + ")");

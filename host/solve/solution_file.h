@@ -10,7 +10,8 @@
 
 namespace scree {
 
-/// Impulses and velocities, in the rows of the problem's file: normal, one or two tangents, two of rolling.
+/// Impulses and velocities, in the rows of the problem's file: normal, one or two tangents,
+/// two of rolling.
 struct Solution {
   std::string problem;  ///< name of the problem; empty when the file does not say
   std::string solver;   ///< that reached it; empty when the file does not say
@@ -24,7 +25,8 @@ struct Solution {
 /// @param runs  at least one
 const SolverRun& best_run(const std::vector<SolverRun>& runs);
 
-/// What a run reached on a problem that has W, of three rows a contact or five. @param model  that it solved
+/// What a run reached on a problem that has W, of three rows a contact or five.
+/// @param model  that it solved
 Solution solution_of(const ReadyProblem& problem, const SolverRun& run, AssembledModel model);
 
 /// Replaces the file: HDF5, `/solution/r` and `/solution/u` as FCLIB has them, the rest as

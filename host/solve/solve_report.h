@@ -56,8 +56,8 @@ double least_objective(const ProblemReport& report);
 /// One line a check. @param least_objective  that gaps are measured to; not finite: no gaps
 std::string curve_csv(const SolverRun& run, double least_objective);
 
-/// Profiles of the solvers over all reports, at least one. Cost is time by the clock, or products
-/// with W.
+/// Profiles of the solvers over all reports, at least one. Cost is time by the clock,
+/// or products with W.
 PerformanceProfile seconds_profile(const std::vector<ProblemReport>& reports);
 PerformanceProfile applications_profile(const std::vector<ProblemReport>& reports);
 

@@ -111,8 +111,8 @@ struct FreeVelocity {
   }
 };
 
-/// Inverse mass of each body in the radial layout: stored, or worked out where all
-/// bodies have the same inv_spin / inv_mass.
+/// Inverse mass of each body in the radial layout: stored, or worked out where all bodies have
+/// the same inv_spin / inv_mass.
 template <class Real>
 struct RadialInertias {
   Span<const RadialInertia<Real>> values;  ///< [body_count], or empty:

@@ -80,9 +80,9 @@ struct ImpactGraph {
   }
 };
 
-/// Margins of free bodies from their own contacts, and the largest push of all [m]; notes the room
-/// of each contact. Bytes per contact (float, radial), besides bodies from the caches: 24 read, 8
-/// written.
+/// Margins of free bodies from their own contacts, and the largest push of all [m]; notes
+/// the room of each contact. Bytes per contact (float, radial), besides bodies from the caches:
+/// 24 read, 8 written.
 template <class Real>
 struct StartMargins {
   static constexpr const char* name = "start_margins";

@@ -7,8 +7,8 @@
 
 namespace scree {
 
-/// A node in depth-first order. When its box is missed the walk goes on at `skip`, else at the next
-/// node.
+/// A node in depth-first order. When its box is missed the walk goes on at `skip`,
+/// else at the next node.
 struct MeshNode {
   float lower[3];  ///< body frame [m], rounded outward
   Index skip;      ///< global index of the first node past this subtree
@@ -16,8 +16,8 @@ struct MeshNode {
   Index leaf;  ///< -1: inner node; else first triangle of the mesh's own count * 8 + triangle count
 };
 
-/// A triangle: vertices counter-clockwise from outside; edge k joins vertex k and vertex (k + 1)
-/// % 3.
+/// A triangle: vertices counter-clockwise from outside; edge k joins vertex k and
+/// vertex (k + 1) % 3.
 struct MeshTriangle {
   Index vertex[3];
   Index edge[3];

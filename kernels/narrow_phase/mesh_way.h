@@ -49,19 +49,19 @@ SCREE_HD bool is_below(const MeshView<Real>& mesh, Index t, TriangleFeature feat
 
 /// Planes of the contacts of a sphere with one wall, the nearest if there are too many.
 struct HoldingPlanes {
-  static constexpr int kMost = 8;
-  HoldingPlane plane[kMost];
-  std::uint32_t image[kMost];    ///< of the wall
-  std::uint32_t element[kMost];  ///< of the contact
+  static constexpr int kMaxPlanes = 8;
+  HoldingPlane plane[kMaxPlanes];
+  std::uint32_t image[kMaxPlanes];    ///< of the wall
+  std::uint32_t element[kMaxPlanes];  ///< of the contact
   int count = 0;
   bool is_all = true;  ///< there were not too many; they are in the order they came in
 
   SCREE_HD void add(const HoldingPlane& p, std::uint32_t of_image, std::uint32_t of_element) {
     int at = count;
-    if (count == kMost) {
+    if (count == kMaxPlanes) {
       is_all = false;
       at = 0;
-      for (int k = 1; k < kMost; ++k) at = plane[k].height > plane[at].height ? k : at;
+      for (int k = 1; k < kMaxPlanes; ++k) at = plane[k].height > plane[at].height ? k : at;
       if (!(p.height < plane[at].height)) return;
     } else {
       ++count;
@@ -84,7 +84,7 @@ struct HoldingPlanes {
 
   /// The way nearest to a free one that no plane cuts, by Hildreth's method.
   SCREE_HD Vec3d allowed(const Vec3d& free, double radius) const {
-    double push[kMost] = {};
+    double push[kMaxPlanes] = {};
     Vec3d way = free;
     for (int round = 0; round < 60; ++round) {
       double most = 0;
@@ -117,8 +117,8 @@ SCREE_HD inline std::uint32_t mesh_element(const WallSolid& solid, const MeshInf
 
 /// Contacts that are found on the way only, ascending.
 struct WayContacts {
-  static constexpr int kMost = 6;
-  WayContact contact[kMost];
+  static constexpr int kMaxContacts = 6;
+  WayContact contact[kMaxContacts];
   int count = 0;
 
   SCREE_HD bool contains(std::uint32_t element) const {

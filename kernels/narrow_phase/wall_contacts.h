@@ -94,8 +94,8 @@ struct SolidContacts {
   SCREE_HD bool is_contact(const ContactGeometry& g) const {
     return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
   }
-  /// Along a normal, every point of the wall body approaches the center of A as the point there
-  /// does [m/s].
+  /// Along a normal, every point of the wall body approaches the center of A as the point
+  /// there does [m/s].
   SCREE_HD Vec3d wall_speed(const Vec3d& d) const {
     return solid.motion.linear - cross(solid.motion.angular, d) - a.motion.linear;
   }
@@ -211,8 +211,8 @@ struct SolidContacts {
     return is_any;
   }
 
-  /// Whether the step may lead from one part of a mesh to another: within half the envelope it does
-  /// not matter.
+  /// Whether the step may lead from one part of a mesh to another: within half the envelope
+  /// it does not matter.
   SCREE_HD bool is_fast() const {
     return range.h * norm(wall_speed(center_of(nearest_image()))) > 0.5 * range.envelope;
   }
@@ -241,7 +241,7 @@ struct SolidContacts {
     const MeshInfo& info = meshes.meshes[solid.mesh];
     const double rise = kHiddenRise * a.radius;
     WayContacts found;
-    while (found.count < WayContacts::kMost) {
+    while (found.count < WayContacts::kMaxContacts) {
       WayTouch first;
       std::uint32_t first_image = 0;
       Index first_triangle = 0;

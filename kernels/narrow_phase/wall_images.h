@@ -6,7 +6,7 @@
 
 namespace scree {
 
-/// Images on either side of the one nearest to a body that are looked at along a periodic axis.
+/// Images on either side of the one nearest to a body that are searched along a periodic axis.
 inline constexpr int kImagesAside = 3;
 /// The most periods a wall may span, so that all it may touch are among them.
 inline constexpr int kMostPeriods = 2 * kImagesAside - 1;

@@ -35,8 +35,8 @@ struct ProximalMethods {
 /// Those of the host, with factorizations.
 ProximalMethods host_proximal_methods();
 
-/// Runs from the guess until the monitor stops it, or stalls out of patience. See proximal.cpp for
-/// the method.
+/// Runs from the guess until the monitor stops it, or stalls out of patience.
+/// See proximal.cpp for the method.
 /// @return  false when it stalled after most_opening_failures
 bool run_proximal(const AssembledProblem& problem, const AssembledOptions& options,
                   const ProximalSettings& settings, AssembledMonitor& monitor,

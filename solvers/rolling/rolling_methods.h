@@ -11,15 +11,15 @@ namespace scree {
 /// inner steps: projected on the cone for the convex model; for the exact one normal, friction and
 /// rolling moment by turns, each within what the normal impulse allows, whose fixed points satisfy
 /// the law without a lift. Memory passes over W: one a sweep.
-/// Source: Jourdan, Alart & Jean, CMAME 155, 1998; the inner steps as Alart & Curnier, CMAME 92,
-/// 1991.
+/// Source: Jourdan, Alart & Jean, CMAME 155, 1998; the inner steps as Alart & Curnier,
+/// CMAME 92, 1991.
 /// @param x  in: any values; out: the last iterate
 void run_rolling_sweeps(const RollingProblem& p, AssembledModel model, std::vector<double>& x,
                         RollingMonitor& monitor);
 
-/// Accelerated projected gradient with backtracking and restarts until the phase ends; for the exact
-/// model around it the De Saxce fixed point, whose lift follows when the inner residual is a tenth
-/// of the outer one. One product with W an iteration.
+/// Accelerated projected gradient with backtracking and restarts until the phase ends;
+/// for the exact model around it the De Saxce fixed point, whose lift follows when the inner
+/// residual is a tenth of the outer one. One product with W an iteration.
 /// Source: Mazhar et al., ACM TOG 34(3), 2015; O'Donoghue & Candes, Found. Comput. Math. 15, 2015.
 void run_rolling_apgd(const RollingProblem& p, AssembledModel model, std::vector<double>& x,
                       RollingMonitor& monitor);

@@ -1,5 +1,5 @@
 #pragma once
-// Follows one solve of a problem with rolling friction: looks at iterates, records, keeps the best,
+// Follows one solve of a problem with rolling friction: checks iterates, records, keeps the best,
 // and says when to stop, as AssembledMonitor does for three rows a contact.
 
 #include <chrono>
@@ -17,7 +17,7 @@ class RollingMonitor {
   RollingMonitor(const RollingProblem& problem, const std::vector<double>& scales,
                  const AssembledOptions& options, std::vector<AssembledCurvePoint>* curve);
 
-  /// Looks at impulses x = S r, when it is time to, and says whether the phase is over.
+  /// Checks impulses x = S r, when it is time to, and says whether the phase is over.
   bool over(const std::vector<double>& x);
   /// An iteration is done that took so many products with W.
   void count(int products = 1);

@@ -56,8 +56,8 @@ int untouchable_contact(const RollingProblem& p) {
 }
 
 /// Sweeps and accelerated steps by turns, each from where it was and twice as long as in the turn
-/// before: what one of them solves takes a few times its time. Where both crawl, proximal points from
-/// the best of them, if factors are cheap.
+/// before: what one of them solves takes a few times its time. Where both crawl, proximal points
+/// from the best of them, if factors are cheap.
 void run_auto(const RollingProblem& p, AssembledModel model, std::vector<double> swept,
               RollingMonitor& monitor) {
   std::vector<double> accelerated = swept;

@@ -15,8 +15,8 @@ std::vector<std::string> rolling_solver_names();
 /// As AssembledSolver::solve for five rows a contact. For the convex model an unsymmetric W is
 /// replaced by its symmetric part, which the result notes.
 /// @param options  relaxation and tell_unsolvable have no meaning here
-/// @throws AssembledError naming the known solvers when the name is none of them, or when sizes
-///         disagree
+/// @throws AssembledError naming the known solvers when the name is none of them,
+///         or when sizes disagree
 AssembledResult solve_rolling(const std::string& name, const RollingProblem& problem,
                               const AssembledOptions& options,
                               std::vector<AssembledCurvePoint>* curve = nullptr);

@@ -1,8 +1,8 @@
 #pragma once
 // A sphere on a triangle mesh. A triangle gives a contact only where its distance to the center has
 // a local minimum over the whole surface: on its face, on an edge it owns, or at a vertex it owns.
-// So a flat floor of many triangles is one contact, and a sphere rolling over inner edges meets no
-// ghost.
+// So a flat floor of many triangles is one contact, and a sphere rolling over inner
+// edges meets no ghost.
 //
 // Whether the foot of the center lies inside a triangle, past an edge or past a vertex is decided
 // from the edge alone, by the same arithmetic for both triangles. A strip around each edge

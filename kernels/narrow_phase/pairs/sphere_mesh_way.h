@@ -18,7 +18,7 @@ struct SphereWay {
   SCREE_HD double slack() const { return 1e-6 * radius; }
 };
 
-/// A plane that holds the sphere: its center shall stay at least the radius above it.
+/// A plane that holds the sphere: its center must stay at least the radius above it.
 struct HoldingPlane {
   Vec3d normal;       ///< unit, toward the center
   double height = 0;  ///< of the center at the start [m]
@@ -81,7 +81,7 @@ SCREE_HD inline bool comes_near(const SphereWay& s, const Vec3d& offset, const V
 /// Takes the touch of a line or a point if it is earlier. The normal is that where the sphere
 /// touches it, or passes it nearest.
 /// The center comes_near().
-/// @param offset   from it to the center at the start [m], along a line of no account
+/// @param offset   from it to the center at the start [m], its part along a line does not matter
 /// @param way      of the offset [m]
 /// @param outward  of the surface there; zero: any direction will do
 SCREE_HD inline void touch_ridge(const SphereWay& s, const Vec3d& offset, const Vec3d& way,
@@ -145,8 +145,8 @@ SCREE_HD void touch_vertex(const MeshView<Real>& mesh, bool is_closed, Index v, 
   touch_ridge(s, offset, s.way, outward, part, touch);
 }
 
-/// What of a triangle is hidden: bit 0 the face and with it all, bits 1 to 3 the edges, bits 4 to 6
-/// the vertices.
+/// What of a triangle is hidden: bit 0 the face and with it all, bits 1 to 3 the edges,
+/// bits 4 to 6 the vertices.
 using HiddenParts = unsigned;
 
 /// Parts of triangle t that lie below a plane, but for a rise.

@@ -1,6 +1,6 @@
 #pragma once
-// A sphere on a plane: the surface of a half-space, or a face of a container taken as an infinite
-// plane.
+// A sphere on a plane: the surface of a half-space, or a face of a container taken
+// as an infinite plane.
 
 #include "kernels/narrow_phase/pairs/contact_geometry.h"
 

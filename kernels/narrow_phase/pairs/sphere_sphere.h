@@ -9,8 +9,8 @@ namespace scree {
 /// @param d         center of A to center of B [m]
 /// @param radius_a  [m]
 /// @param radius_b  [m]
-/// Coinciding centers are pushed apart along z. The gap has the same bits when A and B change
-/// places.
+/// Coinciding centers are pushed apart along z. The gap has the same bits when A
+/// and B change places.
 SCREE_HD inline ContactGeometry sphere_sphere(const Vec3d& d, double radius_a, double radius_b) {
   const double distance = norm(d);
   ContactGeometry g;
@@ -21,11 +21,11 @@ SCREE_HD inline ContactGeometry sphere_sphere(const Vec3d& d, double radius_a, d
   return g;
 }
 
-/// The same for spheres on straight ways. Where these miss each other, but would cut the plane
-/// between the spheres at the start, that at their nearest pass takes its place, so that it does
-/// not deflect them. The gap is again that of the two planes at the start. What meets keeps the
-/// normal of the start, which leads through both centers: so impulses along it keep the angular
-/// momentum.
+/// The same for spheres on straight ways. Where these miss each other, but would cut
+/// the plane between the spheres at the start, that at their nearest pass takes its place,
+/// so that it does not deflect them. The gap is again that of the two planes at the start.
+/// What meets keeps the normal of the start, which leads through both centers: so impulses along
+/// it keep the angular momentum.
 /// @param g    sphere_sphere() at the start
 /// @param way  of B relative to A in the step [m]
 SCREE_HD inline ContactGeometry spheres_on_way(const ContactGeometry& g, const Vec3d& d,

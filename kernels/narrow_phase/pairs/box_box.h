@@ -1,0 +1,474 @@
+#pragma once
+// Two solid boxes: up to four contacts.
+//
+// The axis of the largest separation among the 15 normals of faces and of pairs of edges (Gottschalk,
+// Lin, Manocha, OBBTree, 1996) says how the boxes meet: a face of one, the reference, with the face
+// of the other that points most against it, clipped by the sides of the reference; or two edges that
+// cross. Faces are preferred to edges and the first box to the second unless the other is better by
+// more than a bias, so that what rounding decides does not change from step to step. Boxes that are
+// apart and whose nearest points lie on other features, such as two corners, have one contact there.
+//
+// A feature tells which corners, edges and sides make a contact, and so its geometry without any
+// further choice: what was listed is what is filled in.
+
+#include "kernels/narrow_phase/pairs/box_plane.h"
+#include "kernels/narrow_phase/pairs/manifold.h"
+#include "kernels/narrow_phase/pairs/sphere_box.h"
+
+namespace scree {
+
+/// A box in world axes.
+struct BoxAxes {
+  Vec3d axis[3];  ///< unit
+  Vec3d half;     ///< half extents [m]
+
+  BoxAxes() = default;
+  SCREE_HD BoxAxes(const Quatd& q, const Vec3d& half_extents)
+      : axis{rotate(q, Vec3d{1, 0, 0}), rotate(q, Vec3d{0, 1, 0}), rotate(q, Vec3d{0, 0, 1})},
+        half(half_extents) {}
+
+  /// From the center to the point with these coordinates in the body frame [m].
+  SCREE_HD Vec3d world(const Vec3d& x) const {
+    return x.x * axis[0] + x.y * axis[1] + x.z * axis[2];
+  }
+  SCREE_HD Vec3d local(const Vec3d& x) const {
+    return {dot(x, axis[0]), dot(x, axis[1]), dot(x, axis[2])};
+  }
+  /// Half the length of its shadow on a direction, which need not be a unit vector.
+  SCREE_HD double shadow(const Vec3d& direction) const {
+    const Vec3d n = local(direction);
+    return half.x * std::abs(n.x) + half.y * std::abs(n.y) + half.z * std::abs(n.z);
+  }
+  /// Center to the middle of edge e: along axis e / 4, its bits 0 and 1 set at the positive ends of
+  /// the next two axes.
+  SCREE_HD Vec3d edge_middle(int e) const {
+    const int k = e / 4, p = (k + 1) % 3, q = (k + 2) % 3;
+    return (e & 1 ? half[p] : -half[p]) * axis[p] + (e & 2 ? half[q] : -half[q]) * axis[q];
+  }
+};
+
+struct BoxPair {
+  BoxAxes box[2];
+  Vec3d d;  ///< center of box 0 to center of box 1 [m]
+};
+
+/// Features of two boxes: the nearest points of boxes that are apart, an edge of each by their
+/// axes, or a reference face with a corner of the other box, a corner of its own, or where an edge
+/// of the other box passes one of its sides.
+struct BoxFeature {
+  static constexpr int kBits = 9;
+  static constexpr std::uint32_t kNearest = 0;
+  static constexpr std::uint32_t kEdges = 1;
+  static constexpr std::uint32_t kFaces = 10;
+  // Points of a reference face.
+  static constexpr int kOtherCorner = 0;
+  static constexpr int kOwnCorner = 8;
+  static constexpr int kSide = 20;
+  static constexpr int kPoints = 68;
+
+  SCREE_HD static std::uint32_t edges(int axis_0, int axis_1) {
+    return kEdges + static_cast<std::uint32_t>(3 * axis_0 + axis_1);
+  }
+  SCREE_HD static std::uint32_t face(int box, int axis, int point) {
+    return kFaces + static_cast<std::uint32_t>((3 * box + axis) * kPoints + point);
+  }
+  /// @param signs  bits 0 and 1: the positive ends of the two axes after that of the reference
+  SCREE_HD static int own_corner(int signs, int other_axis) {
+    return kOwnCorner + 4 * other_axis + signs;
+  }
+  /// @param side  bit 0: the positive end; bit 1: of the second axis after that of the reference
+  SCREE_HD static int side(int edge, int side) { return kSide + 4 * edge + side; }
+};
+static_assert(BoxFeature::kFaces + 6 * BoxFeature::kPoints <= 1u << BoxFeature::kBits);
+
+namespace box_box_parts {
+
+/// Distances below this part of the smallest half extent are ties.
+inline constexpr double kTie = 1e-4;
+/// By so much, in the same measure, edges must separate boxes better than faces do.
+inline constexpr double kEdgeBias = 1e-3;
+/// Edges with a smaller squared sine of the angle between them are parallel.
+inline constexpr double kParallel = 1e-6;
+
+SCREE_HD inline double smallest(const Vec3d& v) {
+  const double m = v.x < v.y ? v.x : v.y;
+  return m < v.z ? m : v.z;
+}
+SCREE_HD inline Vec3d along(const Vec3d& axis, const Vec3d& direction) {
+  return dot(axis, direction) < 0 ? -axis : axis;
+}
+
+/// The reference face, and the face of the other box against it.
+struct ReferenceFace {
+  const BoxAxes& own;
+  const BoxAxes& other;
+  Vec3d d;  ///< center of the reference box to that of the other [m]
+  int axis;
+  Vec3d normal;  ///< out of the reference box, toward the other
+
+  SCREE_HD ReferenceFace(const BoxPair& pair, int box, int axis_)
+      : own(pair.box[box]),
+        other(pair.box[1 - box]),
+        d(box == 0 ? pair.d : -pair.d),
+        axis(axis_),
+        normal(along(own.axis[axis_], d)) {}
+
+  /// From the center of the reference box to a point of the contact [m], see BoxFeature.
+  SCREE_HD Vec3d point(int p) const {
+    if (p < BoxFeature::kOwnCorner) return d + other.world(box_corner(other.half, p));
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    if (p < BoxFeature::kSide) {
+      const int signs = (p - BoxFeature::kOwnCorner) % 4;
+      const int other_axis = (p - BoxFeature::kOwnCorner) / 4;
+      const Vec3d out = -along(other.axis[other_axis], normal);
+      const Vec3d corner = own.half[axis] * normal +
+                           (signs & 1 ? own.half[u] : -own.half[u]) * own.axis[u] +
+                           (signs & 2 ? own.half[v] : -own.half[v]) * own.axis[v];
+      const double height = dot(d + other.half[other_axis] * out - corner, out) / dot(normal, out);
+      return corner + height * normal;
+    }
+    const int edge = (p - BoxFeature::kSide) / 4, side = (p - BoxFeature::kSide) % 4;
+    const int across = side & 2 ? v : u;
+    const double limit = side & 1 ? own.half[across] : -own.half[across];
+    const Vec3d middle = d + other.edge_middle(edge), direction = other.axis[edge / 4];
+    const double t = (limit - dot(middle, own.axis[across])) / dot(direction, own.axis[across]);
+    return middle + t * direction;
+  }
+};
+
+SCREE_HD inline ContactGeometry face_contact(const BoxPair& pair, int box, int axis, int point) {
+  const ReferenceFace face(pair, box, axis);
+  const Vec3d x = face.point(point);
+  ContactGeometry g;
+  g.normal = face.normal;
+  g.gap = dot(face.normal, x) - face.own.half[axis];
+  g.arm_a = x - g.gap * face.normal;
+  g.arm_b = x - face.d;
+  return box == 0 ? g : swapped(g);
+}
+
+/// The edges of both boxes, along these axes, that are nearest to the other box.
+struct EdgePair {
+  Vec3d normal;     ///< unit, from box 0 to box 1
+  Vec3d middle[2];  ///< center of box 0 to the middles of the edges [m]
+  double along[2];  ///< of their common normal, from the middles along the axes [m]
+
+  SCREE_HD EdgePair(const BoxPair& pair, int i, int j) {
+    const BoxAxes &a = pair.box[0], &b = pair.box[1];
+    normal = box_box_parts::along(normalized(cross(a.axis[i], b.axis[j])), pair.d);
+    middle[1] = pair.d;
+    for (int k = 0; k < 3; ++k) {
+      if (k != i) middle[0] += a.half[k] * box_box_parts::along(a.axis[k], normal);
+      if (k != j) middle[1] -= b.half[k] * box_box_parts::along(b.axis[k], normal);
+    }
+    const Vec3d w = middle[1] - middle[0];
+    const double c = dot(a.axis[i], b.axis[j]), sine2 = 1 - c * c;
+    const double wa = dot(w, a.axis[i]), wb = dot(w, b.axis[j]);
+    along[0] = (wa - c * wb) / sine2;
+    along[1] = (c * wa - wb) / sine2;
+  }
+  /// Whether the common normal meets both edges.
+  SCREE_HD bool cross_within(const BoxPair& pair, int i, int j, double tie) const {
+    return std::abs(along[0]) <= pair.box[0].half[i] + tie &&
+           std::abs(along[1]) <= pair.box[1].half[j] + tie;
+  }
+};
+
+SCREE_HD inline ContactGeometry edge_contact(const BoxPair& pair, int i, int j) {
+  const EdgePair edges(pair, i, j);
+  ContactGeometry g;
+  g.normal = edges.normal;
+  g.gap = dot(edges.normal, edges.middle[1] - edges.middle[0]);
+  g.arm_a = edges.middle[0] + edges.along[0] * pair.box[0].axis[i];
+  g.arm_b = edges.middle[1] + edges.along[1] * pair.box[1].axis[j] - pair.d;
+  return g;
+}
+
+/// The nearest points of two boxes that are apart: of a corner and a box, or of two edges.
+struct NearestPoints {
+  double distance2 = -1;
+  Vec3d a, b;  ///< center of box 0 to the points [m]
+
+  SCREE_HD void offer(const Vec3d& on_a, const Vec3d& on_b) {
+    const double found = norm2(on_b - on_a);
+    // Edges count only where they are nearer than corners beyond rounding.
+    if (distance2 >= 0 && !(found < distance2 * (1 - 1e-9))) return;
+    distance2 = found;
+    a = on_a;
+    b = on_b;
+  }
+  SCREE_HD explicit NearestPoints(const BoxPair& pair) {
+    const BoxAxes &box_a = pair.box[0], &box_b = pair.box[1];
+    for (int k = 0; k < kBoxCorners; ++k) {
+      const Vec3d x = box_a.world(box_corner(box_a.half, k));
+      offer(x, pair.d + box_b.world(nearest_in_box(box_b.half, box_b.local(x - pair.d))));
+      const Vec3d y = pair.d + box_b.world(box_corner(box_b.half, k));
+      offer(box_a.world(nearest_in_box(box_a.half, box_a.local(y))), y);
+    }
+    for (int e = 0; e < 12; ++e) {
+      for (int f = 0; f < 12; ++f) offer_edges(pair, e, f);
+    }
+  }
+  SCREE_HD void offer_edges(const BoxPair& pair, int e, int f) {
+    const Vec3d u = pair.box[0].axis[e / 4], v = pair.box[1].axis[f / 4];
+    const double c = dot(u, v), sine2 = 1 - c * c;
+    if (sine2 < kParallel) return;  // then corners are as near
+    const Vec3d x = pair.box[0].edge_middle(e), y = pair.d + pair.box[1].edge_middle(f);
+    const double wu = dot(y - x, u), wv = dot(y - x, v);
+    const double s = (wu - c * wv) / sine2, t = (c * wu - wv) / sine2;
+    if (std::abs(s) <= pair.box[0].half[e / 4] && std::abs(t) <= pair.box[1].half[f / 4]) {
+      offer(x + s * u, y + t * v);
+    }
+  }
+};
+
+SCREE_HD inline ContactGeometry nearest_contact(const BoxPair& pair) {
+  const NearestPoints nearest(pair);
+  ContactGeometry g;
+  g.normal = normalized(nearest.b - nearest.a);
+  g.gap = std::sqrt(nearest.distance2);
+  g.arm_a = nearest.a;
+  g.arm_b = nearest.b - pair.d;
+  return g;
+}
+
+/// How the boxes meet.
+struct SeparatingAxis {
+  double separation = 0;  ///< of the boxes along it [m], negative is overlap
+  int box = -1;           ///< reference; -1: two edges
+  int i = 0, j = 0;       ///< axis of the reference, or of the edges of the two boxes
+
+  /// @param most  boxes that are farther apart need no answer: `separation` is more than this then
+  SCREE_HD SeparatingAxis(const BoxPair& pair, double most, double tie, double edge_bias) {
+    const BoxAxes &a = pair.box[0], &b = pair.box[1];
+    separation = -1e300;
+    for (int side = 0; side < 2; ++side) {
+      double best = -1e300;
+      int best_axis = 0;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3d n = pair.box[side].axis[k];
+        const double s =
+            std::abs(dot(pair.d, n)) - pair.box[side].half[k] - pair.box[1 - side].shadow(n);
+        if (s > best + tie) best = s, best_axis = k;
+      }
+      if (best > separation + tie) separation = best, box = side, i = best_axis;
+      if (separation > most) return;
+    }
+    double best = -1e300;
+    int best_i = 0, best_j = 0;
+    for (int p = 0; p < 3; ++p) {
+      for (int q = 0; q < 3; ++q) {
+        const Vec3d n = cross(a.axis[p], b.axis[q]);
+        const double sine2 = norm2(n);
+        if (sine2 < kParallel) continue;
+        const double s = (std::abs(dot(pair.d, n)) - a.shadow(n) - b.shadow(n)) / std::sqrt(sine2);
+        if (s > best + tie) best = s, best_i = p, best_j = q;
+      }
+    }
+    if (best > separation + edge_bias) separation = best, box = -1, i = best_i, j = best_j;
+  }
+};
+
+/// Points of a face contact, in the plane of the reference face.
+struct FacePoints {
+  static constexpr int kMost = 16;
+  int count = 0;
+  int point[kMost];
+  double u[kMost], v[kMost], gap[kMost];
+
+  SCREE_HD bool has(double u_, double v_, double tie) const {
+    for (int k = 0; k < count; ++k) {
+      if (std::abs(u[k] - u_) <= 2 * tie && std::abs(v[k] - v_) <= 2 * tie) return true;
+    }
+    return false;
+  }
+  SCREE_HD void add(int p, double u_, double v_, double gap_) {
+    if (count == kMost) return;
+    point[count] = p, u[count] = u_, v[count] = v_, gap[count] = gap_;
+    ++count;
+  }
+  /// Twice the area of a triangle, positive when it is counterclockwise.
+  SCREE_HD double area(int i, int j, int k) const {
+    return (u[j] - u[i]) * (v[k] - v[i]) - (v[j] - v[i]) * (u[k] - u[i]);
+  }
+};
+
+/// The four points that stay of many: the deepest one, that farthest from it, and those that make
+/// the area largest. A later point must be better by more than rounding.
+/// @return  how many; `kept` are their places
+SCREE_HD inline int reduced(const FacePoints& p, double tie, int kept[Manifold::kMost]) {
+  constexpr double kBetter = 1 + 1e-3;
+  if (p.count <= Manifold::kMost) {
+    for (int k = 0; k < p.count; ++k) kept[k] = k;
+    return p.count;
+  }
+  int first = 0, far = 0;
+  for (int k = 1; k < p.count; ++k) first = p.gap[k] < p.gap[first] - tie ? k : first;
+  double best = 0;
+  for (int k = 0; k < p.count; ++k) {
+    const double du = p.u[k] - p.u[first], dv = p.v[k] - p.v[first];
+    const double found = du * du + dv * dv;
+    if (found > best * kBetter) best = found, far = k;
+  }
+  int third = first;
+  best = 0;
+  for (int k = 0; k < p.count; ++k) {
+    const double found = std::abs(p.area(first, far, k));
+    if (found > best * kBetter) best = found, third = k;
+  }
+  if (third == first) {  // all on a line
+    kept[0] = first, kept[1] = far;
+    return 2;
+  }
+  const double turn = p.area(first, far, third) < 0 ? -1 : 1;
+  int fourth = first;
+  best = 0;
+  for (int k = 0; k < p.count; ++k) {
+    const double sides[] = {p.area(first, far, k), p.area(far, third, k), p.area(third, first, k)};
+    for (const double side : sides) {
+      if (-turn * side > best * kBetter) best = -turn * side, fourth = k;
+    }
+  }
+  kept[0] = first, kept[1] = far, kept[2] = third, kept[3] = fourth;
+  return fourth == first ? 3 : 4;
+}
+
+/// The face of the other box clipped by the sides of the reference.
+/// @param listed  which contacts are wanted
+template <class Listed>
+SCREE_HD FacePoints clipped_face(const BoxPair& pair, int box, int axis, double tie,
+                                 Listed&& listed) {
+  const ReferenceFace face(pair, box, axis);
+  const BoxAxes &own = face.own, &other = face.other;
+  int m = 0;
+  double steepest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double steep = std::abs(dot(other.axis[k], face.normal));
+    if (steep > steepest + kTie) steepest = steep, m = k;
+  }
+  const bool is_positive = dot(other.axis[m], face.normal) < 0;
+  const int p = (m + 1) % 3, q = (m + 2) % 3;
+  const Vec3d au = own.axis[(axis + 1) % 3], av = own.axis[(axis + 2) % 3];
+  const double hu = own.half[(axis + 1) % 3], hv = own.half[(axis + 2) % 3];
+  const Vec3d middle = face.d + (is_positive ? other.half[m] : -other.half[m]) * other.axis[m];
+  const Vec3d ep = other.half[p] * other.axis[p], eq = other.half[q] * other.axis[q];
+  const double u0 = dot(middle, au), up = dot(ep, au), uq = dot(eq, au);
+  const double v0 = dot(middle, av), vp = dot(ep, av), vq = dot(eq, av);
+
+  FacePoints found;
+  const auto take = [&](int point, double u, double v) {
+    if (found.has(u, v, tie)) return;
+    const ContactGeometry g = face_contact(pair, box, axis, point);
+    if (listed(g)) found.add(point, u, v, g.gap);
+  };
+  const auto sign = [](int bits, int bit) { return (bits & bit) != 0 ? 1.0 : -1.0; };
+  for (int k = 0; k < 4; ++k) {
+    const double u = u0 + sign(k, 1) * up + sign(k, 2) * uq;
+    const double v = v0 + sign(k, 1) * vp + sign(k, 2) * vq;
+    if (std::abs(u) > hu + tie || std::abs(v) > hv + tie) continue;
+    const int corner = (is_positive ? 1 << m : 0) | (k & 1) << p | (k >> 1) << q;
+    take(BoxFeature::kOtherCorner + corner, u, v);
+  }
+  const double determinant = up * vq - uq * vp;
+  for (int k = 0; k < 4; ++k) {
+    const double u = sign(k, 1) * hu, v = sign(k, 2) * hv;
+    const double at_p = ((u - u0) * vq - (v - v0) * uq) / determinant;
+    const double at_q = ((v - v0) * up - (u - u0) * vp) / determinant;
+    if ((std::abs(at_p) - 1) * other.half[p] > tie) continue;
+    if ((std::abs(at_q) - 1) * other.half[q] > tie) continue;
+    take(BoxFeature::own_corner(k, m), u, v);
+  }
+  for (int k = 0; k < 4; ++k) {
+    const bool is_p = k < 2;  // edges along p, then along q
+    const double end = k & 1 ? 1 : -1;
+    const double us = u0 + end * (is_p ? uq : up), vs = v0 + end * (is_p ? vq : vp);
+    const double ud = is_p ? up : uq, vd = is_p ? vp : vq;
+    // The ends of an edge on the two axes after its own: for p these are q and m, for q m and p.
+    const int at_end = k & 1, at_m = is_positive ? 1 : 0;
+    const int edge = is_p ? 4 * p + (at_end | at_m << 1) : 4 * q + (at_m | at_end << 1);
+    for (int side = 0; side < 4; ++side) {
+      const bool is_v = (side & 2) != 0;
+      const double limit = sign(side, 1) * (is_v ? hv : hu);
+      const double from = is_v ? vs : us, way = is_v ? vd : ud;
+      if (!(std::abs(limit - from) < std::abs(way))) continue;
+      const double t = (limit - from) / way;
+      const double u = is_v ? us + t * ud : limit, v = is_v ? limit : vs + t * vd;
+      if (std::abs(u) > hu + tie || std::abs(v) > hv + tie) continue;
+      take(BoxFeature::side(edge, side), u, v);
+    }
+  }
+  return found;
+}
+
+/// Corner of the other box that lies deepest below the reference face.
+SCREE_HD inline int deepest_corner(const BoxPair& pair, int box, int axis) {
+  const ReferenceFace face(pair, box, axis);
+  int corner = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (dot(face.other.axis[k], face.normal) < 0) corner |= 1 << k;
+  }
+  return corner;
+}
+
+}  // namespace box_box_parts
+
+/// Geometry of the contact that a feature names.
+SCREE_HD inline ContactGeometry box_box_contact(const BoxPair& pair, std::uint32_t feature) {
+  using namespace box_box_parts;
+  if (feature == BoxFeature::kNearest) return nearest_contact(pair);
+  if (feature < BoxFeature::kFaces) {
+    const int k = static_cast<int>(feature - BoxFeature::kEdges);
+    return edge_contact(pair, k / 3, k % 3);
+  }
+  const int k = static_cast<int>(feature - BoxFeature::kFaces);
+  const int face = k / BoxFeature::kPoints;
+  return face_contact(pair, face / 3, face % 3, k % BoxFeature::kPoints);
+}
+
+/// The contacts of two boxes that are wanted, four at most.
+/// @param most    boxes that are farther apart have none [m]
+/// @param listed  listed(contact): whether it is wanted
+template <class Listed>
+SCREE_HD Manifold box_box(const BoxPair& pair, double most, Listed&& listed) {
+  using namespace box_box_parts;
+  const double size_0 = smallest(pair.box[0].half), size_1 = smallest(pair.box[1].half);
+  const double size = size_0 < size_1 ? size_0 : size_1;
+  const double tie = kTie * size;
+  Manifold m;
+  const SeparatingAxis axis(pair, most, tie, kEdgeBias * size);
+  if (axis.separation > most) return m;
+  const auto add = [&](std::uint32_t feature, const ContactGeometry& g) {
+    int at = m.count++;
+    for (; at > 0 && m.feature[at - 1] > feature; --at) {
+      m.feature[at] = m.feature[at - 1];
+      m.contact[at] = m.contact[at - 1];
+    }
+    m.feature[at] = feature;
+    m.contact[at] = g;
+  };
+  const auto add_listed = [&](std::uint32_t feature) {
+    const ContactGeometry g = box_box_contact(pair, feature);
+    if (listed(g)) add(feature, g);
+  };
+  if (axis.box < 0) {
+    const EdgePair edges(pair, axis.i, axis.j);
+    if (axis.separation <= 0 || edges.cross_within(pair, axis.i, axis.j, tie)) {
+      add_listed(BoxFeature::edges(axis.i, axis.j));
+    }
+  } else {
+    const FacePoints points = clipped_face(pair, axis.box, axis.i, tie, listed);
+    int kept[Manifold::kMost];
+    const int count = reduced(points, tie, kept);
+    for (int k = 0; k < count; ++k) {
+      const std::uint32_t feature = BoxFeature::face(axis.box, axis.i, points.point[kept[k]]);
+      add(feature, box_box_contact(pair, feature));
+    }
+    if (m.count == 0 && axis.separation <= 0) {
+      add_listed(BoxFeature::face(axis.box, axis.i, deepest_corner(pair, axis.box, axis.i)));
+    }
+  }
+  if (m.count == 0 && axis.separation > 0) add_listed(BoxFeature::kNearest);
+  return m;
+}
+
+}  // namespace scree

@@ -34,8 +34,8 @@ template <class B, class Real>
 class ContactDetector {
  public:
   /// @throws std::runtime_error when the setting or the obstacles cannot be handled:
-  ///         a negative or infinite envelope or period, a wall of an unknown kind, or boxes that
-  ///         would need a missing pair function
+  ///         a negative or infinite envelope or period, a wall of an unknown kind, or bodies that
+  ///         have no pair function
   ContactDetector(B& b, const CollisionSettings& settings, const ObstacleData<Real>& obstacles);
 
   /// Lists the contacts of all bodies. A contact is listed when its gap is at most the envelope, or
@@ -266,15 +266,18 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
 
 template <class B, class Real>
 void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
-  keys_.feature_bits = 0;  // every pair function so far gives one contact
+  keys_.feature_bits = obstacles_.feature_bits();
   const std::uint64_t wall_begin = static_cast<std::uint64_t>(bodies.count) << keys_.feature_bits;
   const std::uint64_t solid_begin =
       wall_begin + static_cast<std::uint64_t>(obstacles_.plane_count()) * kPlaneSlots;
   const std::uint64_t end = solid_begin + obstacles_.solid_elements();
   if (end >= std::uint64_t{1} << 32) {
-    throw std::runtime_error(std::to_string(bodies.count) + " bodies and " +
-                             std::to_string(end - wall_begin) +
-                             " wall features do not fit the 32 bits of a contact element");
+    const std::string bits = std::to_string(keys_.feature_bits);
+    throw std::runtime_error(
+        std::to_string(bodies.count) + " bodies and " + std::to_string(end - wall_begin) +
+        " wall features do not fit the 32 bits of a contact element" +
+        (keys_.feature_bits > 0 ? ", " + bits + " of which tell the contacts of two boxes apart"
+                                : ""));
   }
   keys_.wall_begin = static_cast<std::uint32_t>(wall_begin);
   keys_.solid_begin = static_cast<std::uint32_t>(solid_begin);
@@ -289,20 +292,22 @@ void ContactDetector<B, Real>::release_contacts() {
 }
 
 /// Reads bodies once for each list: margins change which candidates are contacts, but not what
-/// it takes. Boxes are read again.
+/// it takes.
 template <class B, class Real>
 template <ShapeMix kMix>
 void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real>& test,
                                               Span<Index> count, Span<std::uint32_t> touching) {
   const Index pieces = test.candidates.piece_count();
-  if (needed_.capacity() > 0) {
+  if constexpr (kMix == ShapeMix::any) {  // no notes: boxes are read again
+    for_each(b, pieces, ListMixedContacts<Real>{test, count, touching, {}, {}});
+  } else if (needed_.capacity() > 0) {
     for_each(b, pieces,
              RecountContacts<kMix, Real>{test, needed_.view(needed_.capacity()), count, touching});
-    return;
+  } else {
+    const bool is_asked = settings_.margin_limit > 0;
+    const Span<float> needed = needed_.resize_discard(is_asked ? test.candidates.other.size : 0);
+    for_each(b, pieces, CountContacts<kMix, Real>{test, count, touching, needed});
   }
-  const bool is_asked = kMix != ShapeMix::any && settings_.margin_limit > 0;
-  const Span<float> needed = needed_.resize_discard(is_asked ? test.candidates.other.size : 0);
-  for_each(b, pieces, CountContacts<kMix, Real>{test, count, touching, needed});
 }
 
 template <class B, class Real>
@@ -321,7 +326,12 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   const Offset total = fetch(b, begin.data() + pieces);
   contact_count_ = checked_index(total, can_number(total), "contacts");
   const Span<std::uint64_t> key = key_.resize_discard(total);
-  for_each(b, pieces, WriteContactKeys<kMix, Real>{test, begin.view(), touching.view(), key});
+  if constexpr (kMix == ShapeMix::any) {
+    for_each(b, pieces,
+             ListMixedContacts<Real>{test, count.view(), touching.view(), begin.view(), key});
+  } else {
+    for_each(b, pieces, WriteContactKeys<kMix, Real>{test, begin.view(), touching.view(), key});
+  }
 
   const bool arms = settings_.layout != ContactLayout::radial;
   for_each(b, contact_count_,

@@ -13,8 +13,8 @@ namespace scree {
 template <class B, class Real>
 class ObstacleBuffers {
  public:
-  /// @throws std::runtime_error for walls of an unknown kind and for boxes that would need a pair
-  ///         function which does not exist: two free boxes, or a free box with a box or mesh wall
+  /// @throws std::runtime_error for walls of an unknown kind, and for bodies that could meet but have
+  ///         no pair function: their shapes are named
   /// @param period  of the domain, see CollisionSettings
   ObstacleBuffers(B& b, const ObstacleData<Real>& data, const Vec3d& period)
       : images_(static_cast<std::uint64_t>(image_count(period))),
@@ -34,20 +34,11 @@ class ObstacleBuffers {
     const MeshTopology<Real> topology = build_mesh_topology<Real>(data.meshes);
     std::vector<PlaneSource> sources;
     std::vector<WallSolid> solids;
-    std::vector<bool> is_wall(data.shapes.size(), false);
+    free_boxes_ = check_pairs(data);
     for (const Index s : data.walls) {
-      is_wall[static_cast<std::size_t>(s)] = true;
       add_wall(s, data.shapes[static_cast<std::size_t>(s)], topology, sources, solids);
     }
-    Index free_boxes = 0;
-    for (std::size_t s = 0; s < data.shapes.size(); ++s) free_boxes += !is_wall[s];
-    if (free_boxes > 1 || (free_boxes > 0 && !solids.empty())) {
-      throw std::runtime_error(
-          "contact between boxes, or of a box with a mesh, is not available: " +
-          std::to_string(free_boxes) + " free boxes and " + std::to_string(solids.size()) +
-          " box or mesh walls");
-    }
-    mix_ = free_boxes > 0   ? ShapeMix::any
+    mix_ = free_boxes_ > 0  ? ShapeMix::any
            : solids.empty() ? ShapeMix::spheres_and_planes
                             : ShapeMix::spheres;
     plane_count_ = static_cast<Index>(sources.size());
@@ -69,6 +60,8 @@ class ObstacleBuffers {
 
   ShapeMix mix() const { return mix_; }
   Index plane_count() const { return plane_count_; }
+  /// Bits that contact keys need to tell the contacts of two free bodies apart.
+  int feature_bits() const { return free_boxes_ > 1 ? BoxFeature::kBits : 0; }
   /// Contact elements that box and mesh walls take.
   std::uint64_t solid_elements() const { return solid_elements_; }
   Span<const ShapeRecord<Real>> shapes() const { return whole(shapes_); }
@@ -91,6 +84,50 @@ class ObstacleBuffers {
   }
 
  private:
+  /// Refuses bodies that could meet without a word.
+  /// @return  the number of free boxes
+  static Index check_pairs(const ObstacleData<Real>& data) {
+    std::vector<bool> is_wall(data.shapes.size(), false);
+    bool has_mesh = false;
+    for (const Index s : data.walls) {
+      is_wall[static_cast<std::size_t>(s)] = true;
+      has_mesh = has_mesh || data.shapes[static_cast<std::size_t>(s)].kind == ShapeKind::mesh;
+    }
+    Index free_boxes = 0;
+    for (std::size_t s = 0; s < data.shapes.size(); ++s) {
+      if (is_wall[s]) continue;
+      const ShapeKind kind = data.shapes[s].kind;
+      // Spheres may come at any time, and have no records.
+      if (pair_kind(ShapeKind::sphere, kind) == PairKind::none ||
+          pair_kind(kind, kind) == PairKind::none) {
+        throw std::runtime_error("shape " + std::to_string(s) + " is a " + name_of(kind) +
+                                 ", for whose contacts with other bodies there is no function");
+      }
+      free_boxes += kind == ShapeKind::box;
+    }
+    if (free_boxes > 0 && has_mesh) {
+      throw std::runtime_error("contact of a box with a mesh is not available: " +
+                               std::to_string(free_boxes) + " free boxes and a mesh wall");
+    }
+    return free_boxes;
+  }
+
+  static const char* name_of(ShapeKind kind) {
+    switch (kind) {
+      case ShapeKind::sphere:
+        return "sphere";
+      case ShapeKind::box:
+        return "box";
+      case ShapeKind::half_space:
+        return "half_space";
+      case ShapeKind::container:
+        return "container";
+      case ShapeKind::mesh:
+        return "mesh";
+    }
+    return "shape of an unknown kind";
+  }
+
   void add_wall(Index s, const ShapeRecord<Real>& shape, const MeshTopology<Real>& topology,
                 std::vector<PlaneSource>& sources, std::vector<WallSolid>& solids) {
     WallSolid solid;
@@ -109,8 +146,9 @@ class ObstacleBuffers {
         }
         return;
       case ShapeKind::box:
+        if (free_boxes_ > 0) solid.slots = 1u << BoxFeature::kBits;
         solids.push_back(solid);
-        solid_elements_ += images_;
+        solid_elements_ += images_ * solid.slots;
         return;
       case ShapeKind::mesh:
         if (shape.mesh < 0 || shape.mesh >= static_cast<Index>(topology.meshes.size())) {
@@ -147,6 +185,7 @@ class ObstacleBuffers {
   ShapeMix mix_ = ShapeMix::spheres_and_planes;
   Index plane_count_ = 0;
   Index solid_count_ = 0;
+  Index free_boxes_ = 0;
   std::uint64_t solid_elements_ = 0;
   std::uint64_t images_ = 1;  ///< of each box or mesh wall
   Buffer<B, ShapeRecord<Real>> shapes_;

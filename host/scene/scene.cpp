@@ -389,28 +389,23 @@ void for_each_body(const Scene& scene, F f) {
   }
 }
 
-/// Contact between two boxes, or a box and a mesh, does not exist yet; without this check the
-/// bodies would pass through each other without a word.
+/// There is no contact between a box and a mesh; without this check they would pass through each
+/// other without a word.
 void check_boxes(const Scene& scene) {
   std::string free_box;
-  std::string obstacle;
+  std::string mesh;
   for_each_body(scene, [&](const BodyDescription& body, auto path) {
-    const bool box = body.shape.kind == Shape::Kind::box;
-    if (box && body.kind == BodyKind::free) {
-      if (!free_box.empty())
-        refuse(path(), "a second free box",
-               free_box + " is one already, and contact between boxes is not available yet");
+    const Shape::Kind kind = body.shape.kind;
+    if (free_box.empty() && kind == Shape::Kind::box && body.kind == BodyKind::free)
       free_box = path();
-    } else if ((box || body.shape.kind == Shape::Kind::mesh) && obstacle.empty()) {
-      obstacle = path();
-    }
+    if (mesh.empty() && kind == Shape::Kind::mesh) mesh = path();
   });
-  if (!free_box.empty() && !obstacle.empty())
+  if (!free_box.empty() && !mesh.empty())
     refuse(free_box, "a free box",
-           fmt::format("it could meet {}, and contact between boxes is not available yet, nor "
-                       "between a box and a mesh; a free box may meet spheres, half_spaces and "
+           fmt::format("it could meet the mesh {}, and contact between a box and a mesh is not "
+                       "available yet; a free box may meet spheres, boxes, half_spaces and "
                        "containers",
-                       obstacle));
+                       mesh));
 }
 
 void check_insertions(const Scene& scene) {

@@ -5,8 +5,9 @@
 //   element, in 32 bits:
 //     [0, wall_begin)              body b << feature_bits | feature
 //     [wall_begin, solid_begin)    plane p of the walls, slot corner: wall_begin + 8 p + corner
-//     [solid_begin, end)           solid walls, each with a range of its own: one slot for a box,
-//                                  one per triangle for a mesh
+//     [solid_begin, end)           solid walls, each with a range of its own: for a box one slot,
+//                                  or one per feature where boxes meet it; for a mesh one per
+//                                  triangle
 
 #include "kernels/math/pair_key.h"
 

@@ -43,23 +43,13 @@ struct ContactTest {
     return needed_envelope(gap, dot(u, d) / distance, range.h) - falls(body.radius, radius_j);
   }
 
-  /// Calls emit(feature) for each contact of body a with the higher body j.
+  /// Calls emit(feature) for each contact of body a with the higher body j, of any shapes.
   template <class Emit>
   SCREE_HD void pair(Index a, const BodySample& body, Index j, Emit&& emit) const {
-    if constexpr (kMix != ShapeMix::any) {
-      if (needed(body, j) <= envelope(a, j)) emit(0u);
-    } else {
-      const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
-      const BodySample other = load_body<kMix>(bodies, shapes, range, j);
-      const int features = pair_features(body.kind, other.kind);
-      for (int k = 0; k < features; ++k) {
-        const auto feature = static_cast<std::uint32_t>(k);
-        const ContactGeometry g = body_pair<kMix>(body, other, d, feature);
-        const double speed = separation_speed(g, body.motion, other.motion);
-        const double reach = envelope(a, j) + falls(body.radius, other.radius);
-        if (is_listed(g.gap, speed, reach, range.h)) emit(feature);
-      }
-    }
+    const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
+    const BodySample other = load_body<kMix>(bodies, shapes, range, j);
+    const double reach = envelope(a, j) + falls(body.radius, other.radius);
+    visit_pair(body, other, d, reach, range.h, emit);
   }
 
   /// How far two bodies may come nearer because gravity acts on one of them only [m].
@@ -88,7 +78,7 @@ SCREE_HD inline bool note_decides(float note, double envelope) {
 }
 
 /// Counts the contacts of each piece of the candidates, those with walls in the last piece of a
-/// body, and notes which candidates they are, and what envelopes it would take.
+/// body, and notes which candidates they are, and what envelopes it would take. Spheres only.
 /// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
 /// written, and 4 per candidate.
 template <ShapeMix kMix, class Real>
@@ -113,13 +103,9 @@ struct CountContacts {
     };
     for (Index k = first; k < end; ++k) {
       const Index j = list.other[k];
-      if constexpr (kMix != ShapeMix::any) {
-        const double least = test.needed(body, j);
-        if (!needed.empty()) needed[k] = note_needed(least);
-        if (least <= test.envelope(a, j)) add(k);
-      } else {
-        test.pair(a, body, j, [&](std::uint32_t) { add(k); });
-      }
+      const double least = test.needed(body, j);
+      if (!needed.empty()) needed[k] = note_needed(least);
+      if (least <= test.envelope(a, j)) add(k);
     }
     if (list.is_last_of_body(p)) test.with_walls(a, body, [&](std::uint32_t) { ++n; });
     count[p] = n;
@@ -169,7 +155,7 @@ struct RecountContacts {
   }
 };
 
-/// Writes the keys of the contacts in ascending order.
+/// Writes the keys of the contacts in ascending order. Spheres only.
 /// Bytes per piece: 24 read, per contact 4 read and 8 written; bodies at walls are looked at again.
 template <ShapeMix kMix, class Real>
 struct WriteContactKeys {
@@ -188,22 +174,59 @@ struct WriteContactKeys {
     const Index a = list.body[p];
     const std::uint32_t found = touching[p];
     for (Index k = 0; k < kPieceLength && found >> k != 0; ++k) {
-      if ((found >> k & 1) != 0) write_pair(a, list.other[list.begin[p] + k], next);
+      if ((found >> k & 1) == 0) continue;
+      const Index j = list.other[list.begin[p] + k];
+      key[next++] = make_key(a, test.keys.body_element(j, 0));
     }
     if (next == end) return;
     // What is left are walls, whose elements are above those of all bodies.
     test.with_walls(a, test.load(a),
                     [&](std::uint32_t element) { key[next++] = make_key(a, element); });
   }
-  SCREE_HD void write_pair(Index a, Index j, Offset& next) const {
-    const ContactKeys& keys = test.keys;
-    if (keys.feature_bits == 0) {
-      key[next++] = make_key(a, keys.body_element(j, 0));
-      return;
+};
+
+/// Both of the above for bodies of any shape. One program that runs twice, first without keys: what
+/// rounding decides about features is then decided alike when they are counted and when they are
+/// written, however the two loops are compiled.
+/// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
+/// written, the second time 8 per contact.
+template <class Real>
+struct ListMixedContacts {
+  static constexpr const char* name = "list_mixed_contacts";
+  ContactTest<ShapeMix::any, Real> test;
+  Span<Index> count;             ///< [piece count] out, the first time
+  Span<std::uint32_t> touching;  ///< [piece count] out, the first time; see CountContacts
+  Span<const Offset> begin;      ///< [piece count + 1] scan of the counts; empty the first time
+  Span<std::uint64_t> key;       ///< [contact count] out, the second time
+
+  SCREE_HD void operator()(Index p) const {
+    const bool is_counted = !begin.empty();
+    const CandidateView& list = test.candidates;
+    const Index a = list.body[p];
+    const Index first = list.begin[p], end = list.begin[p + 1];
+    const Offset place = is_counted ? begin[p] : 0;
+    if (is_counted && place == begin[p + 1]) return;
+    const std::uint32_t wanted = is_counted ? touching[p] : ~0u;
+    const BodySample body = test.load(a);
+    std::uint32_t found = 0;
+    Index n = 0;
+    const auto add = [&](std::uint32_t element) {
+      if (is_counted) key[place + n] = make_key(a, element);
+      ++n;
+    };
+    for (Index k = first; k < end; ++k) {
+      if ((wanted >> (k - first) & 1) == 0) continue;
+      const Index j = list.other[k];
+      test.pair(a, body, j, [&](std::uint32_t feature) {
+        found |= 1u << (k - first);
+        add(test.keys.body_element(j, feature));
+      });
     }
-    test.pair(a, test.load(a), j, [&](std::uint32_t feature) {
-      key[next++] = make_key(a, keys.body_element(j, feature));
-    });
+    // Walls come last: their elements are above those of all bodies.
+    if (list.is_last_of_body(p)) test.with_walls(a, body, add);
+    if (is_counted) return;
+    count[p] = n;
+    touching[p] = found;
   }
 };
 

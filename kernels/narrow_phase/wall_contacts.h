@@ -22,12 +22,21 @@ template <ShapeMix kMix>
 SCREE_HD ContactGeometry plane_contact(const BodySample& a, const WallPlane& plane, int corner) {
   const double height = dot(a.position - plane.point, plane.normal);
   const Vec3d d = plane.center - a.position;
-  if constexpr (kMix == ShapeMix::any) {
-    if (a.kind == ShapeKind::box) {
-      return box_half_space(height, plane.normal, d, a.orientation, a.half_extents, corner);
+  if constexpr (kMix != ShapeMix::any) {
+    return sphere_half_space(height, plane.normal, d, a.radius);
+  } else {
+    switch (a.kind) {
+      case ShapeKind::sphere:
+        return sphere_half_space(height, plane.normal, d, a.radius);
+      case ShapeKind::box:
+        return box_half_space(height, plane.normal, d, a.orientation, a.half_extents, corner);
+      case ShapeKind::half_space:
+      case ShapeKind::container:
+      case ShapeKind::mesh:
+        break;
     }
+    return no_contact();
   }
-  return sphere_half_space(height, plane.normal, d, a.radius);
 }
 
 /// Sphere A on a mesh, from the contact point found in the frame of the mesh.
@@ -140,7 +149,7 @@ struct SolidContacts {
           return plane.height + top <= kHiddenRise * a.radius;
         };
         if (held.other_image_hides(g.gap + a.radius, image, covers)) return;
-        emit(solid.first_element + image);
+        emit(solid.first_element + image * solid.slots);
       });
     });
   }
@@ -272,6 +281,44 @@ struct SolidContacts {
   }
 };
 
+/// Box A and a box wall, in all images that it can touch. Boxes and mesh walls do not come together.
+struct BoxOnSolid {
+  const WallSolid& solid;
+  const ContactRange& range;
+  const BodySample& a;
+
+  /// Calls emit(element) for each contact, ascending.
+  /// @param envelope  contacts are listed up to this gap [m]
+  template <class Emit>
+  SCREE_HD void visit(double envelope, Emit& emit) const {
+    const double way = range.h * most_speed(a, solid.motion, norm(solid.half) + norm(solid.middle));
+    const WallImages images =
+        range.period.x > 0 || range.period.y > 0 || range.period.z > 0
+            ? WallImages(solid, range.period, a.position, a.radius + envelope + way)
+            : WallImages();
+    images.for_each(range.period, [&](std::uint32_t image) {
+      const Manifold m = box_box(pair(image), envelope + way, [&](const ContactGeometry& g) {
+        return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
+      });
+      for (int k = 0; k < m.count; ++k) {
+        emit(solid.first_element + image * solid.slots + m.feature[k]);
+      }
+    });
+  }
+
+  /// Geometry of the contact with this element.
+  SCREE_HD ContactGeometry geometry(std::uint32_t element) const {
+    const std::uint32_t slot = element - solid.first_element;
+    return box_box_contact(pair(slot / solid.slots), slot % solid.slots);
+  }
+
+ private:
+  SCREE_HD BoxPair pair(std::uint32_t image) const {
+    return {{box_axes(a), {solid.orientation, solid.half_extents}},
+            image_of_wall(solid, range.period, a.position, image)};
+  }
+};
+
 /// Calls emit(element) for each listed contact of body A with the walls, in ascending order: planes
 /// come before solid walls, and the triangles of a mesh are numbered along its tree.
 /// @param envelope  contacts are listed up to this gap [m]
@@ -296,10 +343,16 @@ SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range
       emit(keys.plane_element(p, corner));
     }
   }
-  if constexpr (kMix == ShapeMix::spheres_and_planes) return;
-  if (is_box) return;  // a box against a solid wall has no pair function yet
-  for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
-    SolidContacts<Real>{walls.meshes, walls.solids[k], range, a, envelope}.visit(emit);
+  if constexpr (kMix != ShapeMix::spheres_and_planes) {
+    for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
+      if constexpr (kMix == ShapeMix::any) {
+        if (is_box) {
+          BoxOnSolid{walls.solids[k], range, a}.visit(envelope, emit);
+          continue;
+        }
+      }
+      SolidContacts<Real>{walls.meshes, walls.solids[k], range, a, envelope}.visit(emit);
+    }
   }
 }
 
@@ -319,6 +372,9 @@ SCREE_HD ContactGeometry wall_contact(const WallView<Real>& walls, const Contact
   while (k > 0 && element < walls.solids[k].first_element) --k;
   const WallSolid& solid = walls.solids[k];
   body_b = solid.body;
+  if constexpr (kMix == ShapeMix::any) {
+    if (a.kind == ShapeKind::box) return BoxOnSolid{solid, range, a}.geometry(element);
+  }
   return SolidContacts<Real>{walls.meshes, solid, range, a, envelope}.geometry(element);
 }
 

@@ -201,14 +201,35 @@ TYPED_TEST(WallTest, SpheresAroundAFreeBox) {
   }
 }
 
-TYPED_TEST(WallTest, BoxesWithoutAPairFunctionAreRefused) {
+TYPED_TEST(WallTest, BoxesHaveFourContactsWithEachOtherAndWithBoxWalls) {
+  CollisionScene<TypeParam> s;
+  s.settings.envelope = 1e-3;
+  s.add_free_box({0, 0, 0.5}, {0.4, 0.3, 0.5});
+  s.add_free_box({0.1, 0.1, 1.5}, {0.4, 0.3, 0.5});
+  const Index wall = s.add_box_wall({0, 0, -2}, {5, 5, 2});
+  const auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), 8u);
+  for (std::size_t k = 0; k < 8; ++k) {
+    const bool is_upper = k < 4;
+    EXPECT_EQ(c[k].a, 0);
+    EXPECT_EQ(c[k].b, is_upper ? 1 : wall);
+    EXPECT_NEAR(c[k].gap, 0, this->kEps);
+    this->expect_near(c[k].normal, {0, 0, is_upper ? 1.0 : -1.0});
+    EXPECT_NEAR(std::abs(c[k].arm_a.z), 0.5, this->kEps);
+    if (k > 0) {
+      EXPECT_LT(c[k - 1].key, c[k].key);
+    }
+  }
+}
+
+TYPED_TEST(WallTest, BoxAndMeshAreRefusedByName) {
   CollisionScene<TypeParam> s;
   s.add_free_box({0, 0, 0}, {1, 1, 1});
-  s.add_free_box({9, 0, 0}, {1, 1, 1});
+  s.add_mesh_wall({9, 0, 0}, box_mesh({1, 1, 1}));
   EXPECT_THROW(this->contacts(s), std::runtime_error);
-  CollisionScene<TypeParam> t;
+  CollisionScene<TypeParam> t;  // a kind that cannot be free
   t.add_free_box({0, 0, 0}, {1, 1, 1});
-  t.add_box_wall({9, 0, 0}, {1, 1, 1});
+  t.obstacles.shapes.back().kind = ShapeKind::container;
   EXPECT_THROW(this->contacts(t), std::runtime_error);
 }
 

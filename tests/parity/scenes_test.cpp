@@ -73,6 +73,23 @@ Scene free_box() {
   return scene;
 }
 
+/// Three layers of boxes, each turned in its own way, that fall onto a floor and a fixed box.
+Scene boxes() {
+  Scene scene = empty_scene(1e-3, 0.4);
+  solve_to(scene, 1e-5);
+  scene.solver.max_iterations = 2000;
+  for (int k = 0; k < 75; ++k) {
+    const Vec3d site{0.013 * (k % 5) - 0.026, 0.013 * (k / 5 % 5) - 0.026,
+                     0.013 + 0.0102 * (k / 25)};
+    BodyDescription& box = add_box(scene, site, {0.005, 0.0045, 0.005}, 2e-3);
+    box.orientation = exp_map(Vec3d{0, 0, 0.37 * k});
+    box.velocity = {0.1, 0.05, -0.5};
+  }
+  add_wall_box(scene, {0, 0, 0}, {0.02, 0.1, 0.007}).orientation = exp_map(Vec3d{0, 0, 0.1});
+  add_plane(scene);
+  return scene;
+}
+
 Scene cohesion() {
   Scene scene = walls();
   scene.materials[0].cohesion = 5 * scene.bodies[0].mass * kGravity;
@@ -159,9 +176,10 @@ INSTANTIATE_TEST_SUITE_P(
     All, ParityScenes,
     ::testing::Values(Case{"walls", walls}, Case{"container", container}, Case{"mesh", mesh},
                       Case{"fixed_boxes", fixed_boxes}, Case{"free_box", free_box},
-                      Case{"cohesion", cohesion}, Case{"rolling_friction", rolling_friction},
-                      Case{"kinematic", kinematic}, Case{"periodic", periodic},
-                      Case{"exact_coulomb", exact_coulomb}, Case{"restitution", restitution},
+                      Case{"boxes", boxes}, Case{"cohesion", cohesion},
+                      Case{"rolling_friction", rolling_friction}, Case{"kinematic", kinematic},
+                      Case{"periodic", periodic}, Case{"exact_coulomb", exact_coulomb},
+                      Case{"restitution", restitution},
                       Case{"newton_restitution", newton_restitution}, Case{"insertion", insertion},
                       Case{"mixed_materials", mixed_materials}),
     [](const auto& info) { return std::string(info.param.name); });

@@ -313,7 +313,7 @@ TEST(Validate, ContainersMayTouchOrNestButNotOverlapInPart) {
   EXPECT_THAT(containers({1, 0, 0}, 0.5, 0), StartsWith("bodies[2]: a container is not allowed"));
 }
 
-TEST(Validate, BoxesMayMeetSpheresAndPlanesOnly) {
+TEST(Validate, BoxesMayMeetAllButMeshes) {
   BodyDescription box = wall(Shape::Kind::box);
   const BodyDescription fixed_box = box;
   box.kind = BodyKind::free;
@@ -324,9 +324,13 @@ TEST(Validate, BoxesMayMeetSpheresAndPlanesOnly) {
   EXPECT_EQ(check({box, sphere(), wall(Shape::Kind::half_space), wall(Shape::Kind::container)}),
             "no error");
   EXPECT_EQ(check({sphere(), fixed_box, fixed_box}), "no error");
-  EXPECT_THAT(check({box, box}), StartsWith("bodies[1]: a second free box is not allowed"));
-  EXPECT_THAT(check({fixed_box, box}), StartsWith("bodies[1]: a free box is not allowed: it could "
-                                                  "meet bodies[0], and contact between boxes"));
+  EXPECT_EQ(check({box, box, fixed_box}), "no error");
+  Scene with_mesh = scene_with({wall(Shape::Kind::mesh), box});
+  with_mesh.bodies[0].shape.mesh = 0;
+  with_mesh.meshes.push_back({"plate", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, false});
+  EXPECT_THAT(refusal([&] { validate(with_mesh); }),
+              StartsWith("bodies[1]: a free box is not allowed: it could meet the mesh bodies[0], "
+                         "and contact between a box and a mesh"));
 }
 
 TEST(Validate, PeriodsHoldTwoOfTheLargestBodyAndTheEnvelope) {

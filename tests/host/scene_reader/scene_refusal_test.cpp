@@ -242,16 +242,6 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"StopBeforeStart", with_body(R"({"shape": "half_space", "kind": "kinematic",
                   "motion": {"type": "linear", "velocity": [1, 0, 0], "start": 2, "stop": 1}})"),
                 "bodies[1].motion.stop: 1 is not allowed: must not be before start [s]"},
-        Refusal{
-            "TwoFreeBoxes", with_body(R"({"shape": "box", "size": [1, 1, 1], "mass": 1},
-                  {"shape": "box", "size": [1, 1, 1], "mass": 1})"),
-            "bodies[2]: a second free box is not allowed: bodies[1] is one already, and contact "
-            "between boxes is not available yet"},
-        Refusal{
-            "FreeAndFixedBox", with_body(R"({"shape": "box", "size": [1, 1, 1], "mass": 1},
-                  {"shape": "box", "kind": "fixed", "size": [1, 1, 1]})"),
-            "bodies[1]: a free box is not allowed: it could meet bodies[2], and contact between "
-            "boxes is not available yet"},
         Refusal{"OverlappingContainers", with_body(R"({"shape": "container", "size": [1, 1, 1]},
                   {"shape": "container", "size": [1, 1, 1], "position": [0.5, 0, 0]})"),
                 "bodies[2]: a container is not allowed: its interior partly overlaps that of "

@@ -291,8 +291,8 @@ void ContactDetector<B, Real>::release_contacts() {
   normal_.release(), gap_.release(), arm_a_.release(), arm_b_.release();
 }
 
-/// Reads bodies once for each list: margins change which candidates are contacts, but not what
-/// it takes.
+/// Reads bodies once for each list: margins change which candidates are contacts,
+/// but not what it takes.
 template <class B, class Real>
 template <ShapeMix kMix>
 void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real>& test,

@@ -13,8 +13,8 @@ namespace scree {
 template <class B, class Real>
 class ObstacleBuffers {
  public:
-  /// @throws std::runtime_error for walls of an unknown kind, and for bodies that could meet but have
-  ///         no pair function: their shapes are named
+  /// @throws std::runtime_error for walls of an unknown kind, and for bodies that could meet but
+  ///         have no pair function: their shapes are named
   /// @param period  of the domain, see CollisionSettings
   ObstacleBuffers(B& b, const ObstacleData<Real>& data, const Vec3d& period)
       : images_(static_cast<std::uint64_t>(image_count(period))),

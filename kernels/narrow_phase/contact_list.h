@@ -13,8 +13,8 @@ SCREE_HD inline double wall_envelope(const ContactRange& range, Index a, const B
   return range.envelope + range.margin_of(a) + range.fall_of(body.radius);
 }
 
-/// Decides which candidates are contacts, exactly: the list of candidates only says which not to
-/// look at.
+/// Decides which candidates are contacts, exactly: the list of candidates only says
+/// which not to test.
 template <ShapeMix kMix, class Real>
 struct ContactTest {
   BodyView<Real> bodies;
@@ -31,8 +31,8 @@ struct ContactTest {
     return range.envelope + range.margin_of(a) + range.margin_of(j);
   }
 
-  /// What that has to be for spheres to be in contact [m]. Below the envelope without margins any
-  /// value will do.
+  /// What that has to be for spheres to be in contact [m]. Below the envelope without
+  /// margins any value will do.
   SCREE_HD double needed(const BodySample& body, Index j) const {
     const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
     const double distance = norm(d);
@@ -67,11 +67,11 @@ struct ContactTest {
 };
 
 /// The envelope that a contact takes, rounded: 4 bytes a candidate are enough, since what is not
-/// sure is looked at again.
+/// sure is tested again.
 SCREE_HD inline float note_needed(double needed) { return static_cast<float>(needed); }
 
-/// Whether the note tells if the envelope is enough: not when rounding might decide, nor when there
-/// is no note.
+/// Whether the note tells if the envelope is enough: not when rounding might decide,
+/// nor when there is no note.
 SCREE_HD inline bool note_decides(float note, double envelope) {
   const double noted = note;
   return std::abs(noted - envelope) > 1.2e-7 * std::abs(noted);
@@ -156,7 +156,7 @@ struct RecountContacts {
 };
 
 /// Writes the keys of the contacts in ascending order. Spheres only.
-/// Bytes per piece: 24 read, per contact 4 read and 8 written; bodies at walls are looked at again.
+/// Bytes per piece: 24 read, per contact 4 read and 8 written; bodies at walls are tested again.
 template <ShapeMix kMix, class Real>
 struct WriteContactKeys {
   static constexpr const char* name = "write_contact_keys";

@@ -281,7 +281,8 @@ struct SolidContacts {
   }
 };
 
-/// Box A and a box wall, in all images that it can touch. Boxes and mesh walls do not come together.
+/// Box A and a box wall, in all images that it can touch. Boxes and mesh walls do
+/// not come together.
 struct BoxOnSolid {
   const WallSolid& solid;
   const ContactRange& range;

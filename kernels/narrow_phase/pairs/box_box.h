@@ -1,12 +1,13 @@
 #pragma once
 // Two solid boxes: up to four contacts.
 //
-// The axis of the largest separation among the 15 normals of faces and of pairs of edges (Gottschalk,
-// Lin, Manocha, OBBTree, 1996) says how the boxes meet: a face of one, the reference, with the face
-// of the other that points most against it, clipped by the sides of the reference; or two edges that
-// cross. Faces are preferred to edges and the first box to the second unless the other is better by
-// more than a bias, so that what rounding decides does not change from step to step. Boxes that are
-// apart and whose nearest points lie on other features, such as two corners, have one contact there.
+// The axis of the largest separation among the 15 normals of faces and of pairs of edges
+// (Gottschalk, Lin, Manocha, OBBTree, 1996) says how the boxes meet: a face of one, the reference,
+// with the face of the other that points most against it, clipped by the sides of the reference;
+// or two edges that cross. Faces are preferred to edges and the first box to the second unless the
+// other is better by more than a bias, so that what rounding decides does not change from step to
+// step. Boxes that are apart and whose nearest points lie on other features, such as two corners,
+// have one contact there.
 //
 // A feature tells which corners, edges and sides make a contact, and so its geometry without any
 // further choice: what was listed is what is filled in.
@@ -271,10 +272,10 @@ struct SeparatingAxis {
 
 /// Points of a face contact, in the plane of the reference face.
 struct FacePoints {
-  static constexpr int kMost = 16;
+  static constexpr int kMaxPoints = 16;
   int count = 0;
-  int point[kMost];
-  double u[kMost], v[kMost], gap[kMost];
+  int point[kMaxPoints];
+  double u[kMaxPoints], v[kMaxPoints], gap[kMaxPoints];
 
   SCREE_HD bool has(double u_, double v_, double tie) const {
     for (int k = 0; k < count; ++k) {
@@ -283,7 +284,7 @@ struct FacePoints {
     return false;
   }
   SCREE_HD void add(int p, double u_, double v_, double gap_) {
-    if (count == kMost) return;
+    if (count == kMaxPoints) return;
     point[count] = p, u[count] = u_, v[count] = v_, gap[count] = gap_;
     ++count;
   }
@@ -296,9 +297,9 @@ struct FacePoints {
 /// The four points that stay of many: the deepest one, that farthest from it, and those that make
 /// the area largest. A later point must be better by more than rounding.
 /// @return  how many; `kept` are their places
-SCREE_HD inline int reduced(const FacePoints& p, double tie, int kept[Manifold::kMost]) {
+SCREE_HD inline int reduced(const FacePoints& p, double tie, int kept[Manifold::kMaxContacts]) {
   constexpr double kBetter = 1 + 1e-3;
-  if (p.count <= Manifold::kMost) {
+  if (p.count <= Manifold::kMaxContacts) {
     for (int k = 0; k < p.count; ++k) kept[k] = k;
     return p.count;
   }
@@ -457,7 +458,7 @@ SCREE_HD Manifold box_box(const BoxPair& pair, double most, Listed&& listed) {
     }
   } else {
     const FacePoints points = clipped_face(pair, axis.box, axis.i, tie, listed);
-    int kept[Manifold::kMost];
+    int kept[Manifold::kMaxContacts];
     const int count = reduced(points, tie, kept);
     for (int k = 0; k < count; ++k) {
       const std::uint32_t feature = BoxFeature::face(axis.box, axis.i, points.point[kept[k]]);

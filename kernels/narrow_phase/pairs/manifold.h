@@ -7,10 +7,10 @@ namespace scree {
 
 /// Up to four contacts of a pair of shapes, features ascending.
 struct Manifold {
-  static constexpr int kMost = 4;
+  static constexpr int kMaxContacts = 4;
   int count = 0;
-  std::uint32_t feature[kMost] = {};  ///< what touches what; the same from step to step
-  ContactGeometry contact[kMost];
+  std::uint32_t feature[kMaxContacts] = {};  ///< what touches what; the same from step to step
+  ContactGeometry contact[kMaxContacts];
 };
 
 }  // namespace scree

@@ -21,9 +21,9 @@ SCREE_HD inline ContactGeometry sphere_sphere(const Vec3d& d, double radius_a, d
   return g;
 }
 
-/// The same for spheres on straight ways. Where these miss each other, but would cut
-/// the plane between the spheres at the start, that at their nearest pass takes its place,
-/// so that it does not deflect them. The gap is again that of the two planes at the start.
+/// The same for spheres on straight ways. Where these miss each other, but would cut the plane
+/// between the spheres at the start, that at their nearest pass takes its place, so that it does
+/// not deflect them. The gap is again that of the two planes at the start.
 /// What meets keeps the normal of the start, which leads through both centers: so impulses along
 /// it keep the angular momentum.
 /// @param g    sphere_sphere() at the start

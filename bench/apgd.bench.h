@@ -45,7 +45,7 @@ void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, Apgd
   double applications = 0;
   const Traffic traffic =
       kCheckEvery * (is_fused<B, Real>() && !plain ? apgd_fused_iteration_traffic()
-                                                   : apgd_iteration_traffic<Real>(kind));
+                                                   : apgd_iteration_traffic(sizeof(Real), kind));
   Work work = Suite<B>::contact_work(bed, traffic);
   work.items *= kCheckEvery;
   suite.measure(state, work, [&] {
@@ -75,8 +75,9 @@ void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetr
   Buffer<B, Vec3<Real>> guess(b, n), gamma(b, n);
   bed.random_impulses(b, 51, guess.view(n));
   Apgd<B, Real> short_solver(
-      {.max_iterations = kShort, .check_every = kCheckEvery, .metric = kind});
-  Apgd<B, Real> long_solver({.max_iterations = kLong, .check_every = kCheckEvery, .metric = kind});
+      {.max_iterations = kShort, .check_every = kCheckEvery, .own = own_of(kind)});
+  Apgd<B, Real> long_solver(
+      {.max_iterations = kLong, .check_every = kCheckEvery, .own = own_of(kind)});
   SolveStats stats;
   const auto solve = [&](Apgd<B, Real>& solver) {
     copy(b, std::as_const(guess).view(n), gamma.view(n));
@@ -99,9 +100,9 @@ void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetr
     state.SetIterationTime(std::max(seconds.back(), 0.0));
   }
   state.counters["runs_per_batch"] = runs;
-  const Traffic traffic =
-      (is_fused<B, Real>() ? apgd_fused_iteration_traffic() : apgd_iteration_traffic<Real>(kind)) +
-      (1.0 / kCheckEvery) * residual_traffic<Real>();
+  const Traffic traffic = (is_fused<B, Real>() ? apgd_fused_iteration_traffic()
+                                               : apgd_iteration_traffic(sizeof(Real), kind)) +
+                          (1.0 / kCheckEvery) * residual_traffic(sizeof(Real));
   suite.report(state, Suite<B>::contact_work(bed, traffic), seconds);
   Suite<B>::report_size(state, bed);
   state.counters["applications"] = reached.applications;

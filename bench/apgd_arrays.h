@@ -6,6 +6,7 @@
 
 #include "bench/bed_problem.h"
 #include "kernels/solve/apgd_iteration.h"
+#include "solvers/apgd.h"
 #include "solvers/solver.h"
 
 namespace scree::bench {
@@ -98,7 +99,7 @@ class ApgdArrays {
 /// Metrics that are measured: both in float, only the default in double.
 template <class Real>
 std::vector<ApgdMetricKind> metric_kinds() {
-  if (sizeof(Real) == 8) return {SolverParams{}.metric};
+  if (sizeof(Real) == 8) return {apgd_metric({})};
   return {ApgdMetricKind::diagonal, ApgdMetricKind::euclidean};
 }
 
@@ -106,7 +107,12 @@ std::vector<ApgdMetricKind> metric_kinds() {
 template <class Real>
 std::string variant_name(ApgdMetricKind kind) {
   const std::string real = sizeof(Real) == 4 ? "float" : "double";
-  return kind == SolverParams{}.metric ? real : real + "_euclidean";
+  return kind == apgd_metric({}) ? real : real + "_euclidean";
+}
+
+/// The metric as a solver takes it.
+inline ParameterValues own_of(ApgdMetricKind kind) {
+  return {{kApgdMetric.key, static_cast<double>(kind)}};
 }
 
 }  // namespace scree::bench

@@ -25,7 +25,7 @@ void run_contact_pass(Suite<B>& suite, benchmark::State& state, Index spheres,
   arrays.scramble(b, bed);
   const Span<Vec3<Real>> next = arrays.gamma.next(0);  // also read, as the previous iterate
   // The count of accepted iterations stays zero, so every run reads and writes the same arrays.
-  suite.measure(state, Suite<B>::contact_work(bed, apgd_contact_pass_traffic<Real>(kind)),
+  suite.measure(state, Suite<B>::contact_work(bed, apgd_contact_pass_traffic(sizeof(Real), kind)),
                 [&] { arrays.contact_pass(b); });
   Suite<B>::report_size(state, bed);
   suite.require_finite(state, Span<const Vec3<Real>>(next));
@@ -35,13 +35,13 @@ template <class B, class Real>
 void run_body_pass(Suite<B>& suite, benchmark::State& state, Index spheres) {
   B& b = suite.backend();
   const auto& bed = suite.template bed_problem<Real>(spheres);
-  ApgdArrays<B, Real> arrays(b, bed, SolverParams{}.metric);
+  ApgdArrays<B, Real> arrays(b, bed, apgd_metric({}));
   arrays.scramble(b, bed);
   const Span<Twist<Real>> iterate = arrays.velocity.of_iterate[1].first(spheres);
   const Span<Twist<Real>> extrapolated = arrays.velocity.of_extrapolated.first(spheres);
   suite.poison(vectors_of(iterate));
   Buffer<B, Sums<1>> energy(b, 1);
-  suite.measure(state, Suite<B>::contact_work(bed, apgd_body_pass_traffic<Real>()),
+  suite.measure(state, Suite<B>::contact_work(bed, apgd_body_pass_traffic(sizeof(Real))),
                 [&] { arrays.body_pass(b, energy.view()); });
   Suite<B>::report_size(state, bed);
   suite.require_finite(state, Span<const Vec3<Real>>(vectors_of(iterate)));
@@ -52,10 +52,10 @@ template <class B, class Real>
 void run_residual_pass(Suite<B>& suite, benchmark::State& state, Index spheres) {
   B& b = suite.backend();
   const auto& bed = suite.template bed_problem<Real>(spheres);
-  ApgdArrays<B, Real> arrays(b, bed, SolverParams{}.metric);
+  ApgdArrays<B, Real> arrays(b, bed, apgd_metric({}));
   arrays.scramble(b, bed);
   Buffer<B, ApgdCheck> check(b, 1);
-  suite.measure(state, Suite<B>::contact_work(bed, residual_traffic<Real>()),
+  suite.measure(state, Suite<B>::contact_work(bed, residual_traffic(sizeof(Real))),
                 [&] { arrays.residual_pass(b, check.data()); });
   Suite<B>::report_size(state, bed);
   const ResidualSums sums = fetch(b, check.data()).residual;
@@ -66,11 +66,11 @@ template <class B, class Real>
 void run_body_velocity(Suite<B>& suite, benchmark::State& state, Index spheres) {
   B& b = suite.backend();
   const auto& bed = suite.template bed_problem<Real>(spheres);
-  ApgdArrays<B, Real> arrays(b, bed, SolverParams{}.metric);
+  ApgdArrays<B, Real> arrays(b, bed, apgd_metric({}));
   arrays.scramble(b, bed);
   const Span<Twist<Real>> velocity = arrays.velocity.of_iterate[1].first(spheres);
   suite.poison(vectors_of(velocity));
-  suite.measure(state, Suite<B>::contact_work(bed, body_velocity_traffic<Real>()), [&] {
+  suite.measure(state, Suite<B>::contact_work(bed, body_velocity_traffic(sizeof(Real))), [&] {
     for_each(
         b, bed.free_count(),
         BodyVelocity<RadialRows<Real>, Real>{bed.problem(), arrays.gamma.current(0), velocity});
@@ -114,7 +114,7 @@ void run_cone_projection(Suite<B>& suite, benchmark::State& state, Index spheres
   Buffer<B, Vec3<Real>> from(b, n), to(b, n);
   bed.random_impulses(b, 41, from.view(n));
   suite.poison(to.view(n));
-  suite.measure(state, Suite<B>::contact_work(bed, cone_projection_traffic<Real>()), [&] {
+  suite.measure(state, Suite<B>::contact_work(bed, cone_projection_traffic(sizeof(Real))), [&] {
     for_each(b, n, ProjectToCone<Real>{bed.problem(), from.view(n), to.view(n)});
   });
   Suite<B>::report_size(state, bed);
@@ -129,7 +129,7 @@ void add_typed_passes(Suite<B>& suite, Index n) {
     suite.add("apgd_contact_pass", variant_name<Real>(kind), n,
               [n, kind](S& s, State& state) { run_contact_pass<B, Real>(s, state, n, kind); });
   }
-  const std::string real = variant_name<Real>(SolverParams{}.metric);
+  const std::string real = variant_name<Real>(apgd_metric({}));
   suite.add("apgd_body_pass", real, n,
             [n](S& s, State& state) { run_body_pass<B, Real>(s, state, n); });
   suite.add("residual_pass", real, n,

@@ -49,7 +49,8 @@ void run_matrix_free(Suite<B>& suite, benchmark::State& state, Index spheres) {
   const auto& bed = suite.template bed_problem<double>(spheres);
   MatrixFreeBed<B> at(b, bed);
   suite.poison(at.u.view());
-  const Traffic traffic = body_velocity_traffic<double>() + contact_velocity_traffic<double>();
+  const Traffic traffic =
+      body_velocity_traffic(sizeof(double)) + contact_velocity_traffic(sizeof(double));
   suite.measure(state, Suite<B>::contact_work(bed, traffic), [&] { at.apply(b); });
   Suite<B>::report_size(state, bed);
   suite.require_finite(state, std::as_const(at.u).view(bed.contact_count()));

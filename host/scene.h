@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -178,15 +179,16 @@ struct StopRule {
 };
 
 struct SolverSettings {
-  std::string name = "apgd";  ///< apgd, jacobi, gauss_seidel, gauss_seidel_colored, schwarz
+  std::string name = "apgd";  ///< one of solver_names()
   StopRule stop;
   int max_iterations = 400;  ///< [-], > 0
   int check_every = 10;      ///< most iterations between residual checks, > 0
   bool warm_start = true;
   bool exact_coulomb = false;     ///< De Saxce fixed point around the convex solve
   int max_outer_iterations = 50;  ///< exact Coulomb: fixed point iterations, > 0
-  double relaxation = 1.0;        ///< Gauss-Seidel omega, in (0, 2)
-  bool diagonal_metric = true;    ///< APGD: steps in a diagonal metric; false: Euclidean
+  /// Values of parameters of solver_parameters() by key, of choices their number; those that are
+  /// missing have their default.
+  std::map<std::string, double> parameters = {};
 };
 
 /// How contacts bounce. docs/theory.md, section "Impacts".

@@ -151,6 +151,10 @@ struct DeviceInfo {
 };
 DeviceInfo device_info(BackendKind kind);
 
+/// @throws InputError when the solver does not run on the backend, or does not know the contacts of
+/// the scene
+void require_solver(const Scene& scene, const WorldOptions& options);
+
 /// @throws InputError saying how many bodies fit when the scene is expected to need more memory
 ///         than is free on the device, or than the limit of the options
 void require_memory(const Scene& scene, const WorldOptions& options);

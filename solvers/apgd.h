@@ -26,8 +26,64 @@
 #include "solvers/loaded_block.h"
 #include "solvers/residual.h"
 #include "solvers/residual_gauge.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
+
+/// ApgdContactPass. Contact: normal 3R, bias R, ids 8, two impulses 6R, diagonal metric 2R (none
+/// when Euclidean) read, one impulse 3R written. Twists of the extrapolated point, 6R a body: once
+/// each, or two per contact.
+/// @param r  size of a number [bytes]
+constexpr Traffic apgd_contact_pass_traffic(double r, ApgdMetricKind kind) {
+  const double streamed = (kind == ApgdMetricKind::diagonal ? 14 : 13) * r + 8;
+  return {streamed, 6 * r, streamed + 12 * r, 0};
+}
+
+/// ApgdBodyPass. Body: v*, V, V_y 18R, inertia 2R, two list starts 8 read; V, V_y 12R written.
+/// Solid spheres have v* from their rates, 6R and their radius, and one of mass and radius when all
+/// are equal: then 2R less are read than counted here. Contact: impulse 3R and normal 3R, once each
+/// or for both of its bodies; list entry 4.
+constexpr Traffic apgd_body_pass_traffic(double r) {
+  const double body = 32 * r + 8;
+  return {6 * r + 4, body, 12 * r + 4, body};
+}
+
+/// One APGD iteration (one trial of the line search).
+constexpr Traffic apgd_iteration_traffic(double r, ApgdMetricKind kind) {
+  return apgd_contact_pass_traffic(r, kind) + apgd_body_pass_traffic(r);
+}
+
+/// One APGD iteration in float whose two passes are one, so that impulses and twists are read once
+/// and V_y is worked out from two iterates: the least of any program here, for bodies and materials
+/// alike. Doubles have no such program. Contact: normal, metric and A packed 8, bias R, B 4, two
+/// impulses 6R, list entry 4 read, one impulse 3R written. Body: v* 6R, two V 12R, inertia 2R,
+/// starts 8 read; V 6R written.
+constexpr Traffic apgd_fused_iteration_traffic() {
+  constexpr double r = sizeof(float);
+  constexpr double contact = 10 * r + 16;
+  constexpr double body = 26 * r + 8;
+  return {contact, body, contact, body};
+}
+
+// The figures in the kernels' docstrings.
+static_assert(apgd_contact_pass_traffic(4, ApgdMetricKind::diagonal).contact_least == 64);
+static_assert(apgd_contact_pass_traffic(4, ApgdMetricKind::diagonal).contact_requested == 112);
+static_assert(apgd_body_pass_traffic(4).contact_requested == 52);
+static_assert(apgd_body_pass_traffic(4).body_least == 136);
+static_assert(apgd_fused_iteration_traffic().contact_least == 56);
+static_assert(apgd_fused_iteration_traffic().body_least == 112);
+
+inline constexpr std::array kApgdMetricNames{"diagonal", "euclidean"};
+inline constexpr SolverParameter kApgdMetric{
+    .key = "metric",
+    .description =
+        "metric of its steps and projections. \"diagonal\" needs fewer iterations, most "
+        "with mixed sizes; \"euclidean\" is the published method.",
+    .choices = kApgdMetricNames};
+
+inline ApgdMetricKind apgd_metric(const ParameterValues& values) {
+  return static_cast<ApgdMetricKind>(kApgdMetric.of(values));
+}
 
 /// The rows of a layout, as they are.
 template <class R>
@@ -112,7 +168,7 @@ class Apgd final : public Solver<B, Real> {
     };
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
     start_from_guess();
-    if (params_.metric == ApgdMetricKind::diagonal) {
+    if (apgd_metric(params_.own) == ApgdMetricKind::diagonal) {
       const Offset values =
           static_cast<Offset>(p.contact_count) * StoredMetric<R, Real>::per_contact(p);
       w.metric.reserve_discard(values);
@@ -256,6 +312,31 @@ class Apgd final : public Solver<B, Real> {
 template <class B, class Real>
 std::unique_ptr<Solver<B, Real>> make_apgd(const SolverParams& params) {
   return std::make_unique<Apgd<B, Real>>(params);
+}
+
+/// The other iterate and, once half of the iterations allowed are done, the best one; velocities of
+/// both and, without the tuned program, of the extrapolated point.
+inline HeldBytes apgd_memory(const SolverCase& c) {
+  const bool is_radial = c.layout == ContactLayout::radial;
+  const bool is_fused = c.is_tuned() && c.real == 4;
+  const bool is_diagonal = apgd_metric(c.parameters) == ApgdMetricKind::diagonal;
+  const double metric = (c.alike ? 1 : is_radial ? 2 : 3) * c.real;
+  return {(is_fused ? 2 : 3) * c.twist(),
+          2 * c.impulse() + (is_fused ? 8 : 0) + (is_diagonal ? metric : 0)};
+}
+
+inline constexpr std::array kApgdParameters{kApgdMetric};
+
+constexpr SolverCard apgd_card() {
+  return {.name = "apgd",
+          .description = "accelerated projected gradient descent: for everything",
+          .parameters = kApgdParameters,
+          .steps_to_coulomb = true,
+          .memory = apgd_memory,
+          .traffic = [](const SolverCase& c) {
+            return c.real == 4 ? apgd_fused_iteration_traffic()
+                               : apgd_iteration_traffic(c.real, apgd_metric(c.parameters));
+          }};
 }
 
 }  // namespace scree

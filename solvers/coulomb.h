@@ -24,6 +24,7 @@
 
 #include "kernels/solve/coulomb_pass.h"
 #include "solvers/residual.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 
@@ -226,6 +227,12 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   int max_outer_iterations_;
 };
 
+/// What the solver of the exact problem holds beside that of the convex one: velocities, shift and
+/// bias; after the solver's own steps also the best impulses, while more rounds follow.
+inline HeldBytes exact_memory(const SolverCard& card, const SolverCase& c) {
+  return {c.twist(), 3 * c.real + (card.steps_to_coulomb ? c.impulse() : 0)};
+}
+
 /// Solver of the exact problem by the name of one of the convex problem.
 /// @param params  max_iterations is the most of APGD's own iterations and of each convex solve
 /// @throws InvalidParameter
@@ -234,7 +241,7 @@ std::unique_ptr<Solver<B, Real>> make_exact_solver(const std::string& name, Solv
                                                    int max_outer_iterations) {
   auto inner = make_solver<B, Real>(name, params);
   std::vector<std::unique_ptr<Solver<B, Real>>> direct;
-  if (name == "apgd") {
+  if (solver_card(name).steps_to_coulomb) {
     for (const ApgdLaw law : {ApgdLaw::coulomb, ApgdLaw::lifted}) {
       params.law = law;
       direct.push_back(make_solver<B, Real>(name, params));

@@ -41,16 +41,22 @@ class GaussSeidel final : public RelaxationSolver<B, Real> {
   }
 };
 
-/// @throws InvalidParameter on a device backend
 template <class B, class Real>
-std::unique_ptr<Solver<B, Real>> make_gauss_seidel(const SolverParams& params) {
+std::unique_ptr<Solver<B, Real>> make_gauss_seidel([[maybe_unused]] const SolverParams& params) {
   if constexpr (B::kIsDevice) {
-    throw InvalidParameter(
-        "solver.name \"gauss_seidel\" is sequential and runs on the cpu backend only; use "
-        "\"gauss_seidel_colored\"");
+    return nullptr;  // refused before, by the card
   } else {
     return std::make_unique<GaussSeidel<B, Real>>(params);
   }
+}
+
+constexpr SolverCard gauss_seidel_card() {
+  return {.name = "gauss_seidel",
+          .description = "block Gauss-Seidel, one contact after the other: for small scenes",
+          .parameters = kRelaxationParameters,
+          .cpu_only = "it is sequential; use \"gauss_seidel_colored\"",
+          .memory = relaxation_memory,
+          .traffic = [](const SolverCase& c) { return gauss_seidel_sweep_traffic(c.real); }};
 }
 
 }  // namespace scree

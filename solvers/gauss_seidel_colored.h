@@ -138,4 +138,21 @@ std::unique_ptr<Solver<B, Real>> make_gauss_seidel_colored(const SolverParams& p
   return std::make_unique<GaussSeidelColored<B, Real>>(params);
 }
 
+/// Beside what all of the kind hold, contacts in the order of colors, and the memory of their
+/// coloring.
+inline HeldBytes gauss_seidel_colored_memory(const SolverCase& c) {
+  const double arms = c.layout == ContactLayout::radial ? 0 : 2 * c.vec();
+  const double ordered = 8 + c.vec() + c.real + arms + c.impulse();
+  return relaxation_memory(c) + HeldBytes{72, ordered + 36};
+}
+
+constexpr SolverCard gauss_seidel_colored_card() {
+  return {.name = "gauss_seidel_colored",
+          .description = "block Gauss-Seidel, contacts of one color at once: for low accuracy",
+          .parameters = kRelaxationParameters,
+          .keeps_marks = true,
+          .memory = gauss_seidel_colored_memory,
+          .traffic = [](const SolverCase& c) { return gauss_seidel_sweep_traffic(c.real); }};
+}
+
 }  // namespace scree

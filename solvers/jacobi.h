@@ -12,6 +12,16 @@
 
 namespace scree {
 
+/// One iteration. Contact: normal 3R, bias R, ids 8, metric 3R, impulse 3R read, 3R written. Twists
+/// 6R a body: once each, or two per contact. Bodies as in BodyVelocity.
+/// @param r  size of a number [bytes]
+constexpr Traffic jacobi_iteration_traffic(double r) {
+  const double streamed = 13 * r + 8;
+  return Traffic{streamed, 6 * r, streamed + 12 * r, 0} + body_velocity_traffic(r);
+}
+static_assert(jacobi_iteration_traffic(4).contact_requested == 108 + 52);
+static_assert(jacobi_iteration_traffic(4).body_requested == 64);
+
 template <class B, class Real>
 class Jacobi final : public RelaxationSolver<B, Real> {
  public:
@@ -48,6 +58,14 @@ class Jacobi final : public RelaxationSolver<B, Real> {
 template <class B, class Real>
 std::unique_ptr<Solver<B, Real>> make_jacobi(const SolverParams& params) {
   return std::make_unique<Jacobi<B, Real>>(params);
+}
+
+constexpr SolverCard jacobi_card() {
+  return {.name = "jacobi",
+          .description = "projected Jacobi, every contact at once: for comparisons",
+          .parameters = kRelaxationParameters,
+          .memory = relaxation_memory,
+          .traffic = [](const SolverCase& c) { return jacobi_iteration_traffic(c.real); }};
 }
 
 }  // namespace scree

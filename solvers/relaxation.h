@@ -5,8 +5,25 @@
 
 #include "kernels/solve/metric_step.h"
 #include "solvers/residual.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
+
+inline constexpr std::array kRelaxationParameters{kRelaxation};
+
+/// Velocities; the metric of each contact.
+inline HeldBytes relaxation_memory(const SolverCase& c) { return {c.twist(), 3 * c.real}; }
+
+/// GaussSeidelPass over all contacts. Contact: normal 3R, bias R, ids 8, metric 3R, impulse 3R read,
+/// 3R written. Body: twist 6R and inertia 2R read, twist 6R written: once each, or for both bodies
+/// of each contact.
+/// @param r  size of a number [bytes]
+constexpr Traffic gauss_seidel_sweep_traffic(double r) {
+  const double streamed = 13 * r + 8;
+  return {streamed, 14 * r, streamed + 28 * r, 0};
+}
+static_assert(gauss_seidel_sweep_traffic(4).contact_least == 60);
+static_assert(gauss_seidel_sweep_traffic(4).contact_requested == 60 + 64 + 48);
 
 /// Base of Jacobi and of the Gauss-Seidel solvers. Their objective falls with every sweep, so the
 /// last iterate is returned.
@@ -16,7 +33,7 @@ class RelaxationSolver : public Solver<B, Real> {
   explicit RelaxationSolver(const SolverParams& params) : params_(params) { validate(params_); }
 
  protected:
-  Real relaxation() const { return static_cast<Real>(params_.relaxation); }
+  Real relaxation() const { return static_cast<Real>(kRelaxation.of(params_.own)); }
 
   /// Projects the guess.
   /// @return V, valid for bodies that do not move; iterate() computes it for the others

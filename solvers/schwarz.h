@@ -15,6 +15,7 @@
 #include "kernels/solve/schwarz_iteration.h"
 #include "solvers/check_schedule.h"
 #include "solvers/residual.h"
+#include "solvers/solver_card.h"
 #include "solvers/tile_coloring.h"
 
 namespace scree {
@@ -51,7 +52,7 @@ class Schwarz final : public Solver<B, Real> {
                                         {gamma, other_gamma.view()},
                                         {velocity, other_velocity.view()},
                                         state.data(),
-                                        static_cast<Real>(params_.relaxation),
+                                        static_cast<Real>(kRelaxation.of(params_.own)),
                                         kSweeps};
     TileColoring<B> tiles(b);
     SchwarzIteration<B, R, Real> iteration(b);
@@ -118,6 +119,35 @@ class Schwarz final : public Solver<B, Real> {
 template <class B, class Real>
 std::unique_ptr<Solver<B, Real>> make_schwarz(const SolverParams& params) {
   return std::make_unique<Schwarz<B, Real>>(params);
+}
+
+/// The iterate before; tiles, their neighbors and links; without tuned programs also the order, the
+/// extrapolated point and the weights.
+inline HeldBytes schwarz_memory(const SolverCase& c) {
+  const double plain = 4 + c.impulse() + 3 * c.real;
+  return {2 * c.twist() + 14, c.impulse() + 20 + (c.is_tuned() ? 0 : plain)};
+}
+
+/// A pass whose sweeps run in fast memory (the tuned twin); the plain program, on the CPU, moves
+/// more. Contact: normal 3R, bias R, link 8, two impulses 6R read, one 3R written. Body: two twists
+/// 12R read, one 6R written; 12R more for each further tile that touches it, about half a tile.
+/// @param r  size of a number [bytes]
+constexpr Traffic schwarz_pass_traffic(double r) {
+  const double contact = 13 * r + 8;
+  return {contact, 18 * r, contact, 24 * r};
+}
+static_assert(schwarz_pass_traffic(4).contact_least == 16 + 8 + 24 + 12);
+static_assert(schwarz_pass_traffic(4).body_least == 48 + 24);
+
+inline constexpr std::array kSchwarzParameters{kRelaxation};
+
+constexpr SolverCard schwarz_card() {
+  return {.name = "schwarz",
+          .description =
+              "accelerated Schwarz over tiles of bodies: for a million like spheres on a GPU",
+          .parameters = kSchwarzParameters,
+          .memory = schwarz_memory,
+          .traffic = [](const SolverCase& c) { return schwarz_pass_traffic(c.real); }};
 }
 
 }  // namespace scree

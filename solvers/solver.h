@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/contact/contact_operator.h"
+#include "solvers/solver_parameter.h"
 
 namespace scree {
 
@@ -21,8 +22,8 @@ class InvalidParameter : public std::runtime_error {
 
 /// Metric in which APGD takes its steps and projections.
 enum class ApgdMetricKind {
-  euclidean,  ///< as in the paper
-  diagonal    ///< two or three weights per contact, see ApgdMetric: fewer iterations
+  diagonal,  ///< two or three weights per contact, see ApgdMetric: fewer iterations
+  euclidean  ///< as in the paper
 };
 
 /// The contact law that APGD's steps aim at, and with it the residual that tolerances are on.
@@ -35,9 +36,8 @@ enum class ApgdLaw {
 struct SolverParams {
   int max_iterations = 400;  ///< [-], > 0
   int check_every = 10;      ///< iterations between residual checks (host reads), see each solver
-  double relaxation = 1.0;   ///< over-relaxation of Gauss-Seidel, Jacobi and Schwarz, in (0, 2)
-  ApgdMetricKind metric = ApgdMetricKind::diagonal;
-  ApgdLaw law = ApgdLaw::convex;  ///< of APGD
+  ParameterValues own = {};  ///< of those on the solver's card
+  ApgdLaw law = ApgdLaw::convex;  ///< of solvers that step to Coulomb's law
 };
 
 /// @throws InvalidParameter
@@ -49,8 +49,6 @@ inline void validate(const SolverParams& p) {
           "solver.max_iterations must be positive, got " + std::to_string(p.max_iterations));
   require(p.check_every > 0,
           "solver.check_every must be positive, got " + std::to_string(p.check_every));
-  require(p.relaxation > 0 && p.relaxation < 2,
-          "solver.relaxation must lie in (0, 2), got " + std::to_string(p.relaxation));
 }
 
 /// The one measure every solver is judged by: e_c = (gamma_c - P_K(gamma_c - rho_c u_c)) / rho_c
@@ -134,11 +132,8 @@ class Solver {
 };
 
 /// Makes a solver by its registered name.
-/// @throws InvalidParameter naming the known solvers when the name is none of them
+/// @throws InvalidParameter  see make_one_of()
 template <class B, class Real>
 std::unique_ptr<Solver<B, Real>> make_solver(const std::string& name, const SolverParams& params);
-
-/// Names that make_solver knows.
-std::vector<std::string> solver_names();
 
 }  // namespace scree

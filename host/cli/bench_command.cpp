@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/error.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 namespace {
@@ -25,6 +26,14 @@ void add_scene_options(CLI::App& command, SceneBenchOptions& options) {
       ->expected(0, 1)
       ->default_str("-")
       ->take_last();
+}
+
+/// The solvers of steps, a line each.
+std::string solver_lines() {
+  std::string lines = "Solvers:";
+  for (const SolverCard& card : solver_cards())
+    lines += fmt::format("\n  {:<22}{}", card.name, card.description);
+  return lines;
 }
 
 /// @throws InputError when a word behind `bench` is neither a benchmark nor a scene
@@ -74,8 +83,11 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
 
   CLI::App* solvers =
       command->add_subcommand("solvers", "time to equal residual, solver by solver");
+  solvers->footer(solver_lines());
   add_bed_options(*solvers, options.solvers.bed);
-  solvers->add_option("--solvers", options.solvers.solvers, "names (default: all)")
+  solvers
+      ->add_option("--solvers", options.solvers.solvers,
+                   "some of those below (default: all that run there)")
       ->delimiter(',')
       ->type_name("NAME,...");
   solvers->add_option("--levels", options.solvers.levels, "residuals relative to v*")

@@ -41,6 +41,7 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
 int check_scene(const CheckOptions& options) {
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
   const WorldOptions world = resolve_options(options.target, scene);
+  require_solver(scene, world);
   const SceneSummary s = summarize(scene);
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
   const std::size_t memory = expected_memory(scene, world);

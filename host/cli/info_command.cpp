@@ -2,22 +2,44 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "host/cli/options.h"
+#include "host/error.h"
+#include "host/scene_reader/scene_schema.h"
 #include "host/version.h"
 #include "host/world.h"
 #include "solvers/assembled/assembled_solver.h"
-#include "solvers/solver.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
+namespace {
+
+int print_schema() {
+  const std::filesystem::path path = scene_folder() / "schema.json";
+  std::ifstream file(path);
+  if (!file) throw InputError(path.string() + ": cannot be read");
+  const auto schema = reader::schema_with_solvers(reader::Json::parse(file));
+  fmt::print("{}\n", schema.dump(2));
+  return 0;
+}
+
+}  // namespace
 
 CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
   CLI::App* command = app.add_subcommand("info", "Devices, build options, versions");
-  command->add_flag("--json", options.json, "print JSON");
+  CLI::Option* json = command->add_flag("--json", options.json, "print JSON");
+  command
+      ->add_flag("--schema", options.schema,
+                 "print the JSON schema of scene files, with all solvers of this program")
+      ->excludes(json);
   return command;
 }
 
 int print_info(const InfoOptions& options) {
+  if (options.schema) return print_schema();
   const DeviceInfo cpu = device_info(BackendKind::cpu);
   std::string reason;
   const bool has_cuda = backend_available(BackendKind::cuda, &reason);
@@ -32,7 +54,6 @@ int print_info(const InfoOptions& options) {
 #else
   const char* assertions = "on";
 #endif
-  const std::vector<std::string> solvers = solver_names();
   const std::vector<std::string> problem_solvers = assembled_solver_names();
   if (options.json) {
     nlohmann::json out = {
@@ -41,7 +62,7 @@ int print_info(const InfoOptions& options) {
         {"compiler", __VERSION__},
         {"assertions", assertions},
         {"built_with_cuda", built_with_cuda},
-        {"solvers", solvers},
+        {"solvers", solver_names()},
         {"problem_solvers", problem_solvers},
         {"cpu",
          {{"name", cpu.name}, {"threads", cpu.threads}, {"memory_bytes", cpu.memory_bytes}}}};
@@ -59,7 +80,9 @@ int print_info(const InfoOptions& options) {
   fmt::print("scree       {} ({})\n", version(), commit());
   fmt::print("compiler    {}; assertions {}; CUDA {}\n", __VERSION__, assertions,
              built_with_cuda ? "built in" : "not built in");
-  fmt::print("solvers     {}\n", fmt::join(solvers, ", "));
+  const char* heading = "solvers";
+  for (const SolverCard& card : solver_cards())
+    fmt::print("{:<12}{:<22}{}\n", std::exchange(heading, ""), card.name, card.description);
   fmt::print("            for scree solve: {}\n", fmt::join(problem_solvers, ", "));
   fmt::print("cpu         {}, {} threads, {:.1f} GiB\n", cpu.name, cpu.threads,
              static_cast<double>(cpu.memory_bytes) / gib);

@@ -1,5 +1,5 @@
 #pragma once
-// scree info: devices, build options and versions.
+// scree info: devices, build options, versions; the schema of scene files.
 
 #include <CLI/CLI.hpp>
 
@@ -7,6 +7,7 @@ namespace scree {
 
 struct InfoOptions {
   bool json = false;
+  bool schema = false;  ///< of scene files, in place of the rest
 };
 
 CLI::App* add_info_command(CLI::App& app, InfoOptions& options);

@@ -44,16 +44,11 @@ void add_target_options(CLI::App& command, RunTarget& target) {
   add_backend_options(command, target, "what the scene says", "what the scene says");
 }
 
-namespace {
-
-/// The folder of the scenes that come with the program.
 fs::path scene_folder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return (program.parent_path() / SCREE_SCENES_FROM_PROGRAM).lexically_normal();
 }
-
-}  // namespace
 
 fs::path find_scene(const std::string& name_or_path) {
   const bool is_directory =

@@ -32,6 +32,9 @@ void add_backend_options(CLI::App& command, RunTarget& target, const std::string
 /// Adds SCENE and the options above to a command.
 void add_target_options(CLI::App& command, RunTarget& target);
 
+/// The folder of the scenes that come with the program.
+std::filesystem::path scene_folder();
+
 /// The file of a scene given by path or by name. @throws InputError listing the known names
 std::filesystem::path find_scene(const std::string& name_or_path);
 

@@ -84,6 +84,7 @@ class Run {
       return 0;
     }
     require_steps_to_dump(checkpoint ? checkpoint->state.step : 0);
+    require_solver(scene_, world_options_);
     require_memory(scene_, world_options_);
     directory_.prepare();
     if (!notice_.empty() && !options_.quiet) say(notice_);

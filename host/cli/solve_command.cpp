@@ -22,7 +22,7 @@
 #include "host/solve/solve_charts.h"
 #include "host/solve/solve_report.h"
 #include "solvers/rolling/rolling_solver.h"
-#include "solvers/solver.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 namespace {
@@ -111,7 +111,8 @@ WorldOptions target_options(const SolveOptions& options) {
 /// Names of the solvers to run.
 std::vector<std::string> solvers_of(const SolveOptions& options, bool cuda) {
   if (options.matrix_free)
-    return parse_solver_list(options.solver == "auto" ? "apgd" : options.solver, solver_names());
+    return parse_solver_list(options.solver == "auto" ? SolverSettings{}.name : options.solver,
+                             solver_names(options.solver == "all" && cuda));
   if (!cuda) return parse_solver_list(options.solver);
   if (options.solver == "auto") return {"proximal_krylov"};
   if (options.solver == "all") return assembled_solver_names(true);

@@ -260,9 +260,7 @@ class EngineOf final : public Engine {
     SolverParams params;
     params.max_iterations = scene_.solver.max_iterations;
     params.check_every = scene_.solver.check_every;
-    params.relaxation = scene_.solver.relaxation;
-    params.metric =
-        scene_.solver.diagonal_metric ? ApgdMetricKind::diagonal : ApgdMetricKind::euclidean;
+    params.own = scene_.solver.parameters;
     if (!scene_.solver.exact_coulomb) return make_solver<B, Real>(scene_.solver.name, params);
     return make_exact_solver<B, Real>(scene_.solver.name, params,
                                       scene_.solver.max_outer_iterations);

@@ -9,6 +9,7 @@
 #include "host/engine/shared_constants.h"
 #include "host/error.h"
 #include "host/scene/scene_summary.h"
+#include "solvers/coulomb.h"
 
 namespace scree {
 namespace {
@@ -23,15 +24,6 @@ constexpr double kPairsOfMixed = 11;
 /// Largest over median diameter from which bodies count as mixed.
 constexpr double kMixed = 2;
 
-/// Bytes for each body and for each contact.
-struct Bytes {
-  double body = 0;
-  double contact = 0;
-  friend Bytes operator+(const Bytes& a, const Bytes& b) {
-    return {a.body + b.body, a.contact + b.contact};
-  }
-};
-
 /// Sizes of what arrays hold, and what decides which arrays there are.
 struct Sizes {
   Sizes(const Scene& scene_, const WorldOptions& options)
@@ -44,8 +36,13 @@ struct Sizes {
         impulse(vectors_per_contact(summary.layout) * vec),
         radial(summary.layout == ContactLayout::radial),
         alike(radial && summary.solid_spheres),
-        device_spheres(radial && options.backend == BackendKind::cuda),
-        marks(scene_.solver.name == "gauss_seidel_colored" ? 4 : 0),
+        card(solver_card(scene_.solver.name)),
+        solver_case{.layout = summary.layout,
+                    .real = real,
+                    .on_device = options.backend == BackendKind::cuda,
+                    .alike = alike,
+                    .parameters = scene_.solver.parameters},
+        marks(card.keeps_marks ? 4 : 0),
         pairs(summary.largest_diameter > kMixed * summary.median_diameter ? kPairsOfMixed
                                                                           : kPairs) {}
   const Scene& scene;
@@ -53,10 +50,11 @@ struct Sizes {
   SharedConstants shared;
   double real, vec, twist, impulse;
   bool radial;
-  bool alike;           ///< free velocities and inverse masses come from the state
-  bool device_spheres;  ///< tuned programs run
-  double marks;         ///< what the solver leaves at a contact
-  double pairs;         ///< near pairs of a body
+  bool alike;  ///< free velocities and inverse masses come from the state
+  SolverCard card;
+  SolverCase solver_case;
+  double marks;  ///< what the solver leaves at a contact
+  double pairs;  ///< near pairs of a body
 };
 
 /// Position, orientation, rates, id, and the constants that are not shared.
@@ -82,14 +80,14 @@ double warm_start(const Sizes& s) { return 8 + s.impulse + s.marks; }
 double near_pair_list(const Sizes& s) { return 24 + 4.25 * s.pairs; }
 
 /// Lists of the contacts of a body, and what the state cannot give.
-Bytes problem(const Sizes& s) {
+HeldBytes problem(const Sizes& s) {
   const auto any = [&](auto has) {
     return std::any_of(s.scene.materials.begin(), s.scene.materials.end(), has) ||
            std::any_of(s.scene.material_pairs.begin(), s.scene.material_pairs.end(),
                        [&](const MaterialPair& pair) { return has(pair.values); });
   };
   const double friction = pair_values(s.scene, 0, 0).friction;
-  Bytes bytes{8, 4};
+  HeldBytes bytes{8, 4};
   if (!s.alike) bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
   if (s.scene.stepping.restitution_law == RestitutionLaw::newton &&
       any([](const Material& m) { return m.restitution > 0; }))
@@ -101,32 +99,9 @@ Bytes problem(const Sizes& s) {
 }
 
 /// Velocities that a solver returns, and its working memory at the fullest.
-Bytes solver(const Sizes& s) {
-  const double weights = 3 * s.real;
-  Bytes bytes{s.twist, weights};  // Jacobi, Gauss-Seidel
-  if (s.scene.solver.name == "apgd") {
-    // The other iterate and, once half of the iterations allowed are done, the best one; velocities
-    // of both and, without the tuned program, of the extrapolated point.
-    const double metric = s.alike ? s.real : s.radial ? 2 * s.real : weights;
-    const bool is_tuned = s.device_spheres && s.real == 4;
-    bytes = {(is_tuned ? 2 : 3) * s.twist,
-             2 * s.impulse + (is_tuned ? 8 : 0) + (s.scene.solver.diagonal_metric ? metric : 0)};
-  } else if (s.scene.solver.name == "gauss_seidel_colored") {
-    // Contacts in the order of colors, and the memory of their coloring.
-    const double ordered = 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + s.impulse;
-    bytes = bytes + Bytes{72, ordered + 36};
-  }
-  if (s.scene.solver.name == "schwarz") {
-    // The iterate before; tiles, their neighbors and links; without tuned programs also the order,
-    // the extrapolated point and the weights.
-    bytes = {2 * s.twist + 14, s.impulse + 20 + (s.device_spheres ? 0 : 4 + s.impulse + weights)};
-  }
-  if (s.scene.solver.exact_coulomb) {
-    // APGD also keeps the best impulses while more rounds follow.
-    const double best = s.scene.solver.name == "apgd" ? s.impulse : 0;
-    bytes = bytes + Bytes{s.twist, 3 * s.real + best};
-  }
-  return bytes;
+HeldBytes solver(const Sizes& s) {
+  const HeldBytes bytes = s.card.memory(s.solver_case);
+  return s.scene.solver.exact_coulomb ? bytes + exact_memory(s.card, s.solver_case) : bytes;
 }
 
 /// A body and its contacts while contacts are searched for: those of the last step are remembered,
@@ -143,8 +118,8 @@ double in_warm_start(const Sizes& s, bool near_pairs) {
 }
 
 double in_solver(const Sizes& s, bool near_pairs) {
-  const Bytes bytes =
-      Bytes{state_of_body(s), contact_set(s) + s.impulse + s.marks} + problem(s) + solver(s);
+  const HeldBytes bytes =
+      HeldBytes{state_of_body(s), contact_set(s) + s.impulse + s.marks} + problem(s) + solver(s);
   return bytes.body + (near_pairs ? near_pair_list(s) : 0) + kContacts * bytes.contact;
 }
 

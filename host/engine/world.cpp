@@ -22,6 +22,7 @@ std::unique_ptr<Engine> engine_for(Scene scene, const WorldOptions& options) {
   validate(scene);
   std::string reason;
   if (!backend_available(options.backend, &reason)) throw InputError("backend cuda: " + reason);
+  require_solver(scene, options);
 #ifdef SCREE_HAS_CUDA
   if (options.backend == BackendKind::cuda) return make_engine<Cuda>(std::move(scene), options);
 #endif

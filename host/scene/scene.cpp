@@ -11,6 +11,7 @@
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/bodies/range.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 
@@ -54,9 +55,9 @@ void check_finite(const std::string& path, const Vec3d& value, const char* unit)
     refuse(path, text(value), fmt::format("must be three finite numbers [{}]", unit));
 }
 void check_one_of(const std::string& path, const std::string& value,
-                  std::initializer_list<const char*> known) {
+                  const std::vector<std::string>& known) {
   std::string list;
-  for (const char* name : known) {
+  for (const std::string& name : known) {
     if (value == name) return;
     list += (list.empty() ? "" : ", ") + quoted(name);
   }
@@ -240,6 +241,17 @@ void check_name(const std::string& name) {
                        kMaxNameBytes));
 }
 
+void check_solver_parameters(const ParameterValues& values) {
+  std::vector<std::string> known;
+  for (const auto& [parameter, solvers] : solver_parameters()) {
+    known.emplace_back(parameter.key);
+    const double value = parameter.of(values);
+    if (!parameter.allows(value))
+      refuse(fmt::format("solver.{}", parameter.key), parameter.text(value), parameter.expected());
+  }
+  for (const auto& [key, value] : values) check_one_of("solver.parameters", key, known);
+}
+
 void check_settings(const Scene& scene) {
   check_name(scene.name);
   check_one_of("backend", scene.backend, {"auto", "cpu", "cuda"});
@@ -257,15 +269,13 @@ void check_settings(const Scene& scene) {
     refuse("collision.skin", text(stepping.skin), "must be a finite number [m]");
 
   const SolverSettings& solver = scene.solver;
-  check_one_of("solver.name", solver.name,
-               {"apgd", "jacobi", "gauss_seidel", "gauss_seidel_colored", "schwarz"});
+  check_one_of("solver.name", solver.name, solver_names());
   if (solver.stop.level == StopRule::Level::absolute)
     check_positive("solver.stop", solver.stop.residual, "m/s");
   check_positive("solver.max_iterations", solver.max_iterations, "-");
   check_positive("solver.check_every", solver.check_every, "-");
   check_positive("solver.max_outer_iterations", solver.max_outer_iterations, "-");
-  if (!(solver.relaxation > 0 && solver.relaxation < 2))
-    refuse("solver.relaxation", text(solver.relaxation), "must be between 0 and 2, both excluded");
+  check_solver_parameters(solver.parameters);
 
   const OutputSettings& output = scene.output;
   check_non_negative("output.frame_interval", output.frame_interval, "s");

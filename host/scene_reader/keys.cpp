@@ -2,7 +2,19 @@
 
 #include <stdexcept>
 
+#include "solvers/solver_card.h"
+
 namespace scree {
+namespace {
+
+std::vector<std::string> solver_keys() {
+  std::vector<std::string> keys{"name",       "stop",  "max_iterations",      "check_every",
+                                "warm_start", "model", "max_outer_iterations"};
+  for (const auto& [parameter, solvers] : solver_parameters()) keys.emplace_back(parameter.key);
+  return keys;
+}
+
+}  // namespace
 
 const std::vector<KeyTable>& scene_key_tables() {
   static const std::vector<KeyTable> tables{
@@ -52,9 +64,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"radius_normal", {"mean", "deviation", "min", "max"}},
       {"region", {"min", "max", "cylinder"}},
       {"cylinder", {"axis", "center", "radius", "length"}},
-      {"solver",
-       {"name", "stop", "max_iterations", "check_every", "warm_start", "model",
-        "max_outer_iterations", "relaxation", "metric"}},
+      {"solver", solver_keys()},
       {"stepping", {"max_recovery_speed", "restitution_law", "restitution_threshold"}},
       {"collision", {"envelope", "skin"}},
       {"output", {"frame_interval", "checkpoint_interval", "picture"}},

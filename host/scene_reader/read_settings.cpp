@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "host/scene_reader/parts.h"
+#include "solvers/solver_card.h"
 
 namespace scree::reader {
 namespace {
@@ -26,14 +27,24 @@ void read_stop(const Node& node, StopRule& stop) {
   }
 }
 
+double read_parameter(const Node& node, const SolverParameter& parameter) {
+  if (parameter.choices.empty()) {
+    const std::string expected = parameter.expected();
+    return node.number({parameter.low, parameter.high, true, true, expected.c_str()}, "");
+  }
+  std::vector<std::pair<std::string, double>> named;
+  for (const char* name : parameter.choices)
+    named.emplace_back(name, static_cast<double>(named.size()));
+  return node.choice(named);
+}
+
 void read_solver(const Node& node, SolverSettings& solver) {
   node.check_keys(scene_keys("solver"));
-  if (const auto name = node.find("name"))
-    solver.name = name->choice<std::string>({{"apgd", "apgd"},
-                                             {"jacobi", "jacobi"},
-                                             {"gauss_seidel", "gauss_seidel"},
-                                             {"gauss_seidel_colored", "gauss_seidel_colored"},
-                                             {"schwarz", "schwarz"}});
+  if (const auto name = node.find("name")) {
+    std::vector<std::pair<std::string, std::string>> names;
+    for (const std::string& each : solver_names()) names.emplace_back(each, each);
+    solver.name = name->choice(names);
+  }
   if (const auto stop = node.find("stop")) read_stop(*stop, solver.stop);
   node.read("max_iterations", solver.max_iterations, 1, kMaxInt);
   node.read("check_every", solver.check_every, 1, kMaxInt);
@@ -41,10 +52,9 @@ void read_solver(const Node& node, SolverSettings& solver) {
   if (const auto model = node.find("model"))
     solver.exact_coulomb = model->choice<bool>({{"convex", false}, {"exact", true}});
   node.read("max_outer_iterations", solver.max_outer_iterations, 1, kMaxInt);
-  constexpr Range relaxation{0, 2, true, true, "must be between 0 and 2, both excluded"};
-  node.read("relaxation", solver.relaxation, relaxation, "");
-  if (const auto metric = node.find("metric"))
-    solver.diagonal_metric = metric->choice<bool>({{"diagonal", true}, {"euclidean", false}});
+  for (const auto& [parameter, solvers] : solver_parameters())
+    if (const auto value = node.find(parameter.key))
+      solver.parameters[parameter.key] = read_parameter(*value, parameter);
 }
 
 void read_camera(const Node& node, CameraSettings& camera) {

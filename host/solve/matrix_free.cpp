@@ -10,6 +10,7 @@
 #include "host/io/checkpoint.h"
 #include "host/problems/body_measures.h"
 #include "host/problems/matrix_form.h"
+#include "host/problems/require_solver.h"
 
 namespace scree {
 
@@ -92,6 +93,8 @@ std::unique_ptr<MatrixFreeProblem> upload_matrix_free(const BodyProblem& problem
 std::vector<SolverRun> run_matrix_free(const BodyProblem& problem, const ReadyProblem& ready,
                                        const std::vector<std::string>& solvers,
                                        const AssembledOptions& options, const WorldOptions& world) {
+  for (const std::string& solver : solvers)
+    require_solver("--solver", solver, world.backend, problem.layout);
   const auto uploaded = upload_matrix_free(problem, world);
   std::vector<SolverRun> runs;
   runs.reserve(solvers.size());

@@ -49,7 +49,7 @@ std::unique_ptr<MatrixFreeProblem> upload_matrix_free_on(const BodyProblem& prob
 /// @param ready    the same problem, which measures
 /// @param solvers  names of solver_names()
 /// @param options  max_iterations 0 stands for 10,000, outer iterations of the exact model for 100
-/// @throws InputError when the backend is not there
+/// @throws InputError when the backend is not there, or a solver cannot take the problem there
 std::vector<SolverRun> run_matrix_free(const BodyProblem& problem, const ReadyProblem& ready,
                                        const std::vector<std::string>& solvers,
                                        const AssembledOptions& options, const WorldOptions& world);

@@ -19,27 +19,13 @@ using fixtures::PlainProblem;
 using fixtures::ProblemBuffers;
 using fixtures::random_problem;
 
-/// Registered solvers that run on the backend.
-template <class Real>
-std::vector<std::string> usable_solvers() {
-  std::vector<std::string> names;
-  for (const std::string& name : solver_names()) {
-    try {
-      make_solver<TestBackend, Real>(name, {});
-      names.push_back(name);
-    } catch (const InvalidParameter&) {
-    }
-  }
-  return names;
-}
-
 template <class Real>
 class SolverBasicsTest : public BackendTest<Real> {};
 TYPED_TEST_SUITE(SolverBasicsTest, Reals);
 
 TYPED_TEST(SolverBasicsTest, NoContactsLeaveTheFreeVelocity) {
   TestBackend& b = this->backend();
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     PlainProblem plain;
     plain.data.bodies[plain.add_sphere(2, 1)].velocity = {1, 2, 3};
     plain.data.free_count = 1;
@@ -55,7 +41,7 @@ TYPED_TEST(SolverBasicsTest, NoContactsLeaveTheFreeVelocity) {
 
 TYPED_TEST(SolverBasicsTest, OneContactCarriesTheWeight) {
   TestBackend& b = this->backend();
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     PlainProblem plain;
     plain.data.bodies[plain.add_sphere(2, 1)].velocity = {0, 0, -0.0981};
     plain.add_fixed();
@@ -88,7 +74,7 @@ TYPED_TEST(SolverBasicsTest, ApgdScalesAnOversizedGuess) {
 }
 
 TYPED_TEST(SolverBasicsTest, SameBitsForAnyNumberOfThreadsAndOnEveryRun) {
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     for (ContactLayout layout : {ContactLayout::radial, ContactLayout::rolling}) {
       const PlainProblem plain =
           random_problem({.layout = layout, .free_count = 1500, .contact_count = 4000, .seed = 4});
@@ -117,7 +103,7 @@ TYPED_TEST(SolverBasicsTest, SecondSolveDoesNotDependOnTheFirst) {
   TestBackend& b = this->backend();
   const PlainProblem large = random_problem({.free_count = 300, .contact_count = 900, .seed = 5});
   const PlainProblem small = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     if (name == "apgd") continue;  // carries its step from solve to solve
     const auto used = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 20});
     const auto fresh = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 20});
@@ -132,7 +118,7 @@ TYPED_TEST(SolverBasicsTest, SecondSolveDoesNotDependOnTheFirst) {
 TYPED_TEST(SolverBasicsTest, RecordsItsConvergenceCurve) {
   TestBackend& b = this->backend();
   const PlainProblem plain = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
     const auto solver =
         make_solver<TestBackend, TypeParam>(name, {.max_iterations = 60, .check_every = 20});
@@ -181,7 +167,7 @@ TYPED_TEST(SolverBasicsTest, WarmStartIsDoneAtOnce) {
   TestBackend& b = this->backend();
   const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 1e-4;
   const PlainProblem plain = random_problem({.free_count = 30, .contact_count = 60, .seed = 6});
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
     const auto solver = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 100000});
     ASSERT_TRUE(solver->solve(b, buffers.problem(), buffers.gamma(), tolerance).converged) << name;
@@ -195,7 +181,7 @@ TYPED_TEST(SolverBasicsTest, NonFiniteInputIsReportedAndStops) {
   TestBackend& b = this->backend();
   PlainProblem plain = random_problem({.free_count = 30, .contact_count = 80, .seed = 6});
   plain.data.contacts[17].bias = std::numeric_limits<double>::quiet_NaN();
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
     const auto solver = make_solver<TestBackend, TypeParam>(name, {.max_iterations = 100});
     const SolveStats stats = solver->solve(b, buffers.problem(), buffers.gamma(), 1e-6);
@@ -221,15 +207,25 @@ TYPED_TEST(SolverBasicsTest, BadParametersAreNamed) {
   const auto make = [](const std::string& name, const SolverParams& params) {
     return refusal([&] { make_solver<TestBackend, TypeParam>(name, params); });
   };
-  for (const std::string& name : usable_solvers<TypeParam>()) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice)) {
     EXPECT_EQ(make(name, {.max_iterations = 0}), "solver.max_iterations must be positive, got 0");
     EXPECT_EQ(make(name, {.check_every = -3}), "solver.check_every must be positive, got -3");
-    EXPECT_THAT(make(name, {.relaxation = 2}),
-                HasSubstr("solver.relaxation must lie in (0, 2), got 2"));
+    for (const SolverParameter& own : solver_card(name).parameters) {
+      EXPECT_EQ(make(name, {.own = {{own.key, 2}}}),
+                "solver." + std::string(own.key) + ": 2 is not allowed: " + own.expected());
+      EXPECT_EQ(make(name, {.own = {{own.key, own.standard}}}), "nothing was thrown");
+    }
   }
   const std::string unknown = make("newton", {});
   EXPECT_THAT(unknown, HasSubstr("\"newton\" is unknown"));
   for (const std::string& name : solver_names()) EXPECT_THAT(unknown, HasSubstr(name));
+}
+
+TYPED_TEST(SolverBasicsTest, CardsSayWhatSolversKeep) {
+  for (const std::string& name : solver_names(TestBackend::kIsDevice))
+    EXPECT_EQ((make_solver<TestBackend, TypeParam>(name, {})->keeps_marks()),
+              solver_card(name).keeps_marks)
+        << name;
 }
 
 TYPED_TEST(SolverBasicsTest, SequentialGaussSeidelIsForTheCpu) {

@@ -1,36 +1,24 @@
 #include "host/cli/bench/bandwidth.h"
 
-#include <type_traits>
-
-#include "solvers/traffic.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 namespace {
 
-/// One application of a solver on spheres. The plain program of Schwarz, on the CPU, moves more
-/// than is counted.
-template <class Real>
-Traffic traffic_of(const SolverSettings& solver) {
-  if (solver.exact_coulomb) return {};
-  if (solver.name == "apgd") {
-    if constexpr (std::is_same_v<Real, float>) return apgd_fused_iteration_traffic();
-    return apgd_iteration_traffic<Real>(solver.diagonal_metric ? ApgdMetricKind::diagonal
-                                                               : ApgdMetricKind::euclidean);
-  }
-  if (solver.name == "schwarz") return schwarz_pass_traffic<Real>();
-  if (solver.name == "jacobi") return jacobi_iteration_traffic<Real>();
-  if (solver.name == "gauss_seidel" || solver.name == "gauss_seidel_colored")
-    return gauss_seidel_sweep_traffic<Real>();
-  return {};
+/// One application of a solver on spheres; nothing when it is not counted.
+Traffic traffic_of(const SolverSettings& solver, const WorldOptions& options) {
+  const SolverCard& card = solver_card(solver.name);
+  if (solver.exact_coulomb || card.traffic == nullptr) return {};
+  return card.traffic({.real = options.precision == Precision::double_precision ? 8.0 : 4.0,
+                       .on_device = options.backend == BackendKind::cuda,
+                       .parameters = solver.parameters});
 }
 
 }  // namespace
 
 Bandwidth bandwidth_of(const StepFigures& figures, const SolverSettings& solver,
                        const WorldOptions& options, double copy) {
-  const Traffic traffic = options.precision == Precision::double_precision
-                              ? traffic_of<double>(solver)
-                              : traffic_of<float>(solver);
+  const Traffic traffic = traffic_of(solver, options);
   Bandwidth result;
   result.least_bytes = traffic.least(figures.contacts, figures.bodies);
   const double seconds = 1e-3 * figures.ms("solve").mean;

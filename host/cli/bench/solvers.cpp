@@ -13,6 +13,7 @@
 #include "host/cli/judged.h"
 #include "host/engine/copy_bandwidth.h"
 #include "host/error.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 namespace {
@@ -115,19 +116,18 @@ class LevelSearch {
   OneStep last_;
 };
 
-const std::vector<std::string> kSolvers{"apgd", "schwarz", "gauss_seidel_colored", "jacobi",
-                                        "gauss_seidel"};
-
-/// Solvers to compare: the plain Gauss-Seidel is serial and left out on a GPU.
+/// Solvers to compare: all that run on the backend and know spheres, or those that are named.
 std::vector<std::string> chosen_solvers(const SolverBenchOptions& options, BackendKind backend) {
+  const std::vector<std::string> all = solver_names();
   for (const std::string& name : options.solvers)
-    if (std::find(kSolvers.begin(), kSolvers.end(), name) == kSolvers.end())
+    if (std::find(all.begin(), all.end(), name) == all.end())
       throw InputError(fmt::format("--solvers: \"{}\" is not allowed: expected some of {}", name,
-                                   fmt::join(kSolvers, ", ")));
+                                   fmt::join(all, ", ")));
   if (!options.solvers.empty()) return options.solvers;
-  std::vector<std::string> all = kSolvers;
-  if (backend == BackendKind::cuda) all.pop_back();
-  return all;
+  std::vector<std::string> fit = solver_names(backend == BackendKind::cuda);
+  std::erase_if(
+      fit, [](const std::string& name) { return !solver_card(name).knows(ContactLayout::radial); });
+  return fit;
 }
 
 }  // namespace

@@ -68,6 +68,13 @@ TEST(Validate, RefusesNonFiniteAndOutOfRangeValues) {
   EXPECT_EQ(refused([](Scene& s) { s.solver.name = "magic"; }),
             "solver.name: \"magic\" is not allowed: must be one of \"apgd\", \"jacobi\", "
             "\"gauss_seidel\", \"gauss_seidel_colored\", \"schwarz\"");
+  EXPECT_EQ(refused([](Scene& s) { s.solver.parameters["relaxation"] = 2; }),
+            "solver.relaxation: 2 is not allowed: must be between 0 and 2, both excluded");
+  EXPECT_EQ(refused([](Scene& s) { s.solver.parameters["metric"] = 2; }),
+            "solver.metric: 2 is not allowed: must be one of \"diagonal\", \"euclidean\"");
+  EXPECT_EQ(refused([](Scene& s) { s.solver.parameters["speed"] = 1; }),
+            "solver.parameters: \"speed\" is not allowed: must be one of \"metric\", "
+            "\"relaxation\"");
   EXPECT_EQ(refused([](Scene& s) { s.materials[0].friction = NAN; }),
             "materials.default.friction: nan is not allowed: must be zero or positive [-]");
 }

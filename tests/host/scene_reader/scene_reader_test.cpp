@@ -79,8 +79,8 @@ TEST(SceneReader, ReadsSettings) {
   EXPECT_FALSE(scene.solver.warm_start);
   EXPECT_TRUE(scene.solver.exact_coulomb);
   EXPECT_EQ(scene.solver.max_outer_iterations, 4);
-  EXPECT_EQ(scene.solver.relaxation, 1.5);
-  EXPECT_FALSE(scene.solver.diagonal_metric);
+  EXPECT_EQ(scene.solver.parameters,
+            (std::map<std::string, double>{{"relaxation", 1.5}, {"metric", 1}}));
   EXPECT_EQ(scene.output.frame_interval, 0.5);
   EXPECT_EQ(scene.output.checkpoint_interval, 0.6);
   const PictureSettings& picture = scene.output.picture;

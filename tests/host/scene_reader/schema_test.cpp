@@ -9,6 +9,8 @@
 
 #include "host/scene_reader.h"
 #include "host/scene_reader/keys.h"
+#include "host/scene_reader/scene_schema.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 namespace {
@@ -55,6 +57,25 @@ TEST(Schema, DescribesEveryKey) {
           part(document, value["$ref"].get<std::string>().substr(8)).contains("description");
       EXPECT_TRUE(itself || by_reference) << table.object << "." << key;
     }
+}
+
+TEST(Schema, TellsTheSolversAsTheirCardsDo) {
+  std::ifstream file(SCREE_SCENE_DIR "/schema.json");
+  const auto published = reader::Json::parse(file);
+  const auto complete = reader::schema_with_solvers(published);
+  EXPECT_EQ(Json::parse(published.dump()), Json::parse(complete.dump()));
+}
+
+TEST(Schema, ParametersThatSolversShareAreTheSame) {
+  for (const SolverCard& card : solver_cards())
+    for (const SolverParameter& own : card.parameters)
+      for (const auto& [shared, solvers] : solver_parameters()) {
+        if (std::string(own.key) != shared.key) continue;
+        EXPECT_EQ(std::string(own.description), shared.description) << card.name;
+        EXPECT_EQ(own.standard, shared.standard) << card.name;
+        EXPECT_EQ(own.expected(), shared.expected()) << card.name;
+        EXPECT_TRUE(own.allows(own.standard)) << card.name;
+      }
 }
 
 TEST(Schema, RequiredKeysOfTheDocumentAreThoseOfTheReader) {

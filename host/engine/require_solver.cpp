@@ -1,0 +1,13 @@
+#include "host/problems/require_solver.h"
+#include "host/scene/scene_summary.h"
+#include "solvers/solver_card.h"
+
+namespace scree {
+
+void require_solver(const Scene& scene, const WorldOptions& options) {
+  const bool knows_all = solver_card(scene.solver.name).layouts.size() == kAllLayouts.size();
+  require_solver("solver.name", scene.solver.name, options.backend,
+                 knows_all ? ContactLayout::radial : summarize(scene).layout);
+}
+
+}  // namespace scree

@@ -69,10 +69,11 @@ class Program {
  public:
   /// @param file_limit  largest file it may write [bytes]; 0: no limit
   /// @param prepare     called in the process that becomes the program, just before it does
+  /// @param program     the file
   Program(const fs::path& folder, const Arguments& arguments, rlim_t file_limit = 0,
-          const std::function<void()>& prepare = {})
+          const std::function<void()>& prepare = {}, const char* program = SCREE_PROGRAM)
       : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
-    Arguments all{SCREE_PROGRAM};
+    Arguments all{program};
     all.insert(all.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& argument : all) argv.push_back(argument.data());

@@ -10,6 +10,7 @@
 #include "host/problems/assembled_form.h"
 #include "host/problems/download_problem.h"
 #include "host/problems/matrix_form.h"
+#include "kernels/contact/contact_operator.h"
 #include "solvers/assembled/backend_problem.h"
 
 namespace scree::bench {

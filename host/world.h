@@ -19,6 +19,10 @@ struct WorldOptions {
   BackendKind backend = BackendKind::cpu;
   Precision precision = Precision::single_precision;
   int threads = 0;  ///< CPU backend: 0 takes what OpenMP offers
+  /// Number of the device among those of the backend: CUDA devices as the runtime counts them,
+  /// which respects CUDA_VISIBLE_DEVICES; the CPU is device 0. Worlds of one process may use one
+  /// device or several, from one thread or each from its own.
+  int device = 0;
   /// Backend memory that a run is meant to do with [bytes], for require_memory() and for what is
   /// kept between steps; 0: what is free.
   std::size_t memory_limit = 0;
@@ -139,17 +143,21 @@ class World {
   std::unique_ptr<Engine> engine_;
 };
 
-/// Whether this build and machine can run the backend; the reason when they cannot.
-bool backend_available(BackendKind kind, std::string* reason = nullptr);
+/// Whether this build and machine can run the backend on a device; the reason when they cannot,
+/// which lists the devices when there is none of that number.
+bool backend_available(BackendKind kind, std::string* reason = nullptr, int device = 0);
 
-/// Name and memory of the device the backend runs on.
+/// Devices of a backend on this machine: 1 for the CPU.
+int device_count(BackendKind kind);
+
+/// Name and memory of a device.
 struct DeviceInfo {
   std::string name;
   std::size_t memory_bytes = 0;
   std::size_t free_bytes = 0;  ///< of them, that this process can still get
   int threads = 0;             ///< CPU threads or multiprocessors
 };
-DeviceInfo device_info(BackendKind kind);
+DeviceInfo device_info(BackendKind kind, int device = 0);
 
 /// @throws InputError when the solver does not run on the backend, or does not know the contacts of
 /// the scene

@@ -45,7 +45,7 @@ int check_scene(const CheckOptions& options) {
   const SceneSummary s = summarize(scene);
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
   const std::size_t memory = expected_memory(scene, world);
-  const DeviceInfo device = device_info(world.backend);
+  const DeviceInfo device = device_info(world.backend, world.device);
   const double fit = bodies_that_fit(scene, world);
   const bool fits = s.free_capacity + s.fixed_count <= fit;
   const char* backend = world.backend == BackendKind::cuda ? "cuda" : "cpu";

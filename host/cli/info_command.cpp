@@ -43,7 +43,9 @@ int print_info(const InfoOptions& options) {
   const DeviceInfo cpu = device_info(BackendKind::cpu);
   std::string reason;
   const bool has_cuda = backend_available(BackendKind::cuda, &reason);
-  const DeviceInfo cuda = has_cuda ? device_info(BackendKind::cuda) : DeviceInfo{};
+  std::vector<DeviceInfo> devices;
+  for (int device = 0; has_cuda && device < device_count(BackendKind::cuda); ++device)
+    devices.push_back(device_info(BackendKind::cuda, device));
 #ifdef SCREE_HAS_CUDA
   const bool built_with_cuda = true;
 #else
@@ -67,9 +69,13 @@ int print_info(const InfoOptions& options) {
         {"cpu",
          {{"name", cpu.name}, {"threads", cpu.threads}, {"memory_bytes", cpu.memory_bytes}}}};
     if (has_cuda) {
-      out["cuda"] = {{"name", cuda.name},
-                     {"multiprocessors", cuda.threads},
-                     {"memory_bytes", cuda.memory_bytes}};
+      nlohmann::json list = nlohmann::json::array();
+      for (const DeviceInfo& device : devices)
+        list.push_back({{"name", device.name},
+                        {"multiprocessors", device.threads},
+                        {"memory_bytes", device.memory_bytes}});
+      out["cuda"] = list.front();
+      out["cuda_devices"] = list;
     } else {
       out["cuda"] = {{"unavailable", reason}};
     }
@@ -86,10 +92,10 @@ int print_info(const InfoOptions& options) {
   fmt::print("            for scree solve: {}\n", fmt::join(problem_solvers, ", "));
   fmt::print("cpu         {}, {} threads, {:.1f} GiB\n", cpu.name, cpu.threads,
              static_cast<double>(cpu.memory_bytes) / gib);
-  if (has_cuda) {
-    fmt::print("cuda        {}, {} multiprocessors, {:.1f} GiB\n", cuda.name, cuda.threads,
-               static_cast<double>(cuda.memory_bytes) / gib);
-  } else {
+  for (std::size_t device = 0; device < devices.size(); ++device)
+    fmt::print("cuda {:<6} {}, {} multiprocessors, {:.1f} GiB\n", device, devices[device].name,
+               devices[device].threads, static_cast<double>(devices[device].memory_bytes) / gib);
+  if (!has_cuda) {
     fmt::print("cuda        not available: {}\n", reason);
   }
   return 0;

@@ -9,9 +9,21 @@
 namespace scree {
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr int kMostDevices = 1024;
+
+}  // namespace
+
 void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
                         const std::string& precision, const std::string& threads) {
   command.add_option("--backend", target.backend, "cuda, cpu or auto (default: " + backend + ")")
+      ->take_last();
+  command
+      .add_option("--device", target.device,
+                  "number of the CUDA device, see scree info (default: 0)")
+      ->type_name("N")
+      ->check(CLI::Range(0, kMostDevices - 1))
       ->take_last();
   command
       .add_option("--precision", target.precision, "float or double (default: " + precision + ")")
@@ -84,21 +96,29 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
     throw InputError(
         fmt::format("--precision: \"{}\" is not allowed: expected float or double", precision));
   }
+  const bool has_device = target.device >= 0;
+  options.device = has_device ? target.device : 0;
   std::string reason;
   if (backend == "cuda") {
-    if (!backend_available(BackendKind::cuda, &reason)) {
+    if (!backend_available(BackendKind::cuda, &reason, options.device)) {
+      if (has_device) throw InputError(fmt::format("--device {}: {}", target.device, reason));
       throw InputError(fmt::format("--backend cuda: {}; use --backend cpu, or auto", reason));
     }
     options.backend = BackendKind::cuda;
   } else if (backend == "auto") {
-    if (backend_available(BackendKind::cuda, &reason)) {
+    if (backend_available(BackendKind::cuda, &reason, options.device)) {
       options.backend = BackendKind::cuda;
+    } else if (has_device) {
+      throw InputError(fmt::format("--device {}: {}", target.device, reason));
     } else if (notice != nullptr) {
       *notice = fmt::format("no GPU in use ({}): running on the CPU", reason);
     }
   } else if (backend != "cpu") {
     throw InputError(
         fmt::format("--backend: \"{}\" is not allowed: expected cuda, cpu or auto", backend));
+  } else if (has_device) {
+    throw InputError(
+        fmt::format("--device {}: is for the backend cuda, this is cpu", target.device));
   }
   return options;
 }

@@ -15,12 +15,13 @@ struct RunTarget {
   std::string backend;                 ///< empty: what the scene says
   std::string precision;               ///< empty: what the scene says
   int threads = 0;                     ///< 0: all
+  int device = -1;                     ///< CUDA device; negative: not given, the first
   double memory = 0;                   ///< limit [MiB]; 0: what is free
   std::vector<std::string> overrides;  ///< key.path=value
   bool json = false;
 };
 
-/// Adds --backend, --precision and --threads to a command.
+/// Adds --backend, --device, --precision and --threads to a command.
 /// @param backend, precision, threads  what is taken by default, for the help text
 void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
                         const std::string& precision, const std::string& threads = "all");
@@ -38,10 +39,10 @@ std::filesystem::path scene_folder();
 /// The file of a scene given by path or by name. @throws InputError listing the known names
 std::filesystem::path find_scene(const std::string& name_or_path);
 
-/// Backend and precision to use: the command line before the scene; `auto` takes CUDA
-/// when it is there.
+/// Backend, device and precision to use: the command line before the scene; `auto` takes CUDA when
+/// it is there.
 /// @param notice  when given: what a user should know about the choice, or empty
-/// @throws InputError when the backend that was asked for is not available
+/// @throws InputError when the backend or the device that was asked for is not available
 WorldOptions resolve_options(const RunTarget& target, const Scene& scene,
                              std::string* notice = nullptr);
 

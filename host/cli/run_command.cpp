@@ -293,7 +293,7 @@ class Run {
   }
 
   void start_record(std::optional<std::int64_t> resumed_from) {
-    const DeviceInfo device = device_info(world_options_.backend);
+    const DeviceInfo device = device_info(world_options_.backend, world_options_.device);
     record_.scene_name = scene_.name;
     record_.scene_text = scene_text_;
     record_.command_line = options_.command_line;

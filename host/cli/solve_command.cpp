@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "host/engine/cuda_device.h"
 #include "host/error.h"
 #include "host/io/directory_checks.h"
 #include "host/io/problem_file.h"
@@ -393,6 +394,9 @@ class Session {
   AssembledOptions common_;
   WorldOptions world_;
   bool cuda_;
+#ifdef SCREE_HAS_CUDA
+  CudaDeviceScope device_{cuda_ ? world_.device : -1};  ///< of solvers: they take the current one
+#endif
   std::vector<std::string> solvers_;
   bool is_folder_;
   bool reference_is_solver_ = false;

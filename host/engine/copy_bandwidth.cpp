@@ -11,7 +11,8 @@ class Cuda;
 
 double copy_bandwidth(const WorldOptions& options) {
   std::string reason;
-  if (!backend_available(options.backend, &reason)) throw InputError("backend cuda: " + reason);
+  if (!backend_available(options.backend, &reason, options.device))
+    throw InputError("backend cuda: " + reason);
 #ifdef SCREE_HAS_CUDA
   if (options.backend == BackendKind::cuda) return copy_bandwidth_on<Cuda>(options);
 #endif

@@ -5,9 +5,9 @@
 namespace scree {
 
 template <>
-double copy_bandwidth_on<BuildBackend>([[maybe_unused]] const WorldOptions& options) {
+double copy_bandwidth_on<BuildBackend>(const WorldOptions& options) {
   if constexpr (BuildBackend::kIsDevice) {
-    BuildBackend backend;
+    BuildBackend backend(options.device);
     return copy_bandwidth_of(backend);
   } else {
     BuildBackend backend(options.threads);

@@ -9,6 +9,8 @@ class Engine {
  public:
   virtual ~Engine() = default;
   virtual StepReport step(BodyProblem* problem) = 0;
+  /// CUDA device that must be the current one during a call; negative: none.
+  virtual int cuda_device() const = 0;
   virtual std::int64_t steps_done() const = 0;
   virtual double time() const = 0;
   virtual int body_count() const = 0;

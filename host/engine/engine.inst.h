@@ -5,9 +5,9 @@
 namespace scree {
 namespace {
 
-std::unique_ptr<BuildBackend> make_backend([[maybe_unused]] const WorldOptions& options) {
+std::unique_ptr<BuildBackend> make_backend(const WorldOptions& options) {
   if constexpr (BuildBackend::kIsDevice) {
-    return std::make_unique<BuildBackend>();
+    return std::make_unique<BuildBackend>(options.device);
   } else {
     return std::make_unique<BuildBackend>(options.threads);
   }

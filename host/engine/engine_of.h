@@ -207,6 +207,13 @@ class EngineOf final : public Engine {
       render::add_labels(image, settings.color_by, range, time_, scene_.stepping.time_step);
     return image;
   }
+  int cuda_device() const override {
+    if constexpr (B::kIsDevice) {
+      return backend_->device();
+    } else {
+      return -1;
+    }
+  }
   std::size_t memory() const override { return backend_->allocated(); }
   std::size_t peak_memory() const override { return backend_->peak(); }
 

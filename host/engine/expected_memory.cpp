@@ -134,7 +134,7 @@ double body_count(const SceneSummary& s) {
 /// Memory that a run may count on [bytes].
 struct Room {
   explicit Room(const WorldOptions& options) {
-    const DeviceInfo device = device_info(options.backend);
+    const DeviceInfo device = device_info(options.backend, options.device);
     all = static_cast<double>(device.memory_bytes);
     free = static_cast<double>(device.free_bytes);
     if (options.memory_limit == 0) return;

@@ -21,13 +21,35 @@ namespace {
 std::unique_ptr<Engine> engine_for(Scene scene, const WorldOptions& options) {
   validate(scene);
   std::string reason;
-  if (!backend_available(options.backend, &reason)) throw InputError("backend cuda: " + reason);
+  if (!backend_available(options.backend, &reason, options.device))
+    throw InputError((options.backend == BackendKind::cuda ? "backend cuda: " : "backend cpu: ") +
+                     reason);
   require_solver(scene, options);
 #ifdef SCREE_HAS_CUDA
-  if (options.backend == BackendKind::cuda) return make_engine<Cuda>(std::move(scene), options);
+  if (options.backend == BackendKind::cuda) {
+    const CudaDeviceScope scope(options.device);
+    return make_engine<Cuda>(std::move(scene), options);
+  }
 #endif
   return make_engine<Cpu>(std::move(scene), options);
 }
+
+/// The engine of a world, while its device is the current one of this thread.
+class OnDevice {
+ public:
+#ifdef SCREE_HAS_CUDA
+  explicit OnDevice(Engine& engine) : engine_(&engine), scope_(engine.cuda_device()) {}
+#else
+  explicit OnDevice(Engine& engine) : engine_(&engine) {}
+#endif
+  Engine* operator->() const { return engine_; }
+
+ private:
+  Engine* engine_;
+#ifdef SCREE_HAS_CUDA
+  CudaDeviceScope scope_;
+#endif
+};
 
 /// Host memory that can be had without swapping [bytes]; the largest number when unknown.
 std::size_t free_host_memory() {
@@ -46,36 +68,50 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-StepReport World::step() { return engine_->step(nullptr); }
-StepReport World::step(BodyProblem& problem) { return engine_->step(&problem); }
+StepReport World::step() { return OnDevice(*engine_)->step(nullptr); }
+StepReport World::step(BodyProblem& problem) { return OnDevice(*engine_)->step(&problem); }
 std::int64_t World::steps_done() const { return engine_->steps_done(); }
 double World::time() const { return engine_->time(); }
 int World::body_count() const { return engine_->body_count(); }
-BodyStates World::states() const { return engine_->states(); }
+BodyStates World::states() const { return OnDevice(*engine_)->states(); }
 const BodyConstants& World::constants() const { return engine_->constants(); }
-std::vector<ContactRecord> World::contacts() const { return engine_->contacts(); }
-std::vector<ContactRecord> World::overlaps() const { return engine_->overlaps(); }
-WorldState World::save() const { return engine_->save(); }
-void World::restore(const WorldState& state) { engine_->restore(state); }
-Image World::render(const PictureSettings& settings) const { return engine_->render(settings); }
+std::vector<ContactRecord> World::contacts() const { return OnDevice(*engine_)->contacts(); }
+std::vector<ContactRecord> World::overlaps() const { return OnDevice(*engine_)->overlaps(); }
+WorldState World::save() const { return OnDevice(*engine_)->save(); }
+void World::restore(const WorldState& state) { OnDevice(*engine_)->restore(state); }
+Image World::render(const PictureSettings& settings) const {
+  return OnDevice(*engine_)->render(settings);
+}
 std::size_t World::memory() const { return engine_->memory(); }
 std::size_t World::peak_memory() const { return engine_->peak_memory(); }
 
-bool backend_available(BackendKind kind, [[maybe_unused]] std::string* reason) {
-  if (kind == BackendKind::cpu) return true;
+bool backend_available(BackendKind kind, std::string* reason, int device) {
+  if (kind == BackendKind::cpu) {
+    if (device == 0) return true;
+    if (reason != nullptr)
+      *reason = "there is no device " + std::to_string(device) + "; the CPU is device 0";
+    return false;
+  }
 #ifdef SCREE_HAS_CUDA
-  return cuda_available(reason);
+  return cuda_available(reason, device);
 #else
   if (reason != nullptr) *reason = "this program was built without CUDA";
   return false;
 #endif
 }
 
-DeviceInfo device_info(BackendKind kind) {
+int device_count(BackendKind kind) {
+  if (kind == BackendKind::cpu) return 1;
 #ifdef SCREE_HAS_CUDA
-  if (kind == BackendKind::cuda) return cuda_device_info();
+  return cuda_device_count();
 #else
-  static_cast<void>(kind);
+  return 0;
+#endif
+}
+
+DeviceInfo device_info([[maybe_unused]] BackendKind kind, [[maybe_unused]] int device) {
+#ifdef SCREE_HAS_CUDA
+  if (kind == BackendKind::cuda) return cuda_device_info(device);
 #endif
   DeviceInfo info;
   info.name = "CPU";

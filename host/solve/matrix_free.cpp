@@ -83,7 +83,8 @@ SolverRun run(MatrixFreeProblem& uploaded, const BodyProblem& problem, const Rea
 std::unique_ptr<MatrixFreeProblem> upload_matrix_free(const BodyProblem& problem,
                                                       const WorldOptions& world) {
   std::string reason;
-  if (!backend_available(world.backend, &reason)) throw InputError("backend cuda: " + reason);
+  if (!backend_available(world.backend, &reason, world.device))
+    throw InputError("backend cuda: " + reason);
 #ifdef SCREE_HAS_CUDA
   if (world.backend == BackendKind::cuda) return upload_matrix_free_on<Cuda>(problem, world);
 #endif

@@ -10,9 +10,9 @@
 namespace scree {
 namespace {
 
-std::unique_ptr<BuildBackend> make_backend([[maybe_unused]] const WorldOptions& world) {
+std::unique_ptr<BuildBackend> make_backend(const WorldOptions& world) {
   if constexpr (BuildBackend::kIsDevice) {
-    return std::make_unique<BuildBackend>();
+    return std::make_unique<BuildBackend>(world.device);
   } else {
     return std::make_unique<BuildBackend>(world.threads);
   }

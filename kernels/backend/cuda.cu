@@ -10,12 +10,16 @@
 namespace scree {
 
 Cuda::Cuda(int device) : device_(device) {
-  check_cuda(cudaSetDevice(device), "select device");
+  if (device == kCurrent) {
+    check_cuda(cudaGetDevice(&device_), "current device");
+  } else {
+    check_cuda(cudaSetDevice(device), "select device");
+  }
   check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "create stream");
   // Freed blocks stay in the pool: buffers that grow during a run do not go back to
   // the driver each time.
   cudaMemPool_t pool = nullptr;
-  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device), "memory pool");
+  check_cuda(cudaDeviceGetDefaultMemPool(&pool, device_), "memory pool");
   std::uint64_t keep = ~std::uint64_t{0};
   check_cuda(cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep), "memory pool");
   check_cuda(cudaMalloc(&partials_, kMaxReduceRecord * kReduceBlocks),
@@ -48,6 +52,12 @@ void* Cuda::allocate(std::size_t bytes) {
 void Cuda::deallocate(void* p, std::size_t bytes) noexcept {
   cudaFreeAsync(p, stream_);
   allocated_ -= bytes;
+}
+
+unsigned Cuda::reduce_blocks(const void* kernel, const char* name) {
+  unsigned& blocks = reduce_blocks_[kernel];  // zero when new
+  if (blocks == 0) blocks = resident_blocks(kernel, name);
+  return blocks;
 }
 
 void* Cuda::scan_space(std::size_t bytes) {

@@ -1,10 +1,13 @@
 #pragma once
-// The CUDA backend: one device, one stream. Element programs run as grid-stride kernels; reductions
-// combine in a fixed order, so the same input gives the same bits on every run.
+// The CUDA backend: one device, one stream. The device must be the current one of the thread that
+// works with it: CudaDeviceScope (host/engine/cuda_device.h) sees to that. Element programs run as
+// grid-stride kernels; reductions combine in a fixed order, so the same input gives the same bits on
+// every run.
 
 #include <cuda_runtime.h>
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "kernels/backend/backend.h"
 
@@ -25,7 +28,11 @@ class Cuda {
   static constexpr int kReduceBlocks = 4096;
   static constexpr std::size_t kMaxReduceRecord = 128;
 
-  explicit Cuda(int device = 0);
+  /// Stands for the device that is the current one of the thread.
+  static constexpr int kCurrent = -1;
+
+  /// @param device  stays the current one of the thread
+  explicit Cuda(int device = kCurrent);
   ~Cuda();
   Cuda(const Cuda&) = delete;
   Cuda& operator=(const Cuda&) = delete;
@@ -65,6 +72,10 @@ class Cuda {
     return static_cast<unsigned>(std::clamp(per_processor * processors, 1, kReduceBlocks));
   }
 
+  /// Blocks of a reduction that the device runs at a time. It is asked for at each launch, so it is
+  /// remembered; here and not beside the kernel, because it is a property of the device.
+  unsigned reduce_blocks(const void* kernel, const char* name);
+
   /// Reports a failed launch under the kernel's name; with SCREE_CHECK_SYNC also waits for it.
   void check_launch(const char* name) {
     check_cuda(cudaGetLastError(), name);
@@ -78,6 +89,7 @@ class Cuda {
   cudaStream_t stream_ = nullptr;
   void* partials_ = nullptr;
   unsigned* ticket_ = nullptr;
+  std::unordered_map<const void*, unsigned> reduce_blocks_;
   void* scan_space_ = nullptr;
   std::size_t scan_bytes_ = 0;
   std::size_t allocated_ = 0;
@@ -159,8 +171,8 @@ __global__ void __launch_bounds__(Cuda::kBlock)
 template <class R, class F, class G = NoFinish>
 void reduce(Cuda& cuda, Index n, F f, G finish = {}) {
   static_assert(sizeof(R) <= Cuda::kMaxReduceRecord);
-  static const unsigned resident =
-      cuda.resident_blocks(reinterpret_cast<const void*>(&reduce_kernel<R, F, G>), F::name);
+  const unsigned resident =
+      cuda.reduce_blocks(reinterpret_cast<const void*>(&reduce_kernel<R, F, G>), F::name);
   const Offset wanted = (static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock;
   const auto blocks = static_cast<unsigned>(std::clamp<Offset>(wanted, 1, resident));
   reduce_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(

@@ -301,6 +301,17 @@ INSTANTIATE_TEST_SUITE_P(
         BadCommand{"UnknownBackend",
                    {"run", "SCENE", "--backend", "gpu"},
                    {"\"gpu\"", "cuda, cpu or auto"}},
+        BadCommand{
+            "NegativeDevice", {"run", "SCENE", "--device", "-1"}, {"--device", "-1", "0 to 1023"}},
+        BadCommand{"DeviceOfTheCpu",
+                   {"run", "SCENE", "--backend", "cpu", "--device", "0"},
+                   {"--device 0", "backend cuda"}},
+        BadCommand{"MissingDevice",  // with the devices that are there, or why there are none
+                   {"check", "SCENE", "--backend", "cuda", "--device", "1023"},
+                   {"--device 1023: "}},
+        BadCommand{"MissingDeviceOfAuto",
+                   {"bench", "SCENE", "--backend", "auto", "--device", "1023"},
+                   {"--device 1023: "}},
         BadCommand{"UnknownPrecision",
                    {"run", "SCENE", "--precision", "half"},
                    {"\"half\"", "float or double"}},

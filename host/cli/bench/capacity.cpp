@@ -45,7 +45,8 @@ int bench_capacity(const BedOptions& options) {
                         .settings = {"solver.stop=fixed", "solver.max_iterations=20"}});
   static_cast<void>(bench.bed(1));
   BenchRecord record = bench.record();
-  const double there = static_cast<double>(device_info(bench.world_options().backend).memory_bytes);
+  const double there = static_cast<double>(
+      device_info(bench.world_options().backend, bench.world_options().device).memory_bytes);
   bench.print_title();
   Table table({{"bodies"},
                {"contacts", 11},

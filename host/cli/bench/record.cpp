@@ -43,7 +43,7 @@ void require_writable(const std::string& path) {
 }  // namespace
 
 Json bench_header(const std::string& benchmark, const WorldOptions& options) {
-  const DeviceInfo device = device_info(options.backend);
+  const DeviceInfo device = device_info(options.backend, options.device);
   return {{"benchmark", benchmark},
           {"program", "scree"},
           {"version", version()},

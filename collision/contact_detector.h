@@ -74,10 +74,12 @@ class ContactDetector {
   /// contact to pick contacts.
   ///
   /// @param h             time step [s]
-  /// @param gravity_step  what loads add to the velocity of free bodies in the step, h g [m/s]
+  /// @param gravity_step  what gravity adds to the velocity of free bodies in the step, h g [m/s]
+  /// @param load_speed    most that other loads add to it, which `bodies` has already [m/s]
   /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than
   ///         an Index can number, or more bodies and wall features than fit a contact key
-  void detect(B& b, const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step);
+  void detect(B& b, const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step,
+              double load_speed = 0);
 
   /// The contacts found by the last detect(); valid until the next one.
   ContactView<Real> contacts() const;
@@ -111,6 +113,12 @@ class ContactDetector {
     contact_count_ = 0;
   }
 
+  /// Bodies were put elsewhere: what is remembered of the last step and of near pairs is void.
+  void forget_places() {
+    memory_.forget();
+    candidates_.forget();
+  }
+
   /// The remembered keys and impulses, for checkpoints.
   void save(B& b, std::vector<std::uint64_t>& key, std::vector<Vec3<double>>& impulse) const {
     memory_.save(b, key, impulse);
@@ -138,8 +146,8 @@ class ContactDetector {
   std::int64_t list_extensions() const { return candidates_.extension_count(); }
 
  private:
-  ContactRange range_of(const BodyView<Real>& bodies, double h,
-                        const Vec3<double>& gravity_step) const;
+  ContactRange range_of(const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step,
+                        double load_speed) const;
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
   /// in a loose bed, more than two change little.
   static constexpr int kMaxWidenings = 2;
@@ -201,12 +209,12 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
 
 template <class B, class Real>
 void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double h,
-                                      const Vec3<double>& gravity_step) {
+                                      const Vec3<double>& gravity_step, double load_speed) {
   release_contacts();
   needed_.release();
   name_elements(bodies);
   if (bodies.free_count == 0) return;
-  const ContactRange range = range_of(bodies, h, gravity_step);
+  const ContactRange range = range_of(bodies, h, gravity_step, load_speed);
   obstacles_.refresh(b, bodies, range, keys_);
   list_with_margins(b, bodies, range);
   needed_.release();
@@ -215,8 +223,9 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
 
 template <class B, class Real>
 ContactRange ContactDetector<B, Real>::range_of(const BodyView<Real>& bodies, double h,
-                                                const Vec3<double>& gravity_step) const {
-  const double fall = h * norm(gravity_step);
+                                                const Vec3<double>& gravity_step,
+                                                double load_speed) const {
+  const double fall = h * (norm(gravity_step) + load_speed);
   ContactRange range{settings_.envelope, h, settings_.period, {}, gravity_step};
   range.fall = fall > 0.5 * settings_.envelope ? 0.5 * fall : 0;
   range.margin_limit = settings_.margin_limit;

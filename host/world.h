@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "host/arrays.h"
 #include "host/body_constants.h"
 #include "host/scene.h"
 
 namespace scree {
 
-enum class BackendKind { cpu, cuda };
 enum class Precision { single_precision, double_precision };
 
 struct WorldOptions {
@@ -128,6 +128,29 @@ class World {
   /// Pairs of bodies that overlap where they are now, impulses left zero. Takes the place of the
   /// contacts of the last step, also for the next warm start: for a check before the first step.
   std::vector<ContactRecord> overlaps() const;
+
+  /// What array() knows in this scene: an array that no body of the scene needs is not there.
+  std::vector<ArrayInfo> arrays() const;
+  /// An array in backend memory, without a copy. Arrays of bodies have a row for each free body, in
+  /// an order that changes from step to step: `id` says which body a row is. A view shows what is
+  /// there until the next step(), overlaps() or restore(); then ask again. Work of the World on a
+  /// device is done when its calls return; what a program reads or writes must be done, or ordered
+  /// before the work on the view's stream, when it makes the next call. A program may write
+  ///   velocity, angular_velocity, position, orientation   between steps: arrays_changed() follows;
+  ///   force, torque   at any time between steps: they act in every step until they are changed. A
+  ///                   row for each id, which never moves; rows of bodies that are not free do
+  ///                   nothing. From the first call on they cost 24 bytes a body in float, 48 more
+  ///                   in a step, and a pass over bodies; checkpoints do not hold them.
+  /// Arrays of contacts are those of the last step; without rows after overlaps(), restore() and
+  /// arrays_changed(Written::poses).
+  /// @throws InputError naming the arrays there are
+  ArrayView array(const std::string& name);
+  /// Takes over what a program wrote: checks it, and after poses brings positions back into the
+  /// periodic box, orientations to unit length, and forgets near pairs, impulses for the warm start
+  /// and the contacts of the last step, so that writing poses in every step costs speed.
+  /// @throws InputError naming the first body in storage with values that are not finite or out of
+  ///         range; they stay as written
+  void arrays_changed(Written what);
 
   WorldState save() const;
   /// @throws InputError when the state does not fit the scene

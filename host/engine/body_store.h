@@ -234,6 +234,16 @@ class BodyStore {
     locks_.if_stored(f), material_.if_stored(f), group_.if_stored(f);
   }
 
+  /// Calls f(name, unit, meaning, array) for the constants that programs may read.
+  template <class F>
+  void for_each_constant(F&& f) {
+    f("inverse_mass", "1/kg", "one over the mass", inv_mass_);
+    f("radius", "m", "of the sphere, else of the bounding sphere", radius_);
+    f("locks", "1", "locked degrees of freedom, bits x y z rx ry rz", locks_);
+    f("material", "1", "index of the material in the scene", material_);
+    f("group", "1", "index of the group in the scene", group_);
+  }
+
  private:
   template <class To, class From>
   static std::optional<To> converted(const std::optional<From>& value) {

@@ -18,7 +18,8 @@ class ConstantArray {
   ConstantArray(B& b, Index fixed_begin, Index count, const std::optional<T>& shared, T filler)
       : first_(shared ? fixed_begin : 0),
         shared_(shared.value_or(filler)),
-        array_(b, count - first_) {
+        array_(b, count - first_),
+        shared_on_backend_(b) {
     fill(b, array_.view(), filler);
   }
 
@@ -34,6 +35,19 @@ class ConstantArray {
     upload(b, values.data(),
            Span<T>{array_.data() + (begin - first_), static_cast<Offset>(values.size())});
   }
+  /// Values of the free bodies in backend memory: one for all of them, or one for each.
+  struct OfFreeBodies {
+    const T* data = nullptr;
+    bool is_shared = false;
+  };
+  OfFreeBodies of_free_bodies(B& b) {
+    if (first_ == 0) return {array_.data(), false};
+    if (shared_on_backend_.capacity() == 0) {
+      shared_on_backend_.reserve_discard(1);
+      upload(b, &shared_, shared_on_backend_.view());
+    }
+    return {shared_on_backend_.data(), true};
+  }
   /// Calls f(array) where free bodies have their own values, for reordering.
   template <class F>
   void if_stored(F&& f) {
@@ -44,6 +58,7 @@ class ConstantArray {
   Index first_ = 0;
   T shared_;
   Buffer<B, T> array_;
+  Buffer<B, T> shared_on_backend_;  ///< empty until a program asks for it
 };
 
 }  // namespace scree

@@ -18,6 +18,9 @@ class Engine {
   virtual const BodyConstants& constants() const = 0;
   virtual std::vector<ContactRecord> contacts() = 0;
   virtual std::vector<ContactRecord> overlaps() = 0;
+  virtual std::vector<ArrayInfo> arrays() = 0;
+  virtual ArrayView array(const std::string& name) = 0;
+  virtual void arrays_changed(Written what) = 0;
   virtual WorldState save() = 0;
   virtual void restore(const WorldState& state) = 0;
   virtual Image render(const PictureSettings& settings) = 0;

@@ -20,6 +20,29 @@ void throw_bad_body(std::int64_t step, int body, const Vec3d& x, const Vec3d& v)
       x.x, x.y, x.z, v.x, v.y, v.z));
 }
 
+void throw_bad_load(std::int64_t step, int body) {
+  throw RunError(
+      fmt::format("step {}: the force or torque on body {} is not finite, or changes its speed by "
+                  "more than {:g} "
+                  "m/s or rad/s in a step",
+                  step, body, kFastest));
+}
+
+void throw_bad_written(int body, const Vec3d& x, const Quatd& q, const Vec3d& v, const Vec3d& w) {
+  throw InputError(fmt::format(
+      "body {}: position ({}, {}, {}) m, orientation ({}, {}, {}, {}), velocity ({}, {}, {}) m/s, "
+      "angular velocity ({}, {}, {}) rad/s was written to its arrays; expected finite values, "
+      "positions up to {:g} m, speeds up to {:g} m/s and an orientation that is not zero",
+      body, x.x, x.y, x.z, q.w, q.x, q.y, q.z, v.x, v.y, v.z, w.x, w.y, w.z, kFarthest, kFastest));
+}
+
+void throw_unknown_array(const std::string& name, const std::vector<ArrayInfo>& known) {
+  std::vector<std::string> names;
+  for (const ArrayInfo& info : known) names.push_back(info.name);
+  throw InputError(
+      fmt::format("array \"{}\" is not known; expected one of {}", name, fmt::join(names, ", ")));
+}
+
 void throw_not_finite(std::int64_t step, const char* quantity, double value) {
   throw RunError(fmt::format(
       "step {}: the {} is {}; values of the scene may be too large or too small, or the time step "

@@ -3,6 +3,8 @@
 // compile under nvcc.
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "host/scene.h"
 #include "host/world.h"
@@ -13,6 +15,13 @@ namespace scree {
 /// @throws RunError naming the body
 [[noreturn]] void throw_bad_body(std::int64_t step, int body, const Vec3d& position,
                                  const Vec3d& velocity);
+/// A load that is not finite or too large. @throws RunError naming the body
+[[noreturn]] void throw_bad_load(std::int64_t step, int body);
+/// A state written by a program that no body can have. @throws InputError naming the body
+[[noreturn]] void throw_bad_written(int body, const Vec3d& position, const Quatd& orientation,
+                                    const Vec3d& velocity, const Vec3d& angular_velocity);
+/// @throws InputError listing the names
+[[noreturn]] void throw_unknown_array(const std::string& name, const std::vector<ArrayInfo>& known);
 /// @throws RunError naming the quantity
 [[noreturn]] void throw_not_finite(std::int64_t step, const char* quantity, double value);
 /// @throws RunError naming the two bodies

@@ -11,6 +11,7 @@
 #include "host/engine/engine.h"
 #include "host/engine/engine_errors.h"
 #include "host/engine/impact_phase.h"
+#include "host/engine/named_arrays.h"
 #include "host/engine/obstacles.h"
 #include "host/engine/problem_assembly.h"
 #include "host/problems/download_problem.h"
@@ -20,6 +21,7 @@
 #include "host/scene/scene_summary.h"
 #include "host/version.h"
 #include "kernels/step/integrate.h"
+#include "kernels/step/written_state.h"
 #include "solvers/coulomb.h"
 #include "solvers/solver.h"
 
@@ -53,6 +55,7 @@ class EngineOf final : public Engine {
         constants_(scene_),
         store_(*backend_, summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
                summary_.solid_spheres),
+        loads_(*backend_, store_.count()),
         obstacles_(*backend_, scene_, store_.fixed_begin()),
         detector_(*backend_, collision_settings(near_pairs), obstacles_.data()),
         assembly_(*backend_, scene_, summary_.layout, summary_.solid_spheres),
@@ -74,7 +77,9 @@ class EngineOf final : public Engine {
     set_motion(time_);
     if (step_ % kReorderEvery == 0) reorder();
     const BodyView<Real> bodies = store_.view();
-    detector_.detect(b, bodies, h, Vec3d(gravity_step()));
+    const LoadSums loads = start_loads(bodies);
+    BodyView<Real> loaded = loads_.loaded(b, bodies);
+    detector_.detect(b, loaded, h, Vec3d(gravity_step()), loads.largest);
     const ContactView<Real> contacts = detector_.contacts();
     const Offset vectors =
         static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
@@ -93,12 +98,13 @@ class EngineOf final : public Engine {
     ImpactStats impacts;
     if (has_impacts()) {
       impacts = impacts_.run(b, assembly_, bodies, contacts, scene_.stepping, summary_.envelope,
-                             gravity_step());
+                             gravity_step(), loads_.gains());
+      if (impacts.rounds > 0) loaded = loads_.loaded(b, bodies);  // loads come after impacts
     }
     const double impact_ms = clock.lap();
 
-    StepProblem<B, Real> assembled =
-        assembly_.assemble(b, bodies, contacts, scene_.stepping, summary_.envelope, gravity_step());
+    StepProblem<B, Real> assembled = assembly_.assemble(
+        b, bodies, loaded, contacts, scene_.stepping, summary_.envelope, gravity_step());
     ContactProblem<Real>& problem = assembled.problem;
     SetupSums& sums = assembled.sums;
     if (impacts.rounds > 0) {  // the speeds of before measure what the step had to do
@@ -106,7 +112,7 @@ class EngineOf final : public Engine {
       sums.touching = impacts.before.touching;
     }
     problem.mark = mark.view();
-    const double reference = reference_speed(sums);
+    const double reference = reference_speed(loads, sums);
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
       *stored = download_problem<B, Real>(b, problem, gamma, store_.ids(), bodies.fixed_begin);
@@ -123,9 +129,11 @@ class EngineOf final : public Engine {
 
     const IntegrateSums moved = integrate(bodies);
     solver_->forget_velocity();  // in favor of the next search for contacts
+    loads_.finish();
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
     detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
     if (solver_->keeps_marks()) detector_.keep_marks(std::move(mark));
+    has_solved_contacts_ = true;
     ++step_;
     time_ = static_cast<double>(step_) * h;
     set_motion(time_);
@@ -148,7 +156,7 @@ class EngineOf final : public Engine {
   const BodyConstants& constants() const override { return constants_; }
 
   std::vector<ContactRecord> contacts() override {
-    std::vector<ContactRecord> out = records(download(*backend_, detector_.impulses()));
+    std::vector<ContactRecord> out = records(download(*backend_, solved_impulses()));
     const int vectors = vectors_per_contact(summary_.layout);
     for (const ImpactImpulses<B, Real>& round : impacts_.impulses()) {
       const auto contact = download(*backend_, round.contact.view(round.count));
@@ -162,10 +170,57 @@ class EngineOf final : public Engine {
 
   std::vector<ContactRecord> overlaps() override {
     impacts_.forget();
+    has_solved_contacts_ = false;
     detector_.detect(*backend_, store_.view(), 0, {});
     std::vector<ContactRecord> found = records({});
     std::erase_if(found, [](const ContactRecord& contact) { return !(contact.gap < 0); });
     return found;
+  }
+
+  std::vector<ArrayInfo> arrays() override {
+    std::vector<ArrayInfo> known;
+    for_each_array([&](const ArrayInfo& info, auto&&) { known.push_back(info); });
+    return known;
+  }
+
+  ArrayView array(const std::string& name) override {
+    std::optional<ArrayView> found;
+    for_each_array([&](const ArrayInfo& info, auto&& make) {
+      if (info.name != name) return;
+      found = make();
+      found->writable = info.writable;
+    });
+    if (!found) throw_unknown_array(name, arrays());
+    backend_->synchronize();
+    if constexpr (B::kIsDevice) {
+      found->backend = BackendKind::cuda;
+      found->device = backend_->device();
+      found->stream = backend_->stream();
+    }
+    return *found;
+  }
+
+  void arrays_changed(Written what) override {
+    B& b = *backend_;
+    const bool poses = what == Written::poses;
+    const BodyView<Real> bodies = store_.view();
+    Buffer<B, FirstBad> first(b, 1);
+    reduce<FirstBad>(
+        b, bodies.free_count,
+        TakeWrittenState<Real>{bodies, scene_.stepping.time_step, periodic_box(), poses},
+        StoreResult<FirstBad>{first.data()});
+    const Index bad = fetch(b, first.data()).body;
+    if (poses) {
+      detector_.forget_places();
+      solver_->restore_memory({});
+      impacts_.forget();
+      has_solved_contacts_ = false;
+    }
+    if (bad < 0) return;
+    throw_bad_written(id_of(bad), fetch(b, bodies.position.data + bad),
+                      Quatd(fetch(b, bodies.orientation.data + bad)),
+                      Vec3d(fetch(b, bodies.velocity.data + bad)),
+                      Vec3d(fetch(b, bodies.angular_velocity.data + bad)));
   }
 
   WorldState save() override {
@@ -190,6 +245,7 @@ class EngineOf final : public Engine {
     if (s.id.size() != n) throw_wrong_body_count(s.id.size(), n);
     require_contacts(s, vectors_per_contact(summary_.layout), n);
     impacts_.forget();
+    has_solved_contacts_ = false;
     store_.arrange(s.id);
     store_.restore_free(s);
     detector_.restore(*backend_, s.contact_key, s.contact_impulse);
@@ -221,6 +277,26 @@ class EngineOf final : public Engine {
   /// Steps between two looks at the order of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
+
+  /// Passes over the arrays that programs may ask for, see for_each_named_array().
+  template <class Visit>
+  void for_each_array(Visit visit) {
+    for_each_named_array(*backend_, store_, loads_, detector_.contacts(), solved_impulses(),
+                         vectors_per_contact(summary_.layout), visit);
+  }
+
+  /// Impulses of the contacts that there are; empty when no step found them.
+  Span<const Vec3<Real>> solved_impulses() const {
+    return has_solved_contacts_ ? detector_.impulses() : Span<const Vec3<Real>>{};
+  }
+
+  LoadSums start_loads(const BodyView<Real>& bodies) {
+    if (!loads_.is_used()) return {};
+    const LoadSums loads =
+        loads_.start(*backend_, bodies, gravity_step(), scene_.stepping.time_step);
+    if (loads.bad_body >= 0) throw_bad_load(step_ + 1, id_of(loads.bad_body));
+    return loads;
+  }
 
   IntegrateSums integrate(const BodyView<Real>& bodies) {
     B& b = *backend_;
@@ -304,11 +380,13 @@ class EngineOf final : public Engine {
     return box;
   }
 
-  /// v*: the speed loads give a body in one step, else that at which touching bodies approach
+  /// v*: the speed loads give a body in one step (RMS), else that at which touching bodies approach
   /// [m/s].
-  double reference_speed(const SetupSums& sums) const {
-    const double loads = norm(scene_.stepping.time_step * scene_.gravity);
-    if (loads > 0) return loads;
+  double reference_speed(const LoadSums& loads, const SetupSums& sums) const {
+    const double speed = loads_.is_used()
+                             ? std::sqrt(loads.squares / std::max<Index>(store_.free_count(), 1))
+                             : norm(scene_.stepping.time_step * scene_.gravity);
+    if (speed > 0) return speed;
     return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
   }
 
@@ -495,6 +573,7 @@ class EngineOf final : public Engine {
   SceneSummary summary_;
   BodyConstants constants_;
   BodyStore<B, Real> store_;
+  BodyLoads<B, Real> loads_;
   Obstacles<B, Real> obstacles_;
   ContactDetector<B, Real> detector_;
   ProblemAssembly<B, Real> assembly_;
@@ -508,6 +587,7 @@ class EngineOf final : public Engine {
   std::uint64_t insertions_done_ = 0;
   std::int64_t step_ = 0;
   double time_ = 0;
+  bool has_solved_contacts_ = false;  ///< the detector has those of the last step
 };
 
 }  // namespace scree

@@ -50,10 +50,12 @@ class ImpactPhase {
   }
 
   /// Gives bodies the velocities that they have after their impacts; loads come later.
-  /// @param envelope  up to which contacts are listed [m]
+  /// @param envelope   up to which contacts are listed [m]
+  /// @param load_gain  what loads beside gravity will add to velocities [m/s]; empty: nothing
   ImpactStats run(B& b, ProblemAssembly<B, Real>& assembly, const BodyView<Real>& bodies,
                   const ContactView<Real>& contacts, const SteppingSettings& stepping,
-                  double envelope, const Vec3<Real>& gravity_step) {
+                  double envelope, const Vec3<Real>& gravity_step,
+                  Span<const Vec3<Real>> load_gain) {
     forget();
     ImpactStats stats;
     ImpactTest<Real> test;
@@ -64,6 +66,7 @@ class ImpactPhase {
     test.threshold = static_cast<Real>(stepping.restitution_threshold);
     test.touching_gap = static_cast<Real>(kTouching * envelope);
     test.gravity_step = gravity_step;
+    test.load_gain = load_gain;
     while (stats.rounds < kRounds && round(b, assembly, test, stats)) ++stats.rounds;
     return stats;
   }

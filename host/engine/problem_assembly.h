@@ -75,8 +75,9 @@ class ProblemAssembly {
   LawTable<Real> laws() const { return {laws_.view(laws_.capacity()), material_count_}; }
 
   /// @param bodies, contacts  the problem points at them: they must not change while it is in use
+  /// @param loaded            the bodies with the velocities that loads beside gravity give them
   /// @param gravity_step      h g [m/s]
-  StepProblem<B, Real> assemble(B& b, const BodyView<Real>& bodies,
+  StepProblem<B, Real> assemble(B& b, const BodyView<Real>& bodies, const BodyView<Real>& loaded,
                                 const ContactView<Real>& contacts, const SteppingSettings& stepping,
                                 double cohesion_range, const Vec3<Real>& gravity_step) {
     StepProblem<B, Real> step(b);
@@ -90,7 +91,7 @@ class ProblemAssembly {
     p.normal = contacts.normal;
     p.arm_a = contacts.arm_a;
     p.arm_b = contacts.arm_b;
-    set_bodies(b, bodies, gravity_step, step);
+    set_bodies(b, loaded, gravity_step, step);
 
     const Index n = contacts.count;
     p.bias.gap = contacts.gap;

@@ -77,6 +77,9 @@ BodyStates World::states() const { return OnDevice(*engine_)->states(); }
 const BodyConstants& World::constants() const { return engine_->constants(); }
 std::vector<ContactRecord> World::contacts() const { return OnDevice(*engine_)->contacts(); }
 std::vector<ContactRecord> World::overlaps() const { return OnDevice(*engine_)->overlaps(); }
+std::vector<ArrayInfo> World::arrays() const { return OnDevice(*engine_)->arrays(); }
+ArrayView World::array(const std::string& name) { return OnDevice(*engine_)->array(name); }
+void World::arrays_changed(Written what) { OnDevice(*engine_)->arrays_changed(what); }
 WorldState World::save() const { return OnDevice(*engine_)->save(); }
 void World::restore(const WorldState& state) { OnDevice(*engine_)->restore(state); }
 Image World::render(const PictureSettings& settings) const {

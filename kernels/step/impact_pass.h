@@ -15,10 +15,11 @@ struct ImpactTest {
   BodyView<Real> bodies;
   ContactView<Real> contacts;
   LawTable<Real> law;
-  Real time_step = 0;       ///< h [s]
-  Real threshold = 0;       ///< approach speed below which contacts do not bounce [m/s]
-  Real touching_gap = 0;    ///< largest gap of bodies that count as touching [m]
-  Vec3<Real> gravity_step;  ///< h g [m/s]
+  Real time_step = 0;                ///< h [s]
+  Real threshold = 0;                ///< approach speed below which contacts do not bounce [m/s]
+  Real touching_gap = 0;             ///< largest gap of bodies that count as touching [m]
+  Vec3<Real> gravity_step;           ///< h g [m/s]
+  Span<const Vec3<Real>> load_gain;  ///< what other loads add to free bodies [m/s]; empty: none
 
   SCREE_HD const PairLaw<Real>& pair(Index c) const {
     return law(bodies.material[contacts.body_a[c]], bodies.material[contacts.body_b[c]]);
@@ -39,7 +40,8 @@ struct ImpactTest {
  private:
   SCREE_HD Vec3<Real> load(Index i) const {
     if (i >= bodies.free_count) return {};
-    return on_axes(gravity_step, free_linear_axes(bodies.locks[i]));
+    const Vec3<Real> gained = on_axes(gravity_step, free_linear_axes(bodies.locks[i]));
+    return load_gain.empty() ? gained : gained + load_gain[i];
   }
 };
 

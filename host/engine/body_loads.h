@@ -1,0 +1,78 @@
+#pragma once
+// Loads per body of a running simulation. They take no memory and no time until a program asks for
+// their arrays.
+
+#include "kernels/step/loads.h"
+
+namespace scree {
+
+/// Memory from the first use on: 24 bytes a body in float; 48 more while a step works.
+template <class B, class Real>
+class BodyLoads {
+ public:
+  /// @param count  ids of a run
+  BodyLoads(B& b, Index count)
+      : count_(count),
+        force_(b),
+        torque_(b),
+        linear_(b),
+        angular_(b),
+        velocity_(b),
+        angular_velocity_(b),
+        sums_(b, 1) {}
+
+  /// From here on the loads count; zero until a program writes some.
+  void use(B& b) {
+    if (is_used_) return;
+    fill(b, force_.resize_discard(count_), Vec3<Real>{});
+    fill(b, torque_.resize_discard(count_), Vec3<Real>{});
+    is_used_ = true;
+  }
+  bool is_used() const { return is_used_; }
+  Span<Vec3<Real>> force() { return force_.view(); }
+  Span<Vec3<Real>> torque() { return torque_.view(); }
+
+  /// Works out what the loads add to velocities in a step; one host read.
+  /// @param gravity_step  h g [m/s]
+  LoadSums start(B& b, const BodyView<Real>& bodies, const Vec3<Real>& gravity_step, double h) {
+    const Index n = bodies.free_count;
+    reduce<LoadSums>(
+        b, n,
+        LoadGains<Real>{bodies, force_.view(), torque_.view(), gravity_step, static_cast<Real>(h),
+                        linear_.resize_discard(n), angular_.resize_discard(n)},
+        StoreResult<LoadSums>{sums_.data()});
+    return fetch(b, sums_.data());
+  }
+
+  /// The bodies with the velocities that loads give them; the bodies themselves when there are
+  /// none. start() comes first; valid until the next call.
+  BodyView<Real> loaded(B& b, const BodyView<Real>& bodies) {
+    if (!is_used_) return bodies;
+    BodyView<Real> with = bodies;
+    with.velocity = velocity_.resize_discard(bodies.count);
+    with.angular_velocity = angular_velocity_.resize_discard(bodies.count);
+    for_each(b, bodies.count,
+             AddLoadGains<Real>{bodies, linear_.view(), angular_.view(), with.velocity,
+                                with.angular_velocity});
+    return with;
+  }
+
+  /// [free_count] what loads add to velocities in the step [m/s]; empty when there are none.
+  Span<const Vec3<Real>> gains() { return linear_.view(); }
+
+  /// Gives back what only a step needs.
+  void finish() {
+    linear_.release(), angular_.release();
+    velocity_.release(), angular_velocity_.release();
+  }
+
+ private:
+  Index count_;
+  bool is_used_ = false;
+  Buffer<B, Vec3<Real>> force_, torque_;
+  Buffer<B, Vec3<Real>> linear_, angular_;
+  Buffer<B, Vec3<Real>> velocity_, angular_velocity_;
+  Buffer<B, LoadSums> sums_;
+};
+
+}  // namespace scree

@@ -182,8 +182,8 @@ struct DeviceInfo {
 };
 DeviceInfo device_info(BackendKind kind, int device = 0);
 
-/// @throws InputError when the solver does not run on the backend, or does not know the contacts of
-/// the scene
+/// @throws InputError when the solver does not run on the backend, or does not know
+///         the contacts of the scene
 void require_solver(const Scene& scene, const WorldOptions& options);
 
 /// @throws InputError saying how many bodies fit when the scene is expected to need more memory

@@ -320,7 +320,7 @@ inline HeldBytes apgd_memory(const SolverCase& c) {
   const bool is_radial = c.layout == ContactLayout::radial;
   const bool is_fused = c.is_tuned() && c.real == 4;
   const bool is_diagonal = apgd_metric(c.parameters) == ApgdMetricKind::diagonal;
-  const double metric = (c.alike ? 1 : is_radial ? 2 : 3) * c.real;
+  const double metric = (c.uniform ? 1 : is_radial ? 2 : 3) * c.real;
   return {(is_fused ? 2 : 3) * c.twist(),
           2 * c.impulse() + (is_fused ? 8 : 0) + (is_diagonal ? metric : 0)};
 }

@@ -138,8 +138,8 @@ std::unique_ptr<Solver<B, Real>> make_gauss_seidel_colored(const SolverParams& p
   return std::make_unique<GaussSeidelColored<B, Real>>(params);
 }
 
-/// Beside what all of the kind hold, contacts in the order of colors, and the memory of their
-/// coloring.
+/// Beside what all of the kind hold, contacts in the order of colors, and the memory
+/// of their coloring.
 inline HeldBytes gauss_seidel_colored_memory(const SolverCase& c) {
   const double arms = c.layout == ContactLayout::radial ? 0 : 2 * c.vec();
   const double ordered = 8 + c.vec() + c.real + arms + c.impulse();

@@ -14,9 +14,9 @@ inline constexpr std::array kRelaxationParameters{kRelaxation};
 /// Velocities; the metric of each contact.
 inline HeldBytes relaxation_memory(const SolverCase& c) { return {c.twist(), 3 * c.real}; }
 
-/// GaussSeidelPass over all contacts. Contact: normal 3R, bias R, ids 8, metric 3R, impulse 3R read,
-/// 3R written. Body: twist 6R and inertia 2R read, twist 6R written: once each, or for both bodies
-/// of each contact.
+/// GaussSeidelPass over all contacts. Contact: normal 3R, bias R, ids 8, metric 3R, impulse 3R
+/// read, 3R written. Body: twist 6R and inertia 2R read, twist 6R written: once each, or for
+/// both bodies of each contact.
 /// @param r  size of a number [bytes]
 constexpr Traffic gauss_seidel_sweep_traffic(double r) {
   const double streamed = 13 * r + 8;

@@ -19,7 +19,7 @@ struct SolverCase {
   ContactLayout layout = ContactLayout::radial;
   double real = 4;         ///< size of a number [bytes]
   bool on_device = false;  ///< else on the CPU
-  bool alike = false;      ///< free velocities and inverse masses come from the state of the bodies
+  bool uniform = false;    ///< free velocities and inverse masses come from the state of the bodies
   ParameterValues parameters = {};
 
   double vec() const { return 3 * real; }
@@ -46,10 +46,10 @@ struct SolverCard {
   const char* description;  ///< what it is, in one line
   std::span<const SolverParameter> parameters = {};      ///< beside those that all solvers have
   std::span<const ContactLayout> layouts = kAllLayouts;  ///< contacts that it knows
-  const char* cpu_only =
-      nullptr;  ///< why it does not run on a device, and what does; null: it does
-  bool steps_to_coulomb =
-      false;                 ///< takes all of ApgdLaw: exact friction begins with its own steps
+  /// Why it does not run on a device, and what does; null: it does.
+  const char* cpu_only = nullptr;
+  /// Takes all of ApgdLaw: exact friction begins with its own steps.
+  bool steps_to_coulomb = false;
   bool keeps_marks = false;  ///< as Solver::keeps_marks(): 4 bytes a contact from step to step
   /// Velocities that it returns, and its working memory at the fullest.
   HeldBytes (*memory)(const SolverCase&);

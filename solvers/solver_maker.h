@@ -15,7 +15,7 @@ struct SolverMaker {
 };
 
 /// @throws InvalidParameter naming the known solvers when the name is none of them, for a solver
-/// that does not run on the backend, and for a parameter out of its range
+///         that does not run on the backend, and for a parameter out of its range
 template <class B, class Real>
 std::unique_ptr<Solver<B, Real>> make_one_of(std::span<const SolverMaker<B, Real>> makers,
                                              const std::string& name, const SolverParams& params) {

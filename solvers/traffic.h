@@ -43,8 +43,8 @@ constexpr Traffic residual_traffic(double r) {
   return {streamed, 8 * r, streamed + 16 * r, 0};
 }
 
-/// BodyVelocity. Body: v* 6R, inertia 2R, starts 8 read; V 6R written. Contact: as in the body
-/// pass.
+/// BodyVelocity. Body: v* 6R, inertia 2R, starts 8 read; V 6R written. Contact:
+/// as in the body pass.
 constexpr Traffic body_velocity_traffic(double r) {
   const double body = 14 * r + 8;
   return {6 * r + 4, body, 12 * r + 4, body};

@@ -35,12 +35,12 @@ struct Sizes {
         twist(6 * real),
         impulse(vectors_per_contact(summary.layout) * vec),
         radial(summary.layout == ContactLayout::radial),
-        alike(radial && summary.solid_spheres),
+        uniform(radial && summary.solid_spheres),
         card(solver_card(scene_.solver.name)),
         solver_case{.layout = summary.layout,
                     .real = real,
                     .on_device = options.backend == BackendKind::cuda,
-                    .alike = alike,
+                    .uniform = uniform,
                     .parameters = scene_.solver.parameters},
         marks(card.keeps_marks ? 4 : 0),
         pairs(summary.largest_diameter > kMixed * summary.median_diameter ? kPairsOfMixed
@@ -50,7 +50,7 @@ struct Sizes {
   SharedConstants shared;
   double real, vec, twist, impulse;
   bool radial;
-  bool alike;  ///< free velocities and inverse masses come from the state
+  bool uniform;  ///< free velocities and inverse masses come from the state
   SolverCard card;
   SolverCase solver_case;
   double marks;  ///< what the solver leaves at a contact
@@ -88,7 +88,7 @@ HeldBytes problem(const Sizes& s) {
   };
   const double friction = pair_values(s.scene, 0, 0).friction;
   HeldBytes bytes{8, 4};
-  if (!s.alike) bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
+  if (!s.uniform) bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
   if (s.scene.stepping.restitution_law == RestitutionLaw::newton &&
       any([](const Material& m) { return m.restitution > 0; }))
     bytes.contact += s.real;

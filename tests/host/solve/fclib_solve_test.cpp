@@ -53,8 +53,8 @@ TEST_F(FclibSolve, AutoAndProximalReachTheTargetErrorWithExactFriction) {
   }
 }
 
-/// With too small a weight Newton fails again and again, each time with 100 sweeps after it: 1,459 to
-/// 1,883 products where auto does not notice.
+/// With too small a weight Newton fails again and again, each time with 100 sweeps after it:
+/// 1,459 to 1,883 products where auto does not notice.
 TEST_F(FclibSolve, AutoTakesFewProductsOnCapsules) {
   for (const char* name : {"Capsules-i100-1090", "Capsules-i122-1617", "Capsules-i125-1213"}) {
     SCOPED_TRACE(name);

@@ -1,6 +1,6 @@
 #pragma once
-// Loads per body of a running simulation. They take no memory and no time until a program asks for
-// their arrays.
+// Loads per body of a running simulation. They take no memory and no time until a program
+// asks for their arrays.
 
 #include "kernels/step/loads.h"
 

@@ -274,7 +274,7 @@ class EngineOf final : public Engine {
   std::size_t peak_memory() const override { return backend_->peak(); }
 
  private:
-  /// Steps between two looks at the order of the bodies; a function of the step number only, so
+  /// Steps between two checks of the order of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
 
@@ -380,8 +380,8 @@ class EngineOf final : public Engine {
     return box;
   }
 
-  /// v*: the speed loads give a body in one step (RMS), else that at which touching bodies approach
-  /// [m/s].
+  /// v*: the speed loads give a body in one step (RMS), else that at which touching
+  /// bodies approach [m/s].
   double reference_speed(const LoadSums& loads, const SetupSums& sums) const {
     const double speed = loads_.is_used()
                              ? std::sqrt(loads.squares / std::max<Index>(store_.free_count(), 1))
@@ -453,8 +453,8 @@ class EngineOf final : public Engine {
   }
 
   void insert_due() {
-    // A batch enters before the first step that starts at or after its time; half an ulp of a step
-    // of slack.
+    // A batch enters before the first step that starts at or after its time;
+    // half an ulp of a step of slack.
     const double now = time_ + 1e-9 * scene_.stepping.time_step;
     while (insertions_done_ < scene_.insertions.size() &&
            scene_.insertions[insertions_done_].time <= now) {

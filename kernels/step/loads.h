@@ -1,6 +1,6 @@
 #pragma once
-// Loads per body: forces and torques that a program sets beside gravity. docs/theory.md, section
-// "Time step".
+// Loads per body: forces and torques that a program sets beside gravity. docs/theory.md,
+// section "Time step".
 
 #include <cmath>
 

@@ -1,4 +1,5 @@
 #include "host/problems/require_solver.h"
+
 #include "host/scene/scene_summary.h"
 #include "solvers/solver_card.h"
 

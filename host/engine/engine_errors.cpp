@@ -38,6 +38,7 @@ void throw_bad_written(int body, const Vec3d& x, const Quatd& q, const Vec3d& v,
 
 void throw_unknown_array(const std::string& name, const std::vector<ArrayInfo>& known) {
   std::vector<std::string> names;
+  names.reserve(known.size());
   for (const ArrayInfo& info : known) names.push_back(info.name);
   throw InputError(
       fmt::format("array \"{}\" is not known; expected one of {}", name, fmt::join(names, ", ")));

@@ -97,6 +97,7 @@ void solve_contact(const OwnBlock& own, const Row5& b, const RollingCone& cone,
 void run_rolling_sweeps(const RollingProblem& p, AssembledModel model, std::vector<double>& x,
                         RollingMonitor& monitor) {
   std::vector<OwnBlock> own;
+  own.reserve(p.contact_count);
   for (int c = 0; c < p.contact_count; ++c) own.push_back(own_block(p, c));
   while (!monitor.over(x)) {
     for (int c = 0; c < p.contact_count; ++c) {

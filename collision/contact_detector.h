@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "collision/broad_phase.h"
 #include "collision/impact_margins.h"
@@ -12,7 +13,6 @@
 #include "collision/pair_candidates.h"
 #include "collision/persistent_contacts.h"
 #include "kernels/narrow_phase/contact_list.h"
-#include "kernels/narrow_phase/near_misses.h"
 
 namespace scree {
 
@@ -343,17 +343,19 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   }
 
   const bool arms = settings_.layout != ContactLayout::radial;
-  for_each(b, contact_count_,
-           FillContacts<kMix, Real>{bodies, obstacles_.shapes(), walls, range, keys_, key,
-                                    body_a_.resize_discard(total), body_b_.resize_discard(total),
-                                    normal_.resize_discard(total), gap_.resize_discard(total),
-                                    arm_a_.resize_discard(arms ? total : 0),
-                                    arm_b_.resize_discard(arms ? total : 0)});
-  if (!candidates_.has_passes()) return;
-  const Offset stored_arms = arms ? total : 0;
-  for_each(b, contact_count_,
-           TurnPasses<Real>{bodies, range, candidates_.may_pass(), contacts(), normal_.view(total),
-                            gap_.view(total), arm_a_.view(stored_arms), arm_b_.view(stored_arms)});
+  const auto fill_contacts = [&]<bool kPasses>(std::bool_constant<kPasses>) {
+    for_each(b, contact_count_,
+             FillContacts<kMix, kPasses, Real>{
+                 bodies, obstacles_.shapes(), walls, range, keys_, key,
+                 body_a_.resize_discard(total), body_b_.resize_discard(total),
+                 normal_.resize_discard(total), gap_.resize_discard(total),
+                 arm_a_.resize_discard(arms ? total : 0), arm_b_.resize_discard(arms ? total : 0)});
+  };
+  if (candidates_.has_passes()) {
+    fill_contacts(std::true_type{});
+  } else {
+    fill_contacts(std::false_type{});
+  }
 }
 
 template <class B, class Real>

@@ -12,7 +12,7 @@
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 9 a free body and 4.25 a pair; 1 more a body once the list was
+/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair; 1 more a body once the list was
 /// extended. While it is: 9 bytes a body and 4 a pair, 8 with notes.
 template <class B, class Real>
 class PairCandidates {
@@ -26,8 +26,7 @@ class PairCandidates {
         block_(b),
         left_(b),
         left_count_(b, 1),
-        left_result_(b, 1),
-        may_pass_(b) {
+        left_result_(b, 1) {
     fill(b, left_count_.view(), Index(0));
   }
 
@@ -40,7 +39,6 @@ class PairCandidates {
     if (!is_kept_ || binned != binned_) {
       forget();
       has_passes_ = true;
-      may_pass_.release();
       return false;
     }
     reduce<LeftBodies>(b, binned.size(),
@@ -49,8 +47,7 @@ class PairCandidates {
                                         origin_,
                                         record_.view(binned.size()),
                                         left_count_.data(),
-                                        left_.view(),
-                                        may_pass_.resize_discard(bodies.free_count)},
+                                        left_.view()},
                        StoreLeft{left_result_.data(), left_count_.data()});
     const LeftBodies left = fetch(b, left_result_.data());
     outside_ = left.count;
@@ -138,8 +135,6 @@ class PairCandidates {
   /// Whether spheres may pass each other within the step, as far as the last covers() saw: it reads
   /// bodies only when there is a list.
   bool has_passes() const { return has_passes_; }
-  /// Which free bodies are so fast that they may; empty when the last covers() searched none.
-  Span<const std::uint8_t> may_pass() const { return may_pass_.view(may_pass_.capacity()); }
 
   /// Lists made so far, and how often one was extended.
   std::int64_t build_count() const { return build_count_; }
@@ -281,7 +276,6 @@ class PairCandidates {
   Buffer<B, Index> left_;
   Buffer<B, Index> left_count_;
   Buffer<B, LeftBodies> left_result_;
-  Buffer<B, std::uint8_t> may_pass_;
   BinnedRange binned_;
   Vec3<double> origin_;
   bool is_kept_ = false;

@@ -97,7 +97,7 @@ struct LeftBodies {
 /// Whether a body, as far as it may touch others in the step, is within its ball; notes those that
 /// are not, in any order, as many as there is room for. A body that got a state which is not
 /// finite, or lost it, counts as outside.
-/// Bytes per binned body: 60 read, with margins 64; 1 written.
+/// Bytes per binned body: 60 read, with margins 64.
 template <class Real>
 struct CheckReach {
   static constexpr const char* name = "check_reach";
@@ -107,11 +107,9 @@ struct CheckReach {
   Span<const ReachRecord> record;  ///< [binned.size()]
   Index* left_count;               ///< in: zero; out: bodies noted, or more
   Span<Index> left;                ///< out: number of each among binned bodies
-  Span<std::uint8_t> may_pass;     ///< [free_count] out: passes()
 
   SCREE_HD LeftBodies operator()(Index m) const {
-    const Index i = binned.body(m), passing = passes(i) ? 1 : 0;
-    if (i < may_pass.size) may_pass[i] = static_cast<std::uint8_t>(passing);
+    const Index passing = passes(binned.body(m)) ? 1 : 0;
     if (is_within(m)) return {0, passing};
     if (atomic_read(left_count) >= left.size) return {1, passing};
     const Index at = atomic_add(left_count, 1);

@@ -230,12 +230,14 @@ struct ListMixedContacts {
   }
 };
 
-/// Turns keys into contacts: bodies, normal, gap, lever arms. Spheres that pass each other within
-/// the step are left to TurnPasses.
+/// Turns keys into contacts: bodies, normal, gap, lever arms.
 /// Bytes per contact (float, radial), besides bodies from the caches: 8 read, 24 written.
-template <ShapeMix kMix, class Real>
+/// @tparam kPasses  whether spheres may pass each other within the step, see spheres_on_way(): a
+///                  program of its own, since that takes half as many registers again
+template <ShapeMix kMix, bool kPasses, class Real>
 struct FillContacts {
   static constexpr const char* name = "fill_contacts";
+  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? (kPasses ? 3 : 4) : 1;
   BodyView<Real> bodies;
   Span<const ShapeRecord<Real>> shapes;
   WallView<Real> walls;
@@ -260,6 +262,11 @@ struct FillContacts {
       const BodySample other = load_body<kMix>(bodies, shapes, range, b);
       const Vec3d d = minimum_image(other.position - body.position, range.period);
       g = body_pair<kMix>(body, other, d, keys.feature(element));
+      if (kPasses && g.gap > 0 && body.kind == ShapeKind::sphere &&
+          other.kind == ShapeKind::sphere) {
+        const Vec3d way = range.h * (other.motion.linear - body.motion.linear);
+        g = spheres_on_way(g, d, way, body.radius, other.radius);
+      }
     } else {
       g = wall_contact<kMix>(walls, range, keys, body, wall_envelope(range, a, body), element, b);
     }

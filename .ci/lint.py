@@ -16,7 +16,7 @@ import subprocess
 import sys
 import time
 
-FOLDERS = ("kernels", "collision", "solvers", "host", "scenes")
+FOLDERS = ("kernels", "collision", "solvers", "dynamics", "host", "scenes")
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 

@@ -4,7 +4,7 @@ import pathlib
 from html import escape
 
 INK, SOFT, LINE = "#1f2933", "#52606d", "#7b8794"
-FILL = {"host": "#e3eefb", "collision": "#e2f4e6", "solvers": "#fdeeda", "kernels": "#f0e8f8", "data": "#f5f7fa"}
+FILL = {"host": "#e3eefb", "dynamics": "#fbe4e4", "collision": "#e2f4e6", "solvers": "#fdeeda", "kernels": "#f0e8f8", "data": "#f5f7fa"}
 
 
 class Picture:
@@ -48,17 +48,17 @@ def draw_step():
     p = Picture(950, 640)
     p.box(20, 20, 270, 74, "data", "scene file", ["host/scene_reader makes a Scene,", "validate() checks it"])
     p.box(335, 20, 270, 74, "host", "World", ["host/world.h: backend and precision", "are chosen at run time"])
-    p.box(650, 20, 270, 74, "host", "Engine<B, Real>", ["host/engine: compiled for each", "backend and precision; one step:"])
+    p.box(650, 20, 270, 74, "dynamics", "Dynamics", ["dynamics/rigid: compiled for each", "backend and precision; one step:"])
     p.arrow((290, 57), (335, 57))
     p.arrow((605, 57), (650, 57))
     rows = [
-        ("host", "insert and move", ["bodies that join, prescribed motion;", "sorted in Morton order every 64 steps"]),
+        ("dynamics", "insert and move", ["bodies that join, prescribed motion;", "sorted in Morton order every 64 steps"]),
         ("collision", "detect", ["near pairs, a list kept for some steps;", "then contacts, sorted by their keys"]),
         ("collision", "match", ["impulses of the last step by key:", "the guess of the solver"]),
-        ("host", "impacts", ["only with restitution by Poisson's law:", "rounds of compression and release"]),
-        ("host", "assemble", ["ContactProblem: v*, bias, cones, inertia,", "lists of contacts of each body"]),
+        ("dynamics", "impacts", ["only with restitution by Poisson's law:", "rounds of compression and release"]),
+        ("dynamics", "assemble", ["ContactProblem: v*, bias, cones, inertia,", "lists of contacts of each body"]),
         ("solvers", "solve", ["impulses gamma, velocities V, residual;", "stops at the tolerance"]),
-        ("host", "integrate", ["new velocities, positions, orientations;", "kinetic energy, bodies out of range"]),
+        ("dynamics", "integrate", ["new velocities, positions, orientations;", "kinetic energy, bodies out of range"]),
         ("collision", "keep", ["keys and impulses, for the next step", "and for checkpoints"]),
     ]
     p.arrow((785, 94), (785, 112), (165, 112), (165, 130))
@@ -77,23 +77,23 @@ def draw_step():
     p.box(335, 510, 585, 60, "host", "host/io and host/render; files are written on a thread of their own",
           ["steps.csv, frames.vtkhdf, walls, pictures, checkpoint.h5, problem_N.hdf5, run.json"])
     p.arrow((785, 450), (785, 510))
-    for k, (kind, words) in enumerate([("host", "host/"), ("collision", "collision/"), ("solvers", "solvers/"),
-                                       ("data", "data")]):
-        p.parts.append(f'<rect x="{20 + 130 * k}" y="596" width="16" height="16" rx="3" fill="{FILL[kind]}" '
+    for k, (kind, words) in enumerate([("host", "host/"), ("dynamics", "dynamics/"), ("collision", "collision/"),
+                                       ("solvers", "solvers/"), ("data", "data")]):
+        p.parts.append(f'<rect x="{20 + 106 * k}" y="596" width="16" height="16" rx="3" fill="{FILL[kind]}" '
                        f'stroke="{LINE}"/>')
-        p.text(42 + 130 * k, 609, words, 12, SOFT)
-    p.text(520, 609, "Every stage runs element programs of kernels/ on the backend B.", 12, SOFT)
+        p.text(42 + 106 * k, 609, words, 12, SOFT)
+    p.text(550, 609, "Every stage runs element programs of kernels/ on the backend B.", 12, SOFT)
     p.write("step.svg", "The stages of one time step")
 
 
 def draw_folders():
-    p = Picture(940, 690)
+    p = Picture(940, 810)
     p.box(20, 20, 900, 62, "data", "tests/   bench/   host/cli/", ["may include anything, and nobody includes them; "
                                                                  "tests/reference/ nothing of kernels/"])
     p.box(20, 112, 900, 218, "host", "host/", [])
     p.text(85, 133, "public headers (world.h, scene.h, scene_reader.h, ...) beside the folders; no CUDA in them", 12, SOFT)
     small = [
-        (40, 150, "engine", "the stages of a step"), (260, 150, "solve", "scree solve: solvers compared"),
+        (40, 150, "engine", "World, devices"), (260, 150, "solve", "scree solve: solvers compared"),
         (480, 150, "io", "VTKHDF, HDF5, CSV, PNG"), (700, 150, "scene", "checks, meshes, motion"),
         (40, 238, "render", "pictures"), (260, 238, "problems", "stored contact problems"),
         (480, 238, "plot", "charts of scree solve"), (700, 238, "scene_reader", "JSON to Scene; layouts"),
@@ -102,31 +102,43 @@ def draw_folders():
         p.parts.append(f'<rect x="{x}" y="{y}" width="200" height="62" rx="5" fill="#ffffff" stroke="{LINE}"/>')
         p.text(x + 10, y + 24, name, 13, weight="bold")
         p.text(x + 10, y + 45, words, 12, SOFT)
-    p.text(40, 320, "engine includes scene, problems, render; solve includes problems, io, plot; plot, render, problems and "
+    p.text(40, 320, "engine includes scene, problems; solve includes problems, io, plot; plot, render, problems and "
            "layouts include none.", 12, SOFT)
     p.arrow((470, 82), (470, 112))
-    p.box(20, 370, 420, 78, "collision", "collision/", ["near pairs, contacts, margins of impacts, contacts kept",
-                                                        "between steps; host/engine alone includes it"])
-    p.box(500, 370, 420, 78, "solvers", "solvers/", ["one header a step solver, and the residual; assembled/:",
+    p.box(20, 370, 900, 84, "dynamics", "dynamics/", [])
+    p.text(115, 391, "the interface of models; a folder a model", 12, SOFT)
+    for x, name, words in ((40, "dynamics.h", "includes the public headers of host/"),
+                           (480, "rigid", "the stages of a step; includes render, scene, problems of host/")):
+        p.parts.append(f'<rect x="{x}" y="400" width="420" height="44" rx="5" fill="#ffffff" stroke="{LINE}"/>')
+        p.text(x + 10, 427, name, 13, weight="bold")
+        p.text(x + 90, 427, words, 12, SOFT)
+    p.arrow((480, 422), (460, 422))
+    p.arrow((420, 330), (420, 400))
+    p.text(40, 354, "engine, io, scene, scene_reader include the interface", 12, SOFT)
+    p.box(20, 494, 420, 78, "collision", "collision/", ["near pairs, contacts, margins of impacts, contacts kept",
+                                                        "between steps; models of dynamics/ alone include it"])
+    p.box(500, 494, 420, 78, "solvers", "solvers/", ["one header a step solver, and the residual; assembled/:",
                                                      "solvers of stored problems, which include no step solver"])
-    p.arrow((230, 330), (230, 370))
-    p.arrow((710, 330), (710, 370))
-    p.box(20, 488, 900, 182, "kernels", "kernels/", [])
-    p.text(100, 509, "element programs, and the only code written twice: kernels/backend", 12, SOFT)
-    p.arrow((230, 448), (230, 488))
-    p.arrow((710, 448), (710, 488))
+    p.arrow((230, 454), (230, 494))
+    p.arrow((710, 454), (710, 494))
+    p.arrow((930, 221), (930, 533), (920, 533))
+    p.parts.append(f'<polyline points="920,221 930,221" fill="none" stroke="{INK}" stroke-width="1.4"/>')
+    p.box(20, 608, 900, 182, "kernels", "kernels/", [])
+    p.text(100, 629, "element programs, and the only code written twice: kernels/backend", 12, SOFT)
+    p.arrow((230, 572), (230, 608))
+    p.arrow((710, 572), (710, 608))
     chain = ["math", "backend", "bodies", "contact", "broad_phase", "narrow_phase", "step"]
     for k, name in enumerate(chain):
         x = 40 + 124 * k
-        p.parts.append(f'<rect x="{x}" y="526" width="104" height="36" rx="5" fill="#ffffff" stroke="{LINE}"/>')
-        p.text(x + 52, 549, name, 12, weight="bold", anchor="middle")
+        p.parts.append(f'<rect x="{x}" y="646" width="104" height="36" rx="5" fill="#ffffff" stroke="{LINE}"/>')
+        p.text(x + 52, 669, name, 12, weight="bold", anchor="middle")
         if k:
-            p.arrow((x, 544), (x - 20, 544))
+            p.arrow((x, 664), (x - 20, 664))
     for name, x, onto in (("render", 288, 288), ("solve", 412, 412)):
-        p.parts.append(f'<rect x="{x}" y="590" width="104" height="36" rx="5" fill="#ffffff" stroke="{LINE}"/>')
-        p.text(x + 52, 613, name, 12, weight="bold", anchor="middle")
-        p.arrow((onto + 52, 590), (onto + 52, 562))
-    p.text(40, 654, "An arrow means: may include that folder and all that it may include. Tuned CUDA twins (.cuh) lie beside "
+        p.parts.append(f'<rect x="{x}" y="710" width="104" height="36" rx="5" fill="#ffffff" stroke="{LINE}"/>')
+        p.text(x + 52, 733, name, 12, weight="bold", anchor="middle")
+        p.arrow((onto + 52, 710), (onto + 52, 682))
+    p.text(40, 774, "An arrow means: may include that folder and all that it may include. Tuned CUDA twins (.cuh) lie beside "
            "their programs.", 12, SOFT)
     p.write("folders.svg", "Folders and what they may include")
 

@@ -101,7 +101,7 @@ struct Image {
 };
 
 struct BodyProblem;  // host/problems/body_problem.h
-class Engine;        // host/engine/engine.h: implemented once, compiled per backend and precision
+class Dynamics;      // dynamics/dynamics.h: implemented once, compiled per backend and precision
 
 class World {
  public:
@@ -163,7 +163,7 @@ class World {
   std::size_t peak_memory() const;
 
  private:
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<Dynamics> dynamics_;
 };
 
 /// Whether this build and machine can run the backend on a device; the reason when they cannot,

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "host/engine/bodies_by_id.h"
+#include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_summary.h"
 
 namespace scree {

@@ -7,8 +7,8 @@
 #include <limits>
 #include <thread>
 
+#include "dynamics/dynamics.h"
 #include "host/engine/cuda_device.h"
-#include "host/engine/engine.h"
 #include "host/error.h"
 
 namespace scree {
@@ -18,7 +18,7 @@ class Cuda;
 
 namespace {
 
-std::unique_ptr<Engine> engine_for(Scene scene, const WorldOptions& options) {
+std::unique_ptr<Dynamics> dynamics_for(Scene scene, const WorldOptions& options) {
   validate(scene);
   std::string reason;
   if (!backend_available(options.backend, &reason, options.device))
@@ -28,24 +28,24 @@ std::unique_ptr<Engine> engine_for(Scene scene, const WorldOptions& options) {
 #ifdef SCREE_HAS_CUDA
   if (options.backend == BackendKind::cuda) {
     const CudaDeviceScope scope(options.device);
-    return make_engine<Cuda>(std::move(scene), options);
+    return make_dynamics<Cuda>(std::move(scene), options);
   }
 #endif
-  return make_engine<Cpu>(std::move(scene), options);
+  return make_dynamics<Cpu>(std::move(scene), options);
 }
 
-/// The engine of a world, while its device is the current one of this thread.
+/// The dynamics of a world, while its device is the current one of this thread.
 class OnDevice {
  public:
 #ifdef SCREE_HAS_CUDA
-  explicit OnDevice(Engine& engine) : engine_(&engine), scope_(engine.cuda_device()) {}
+  explicit OnDevice(Dynamics& dynamics) : dynamics_(&dynamics), scope_(dynamics.cuda_device()) {}
 #else
-  explicit OnDevice(Engine& engine) : engine_(&engine) {}
+  explicit OnDevice(Dynamics& dynamics) : dynamics_(&dynamics) {}
 #endif
-  Engine* operator->() const { return engine_; }
+  Dynamics* operator->() const { return dynamics_; }
 
  private:
-  Engine* engine_;
+  Dynamics* dynamics_;
 #ifdef SCREE_HAS_CUDA
   CudaDeviceScope scope_;
 #endif
@@ -63,30 +63,30 @@ std::size_t free_host_memory() {
 }  // namespace
 
 World::World(Scene scene, const WorldOptions& options)
-    : engine_(engine_for(std::move(scene), options)) {}
+    : dynamics_(dynamics_for(std::move(scene), options)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-StepReport World::step() { return OnDevice(*engine_)->step(nullptr); }
-StepReport World::step(BodyProblem& problem) { return OnDevice(*engine_)->step(&problem); }
-std::int64_t World::steps_done() const { return engine_->steps_done(); }
-double World::time() const { return engine_->time(); }
-int World::body_count() const { return engine_->body_count(); }
-BodyStates World::states() const { return OnDevice(*engine_)->states(); }
-const BodyConstants& World::constants() const { return engine_->constants(); }
-std::vector<ContactRecord> World::contacts() const { return OnDevice(*engine_)->contacts(); }
-std::vector<ContactRecord> World::overlaps() const { return OnDevice(*engine_)->overlaps(); }
-std::vector<ArrayInfo> World::arrays() const { return OnDevice(*engine_)->arrays(); }
-ArrayView World::array(const std::string& name) { return OnDevice(*engine_)->array(name); }
-void World::arrays_changed(Written what) { OnDevice(*engine_)->arrays_changed(what); }
-WorldState World::save() const { return OnDevice(*engine_)->save(); }
-void World::restore(const WorldState& state) { OnDevice(*engine_)->restore(state); }
+StepReport World::step() { return OnDevice(*dynamics_)->step(nullptr); }
+StepReport World::step(BodyProblem& problem) { return OnDevice(*dynamics_)->step(&problem); }
+std::int64_t World::steps_done() const { return dynamics_->steps_done(); }
+double World::time() const { return dynamics_->time(); }
+int World::body_count() const { return dynamics_->body_count(); }
+BodyStates World::states() const { return OnDevice(*dynamics_)->states(); }
+const BodyConstants& World::constants() const { return dynamics_->constants(); }
+std::vector<ContactRecord> World::contacts() const { return OnDevice(*dynamics_)->contacts(); }
+std::vector<ContactRecord> World::overlaps() const { return OnDevice(*dynamics_)->overlaps(); }
+std::vector<ArrayInfo> World::arrays() const { return OnDevice(*dynamics_)->arrays(); }
+ArrayView World::array(const std::string& name) { return OnDevice(*dynamics_)->array(name); }
+void World::arrays_changed(Written what) { OnDevice(*dynamics_)->arrays_changed(what); }
+WorldState World::save() const { return OnDevice(*dynamics_)->save(); }
+void World::restore(const WorldState& state) { OnDevice(*dynamics_)->restore(state); }
 Image World::render(const PictureSettings& settings) const {
-  return OnDevice(*engine_)->render(settings);
+  return OnDevice(*dynamics_)->render(settings);
 }
-std::size_t World::memory() const { return engine_->memory(); }
-std::size_t World::peak_memory() const { return engine_->peak_memory(); }
+std::size_t World::memory() const { return dynamics_->memory(); }
+std::size_t World::peak_memory() const { return dynamics_->peak_memory(); }
 
 bool backend_available(BackendKind kind, std::string* reason, int device) {
   if (kind == BackendKind::cpu) {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "host/engine/bodies_by_id.h"
 #include "host/error.h"
 #include "host/io/h5.h"
 #include "host/io/values.h"
+#include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_summary.h"
 
 namespace scree {

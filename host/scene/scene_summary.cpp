@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "host/engine/bodies_by_id.h"
+#include "host/scene/bodies_by_id.h"
 #include "host/scene/motion.h"
 
 namespace scree {

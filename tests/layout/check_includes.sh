@@ -3,12 +3,14 @@
 # file:line: reason, each one that goes against the layering. Exit status 1 when there are any.
 #
 #   kernels/    kernels                     collision/  kernels, collision
-#   solvers/    kernels, solvers            host/       kernels, collision, solvers, host
+#   solvers/    kernels, solvers            dynamics/   kernels, collision, solvers, dynamics, some of host
+#   host/       kernels, solvers, host, dynamics/*.h
 #   scenes/     scenes and host/*.h         tests/reference/  anything but kernels/
 # Nobody includes tests/, bench/, host/cli/ or host/python/. kernels/, collision/ and solvers/ use only
 # the standard library and CUDA beside these, and sources of solvers/assembled/ and rolling/ Eigen; host/*.h has
-# nothing of CUDA. The folders of kernels/, solvers/ and host/ have rules of their own, `within` below;
-# a folder without a rule is a fault. docs/ARCHITECTURE.md draws all of it.
+# nothing of CUDA. The folders of kernels/, solvers/, dynamics/ and host/ have rules of their own, `within` below;
+# a folder without a rule is a fault. Which folders of host/ those of dynamics/ may include, and the other way, is in
+# `across`. docs/ARCHITECTURE.md draws all of it.
 set -euo pipefail
 cd "$1"
 
@@ -35,10 +37,11 @@ awk '
     allowed["kernels"] = " kernels "
     allowed["collision"] = " kernels collision "
     allowed["solvers"] = " kernels solvers "
-    allowed["host"] = " kernels collision solvers host "
+    allowed["dynamics"] = " kernels collision solvers dynamics host "
+    allowed["host"] = " kernels solvers dynamics host "
     allowed["scenes"] = " host scenes "
-    allowed["tests"] = " tests collision solvers host scenes "
-    is_layer = " kernels collision solvers host scenes tests bench "
+    allowed["tests"] = " tests collision solvers dynamics host scenes "
+    is_layer = " kernels collision solvers dynamics host scenes tests bench "
 
     # What a folder may include of the tree that it is in; each may include itself.
     within["kernels/."] = " "
@@ -54,23 +57,31 @@ awk '
     within["solvers/."] = " assembled "
     within["solvers/assembled"] = " "
     within["solvers/rolling"] = " assembled "
+    within["dynamics/."] = " "
+    within["dynamics/rigid"] = " . "
     within["host/."] = " "
     within["host/layouts"] = " . "
     within["host/plot"] = " . "
     within["host/render"] = " . "
     within["host/problems"] = " . "
     within["host/scene_reader"] = " . scene layouts "
-    within["host/scene"] = " . scene_reader layouts io engine "
-    within["host/io"] = " . scene problems engine "
-    within["host/engine"] = " . scene problems render "
+    within["host/scene"] = " . scene_reader layouts io "
+    within["host/io"] = " . scene problems "
+    within["host/engine"] = " . scene problems "
     within["host/solve"] = " . problems io plot "
+
+    # What a folder of dynamics/ may include of host/, and one of host/ of dynamics/.
+    across["dynamics/. host"] = " . "
+    across["dynamics/rigid host"] = " . scene problems render "
+    across["host/scene dynamics"] = across["host/scene_reader dynamics"] = " . "
+    across["host/io dynamics"] = across["host/engine dynamics"] = " . "
     cuda = "^(cuda|cub/|thrust/|cusparse|cooperative_groups|nvtx3/|mma\\.h|math_constants\\.h)"
   }
   FNR == 1 {
     from = FILENAME
     sub(/\/.*$/, "", from)
     place = from "/" folder_in(FILENAME)
-    has_rules = from ~ /^(kernels|solvers|host)$/
+    has_rules = from ~ /^(kernels|solvers|dynamics|host)$/
     if (!(from in allowed) || (has_rules && !(place in within))) fault("no rule for the includes of this folder")
   }
   /^[ \t]*#[ \t]*include[ \t]*[<"]/ {
@@ -92,8 +103,9 @@ awk '
     } else if (in_tree && from == to && has_rules && place != goal &&
                !index(within[place], " " folder_in(path) " ")) {
       fault(place " may not include " goal " (" path ")")
-    } else if (in_tree && from == "host" && to == "collision" && place != "host/engine") {
-      fault("of host, only host/engine may include collision (" path ")")
+    } else if (in_tree && (from to) ~ /^(dynamicshost|hostdynamics)$/ &&
+               !index(across[place " " to], " " folder_in(path) " ")) {
+      fault(place " may not include " goal " (" path ")")
     } else if (in_tree && from == "scenes" && path ~ /^host\/.*\//) {
       fault("scenes may include public host headers only (" path ")")
     } else if ((!quoted || path ~ "/") && !in_tree && from ~ /^(kernels|collision|solvers)$/ &&

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "host/engine/shared_constants.h"
+#include "dynamics/rigid/shared_constants.h"
 #include "host/state_hash.h"
 #include "tests/physics/scene_builder.h"
 

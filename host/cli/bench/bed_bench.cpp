@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "dynamics/rigid/expected_memory.h"
 #include "host/cli/judged.h"
-#include "host/engine/expected_memory.h"
 #include "host/error.h"
 #include "host/io/streams.h"
 

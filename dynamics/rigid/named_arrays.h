@@ -4,9 +4,9 @@
 #include <type_traits>
 
 #include "collision/contact_detector.h"
+#include "dynamics/rigid/body_loads.h"
+#include "dynamics/rigid/body_store.h"
 #include "host/arrays.h"
-#include "host/engine/body_loads.h"
-#include "host/engine/body_store.h"
 
 namespace scree {
 

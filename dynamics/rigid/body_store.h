@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "host/engine/constant_array.h"
-#include "host/engine/engine_errors.h"
-#include "host/engine/shared_constants.h"
+#include "dynamics/model_errors.h"
+#include "dynamics/rigid/constant_array.h"
+#include "dynamics/rigid/shared_constants.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
 #include "kernels/bodies/body_view.h"

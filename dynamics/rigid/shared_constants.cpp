@@ -1,8 +1,8 @@
-#include "host/engine/shared_constants.h"
+#include "dynamics/rigid/shared_constants.h"
 
 #include <cstddef>
 
-#include "host/engine/bodies_by_id.h"
+#include "host/scene/bodies_by_id.h"
 
 namespace scree {
 namespace {

@@ -1,6 +1,6 @@
 // Which constants of the bodies of a scene are the same for all free ones.
 
-#include "host/engine/shared_constants.h"
+#include "dynamics/rigid/shared_constants.h"
 
 #include <gtest/gtest.h>
 

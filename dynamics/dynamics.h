@@ -1,13 +1,14 @@
 #pragma once
-// The simulation behind World, one implementation per backend and precision. Internal to host/.
+// The simulation behind World, one implementation per backend and precision. What a step
+// is stands behind it.
 
 #include "host/world.h"
 
 namespace scree {
 
-class Engine {
+class Dynamics {
  public:
-  virtual ~Engine() = default;
+  virtual ~Dynamics() = default;
   virtual StepReport step(BodyProblem* problem) = 0;
   /// CUDA device that must be the current one during a call; negative: none.
   virtual int cuda_device() const = 0;
@@ -30,6 +31,6 @@ class Engine {
 
 /// Compiled once per backend: B is Cpu or Cuda.
 template <class B>
-std::unique_ptr<Engine> make_engine(Scene scene, const WorldOptions& options);
+std::unique_ptr<Dynamics> make_dynamics(Scene scene, const WorldOptions& options);
 
 }  // namespace scree

@@ -1,4 +1,4 @@
-#include "host/engine/engine_errors.h"
+#include "dynamics/model_errors.h"
 
 #include <fmt/format.h>
 

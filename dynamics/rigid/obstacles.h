@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "collision/obstacles.h"
-#include "host/engine/bodies_by_id.h"
 #include "host/scene.h"
+#include "host/scene/bodies_by_id.h"
 #include "kernels/backend/backend.h"
 #include "kernels/bodies/body_view.h"
 

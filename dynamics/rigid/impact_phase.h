@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "host/engine/problem_assembly.h"
+#include "dynamics/rigid/problem_assembly.h"
 #include "kernels/step/impact_pass.h"
 #include "solvers/solver.h"
 

@@ -7,13 +7,13 @@
 
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"
-#include "host/engine/body_store.h"
-#include "host/engine/engine.h"
-#include "host/engine/engine_errors.h"
-#include "host/engine/impact_phase.h"
-#include "host/engine/named_arrays.h"
-#include "host/engine/obstacles.h"
-#include "host/engine/problem_assembly.h"
+#include "dynamics/dynamics.h"
+#include "dynamics/model_errors.h"
+#include "dynamics/rigid/body_store.h"
+#include "dynamics/rigid/impact_phase.h"
+#include "dynamics/rigid/named_arrays.h"
+#include "dynamics/rigid/obstacles.h"
+#include "dynamics/rigid/problem_assembly.h"
 #include "host/problems/download_problem.h"
 #include "host/render/labels.h"
 #include "host/render/renderer.h"
@@ -45,10 +45,10 @@ class StageClock {
 };
 
 template <class B, class Real>
-class EngineOf final : public Engine {
+class RigidDynamics final : public Dynamics {
  public:
   /// @param near_pairs  whether the list of near pairs is kept between steps
-  EngineOf(std::unique_ptr<B> backend, Scene scene, bool near_pairs)
+  RigidDynamics(std::unique_ptr<B> backend, Scene scene, bool near_pairs)
       : backend_(std::move(backend)),
         scene_(std::move(scene)),
         summary_(summarize(scene_)),

@@ -1,4 +1,4 @@
-#include "host/engine/expected_memory.h"
+#include "dynamics/rigid/expected_memory.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "host/engine/shared_constants.h"
+#include "dynamics/rigid/shared_constants.h"
 #include "host/error.h"
 #include "host/scene/scene_summary.h"
 #include "solvers/coulomb.h"

@@ -1,0 +1,3 @@
+#pragma once
+#include "dynamics/rigid/rigid.h"
+#include "host/io/csv.h"

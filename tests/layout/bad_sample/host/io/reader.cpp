@@ -1,0 +1,2 @@
+#include "dynamics/dynamics.h"
+#include "dynamics/rigid/rigid.h"

@@ -1,6 +1,7 @@
 #pragma once
-// The simulation behind World, one implementation per backend and precision. What a step
-// is stands behind it.
+// The simulation behind World: what a step is. A model of dynamics implements this interface once,
+// as a template on the backend and the precision (model_on.h has what models share), and says what
+// it has in its card (dynamics_card.h).
 
 #include "host/world.h"
 
@@ -9,27 +10,38 @@ namespace scree {
 class Dynamics {
  public:
   virtual ~Dynamics() = default;
+
+  /// Advances by one time step. @param problem  out, when asked for: the contact problem of the
+  /// step, left empty by models that have none
   virtual StepReport step(BodyProblem* problem) = 0;
-  /// CUDA device that must be the current one during a call; negative: none.
-  virtual int cuda_device() const = 0;
   virtual std::int64_t steps_done() const = 0;
   virtual double time() const = 0;
+
   virtual int body_count() const = 0;
+  /// What frames show, see DynamicsCard::frame.
   virtual BodyStates states() = 0;
   virtual const BodyConstants& constants() const = 0;
-  virtual std::vector<ContactRecord> contacts() = 0;
-  virtual std::vector<ContactRecord> overlaps() = 0;
+
+  /// Contacts of the last step, and pairs that overlap now; none in models without contacts.
+  virtual std::vector<ContactRecord> contacts() { return {}; }
+  virtual std::vector<ContactRecord> overlaps() { return {}; }
+
   virtual std::vector<ArrayInfo> arrays() = 0;
   virtual ArrayView array(const std::string& name) = 0;
   virtual void arrays_changed(Written what) = 0;
+
   virtual WorldState save() = 0;
   virtual void restore(const WorldState& state) = 0;
+
   virtual Image render(const PictureSettings& settings) = 0;
+
+  /// CUDA device that must be the current one during a call; negative: none.
+  virtual int cuda_device() const = 0;
   virtual std::size_t memory() const = 0;
   virtual std::size_t peak_memory() const = 0;
 };
 
-/// Compiled once per backend: B is Cpu or Cuda.
+/// The dynamics that the scene names. Compiled once per backend: B is Cpu or Cuda.
 template <class B>
 std::unique_ptr<Dynamics> make_dynamics(Scene scene, const WorldOptions& options);
 

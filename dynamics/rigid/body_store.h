@@ -160,6 +160,7 @@ class BodyStore {
   }
 
   std::vector<Index> ids() { return take(id_, 0, count_); }
+  int id_of(Index storage) { return fetch(*b_, id_.data() + storage); }
 
   /// Free bodies in storage order, as doubles (exact).
   void save_free(WorldState& s) {

@@ -1,24 +1,23 @@
 #pragma once
-// One time step, stage by stage, on backend B with solver precision Real.
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
+// Rigid bodies: what a step is, stage by stage, on backend B with solver precision Real.
 
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"
-#include "dynamics/dynamics.h"
-#include "dynamics/model_errors.h"
+#include "dynamics/model_on.h"
+#include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/body_store.h"
+#include "dynamics/rigid/collision_settings.h"
+#include "dynamics/rigid/contact_records.h"
+#include "dynamics/rigid/expected_memory.h"
 #include "dynamics/rigid/impact_phase.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
+#include "dynamics/rigid/prescribed_motion.h"
 #include "dynamics/rigid/problem_assembly.h"
+#include "dynamics/rigid/saved_state.h"
+#include "dynamics/rigid/step_report.h"
+#include "dynamics/rigid/tolerance.h"
 #include "host/problems/download_problem.h"
-#include "host/render/labels.h"
-#include "host/render/renderer.h"
-#include "host/scene/motion.h"
-#include "host/scene/scene_summary.h"
 #include "host/version.h"
 #include "kernels/step/integrate.h"
 #include "kernels/step/written_state.h"
@@ -27,55 +26,42 @@
 
 namespace scree {
 
-/// Wall clock of a stage; waits for the device so that stages do not run into each other.
-template <class B>
-class StageClock {
- public:
-  explicit StageClock(B& b) : b_(&b), last_(Clock::now()) {}
-  double lap() {
-    b_->synchronize();
-    const auto now = Clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  B* b_;
-  Clock::time_point last_;
-};
-
 template <class B, class Real>
-class RigidDynamics final : public Dynamics {
+class RigidDynamics final : public ModelOn<B, Real> {
  public:
   /// @param near_pairs  whether the list of near pairs is kept between steps
-  RigidDynamics(std::unique_ptr<B> backend, Scene scene, bool near_pairs)
-      : backend_(std::move(backend)),
+  RigidDynamics(std::unique_ptr<B> on, Scene scene, bool near_pairs)
+      : ModelOn<B, Real>(std::move(on), scene),
         scene_(std::move(scene)),
         summary_(summarize(scene_)),
-        constants_(scene_),
-        store_(*backend_, summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
+        motion_(scene_),
+        store_(backend(), summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
                summary_.solid_spheres),
-        loads_(*backend_, store_.count()),
-        obstacles_(*backend_, scene_, store_.fixed_begin()),
-        detector_(*backend_, collision_settings(near_pairs), obstacles_.data()),
-        assembly_(*backend_, scene_, summary_.layout, summary_.solid_spheres),
-        impacts_(*backend_, scene_, summary_.layout),
-        integrate_sums_(*backend_, 1),
-        renderer_(*backend_),
-        solver_(make_step_solver()) {
-    load_bodies();
-    insert_due();
+        loads_(backend(), store_.count()),
+        obstacles_(backend(), scene_, store_.fixed_begin()),
+        detector_(backend(), collision_settings(scene_, summary_, near_pairs), obstacles_.data()),
+        assembly_(backend(), scene_, summary_.layout, summary_.solid_spheres),
+        impacts_(backend(), scene_, summary_.layout),
+        integrate_sums_(backend(), 1),
+        solver_(make_step_solver()),
+        loading_(scene_, store_, obstacles_) {
+    loading_.load_first();
+    motion_.set(store_, 0, 1);
+    loading_.insert_due(0);
   }
 
+  using ModelOn<B, Real>::steps_done;
+  using ModelOn<B, Real>::time;
+
   StepReport step(BodyProblem* stored) override {
-    B& b = *backend_;
+    B& b = backend();
     const double h = scene_.stepping.time_step;
     StageClock<B> clock(b);
     StepReport report;
 
-    insert_due();
-    set_motion(time_);
-    if (step_ % kReorderEvery == 0) reorder();
+    loading_.insert_due(time());
+    motion_.set(store_, time(), steps_done() + 1);
+    if (steps_done() % kReorderEvery == 0) reorder();
     const BodyView<Real> bodies = store_.view();
     const LoadSums loads = start_loads(bodies);
     BodyView<Real> loaded = loads_.loaded(b, bodies);
@@ -112,7 +98,8 @@ class RigidDynamics final : public Dynamics {
       sums.touching = impacts.before.touching;
     }
     problem.mark = mark.view();
-    const double reference = reference_speed(loads, sums);
+    const double reference = reference_speed(loads_.is_used() ? &loads : nullptr,
+                                             h * scene_.gravity, sums, store_.free_count());
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
       *stored = download_problem<B, Real>(b, problem, gamma, store_.ids(), bodies.fixed_begin);
@@ -120,7 +107,9 @@ class RigidDynamics final : public Dynamics {
       clock.lap();  // belongs to no stage
     }
 
-    SolveStats stats = solver_->solve(b, problem, gamma, tolerance(reference));
+    SolveStats stats = solver_->solve(
+        b, problem, gamma,
+        residual_tolerance(scene_.solver.stop, reference, summary_.median_diameter, h));
     stats.iterations += impacts.iterations;
     stats.applications += impacts.applications;
     stats.converged = stats.converged && impacts.converged;
@@ -134,12 +123,13 @@ class RigidDynamics final : public Dynamics {
     detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
     if (solver_->keeps_marks()) detector_.keep_marks(std::move(mark));
     has_solved_contacts_ = true;
-    ++step_;
-    time_ = static_cast<double>(step_) * h;
-    set_motion(time_);
+    this->count_step();
+    motion_.set(store_, time(), steps_done() + 1);
     report.ms.integrate = clock.lap();
 
-    fill_report(report, stats, sums, contacts);
+    report.step = steps_done();
+    report.time = time();
+    fill_report(report, stats, sums, contacts, b, store_);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
     report.stopped = moved.stopped;
@@ -147,61 +137,27 @@ class RigidDynamics final : public Dynamics {
     return report;
   }
 
-  std::int64_t steps_done() const override { return step_; }
-  double time() const override { return time_; }
   int body_count() const override {
     return store_.free_count() + store_.count() - store_.fixed_begin();
   }
   BodyStates states() override { return store_.states(); }
-  const BodyConstants& constants() const override { return constants_; }
 
   std::vector<ContactRecord> contacts() override {
-    std::vector<ContactRecord> out = records(download(*backend_, solved_impulses()));
-    const int vectors = vectors_per_contact(summary_.layout);
-    for (const ImpactImpulses<B, Real>& round : impacts_.impulses()) {
-      const auto contact = download(*backend_, round.contact.view(round.count));
-      const auto impulse = download(*backend_, round.gamma.view(round.gamma.capacity()));
-      for (std::size_t k = 0; k < contact.size(); ++k)
-        out[static_cast<std::size_t>(contact[k])].impulse +=
-            Vec3d(impulse[k * static_cast<std::size_t>(vectors)]);
-    }
+    std::vector<ContactRecord> out = records(download(backend(), solved_impulses()));
+    add_impacts(backend(), impacts_.impulses(), vectors(), out);
     return out;
   }
 
   std::vector<ContactRecord> overlaps() override {
-    impacts_.forget();
-    has_solved_contacts_ = false;
-    detector_.detect(*backend_, store_.view(), 0, {});
+    forget_solved_contacts();
+    detector_.detect(backend(), store_.view(), 0, {});
     std::vector<ContactRecord> found = records({});
     std::erase_if(found, [](const ContactRecord& contact) { return !(contact.gap < 0); });
     return found;
   }
 
-  std::vector<ArrayInfo> arrays() override {
-    std::vector<ArrayInfo> known;
-    for_each_array([&](const ArrayInfo& info, auto&&) { known.push_back(info); });
-    return known;
-  }
-
-  ArrayView array(const std::string& name) override {
-    std::optional<ArrayView> found;
-    for_each_array([&](const ArrayInfo& info, auto&& make) {
-      if (info.name != name) return;
-      found = make();
-      found->writable = info.writable;
-    });
-    if (!found) throw_unknown_array(name, arrays());
-    backend_->synchronize();
-    if constexpr (B::kIsDevice) {
-      found->backend = BackendKind::cuda;
-      found->device = backend_->device();
-      found->stream = backend_->stream();
-    }
-    return *found;
-  }
-
   void arrays_changed(Written what) override {
-    B& b = *backend_;
+    B& b = backend();
     const bool poses = what == Written::poses;
     const BodyView<Real> bodies = store_.view();
     Buffer<B, FirstBad> first(b, 1);
@@ -213,11 +169,10 @@ class RigidDynamics final : public Dynamics {
     if (poses) {
       detector_.forget_places();
       solver_->restore_memory({});
-      impacts_.forget();
-      has_solved_contacts_ = false;
+      forget_solved_contacts();
     }
     if (bad < 0) return;
-    throw_bad_written(id_of(bad), fetch(b, bodies.position.data + bad),
+    throw_bad_written(store_.id_of(bad), fetch(b, bodies.position.data + bad),
                       Quatd(fetch(b, bodies.orientation.data + bad)),
                       Vec3d(fetch(b, bodies.velocity.data + bad)),
                       Vec3d(fetch(b, bodies.angular_velocity.data + bad)));
@@ -225,81 +180,61 @@ class RigidDynamics final : public Dynamics {
 
   WorldState save() override {
     WorldState s;
-    s.step = step_;
-    s.time = time_;
-    s.insertions_done = insertions_done_;
-    detector_.save(*backend_, s.contact_key, s.contact_impulse);  // first: needs room to convert
-    store_.save_free(s);
-    s.solver_memory = solver_->memory();
-    const std::vector<Index> marks = detector_.save_marks(*backend_);
-    s.solver_memory.insert(s.solver_memory.end(), marks.begin(), marks.end());
+    s.step = steps_done();
+    s.time = time();
+    s.insertions_done = loading_.insertions_done();
+    save_state(backend(), store_, detector_, *solver_, s);
     return s;
   }
 
   void restore(const WorldState& s) override {
-    if (s.insertions_done > scene_.insertions.size()) {
-      throw_wrong_insertions(s.insertions_done, scene_.insertions.size());
-    }
-    while (insertions_done_ < s.insertions_done) insert_next();
-    const auto n = static_cast<std::size_t>(store_.free_count());
-    if (s.id.size() != n) throw_wrong_body_count(s.id.size(), n);
-    require_contacts(s, vectors_per_contact(summary_.layout), n);
-    impacts_.forget();
-    has_solved_contacts_ = false;
-    store_.arrange(s.id);
-    store_.restore_free(s);
-    detector_.restore(*backend_, s.contact_key, s.contact_impulse);
-    restore_solver(s.solver_memory, s.contact_key.size());
-    step_ = s.step;
-    time_ = s.time;
-    set_motion(time_);
+    loading_.insert_first(s.insertions_done);
+    forget_solved_contacts();
+    restore_state(backend(), s, vectors(), store_, detector_, *solver_);
+    this->set_steps_done(s.step, s.time);
+    motion_.set(store_, time(), steps_done() + 1);
   }
-
-  Image render(const PictureSettings& settings) override {
-    render::ColorRange range;
-    Image image = renderer_.render(*backend_, store_.view(), obstacles_.shapes(),
-                                   obstacles_.mesh_set(), settings, &range);
-    if (settings.labels)
-      render::add_labels(image, settings.color_by, range, time_, scene_.stepping.time_step);
-    return image;
-  }
-  int cuda_device() const override {
-    if constexpr (B::kIsDevice) {
-      return backend_->device();
-    } else {
-      return -1;
-    }
-  }
-  std::size_t memory() const override { return backend_->allocated(); }
-  std::size_t peak_memory() const override { return backend_->peak(); }
 
  private:
   /// Steps between two checks of the order of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
 
-  /// Passes over the arrays that programs may ask for, see for_each_named_array().
-  template <class Visit>
-  void for_each_array(Visit visit) {
-    for_each_named_array(*backend_, store_, loads_, detector_.contacts(), solved_impulses(),
-                         vectors_per_contact(summary_.layout), visit);
+  using ModelOn<B, Real>::backend;
+
+  typename ModelOn<B, Real>::Drawn drawn() override {
+    return {store_.view(), obstacles_.shapes(), obstacles_.mesh_set()};
   }
+
+  void for_each_array(const typename ModelOn<B, Real>::VisitArray& visit) override {
+    for_each_named_array(backend(), store_, loads_, detector_.contacts(), solved_impulses(),
+                         vectors(), visit);
+  }
+
+  int vectors() const { return vectors_per_contact(summary_.layout); }
 
   /// Impulses of the contacts that there are; empty when no step found them.
   Span<const Vec3<Real>> solved_impulses() const {
     return has_solved_contacts_ ? detector_.impulses() : Span<const Vec3<Real>>{};
   }
+  void forget_solved_contacts() {
+    impacts_.forget();
+    has_solved_contacts_ = false;
+  }
+  std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
+    return contact_records(backend(), store_.ids(), detector_.contacts(), gamma, vectors());
+  }
 
   LoadSums start_loads(const BodyView<Real>& bodies) {
     if (!loads_.is_used()) return {};
     const LoadSums loads =
-        loads_.start(*backend_, bodies, gravity_step(), scene_.stepping.time_step);
-    if (loads.bad_body >= 0) throw_bad_load(step_ + 1, id_of(loads.bad_body));
+        loads_.start(backend(), bodies, gravity_step(), scene_.stepping.time_step);
+    if (loads.bad_body >= 0) throw_bad_load(steps_done() + 1, store_.id_of(loads.bad_body));
     return loads;
   }
 
   IntegrateSums integrate(const BodyView<Real>& bodies) {
-    B& b = *backend_;
+    B& b = backend();
     const double h = scene_.stepping.time_step;
     const PeriodicBox box = periodic_box();
     const auto along = [&](const auto& way) {
@@ -319,26 +254,6 @@ class RigidDynamics final : public Dynamics {
     return fetch(b, integrate_sums_.data());
   }
 
-  /// The contacts in host memory.
-  /// @param gamma  their impulses; empty: left zero
-  std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
-    B& b = *backend_;
-    const ContactView<Real> view = detector_.contacts();
-    const std::vector<Index> id = store_.ids();
-    const auto body_a = download(b, view.body_a);
-    const auto body_b = download(b, view.body_b);
-    const auto normal = download(b, view.normal);
-    const auto gap = download(b, view.gap);
-    const auto vectors = static_cast<std::size_t>(vectors_per_contact(summary_.layout));
-    std::vector<ContactRecord> out(static_cast<std::size_t>(view.count));
-    for (std::size_t c = 0; c < out.size(); ++c) {
-      out[c] = {id[static_cast<std::size_t>(body_a[c])], id[static_cast<std::size_t>(body_b[c])],
-                Vec3d(normal[c]), static_cast<double>(gap[c]),
-                gamma.empty() ? Vec3d{} : Vec3d(gamma[c * vectors])};
-    }
-    return out;
-  }
-
   std::unique_ptr<Solver<B, Real>> make_step_solver() const {
     SolverParams params;
     params.max_iterations = scene_.solver.max_iterations;
@@ -349,20 +264,6 @@ class RigidDynamics final : public Dynamics {
                                       scene_.solver.max_outer_iterations);
   }
 
-  CollisionSettings collision_settings(bool near_pairs) const {
-    CollisionSettings settings{summary_.envelope, summary_.layout, periodic_box().length};
-    settings.margin_limit = 0.25;
-    settings.bounce_threshold = scene_.stepping.restitution_threshold;
-    settings.skin = summary_.skin;
-    settings.keep_candidates = near_pairs;
-    for (const Material& pair : all_pair_values(scene_)) {
-      if (!scene_.solver.exact_coulomb) settings.lift = std::max(settings.lift, pair.friction);
-      if (scene_.stepping.restitution_law == RestitutionLaw::poisson)
-        settings.bounce = std::max(settings.bounce, pair.restitution);
-    }
-    return settings;
-  }
-
   bool has_impacts() const {
     return assembly_.has_restitution() &&
            scene_.stepping.restitution_law == RestitutionLaw::poisson;
@@ -370,25 +271,7 @@ class RigidDynamics final : public Dynamics {
 
   Vec3<Real> gravity_step() const { return Vec3<Real>(scene_.stepping.time_step * scene_.gravity); }
 
-  PeriodicBox periodic_box() const {
-    PeriodicBox box;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!scene_.periodicity.periodic[static_cast<std::size_t>(axis)]) continue;
-      box.lower[axis] = scene_.periodicity.lower[axis];
-      box.length[axis] = scene_.periodicity.upper[axis] - scene_.periodicity.lower[axis];
-    }
-    return box;
-  }
-
-  /// v*: the speed loads give a body in one step (RMS), else that at which touching
-  /// bodies approach [m/s].
-  double reference_speed(const LoadSums& loads, const SetupSums& sums) const {
-    const double speed = loads_.is_used()
-                             ? std::sqrt(loads.squares / std::max<Index>(store_.free_count(), 1))
-                             : norm(scene_.stepping.time_step * scene_.gravity);
-    if (speed > 0) return speed;
-    return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
-  }
+  PeriodicBox periodic_box() const { return scree::periodic_box(scene_.periodicity); }
 
   ProblemSource problem_source(double reference) const {
     ProblemSource s;
@@ -396,182 +279,37 @@ class RigidDynamics final : public Dynamics {
     s.program = std::string("scree ") + version() + " (" + commit() + ")";
     s.backend = B::kName;
     s.precision = std::is_same_v<Real, double> ? "double" : "float";
-    s.step = step_ + 1;
-    s.time = time_;
+    s.step = steps_done() + 1;
+    s.time = time();
     s.time_step = scene_.stepping.time_step;
     s.reference_speed = reference;
     return s;
   }
 
-  /// RMS residual at which the solver stops [m/s]. docs/theory.md, section "Residual".
-  double tolerance(double reference) const {
-    const double length = summary_.median_diameter / scene_.stepping.time_step;
-    const auto level = [&](double speed, double depth) {
-      return reference > 0 ? std::min(speed * reference, depth * length) : depth * length;
-    };
-    switch (scene_.solver.stop.level) {
-      case StopRule::Level::quality:
-        return level(0.01, 3e-5);
-      case StopRule::Level::preview:
-        return level(0.03, 1e-4);
-      case StopRule::Level::absolute:
-        return scene_.solver.stop.residual;
-      case StopRule::Level::fixed_iterations:
-        break;
-    }
-    return 0;
-  }
-
-  void load_bodies() {
-    for (const BodyDescription& body : scene_.bodies) {
-      if (body.kind == BodyKind::free) continue;
-      walls_.push_back(body);
-      has_motion_ = has_motion_ || body.kind == BodyKind::kinematic;
-    }
-    load(scene_.bodies, scene_.particles);
-    set_motion(0);
-  }
-
-  /// Uploads bodies, which get the next ids, and frees the host's memory of them as it goes.
-  void load(std::vector<BodyDescription>& bodies, std::vector<ParticleSet>& sets) {
-    typename BodyStore<B, Real>::Loader free(store_, store_.free_count());
-    typename BodyStore<B, Real>::Loader fixed(store_, store_.fixed_begin());
-    for (const BodyDescription& body : bodies) {
-      auto& loader = body.kind == BodyKind::free ? free : fixed;
-      loader.add(body, next_id_, obstacles_.shape(next_id_), bounding_radius(scene_, body));
-      ++next_id_;
-    }
-    bodies = {};
-    for (ParticleSet& set : sets) {
-      for (std::size_t i = 0; i < set.position.size(); ++i)
-        free.add(particle_body(set, i), next_id_++, kSphereShape, set.radius[i]);
-      set = {};
-    }
-    sets = {};
-    store_.set_free_count(free.flush());
-    fixed.flush();
-  }
-
-  void insert_due() {
-    // A batch enters before the first step that starts at or after its time;
-    // half an ulp of a step of slack.
-    const double now = time_ + 1e-9 * scene_.stepping.time_step;
-    while (insertions_done_ < scene_.insertions.size() &&
-           scene_.insertions[insertions_done_].time <= now) {
-      insert_next();
-    }
-  }
-
-  void insert_next() {
-    Insertion& insertion = scene_.insertions[insertions_done_];
-    load(insertion.bodies, insertion.particles);
-    ++insertions_done_;
-  }
-
-  /// Puts kinematic bodies at their pose of time t with the velocity of the step that starts there.
-  void set_motion(double t) {
-    if (!has_motion_) return;
-    const double h = scene_.stepping.time_step;
-    std::vector<Vec3d> position;
-    std::vector<Quat<Real>> orientation;
-    std::vector<Vec3<Real>> velocity, angular_velocity;
-    for (const BodyDescription& wall : walls_) {
-      const Pose now = pose_at(wall, t);
-      const Rates rates = rates_between(now, pose_at(wall, t + h), h);
-      if (!is_in_range(now.position) || !is_speed_in_range(norm(rates.velocity), h)) {
-        const auto place = store_.fixed_begin() + static_cast<Index>(position.size());
-        throw_bad_body(step_ + 1, id_of(place), now.position, rates.velocity);
-      }
-      position.push_back(now.position);
-      orientation.emplace_back(now.orientation);
-      velocity.emplace_back(rates.velocity);
-      angular_velocity.emplace_back(rates.angular_velocity);
-    }
-    store_.set_fixed_motion(position, orientation, velocity, angular_velocity);
-  }
-
   /// Sorts the free bodies along the Morton curve and renames the kept contacts accordingly.
   void reorder() {
-    B& b = *backend_;
+    B& b = backend();
     BodyOrder<B> order(b);
     order.compute(b, store_.view().position.first(store_.free_count()));
     store_.for_each_array([&](auto& array) { order.apply(b, array.view()); });
     detector_.remap(b, store_.view(), order.new_of_old());
   }
 
-  /// @param memory  of the solver, then what it left at each contact; the latter is missing in a
-  ///                checkpoint written with another solver
-  void restore_solver(std::vector<double> memory, std::size_t contact_count) {
-    if (solver_->keeps_marks() && memory.size() >= contact_count) {
-      const auto is_mark = [](double value) { return value >= 0 && value < 1 << 30; };
-      const std::size_t own = memory.size() - contact_count;
-      std::vector<Index> marks(contact_count);
-      for (std::size_t c = 0; c < contact_count; ++c)
-        marks[c] = is_mark(memory[own + c]) ? static_cast<Index>(memory[own + c]) : -1;
-      detector_.restore_marks(*backend_, marks);
-      memory.resize(own);
-    }
-    solver_->restore_memory(memory);
-  }
-
-  int id_of(Index storage) { return fetch(*backend_, store_.view().id.data + storage); }
-
-  void fill_report(StepReport& report, const SolveStats& stats, const SetupSums& sums,
-                   const ContactView<Real>& contacts) {
-    const Residual& residual = stats.residual;
-    report.step = step_;
-    report.time = time_;
-    report.body_count = store_.free_count();
-    report.contact_count = contacts.count;
-    report.iterations = stats.iterations;
-    report.applications = stats.applications;
-    report.converged = stats.converged;
-    report.residual_rms = residual.rms;
-    report.residual_max = residual.max;
-    report.exact_residual_rms = residual.exact_rms;
-    report.objective = residual.objective;
-    report.max_cone_violation = residual.cone_violation;
-    report.max_penetration = sums.max_penetration;
-    if (residual.max_contact >= 0) {
-      report.residual_max_body_a =
-          id_of(fetch(*backend_, contacts.body_a.data + residual.max_contact));
-      report.residual_max_body_b =
-          id_of(fetch(*backend_, contacts.body_b.data + residual.max_contact));
-    }
-    const StageTimes& t = report.ms;
-    report.ms.total = t.collision + t.setup + t.solve + t.integrate;
-  }
-
-  /// Sums can overflow where no body and no contact does.
-  static void require_finite(const StepReport& r) {
-    const std::pair<const char*, double> values[] = {{"residual", r.residual_rms},
-                                                     {"largest residual", r.residual_max},
-                                                     {"relative residual", r.residual_relative},
-                                                     {"exact residual", r.exact_residual_rms},
-                                                     {"objective", r.objective},
-                                                     {"penetration", r.max_penetration},
-                                                     {"cone violation", r.max_cone_violation},
-                                                     {"kinetic energy", r.kinetic_energy}};
-    for (const auto& [name, value] : values) {
-      if (!std::isfinite(value)) throw_not_finite(r.step, name, value);
-    }
-  }
-
   [[noreturn]] void report_bad_body(Index storage) {
     const BodyView<Real> view = store_.view();
-    throw_bad_body(step_ + 1, id_of(storage), fetch(*backend_, view.position.data + storage),
-                   Vec3d(fetch(*backend_, view.velocity.data + storage)));
+    throw_bad_body(steps_done() + 1, store_.id_of(storage),
+                   fetch(backend(), view.position.data + storage),
+                   Vec3d(fetch(backend(), view.velocity.data + storage)));
   }
 
   [[noreturn]] void report_bad_contact(const ContactView<Real>& contacts, Index c) {
-    throw_bad_contact(step_ + 1, id_of(fetch(*backend_, contacts.body_a.data + c)),
-                      id_of(fetch(*backend_, contacts.body_b.data + c)));
+    throw_bad_contact(steps_done() + 1, store_.id_of(fetch(backend(), contacts.body_a.data + c)),
+                      store_.id_of(fetch(backend(), contacts.body_b.data + c)));
   }
 
-  std::unique_ptr<B> backend_;
   Scene scene_;  ///< without the descriptions already loaded
   SceneSummary summary_;
-  BodyConstants constants_;
+  PrescribedMotion motion_;
   BodyStore<B, Real> store_;
   BodyLoads<B, Real> loads_;
   Obstacles<B, Real> obstacles_;
@@ -579,14 +317,8 @@ class RigidDynamics final : public Dynamics {
   ProblemAssembly<B, Real> assembly_;
   ImpactPhase<B, Real> impacts_;
   Buffer<B, IntegrateSums> integrate_sums_;
-  Renderer<B, Real> renderer_;
   std::unique_ptr<Solver<B, Real>> solver_;
-  std::vector<BodyDescription> walls_;  ///< fixed and kinematic bodies, in storage order
-  bool has_motion_ = false;
-  Index next_id_ = 0;
-  std::uint64_t insertions_done_ = 0;
-  std::int64_t step_ = 0;
-  double time_ = 0;
+  BodyLoading<B, Real> loading_;
   bool has_solved_contacts_ = false;  ///< the detector has those of the last step
 };
 

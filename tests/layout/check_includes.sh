@@ -71,7 +71,7 @@ awk '
     within["host/solve"] = " . problems io plot "
 
     # What a folder of dynamics/ may include of host/, and one of host/ of dynamics/.
-    across["dynamics/. host"] = " . "
+    across["dynamics/. host"] = " . render "
     across["dynamics/rigid host"] = " . scene problems render "
     across["host/scene dynamics"] = across["host/scene_reader dynamics"] = " . "
     across["host/io dynamics"] = across["host/engine dynamics"] = " . "

@@ -1,0 +1,74 @@
+#pragma once
+// Brings the bodies of a scene into the simulation when their time has come.
+
+#include "dynamics/rigid/body_store.h"
+#include "dynamics/rigid/obstacles.h"
+#include "host/scene/scene_summary.h"
+
+namespace scree {
+
+template <class B, class Real>
+class BodyLoading {
+ public:
+  /// @param scene  loses the descriptions of bodies as they are loaded; it, the store and the
+  ///               shapes outlive this object
+  BodyLoading(Scene& scene, BodyStore<B, Real>& store, const Obstacles<B, Real>& obstacles)
+      : scene_(&scene), store_(&store), obstacles_(&obstacles) {}
+
+  /// The bodies that are there from the start.
+  void load_first() { load(scene_->bodies, scene_->particles); }
+
+  /// A batch enters before the first step that starts at or after its time; sums and products of
+  /// times differ by less than the slack.
+  void insert_due(double time) {
+    const double now = time + 1e-9 * scene_->stepping.time_step;
+    while (insertions_done_ < scene_->insertions.size() &&
+           scene_->insertions[insertions_done_].time <= now) {
+      insert_next();
+    }
+  }
+
+  /// The first insertions of the scene, however late it is: for a restored simulation.
+  /// @throws InputError when the scene has fewer
+  void insert_first(std::uint64_t count) {
+    if (count > scene_->insertions.size()) throw_wrong_insertions(count, scene_->insertions.size());
+    while (insertions_done_ < count) insert_next();
+  }
+
+  std::uint64_t insertions_done() const { return insertions_done_; }
+
+ private:
+  /// Uploads bodies, which get the next ids, and frees the host's memory of them as it goes.
+  void load(std::vector<BodyDescription>& bodies, std::vector<ParticleSet>& sets) {
+    typename BodyStore<B, Real>::Loader free(*store_, store_->free_count());
+    typename BodyStore<B, Real>::Loader fixed(*store_, store_->fixed_begin());
+    for (const BodyDescription& body : bodies) {
+      auto& loader = body.kind == BodyKind::free ? free : fixed;
+      loader.add(body, next_id_, obstacles_->shape(next_id_), bounding_radius(*scene_, body));
+      ++next_id_;
+    }
+    bodies = {};
+    for (ParticleSet& set : sets) {
+      for (std::size_t i = 0; i < set.position.size(); ++i)
+        free.add(particle_body(set, i), next_id_++, kSphereShape, set.radius[i]);
+      set = {};
+    }
+    sets = {};
+    store_->set_free_count(free.flush());
+    fixed.flush();
+  }
+
+  void insert_next() {
+    Insertion& insertion = scene_->insertions[insertions_done_];
+    load(insertion.bodies, insertion.particles);
+    ++insertions_done_;
+  }
+
+  Scene* scene_;
+  BodyStore<B, Real>* store_;
+  const Obstacles<B, Real>* obstacles_;
+  Index next_id_ = 0;
+  std::uint64_t insertions_done_ = 0;
+};
+
+}  // namespace scree

@@ -1,0 +1,47 @@
+#pragma once
+// When the solver of a step may stop. docs/theory.md, section "Residual".
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/scene.h"
+#include "kernels/step/loads.h"
+#include "kernels/step/step_setup.h"
+
+namespace scree {
+
+/// v*: the speed loads give a body in one step (RMS), else that at which touching
+/// bodies approach [m/s].
+/// @param loads         null: gravity alone
+/// @param gravity_step  h g [m/s]
+inline double reference_speed(const LoadSums* loads, const Vec3d& gravity_step,
+                              const SetupSums& sums, Index free_count) {
+  const double speed = loads != nullptr ? std::sqrt(loads->squares / std::max<Index>(free_count, 1))
+                                        : norm(gravity_step);
+  if (speed > 0) return speed;
+  return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
+}
+
+/// RMS residual at which the solver stops [m/s].
+/// @param reference  v* [m/s]
+/// @param diameter   median of the free bodies [m]
+inline double residual_tolerance(const StopRule& stop, double reference, double diameter,
+                                 double time_step) {
+  const double length = diameter / time_step;
+  const auto level = [&](double speed, double depth) {
+    return reference > 0 ? std::min(speed * reference, depth * length) : depth * length;
+  };
+  switch (stop.level) {
+    case StopRule::Level::quality:
+      return level(0.01, 3e-5);
+    case StopRule::Level::preview:
+      return level(0.03, 1e-4);
+    case StopRule::Level::absolute:
+      return stop.residual;
+    case StopRule::Level::fixed_iterations:
+      break;
+  }
+  return 0;
+}
+
+}  // namespace scree

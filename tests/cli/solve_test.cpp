@@ -42,7 +42,8 @@ json solve_json(const Scratch& scratch, const Arguments& more) {
   all.insert(all.end(), more.begin(), more.end());
   const Result result = scree(scratch, all);
   EXPECT_EQ(result.code, 0) << result.err;
-  EXPECT_EQ(result.err, "");
+  const bool says_no_charts = result.err.find("built without Cairo") != std::string::npos;
+  EXPECT_EQ(line_count(result.err), says_no_charts && !can_draw() ? 1u : 0u) << result.err;
   return json::parse(result.out);
 }
 

@@ -12,13 +12,15 @@
 #include "collision/obstacle_buffers.h"
 #include "collision/pair_candidates.h"
 #include "collision/persistent_contacts.h"
+#include "kernels/narrow_phase/contact_groups.h"
 #include "kernels/narrow_phase/contact_list.h"
 
 namespace scree {
 
 struct CollisionSettings {
   double envelope = 0;                            ///< contacts are listed up to this gap [m], >= 0
-  ContactLayout layout = ContactLayout::general;  ///< radial: no lever arms are stored
+  ContactLayout layout = ContactLayout::general;  ///< radial: no lever arms are stored; mixed: of
+                                                  ///< general contacts only, which come last
   Vec3<double> period;                            ///< period lengths [m]; zero: axis not periodic
   double margin_limit = 0;  ///< largest margin around impacts, as a fraction of the diameter [-]
   double lift = 0;          ///< largest separation speed that the contact law asks for, per sliding
@@ -110,7 +112,7 @@ class ContactDetector {
     name_elements(bodies);
     candidates_.release();  // void, and its memory is about what the sort needs for the moment
     memory_.remap(b, keys_, new_of_old);
-    contact_count_ = 0;
+    contact_count_ = radial_count_ = 0;
   }
 
   /// Bodies were put elsewhere: what is remembered of the last step and of near pairs is void.
@@ -158,6 +160,7 @@ class ContactDetector {
   template <ShapeMix kMix>
   void count_contacts(B& b, const ContactTest<kMix, Real>& test, Span<Index> count,
                       Span<std::uint32_t> touching);
+  void group_keys(B& b, const BodyView<Real>& bodies, Span<std::uint64_t> key);
   void list_within(B& b, const BodyView<Real>& bodies, const ContactRange& range);
   void name_elements(const BodyView<Real>& bodies);
   void release_contacts();
@@ -168,6 +171,7 @@ class ContactDetector {
   PersistentContacts<B, Real> memory_;
   ContactKeys keys_;
   Index contact_count_ = 0;
+  Index radial_count_ = 0;   ///< of those, without stored arms
   Buffer<B, float> needed_;  ///< envelopes that contacts of the candidates take; empty: not known
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> body_a_;
@@ -276,6 +280,7 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
 template <class B, class Real>
 void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
   keys_.feature_bits = obstacles_.feature_bits();
+  keys_.has_groups = settings_.layout == ContactLayout::mixed;
   const std::uint64_t wall_begin = static_cast<std::uint64_t>(bodies.count) << keys_.feature_bits;
   const std::uint64_t solid_begin =
       wall_begin + static_cast<std::uint64_t>(obstacles_.plane_count()) * kPlaneSlots;
@@ -295,7 +300,7 @@ void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
 /// The contacts of before are void; their memory serves the search for new ones.
 template <class B, class Real>
 void ContactDetector<B, Real>::release_contacts() {
-  contact_count_ = 0;
+  contact_count_ = radial_count_ = 0;
   key_.release(), body_a_.release(), body_b_.release();
   normal_.release(), gap_.release(), arm_a_.release(), arm_b_.release();
 }
@@ -334,7 +339,7 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   exclusive_scan(b, Span<const Index>(count.view()), begin.view());
   const Offset total = fetch(b, begin.data() + pieces);
   contact_count_ = checked_index(total, can_number(total), "contacts");
-  const Span<std::uint64_t> key = key_.resize_discard(total);
+  Span<std::uint64_t> key = key_.resize_discard(total);
   if constexpr (kMix == ShapeMix::any) {
     for_each(b, pieces,
              ListMixedContacts<Real>{test, count.view(), touching.view(), begin.view(), key});
@@ -342,14 +347,19 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
     for_each(b, pieces, WriteContactKeys<kMix, Real>{test, begin.view(), touching.view(), key});
   }
 
-  const bool arms = settings_.layout != ContactLayout::radial;
+  radial_count_ = settings_.layout == ContactLayout::radial ? contact_count_ : 0;
+  if (settings_.layout == ContactLayout::mixed) {
+    group_keys(b, bodies, key);
+    key = key_.view(total);
+  }
+  const Offset arms = total - radial_count_;
   const auto fill_contacts = [&]<bool kPasses>(std::bool_constant<kPasses>) {
     for_each(b, contact_count_,
              FillContacts<kMix, kPasses, Real>{
                  bodies, obstacles_.shapes(), walls, range, keys_, key,
                  body_a_.resize_discard(total), body_b_.resize_discard(total),
-                 normal_.resize_discard(total), gap_.resize_discard(total),
-                 arm_a_.resize_discard(arms ? total : 0), arm_b_.resize_discard(arms ? total : 0)});
+                 normal_.resize_discard(total), gap_.resize_discard(total), radial_count_,
+                 arm_a_.resize_discard(arms), arm_b_.resize_discard(arms)});
   };
   if (candidates_.has_passes()) {
     fill_contacts(std::true_type{});
@@ -358,11 +368,26 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   }
 }
 
+/// Brings the keys into groups; one host read.
+template <class B, class Real>
+void ContactDetector<B, Real>::group_keys(B& b, const BodyView<Real>& bodies,
+                                          Span<std::uint64_t> key) {
+  const Index n = contact_count_;
+  Buffer<B, Index> flag(b, n);
+  Buffer<B, Offset> before(b, static_cast<Offset>(n) + 1);
+  Buffer<B, std::uint64_t> grouped(b, n);
+  for_each(b, n, FlagGeneral<Real>{bodies, obstacles_.walls(), keys_, key, flag.view()});
+  exclusive_scan(b, Span<const Index>(flag.view()), before.view());
+  radial_count_ = n - static_cast<Index>(fetch(b, before.data() + n));
+  for_each(b, n, GroupKeys{key, flag.view(), before.view(), radial_count_, grouped.view(n)});
+  swap(key_, grouped);
+}
+
 template <class B, class Real>
 ContactView<Real> ContactDetector<B, Real>::contacts() const {
-  const Index n = contact_count_;
-  const Index arms = settings_.layout != ContactLayout::radial ? n : 0;
+  const Index n = contact_count_, arms = n - radial_count_;
   return {n,
+          radial_count_,
           key_.capacity() < n ? memory_.keys() : key_.view(n),  // after keep() the memory has them
           body_a_.view(n),
           body_b_.view(n),

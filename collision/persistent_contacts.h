@@ -72,8 +72,8 @@ class PersistentContacts {
     const Span<Vec3<Real>> impulse = impulse_.view(static_cast<Offset>(count_) * vectors_);
     for_each(b, count_,
              RenameContacts<Real>{names, new_of_old, vectors_, key, impulse, order.view()});
-    sort_pairs(b, sort, key, order.view(),
-               32 + bits_for(static_cast<std::uint64_t>(std::max<Offset>(new_of_old.size, 1))));
+    const auto bodies = static_cast<std::uint64_t>(std::max<Offset>(new_of_old.size, 1));
+    sort_pairs(b, sort, key, order.view(), names.has_groups ? 64 : 32 + bits_for(bodies));
     for_each(b, count_, Gather<Vec3<Real>>{order.view(), impulse, sorted.view(), vectors_});
     swap(impulse_, sorted);
     if (mark_count_ == 0) return;

@@ -4,6 +4,7 @@
 
 #include "host/error.h"
 #include "kernels/bodies/range.h"
+#include "kernels/contact/contact_key.h"
 
 namespace scree {
 
@@ -80,10 +81,11 @@ void require_contacts(const WorldState& state, int vectors_per_contact, std::siz
     throw InputError(fmt::format("checkpoint: {} contact impulses, expected {} of {} contacts",
                                  state.contact_impulse.size(), vectors, contacts));
   for (std::size_t c = 0; c < contacts; ++c)
-    if (state.contact_key[c] >> 32 >= free_count)
+    if (const std::uint64_t place = (state.contact_key[c] & ~kGeneralGroup) >> 32;
+        place >= free_count)
       throw InputError(
-          fmt::format("checkpoint: contact {} is of storage place {}, expected 0 to {}", c,
-                      state.contact_key[c] >> 32, static_cast<std::int64_t>(free_count) - 1));
+          fmt::format("checkpoint: contact {} is of storage place {}, expected 0 to {}", c, place,
+                      static_cast<std::int64_t>(free_count) - 1));
 }
 
 }  // namespace scree

@@ -26,6 +26,9 @@ struct WorldOptions {
   /// Backend memory that a run is meant to do with [bytes], for require_memory() and for what is
   /// kept between steps; 0: what is free.
   std::size_t memory_limit = 0;
+  /// Whether contacts of spheres are kept apart from those that need lever arms, where a scene has
+  /// both. Results are the same within the solver's tolerance; false is for comparisons.
+  bool contact_groups = true;
 };
 
 /// Wall-clock time of the stages of one step [ms].

@@ -141,7 +141,7 @@ class Apgd final : public Solver<B, Real> {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contact_count == 0) return {0, 0, true, {}};
 
-    const Offset vectors = static_cast<Offset>(p.contact_count) * R::kVectors;
+    const Offset vectors = R::vector_count(p);
     Workspace w(b, vectors, p.body_count);
     const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}};
     ApgdState* state = w.state.data();
@@ -317,10 +317,10 @@ std::unique_ptr<Solver<B, Real>> make_apgd(const SolverParams& params) {
 /// The other iterate and, once half of the iterations allowed are done, the best one; velocities of
 /// both and, without the tuned program, of the extrapolated point.
 inline HeldBytes apgd_memory(const SolverCase& c) {
-  const bool is_radial = c.layout == ContactLayout::radial;
-  const bool is_fused = c.is_tuned() && c.real == 4;
+  const bool has_spheres = c.is_radial() || c.is_mixed();
+  const bool is_fused = c.on_device && has_spheres && c.real == 4;
   const bool is_diagonal = apgd_metric(c.parameters) == ApgdMetricKind::diagonal;
-  const double metric = (c.uniform ? 1 : is_radial ? 2 : 3) * c.real;
+  const double metric = (c.uniform ? 1 : has_spheres ? 2 : 3) * c.real;
   return {(is_fused ? 2 : 3) * c.twist(),
           2 * c.impulse() + (is_fused ? 8 : 0) + (is_diagonal ? metric : 0)};
 }

@@ -101,10 +101,9 @@ class ContactColoring {
     Span<const Index> active;  // empty: all free bodies
     Index body_count = p.free_count;
     for (Index first_color = 0;; first_color += kColorsPerBatch) {
-      ColoringWork left =
-          reduce_work(b, body_count,
-                      ColoringBatch{p.a_start, p.b_start, p.b_contact, active, color_, incident,
-                                    now, first_color, listed.empty()});
+      ColoringBatch batch{{}, active, color_, incident, now, first_color, listed.empty()};
+      for (int g = 0; g <= kLaterGroups; ++g) batch.lists[g] = p.lists(g);
+      ColoringWork left = reduce_work(b, body_count, batch);
       if (left.bodies == 0) return;
       // The list of bodies at work is worth a pass when it gets much shorter.
       if (left.bodies < body_count - body_count / 4) {

@@ -107,7 +107,8 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
     if (p.contact_count == 0) return {0, 0, true, {}};
-    Workspace w(b, p.contact_count, static_cast<Offset>(p.contact_count) * R::kVectors);
+    if constexpr (R::kHasLaterGroups) return run_in_place<R>(b, p, gamma, tolerance, velocity);
+    Workspace w(b, p.contact_count, R::vector_count(p));
     ContactColoring<B>& coloring = w.coloring;
     coloring.compute(b, p);
     const ContactProblem<Real> ordered = order_contacts<R>(b, p, w);
@@ -131,6 +132,28 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
     stats.colors = coloring.color_count();
     return stats;
   }
+
+  /// Contacts of several groups differ in what is stored of them: they stay where they are.
+  template <class R>
+  SolveStats run_in_place(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                          double tolerance, Span<Twist<Real>> velocity) {
+    Buffer<B, ContactMetric<Real>> metric(b, p.contact_count);
+    for_each(b, p.contact_count, StoreBlockMetric<R, Real>{p, metric.view()});
+    ContactColoring<B> coloring(b);
+    coloring.compute(b, p);
+    const std::vector<Index>& starts = coloring.starts();
+    GaussSeidelPass<R, Real> pass{p, metric.view(),   velocity, gamma, this->relaxation(),
+                                  0, coloring.order()};
+    const auto sweep = [&] {
+      for (Index color = 0; color < coloring.color_count(); ++color) {
+        pass.first = starts[color];
+        for_each(b, starts[color + 1] - starts[color], pass);
+      }
+    };
+    SolveStats stats = this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, [] {});
+    stats.colors = coloring.color_count();
+    return stats;
+  }
 };
 
 template <class B, class Real>
@@ -142,7 +165,7 @@ std::unique_ptr<Solver<B, Real>> make_gauss_seidel_colored(const SolverParams& p
 /// of their coloring.
 inline HeldBytes gauss_seidel_colored_memory(const SolverCase& c) {
   const double arms = c.layout == ContactLayout::radial ? 0 : 2 * c.vec();
-  const double ordered = 8 + c.vec() + c.real + arms + c.impulse();
+  const double ordered = c.is_mixed() ? 0 : 8 + c.vec() + c.real + arms + c.impulse();
   return relaxation_memory(c) + HeldBytes{72, ordered + 36};
 }
 

@@ -14,6 +14,7 @@
 
 #include "kernels/solve/schwarz_iteration.h"
 #include "solvers/check_schedule.h"
+#include "solvers/expanded_problem.h"
 #include "solvers/residual.h"
 #include "solvers/solver_card.h"
 #include "solvers/tile_coloring.h"
@@ -27,8 +28,9 @@ class Schwarz final : public Solver<B, Real> {
 
   SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
                    double tolerance) override {
-    return with_rows<Real>(p.layout,
-                           [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
+    if (p.layout == ContactLayout::mixed) return solve_expanded(b, p, gamma, tolerance);
+    return with_rows_of_one_group<Real>(
+        p.layout, [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
 
  private:
@@ -39,13 +41,26 @@ class Schwarz final : public Solver<B, Real> {
   static constexpr double kWorse = 100;
   static constexpr int kMostSetbacks = 3;
 
+  /// Tiles are of one group.
+  SolveStats solve_expanded(B& b, const ContactProblem<Real>& mixed, Span<Vec3<Real>> gamma,
+                            double tolerance) {
+    ExpandedProblem<B, Real> expanded(b, mixed);
+    expanded.take_impulses(b, gamma);
+    SolveStats stats =
+        run<GeneralRows<Real>>(b, expanded.problem(), expanded.impulses(), tolerance);
+    expanded.give_impulses(b, gamma);
+    for (Index* contact : {&stats.residual.max_contact, &stats.residual.bad_contact})
+      if (*contact >= 0) *contact = expanded.mixed_contact(b, *contact);
+    return stats;
+  }
+
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contact_count == 0) return {0, 0, true, {}};
 
-    Buffer<B, Vec3<Real>> other_gamma(b, static_cast<Offset>(p.contact_count) * R::kVectors);
+    Buffer<B, Vec3<Real>> other_gamma(b, R::vector_count(p));
     Buffer<B, Twist<Real>> other_velocity(b, p.body_count);
     Buffer<B, SchwarzState> state(b, 1);
     const SchwarzPasses<R, Real> passes{p,
@@ -121,11 +136,17 @@ std::unique_ptr<Solver<B, Real>> make_schwarz(const SolverParams& params) {
   return std::make_unique<Schwarz<B, Real>>(params);
 }
 
+/// ExpandedProblem.
+inline HeldBytes expanded_memory(const SolverCase& c) {
+  return {16 * c.real + 8, 12 + 3 * c.vec() + c.real + c.impulse()};
+}
+
 /// The iterate before; tiles, their neighbors and links; without tuned programs also the order, the
 /// extrapolated point and the weights.
 inline HeldBytes schwarz_memory(const SolverCase& c) {
   const double plain = 4 + c.impulse() + 3 * c.real;
-  return {2 * c.twist() + 14, c.impulse() + 20 + (c.is_tuned() ? 0 : plain)};
+  const HeldBytes own{2 * c.twist() + 14, c.impulse() + 20 + (c.is_tuned() ? 0 : plain)};
+  return c.is_mixed() ? own + expanded_memory(c) : own;
 }
 
 /// A pass whose sweeps run in fast memory (the tuned twin); the plain program, on the CPU, moves

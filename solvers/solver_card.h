@@ -19,14 +19,16 @@ struct SolverCase {
   ContactLayout layout = ContactLayout::radial;
   double real = 4;         ///< size of a number [bytes]
   bool on_device = false;  ///< else on the CPU
-  bool uniform = false;    ///< free velocities and inverse masses come from the state of the bodies
+  bool uniform = false;    ///< inverse masses come from the state of the bodies
   ParameterValues parameters = {};
 
   double vec() const { return 3 * real; }
   double twist() const { return 6 * real; }
   double impulse() const { return vectors_per_contact(layout) * vec(); }
+  bool is_radial() const { return layout == ContactLayout::radial; }
+  bool is_mixed() const { return layout == ContactLayout::mixed; }
   /// Tuned device programs are for spheres.
-  bool is_tuned() const { return on_device && layout == ContactLayout::radial; }
+  bool is_tuned() const { return on_device && is_radial(); }
 };
 
 /// Bytes for each body and for each contact.
@@ -39,7 +41,7 @@ struct HeldBytes {
 };
 
 inline constexpr std::array kAllLayouts{ContactLayout::radial, ContactLayout::general,
-                                        ContactLayout::rolling};
+                                        ContactLayout::rolling, ContactLayout::mixed};
 
 struct SolverCard {
   const char* name;         ///< in scenes and on the command line: that of its file

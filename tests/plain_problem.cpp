@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <tuple>
 
 namespace scree::fixtures {
 
@@ -12,17 +13,17 @@ int PlainProblem::add_sphere(double m, double r, double spin_factor) {
   body.inv_mass.setConstant(1 / m);
   body.inv_inertia = Eigen::Matrix3d::Identity() * (spin_factor / (m * r * r));
   return add(body, m, r,
-             Eigen::Matrix3d::Identity() * (spin_factor > 0 ? m * r * r / spin_factor : 0));
+             Eigen::Matrix3d::Identity() * (spin_factor > 0 ? m * r * r / spin_factor : 0), true);
 }
 
 int PlainProblem::add_general(double m, const Eigen::Matrix3d& body_inertia) {
   oracle::Body body;
   body.inv_mass.setConstant(1 / m);
   body.inv_inertia = body_inertia.inverse();
-  return add(body, m, 1, body_inertia);
+  return add(body, m, 1, body_inertia, false);
 }
 
-int PlainProblem::add_fixed() { return add(oracle::Body{}, 0, 1, Eigen::Matrix3d::Zero()); }
+int PlainProblem::add_fixed() { return add(oracle::Body{}, 0, 1, Eigen::Matrix3d::Zero(), false); }
 
 oracle::Contact& PlainProblem::add_radial_contact(int a, int b, const Eigen::Vector3d& n,
                                                   double mu) {
@@ -38,7 +39,8 @@ oracle::Contact& PlainProblem::add_radial_contact(int a, int b, const Eigen::Vec
 }
 
 int PlainProblem::add(const oracle::Body& body, double m, double r,
-                      const Eigen::Matrix3d& body_inertia) {
+                      const Eigen::Matrix3d& body_inertia, bool sphere) {
+  is_sphere.push_back(sphere);
   data.bodies.push_back(body);
   mass.push_back(m);
   radius.push_back(r);
@@ -58,10 +60,15 @@ PlainProblem random_problem(const RandomProblem& options) {
   p.layout = options.layout;
   p.data.has_moments = options.layout == ContactLayout::rolling;
   p.data.free_count = options.free_count;
-  const bool radial = options.layout == ContactLayout::radial;
+  const bool mixed = options.layout == ContactLayout::mixed;
+  const auto is_radial = [&](int i) {  // the body
+    if (!mixed) return options.layout == ContactLayout::radial;
+    return i < options.free_count ? options.only_spheres || i % 3 != 1
+                                  : (i - options.free_count) % 2 == 0;
+  };
   for (int i = 0; i < options.free_count; ++i) {
     const double m = 0.5 + 2 * unit(generator);
-    if (radial) {
+    if (is_radial(i)) {
       p.add_sphere(m, 0.5 + unit(generator), i % 7 == 3 ? 0.0 : 2.5);
     } else {
       const Eigen::Matrix3d turn = Eigen::Quaterniond(normal(generator), normal(generator),
@@ -80,7 +87,7 @@ PlainProblem random_problem(const RandomProblem& options) {
   std::vector<oracle::Body>& bodies = p.data.bodies;
   for (int i = 0; i < body_count; ++i) {
     bodies[i].velocity = 0.5 * vector();
-    if (!radial || i < options.free_count) bodies[i].angular_velocity = 0.5 * vector();
+    if (!is_radial(i) || i < options.free_count) bodies[i].angular_velocity = 0.5 * vector();
   }
   while (p.contact_count() < options.contact_count) {
     int a = static_cast<int>(unit(generator) * options.free_count);
@@ -91,6 +98,8 @@ PlainProblem random_problem(const RandomProblem& options) {
     oracle::Contact& c =
         p.add_radial_contact(a, b, vector().normalized(), options.mu_max * unit(generator));
     if (p.contact_count() % 9 == 0) c.mu = 0;
+    const bool radial = is_radial(a) && is_radial(b);
+    if (mixed && radial) ++p.radial_count;
     if (!radial) {
       c.arm_a += 0.5 * vector();
       c.arm_b += 0.5 * vector();
@@ -102,9 +111,13 @@ PlainProblem random_problem(const RandomProblem& options) {
       c.spinning = p.contact_count() % 7 == 0 ? 0 : 0.2 * unit(generator);
     }
   }
-  std::stable_sort(
-      p.data.contacts.begin(), p.data.contacts.end(),
-      [](const auto& x, const auto& y) { return x.a < y.a || (x.a == y.a && x.b < y.b); });
+  const auto group = [&](const oracle::Contact& c) {
+    return mixed && !(is_radial(c.a) && is_radial(c.b)) ? 1 : 0;
+  };
+  std::stable_sort(p.data.contacts.begin(), p.data.contacts.end(),
+                   [&](const auto& x, const auto& y) {
+                     return std::tuple(group(x), x.a, x.b) < std::tuple(group(y), y.a, y.b);
+                   });
 
   for (oracle::Contact& c : p.data.contacts) {
     const oracle::Body &a = bodies[c.a], &b = bodies[c.b];

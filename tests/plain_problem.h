@@ -9,14 +9,16 @@
 
 namespace scree::fixtures {
 
-/// A problem in double. In the radial layout the arms are +radius[a] * n and -radius[b] * n,
-/// inertia is isotropic and fixed bodies do not rotate.
+/// A problem in double. Of radial contacts the arms are +radius[a] * n and -radius[b] * n, inertias
+/// are isotropic and fixed bodies do not rotate.
 struct PlainProblem {
   ContactLayout layout = ContactLayout::radial;
   oracle::Problem data;
   std::vector<double> radius;            ///< [m] per body
   std::vector<double> mass;              ///< [kg] per body
   std::vector<Eigen::Matrix3d> inertia;  ///< [kg m^2] per body, not in the radial layout
+  std::vector<bool> is_sphere;           ///< per body: free and made by add_sphere()
+  int radial_count = 0;                  ///< mixed layout: so many contacts come first
 
   Index contact_count() const { return static_cast<Index>(data.contacts.size()); }
 
@@ -30,7 +32,8 @@ struct PlainProblem {
   oracle::Contact& add_radial_contact(int a, int b, const Eigen::Vector3d& n, double mu);
 
  private:
-  int add(const oracle::Body& body, double m, double r, const Eigen::Matrix3d& body_inertia);
+  int add(const oracle::Body& body, double m, double r, const Eigen::Matrix3d& body_inertia,
+          bool sphere);
 };
 
 struct RandomProblem {
@@ -41,7 +44,8 @@ struct RandomProblem {
   unsigned seed = 1;
   bool has_adhesion = false;
   double mu_max = 1.0;
-  int hub_contacts = 0;  ///< so many of them are with one free body
+  int hub_contacts = 0;       ///< so many of them are with one free body
+  bool only_spheres = false;  ///< mixed layout: general contacts are with fixed bodies that turn
 };
 
 /// Random bodies and contacts. A velocity strictly inside all dual cones exists by construction, so

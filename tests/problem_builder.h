@@ -1,6 +1,7 @@
 #pragma once
 // Contact problems for tests in backend buffers, with the numbers of plain ones.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -64,9 +65,7 @@ class ProblemBuffers {
         free_velocity_(b),
         radial_(b),
         general_(b),
-        a_start_(b),
-        b_start_(b),
-        b_contact_(b),
+        lists_{Lists(b), Lists(b)},
         gamma_(b) {
     const oracle::Problem& d = plain_.data;
     ContactProblem<Real>& p = problem_;
@@ -74,9 +73,15 @@ class ProblemBuffers {
     p.contact_count = plain_.contact_count();
     p.free_count = d.free_count;
     p.body_count = static_cast<Index>(d.bodies.size());
+    p.radial_count = plain_.radial_count;
     upload_contacts();
     upload_bodies();
-    upload_lists();
+    const bool mixed = p.layout == ContactLayout::mixed;
+    const ContactLists first = upload_lists(0, mixed ? p.radial_count : p.contact_count, lists_[0]);
+    p.a_start = first.a_start;
+    p.b_start = first.b_start;
+    p.b_contact = first.b_contact;
+    if (mixed) p.later[0] = upload_lists(p.radial_count, p.contact_count, lists_[1]);
     const Offset vectors = static_cast<Offset>(p.contact_count) * vectors_per_contact(p.layout);
     gamma_.reserve_discard(vectors);
     clear_impulses();
@@ -102,13 +107,12 @@ class ProblemBuffers {
       vectors.push_back(to_eigen(Vec3<double>(v)));
     return vectors;
   }
-  /// The oracle's twists (v, w) from the solver's: in the radial layout those carry
-  /// the surface speed r w.
+  /// The oracle's twists (v, w) from the solver's: of spheres those carry the surface speed r w.
   Eigen::VectorXd velocities(Span<const Twist<Real>> twists) {
     const std::vector<Twist<Real>> host = download(*backend_, twists);
     Eigen::VectorXd v(6 * static_cast<Eigen::Index>(host.size()));
     for (std::size_t i = 0; i < host.size(); ++i) {
-      const double scale = plain_.layout == ContactLayout::radial ? 1 / plain_.radius[i] : 1;
+      const double scale = 1 / length(i);
       v.segment<3>(6 * static_cast<Eigen::Index>(i)) = to_eigen(Vec3<double>(host[i].linear));
       v.segment<3>(6 * static_cast<Eigen::Index>(i) + 3) =
           scale * to_eigen(Vec3<double>(host[i].angular));
@@ -117,6 +121,18 @@ class ProblemBuffers {
   }
 
  private:
+  struct Lists {
+    explicit Lists(B& b) : a_start(b), b_start(b), b_contact(b) {}
+    Buffer<B, Index> a_start, b_start, b_contact;
+  };
+
+  /// Scale of the angular rates of a body.
+  double length(std::size_t i) const {
+    const bool has_radial = plain_.layout == ContactLayout::radial || is_mixed();
+    return has_radial ? plain_.radius[i] : 1;
+  }
+  bool is_mixed() const { return plain_.layout == ContactLayout::mixed; }
+
   template <class T, class F>
   Span<const T> upload_each(Buffer<B, T>& buffer, std::size_t count, F value) {
     std::vector<T> host;
@@ -140,9 +156,15 @@ class ProblemBuffers {
           upload_each(adhesion_, n, [&](std::size_t c) { return real(k[c].adhesion); });
     }
     if (p.layout == ContactLayout::radial) return;
-    p.arm_a = upload_each(arm_a_, n, [&](std::size_t c) { return to_vec3<Real>(k[c].arm_a); });
-    p.arm_b = upload_each(arm_b_, n, [&](std::size_t c) { return to_vec3<Real>(k[c].arm_b); });
-    if (p.layout == ContactLayout::general) return;
+    const auto first = static_cast<std::size_t>(plain_.radial_count);
+    const auto body = [](int i) { return static_cast<std::size_t>(i); };
+    p.arm_a = upload_each(arm_a_, n - first, [&](std::size_t c) {
+      return to_vec3<Real>(k[first + c].arm_a / length(body(k[first + c].a)));
+    });
+    p.arm_b = upload_each(arm_b_, n - first, [&](std::size_t c) {
+      return to_vec3<Real>(k[first + c].arm_b / length(body(k[first + c].b)));
+    });
+    if (p.layout != ContactLayout::rolling) return;
     p.rolling = upload_each(rolling_, n, [&](std::size_t c) {
       return RollingRow<Real>{real(k[c].length), real(k[c].rolling), real(k[c].spinning)};
     });
@@ -153,30 +175,34 @@ class ProblemBuffers {
     const bool radial = plain_.layout == ContactLayout::radial;
     ContactProblem<Real>& p = problem_;
     p.free_velocity = upload_each(free_velocity_, bodies.size(), [&](std::size_t i) {
-      const double scale = radial ? plain_.radius[i] : 1;
       return Twist<Real>{to_vec3<Real>(bodies[i].velocity),
-                         to_vec3<Real>(scale * bodies[i].angular_velocity)};
+                         to_vec3<Real>(length(i) * bodies[i].angular_velocity)};
     });
-    if (radial) {
+    if (radial || is_mixed()) {
       p.radial_inertia = upload_each(radial_, bodies.size(), [&](std::size_t i) {
         const double r = plain_.radius[i];
+        if (!plain_.is_sphere[i]) return RadialInertia<Real>{};
         return RadialInertia<Real>{static_cast<Real>(bodies[i].inv_mass.x()),
                                    static_cast<Real>(r * r * bodies[i].inv_inertia(0, 0))};
       });
-      return;
     }
+    const auto spheres = std::count(plain_.is_sphere.begin(), plain_.is_sphere.end(), true);
+    if (radial || (is_mixed() && spheres == plain_.data.free_count)) return;
     p.general_inertia = upload_each(general_, bodies.size(), [&](std::size_t i) {
       GeneralInertia<Real> g;
       g.mass = static_cast<Real>(plain_.mass[i]);
       g.inv_mass = to_vec3<Real>(bodies[i].inv_mass);
-      g.inertia = to_sym3<Real>(plain_.inertia[i]);
-      g.inv_inertia = to_sym3<Real>(bodies[i].inv_inertia);
+      const double square = length(i) * length(i);
+      g.inertia = to_sym3<Real>(plain_.inertia[i] / square);
+      g.inv_inertia = to_sym3<Real>(bodies[i].inv_inertia * square);
       return g;
     });
   }
 
-  void upload_lists() {
-    const std::vector<oracle::Contact>& k = plain_.data.contacts;
+  /// Of the group of contacts [first, last).
+  ContactLists upload_lists(Index first, Index last, Lists& lists) {
+    const std::vector<oracle::Contact> k(plain_.data.contacts.begin() + first,
+                                         plain_.data.contacts.begin() + last);
     const int free_count = plain_.data.free_count;
     std::vector<Index> a_start(free_count + 1, 0), b_start(free_count + 1, 0), b_contact;
     for (const oracle::Contact& c : k) {
@@ -196,9 +222,8 @@ class ProblemBuffers {
       upload(*backend_, host, buffer);
       return std::as_const(buffer).view(static_cast<Offset>(host.size()));
     };
-    problem_.a_start = put(a_start, a_start_);
-    problem_.b_start = put(b_start, b_start_);
-    problem_.b_contact = put(b_contact, b_contact_);
+    return {first, put(a_start, lists.a_start), put(b_start, lists.b_start),
+            put(b_contact, lists.b_contact)};
   }
 
   B* backend_;
@@ -212,7 +237,7 @@ class ProblemBuffers {
   Buffer<B, Twist<Real>> free_velocity_;
   Buffer<B, RadialInertia<Real>> radial_;
   Buffer<B, GeneralInertia<Real>> general_;
-  Buffer<B, Index> a_start_, b_start_, b_contact_;
+  Lists lists_[2];
   Buffer<B, Vec3<Real>> gamma_;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "dynamics/rigid/contact_layout.h"
 #include "dynamics/rigid/shared_constants.h"
 #include "host/error.h"
 #include "host/scene/scene_summary.h"
@@ -28,19 +29,20 @@ constexpr double kMixed = 2;
 struct Sizes {
   Sizes(const Scene& scene_, const WorldOptions& options)
       : scene(scene_),
-        summary(summarize(scene_)),
+        summary(summarize_run(scene_, options)),
         shared(shared_constants(scene_)),
         real(options.precision == Precision::double_precision ? 8 : 4),
         vec(3 * real),
         twist(6 * real),
         impulse(vectors_per_contact(summary.layout) * vec),
         radial(summary.layout == ContactLayout::radial),
+        mixed(summary.layout == ContactLayout::mixed),
         uniform(radial && summary.solid_spheres),
         card(solver_card(scene_.solver.name)),
         solver_case{.layout = summary.layout,
                     .real = real,
                     .on_device = options.backend == BackendKind::cuda,
-                    .uniform = uniform,
+                    .uniform = (radial || mixed) && summary.solid_spheres,
                     .parameters = scene_.solver.parameters},
         marks(card.keeps_marks ? 4 : 0),
         pairs(summary.largest_diameter > kMixed * summary.median_diameter ? kPairsOfMixed
@@ -50,6 +52,7 @@ struct Sizes {
   SharedConstants shared;
   double real, vec, twist, impulse;
   bool radial;
+  bool mixed;
   bool uniform;  ///< free velocities and inverse masses come from the state
   SolverCard card;
   SolverCase solver_case;
@@ -70,8 +73,15 @@ double state_of_body(const Sizes& s) {
   return bytes;
 }
 
+/// Lever arms of a contact. Where all bodies are spheres, few contacts of the mixed layout have any;
+/// else they are stored a second time, in the unit of the problem.
+double arms(const Sizes& s) {
+  if (s.radial || (s.mixed && s.summary.radial_bodies)) return 0;
+  return 2 * s.vec;
+}
+
 /// Contacts as collision detection leaves them: ids, normal, gap, arms; key.
-double contact_set(const Sizes& s) { return 8 + s.vec + s.real + (s.radial ? 0 : 2 * s.vec) + 8; }
+double contact_set(const Sizes& s) { return 8 + s.vec + s.real + arms(s) + 8; }
 
 /// What is remembered of a contact of the last step: key, impulse and mark.
 double warm_start(const Sizes& s) { return 8 + s.impulse + s.marks; }
@@ -88,7 +98,13 @@ HeldBytes problem(const Sizes& s) {
   };
   const double friction = pair_values(s.scene, 0, 0).friction;
   HeldBytes bytes{8, 4};
-  if (!s.uniform) bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
+  if (s.mixed) {
+    bytes.contact += arms(s);
+    bytes.body += 8 + s.twist + (s.summary.solid_spheres ? 0 : 2 * s.real) +
+                  (s.summary.radial_bodies ? 0 : 16 * s.real);
+  } else if (!s.uniform) {
+    bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
+  }
   if (s.scene.stepping.restitution_law == RestitutionLaw::newton &&
       any([](const Material& m) { return m.restitution > 0; }))
     bytes.contact += s.real;

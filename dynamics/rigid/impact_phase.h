@@ -93,13 +93,14 @@ class ImpactPhase {
 
   /// The problem of one round and the memory that it points at.
   struct Round {
-    Round(B& b, Index contacts, ContactLayout layout)
+    /// @param arms  contacts with stored arms
+    Round(B& b, Index contacts, Index arms, ContactLayout layout)
         : bodies(b),
           body_a(b, contacts),
           body_b(b, contacts),
           normal(b, contacts),
-          arm_a(b, layout == ContactLayout::radial ? 0 : contacts),
-          arm_b(b, layout == ContactLayout::radial ? 0 : contacts),
+          arm_a(b, arms),
+          arm_b(b, arms),
           bias(b, contacts),
           shifted(b, contacts),
           restitution(b, contacts),
@@ -136,12 +137,14 @@ class ImpactPhase {
     exclusive_scan(b, Span<const Index>(takes_part.view(n)), place.view());
     const auto count = static_cast<Index>(fetch(b, place.data() + n));
 
-    Round r(b, count, layout_);
+    const auto radial = static_cast<Index>(fetch(b, place.data() + test.contacts.radial_count));
+    Round r(b, count, count - radial, layout_);
     ImpactImpulses<B, Real> found{count, Buffer<B, Index>(b, count),
                                   Buffer<B, Vec3<Real>>(b, vectors(count))};
     ContactProblem<Real>& p = r.bodies.problem;
     p.layout = layout_;
     p.contact_count = count;
+    if (layout_ == ContactLayout::mixed) p.radial_count = radial;
     p.free_count = test.bodies.free_count;
     p.body_count = test.bodies.count;
     p.body_a = r.body_a.view();
@@ -156,9 +159,9 @@ class ImpactPhase {
     p.rolling = r.rolling.view();
     for_each(b, n,
              GatherImpacts<Real>{test, takes_part.view(), place.view(), found.contact.view(),
-                                 r.body_a.view(), r.body_b.view(), r.normal.view(), r.arm_a.view(),
-                                 r.arm_b.view(), r.bias.view(), friction, r.restitution.view(),
-                                 r.rolling.view()});
+                                 r.body_a.view(), r.body_b.view(), r.normal.view(), layout_, radial,
+                                 r.arm_a.view(), r.arm_b.view(), r.bias.view(), friction,
+                                 r.restitution.view(), r.rolling.view()});
     assembly.set_bodies(b, test.bodies, {}, r.bodies);
     r.bodies.lists.build(b, p);
 

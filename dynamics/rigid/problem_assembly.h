@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "host/scene.h"
+#include "host/scene/scene_summary.h"
 #include "kernels/step/step_setup.h"
 #include "solvers/body_contacts.h"
 
@@ -21,6 +22,8 @@ struct StepProblem {
         friction(b),
         adhesion(b),
         rolling(b),
+        arm_a(b),
+        arm_b(b),
         drift(b),
         lists(b) {}
 
@@ -33,6 +36,7 @@ struct StepProblem {
   Buffer<B, Real> friction;
   Buffer<B, Real> adhesion;
   Buffer<B, RollingRow<Real>> rolling;
+  Buffer<B, Vec3<Real>> arm_a, arm_b;  ///< mixed layout
   Buffer<B, Vec3<Real>> drift;
   BodyContacts<B> lists;
 };
@@ -40,12 +44,12 @@ struct StepProblem {
 template <class B, class Real>
 class ProblemAssembly {
  public:
-  /// @param solid_spheres  see SceneSummary
-  ProblemAssembly(B& b, const Scene& scene, ContactLayout layout, bool solid_spheres)
+  ProblemAssembly(B& b, const Scene& scene, const SceneSummary& summary)
       : laws_(b),
         sums_(b, 1),
-        layout_(layout),
-        solid_spheres_(solid_spheres),
+        layout_(summary.layout),
+        solid_spheres_(summary.solid_spheres),
+        radial_bodies_(summary.radial_bodies),
         material_count_(static_cast<Index>(scene.materials.size())) {
     std::vector<PairLaw<Real>> laws;
     for (const Material& m : all_pair_values(scene)) {
@@ -89,8 +93,7 @@ class ProblemAssembly {
     p.body_a = contacts.body_a;
     p.body_b = contacts.body_b;
     p.normal = contacts.normal;
-    p.arm_a = contacts.arm_a;
-    p.arm_b = contacts.arm_b;
+    set_arms(b, bodies, contacts, step);
     set_bodies(b, loaded, gravity_step, step);
 
     const Index n = contacts.count;
@@ -111,9 +114,10 @@ class ProblemAssembly {
     if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(step.adhesion, n);
     if (layout_ == ContactLayout::rolling) p.rolling = setup.rolling = sized(step.rolling, n);
     if (has_vertices_ && layout_ != ContactLayout::radial) {
-      const Span<Vec3<Real>> drift = sized(step.drift, n);
+      const Index general = n - contacts.radial_count;
+      const Span<Vec3<Real>> drift = sized(step.drift, general);
       p.drift = drift;
-      for_each(b, n,
+      for_each(b, general,
                ContactDrift<Real>{bodies, contacts, p.general_inertia, setup.time_step / 2, drift});
     }
     reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
@@ -132,13 +136,23 @@ class ProblemAssembly {
       p.free_velocity.radius = bodies.radius;
       p.free_velocity.gravity_step = gravity_step;
       p.free_velocity.free_count = bodies.free_count;
-      p.radial_inertia.inv_mass = bodies.inv_mass;
-      p.radial_inertia.spin_ratio = Real(2.5);  // r^2 / I over 1 / m
+      set_solid_spheres(bodies, p);
       return;
     }
     const Span<Twist<Real>> free_velocity = sized(step.free_velocity, bodies.count);
     p.free_velocity = free_velocity;
-    if (layout_ == ContactLayout::radial) {
+    if (layout_ == ContactLayout::mixed) {
+      Span<RadialInertia<Real>> radial;
+      Span<GeneralInertia<Real>> general;
+      if (solid_spheres_) {
+        set_solid_spheres(bodies, p);
+      } else {
+        p.radial_inertia = radial = sized(step.radial_inertia, bodies.count);
+      }
+      if (!radial_bodies_) p.general_inertia = general = sized(step.general_inertia, bodies.count);
+      for_each(b, bodies.count,
+               PredictMixed<Real>{bodies, gravity_step, free_velocity, radial, general});
+    } else if (layout_ == ContactLayout::radial) {
       const Span<RadialInertia<Real>> inertia = sized(step.radial_inertia, bodies.count);
       p.radial_inertia = inertia;
       for_each(b, bodies.count, PredictRadial<Real>{bodies, gravity_step, free_velocity, inertia});
@@ -150,6 +164,27 @@ class ProblemAssembly {
   }
 
  private:
+  static void set_solid_spheres(const BodyView<Real>& bodies, ContactProblem<Real>& p) {
+    p.radial_inertia.inv_mass = bodies.inv_mass;
+    p.radial_inertia.spin_ratio = Real(2.5);  // r^2 / I over 1 / m
+  }
+
+  void set_arms(B& b, const BodyView<Real>& bodies, const ContactView<Real>& contacts,
+                StepProblem<B, Real>& step) {
+    ContactProblem<Real>& p = step.problem;
+    if (layout_ != ContactLayout::mixed) {
+      p.arm_a = contacts.arm_a;
+      p.arm_b = contacts.arm_b;
+      return;
+    }
+    p.radial_count = contacts.radial_count;
+    const Index general = contacts.count - contacts.radial_count;
+    const Span<Vec3<Real>> arm_a = sized(step.arm_a, general), arm_b = sized(step.arm_b, general);
+    p.arm_a = arm_a;
+    p.arm_b = arm_b;
+    for_each(b, general, ScaleArms<Real>{bodies, contacts, arm_a, arm_b});
+  }
+
   template <class T>
   static Span<T> sized(Buffer<B, T>& buffer, Index n) {
     buffer.reserve_discard(std::max<Index>(n, 1));  // an empty view would mean "uniform"
@@ -160,6 +195,7 @@ class ProblemAssembly {
   Buffer<B, SetupSums> sums_;
   ContactLayout layout_;
   bool solid_spheres_ = false;
+  bool radial_bodies_ = false;
   Index material_count_;
   Real uniform_friction_ = 0;
   bool has_uniform_friction_ = true;

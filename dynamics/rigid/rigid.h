@@ -29,18 +29,19 @@ namespace scree {
 template <class B, class Real>
 class RigidDynamics final : public ModelOn<B, Real> {
  public:
+  /// @param summary     see summarize_run()
   /// @param near_pairs  whether the list of near pairs is kept between steps
-  RigidDynamics(std::unique_ptr<B> on, Scene scene, bool near_pairs)
+  RigidDynamics(std::unique_ptr<B> on, Scene scene, const SceneSummary& summary, bool near_pairs)
       : ModelOn<B, Real>(std::move(on), scene),
         scene_(std::move(scene)),
-        summary_(summarize(scene_)),
+        summary_(summary),
         motion_(scene_),
         store_(backend(), summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
                summary_.solid_spheres),
         loads_(backend(), store_.count()),
         obstacles_(backend(), scene_, store_.fixed_begin()),
         detector_(backend(), collision_settings(scene_, summary_, near_pairs), obstacles_.data()),
-        assembly_(backend(), scene_, summary_.layout, summary_.solid_spheres),
+        assembly_(backend(), scene_, summary_),
         impacts_(backend(), scene_, summary_.layout),
         integrate_sums_(backend(), 1),
         solver_(make_step_solver()),
@@ -102,7 +103,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
                                              h * scene_.gravity, sums, store_.free_count());
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
-      *stored = download_problem<B, Real>(b, problem, gamma, store_.ids(), bodies.fixed_begin);
+      *stored = download_any_problem<B, Real>(b, problem, gamma, store_.ids(), bodies);
       stored->source = problem_source(reference);
       clock.lap();  // belongs to no stage
     }
@@ -241,8 +242,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       using Way = std::decay_t<decltype(way)>;
       reduce<IntegrateSums>(
           b, bodies.free_count,
-          Integrate<Real, Way>{bodies, solver_->velocity(),
-                               summary_.layout == ContactLayout::radial, h, box, way},
+          Integrate<Real, Way>{bodies, solver_->velocity(), summary_.layout, h, box, way},
           StoreResult<IntegrateSums>{integrate_sums_.data()});
     };
     const WallView<Real> walls = detector_.walls();

@@ -172,6 +172,8 @@ const char* to_string(ContactLayout layout) {
       return "radial";
     case ContactLayout::general:
       return "general";
+    case ContactLayout::mixed:
+      return "mixed";
     case ContactLayout::rolling:
       break;
   }

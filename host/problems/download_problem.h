@@ -3,6 +3,8 @@
 
 #include "host/problems/body_problem.h"
 #include "kernels/backend/backend.h"
+#include "kernels/contact/radial_bodies.h"
+#include "solvers/expanded_problem.h"
 
 namespace scree {
 
@@ -115,6 +117,47 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
     out.rolling.push_back(resistance);
   }
   out.impulse = vectors(download(b, guess));
+  return out;
+}
+
+/// A problem of the general layout whose angular rates were multiplied by lengths, in rad/s and m.
+/// @param length  of each body [m]
+inline void divide_by_lengths(BodyProblem& p, const std::vector<double>& length) {
+  const auto scaled = [](const Sym3<double>& m, double factor) {
+    Sym3<double> s;
+    s.xx = factor * m.xx, s.yy = factor * m.yy, s.zz = factor * m.zz;
+    s.xy = factor * m.xy, s.xz = factor * m.xz, s.yz = factor * m.yz;
+    return s;
+  };
+  for (std::size_t i = 0; i < length.size(); ++i) {
+    const double square = length[i] * length[i];
+    p.free_velocity[i].angular = (1 / length[i]) * p.free_velocity[i].angular;
+    GeneralInertia<double>& g = p.general_inertia[i];
+    g.inertia = scaled(g.inertia, square);
+    g.inv_inertia = scaled(g.inv_inertia, 1 / square);
+  }
+  for (std::size_t c = 0; c < p.body_a.size(); ++c) {
+    p.arm_a[c] = length[static_cast<std::size_t>(p.body_a[c])] * p.arm_a[c];
+    p.arm_b[c] = length[static_cast<std::size_t>(p.body_b[c])] * p.arm_b[c];
+  }
+}
+
+/// The same for all layouts: a problem of several groups comes as one of the general layout.
+template <class B, class Real>
+BodyProblem download_any_problem(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> guess,
+                                 const std::vector<Index>& body_id, const BodyView<Real>& bodies) {
+  if (p.layout != ContactLayout::mixed)
+    return download_problem<B, Real>(b, p, guess, body_id, bodies.fixed_begin);
+  ExpandedProblem<B, Real> expanded(b, p);
+  expanded.take_impulses(b, guess);
+  BodyProblem out = download_problem<B, Real>(b, expanded.problem(), expanded.impulses(), body_id,
+                                              bodies.fixed_begin);
+  Buffer<B, Real> lengths(b, bodies.count);
+  for_each(b, bodies.count, RateLengths<Real>{bodies, lengths.view()});
+  const std::vector<Real> all = download(b, lengths.view(bodies.count));
+  std::vector<double> length(all.begin(), all.begin() + bodies.free_count);
+  length.insert(length.end(), all.begin() + bodies.fixed_begin, all.end());
+  divide_by_lengths(out, length);
   return out;
 }
 

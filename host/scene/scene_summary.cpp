@@ -115,16 +115,22 @@ SceneSummary summarize(const Scene& scene) {
   SceneSummary s;
   s.free_capacity = static_cast<int>(count.free);
   s.fixed_count = static_cast<int>(count.fixed);
-  bool radial = true;
+  bool radial = true, has_spheres = false;
+  const auto see_free = [&](bool fits) {
+    has_spheres = has_spheres || fits;
+    s.radial_bodies = s.radial_bodies && fits;
+  };
   for_each_by_id(
       scene,
       [&](std::size_t, const BodyDescription& body) {
         radial = radial && fits_radial_layout(body);
+        if (body.kind == BodyKind::free) see_free(fits_radial_layout(body));
         s.solid_spheres =
             s.solid_spheres && (body.kind != BodyKind::free || is_free_solid_sphere(body));
       },
       [&](std::size_t, const ParticleSet& set) {
         radial = radial && fits_radial_layout(set.locks);
+        see_free(fits_radial_layout(set.locks));
         s.solid_spheres = s.solid_spheres && set.locks == 0;
       });
   find_diameters(scene, count.free, s);
@@ -134,7 +140,7 @@ SceneSummary summarize(const Scene& scene) {
   if (has_rolling_friction(scene)) {
     s.layout = ContactLayout::rolling;
   } else if (!radial) {
-    s.layout = ContactLayout::general;
+    s.layout = has_spheres ? ContactLayout::mixed : ContactLayout::general;
   }
   return s;
 }

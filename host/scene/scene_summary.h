@@ -25,6 +25,7 @@ struct SceneSummary {
   double skin = 0;              ///< resolved skin of the list of near pairs [m]
   ContactLayout layout = ContactLayout::radial;
   bool solid_spheres = true;  ///< all free bodies are homogeneous spheres with no axis locked
+  bool radial_bodies = true;  ///< all free bodies are spheres that turn about all axes or none
 };
 
 /// Radius of the sphere about a body's center that holds it [m]; 0: unbounded (half-spaces).

@@ -1,7 +1,9 @@
 #pragma once
 // Names of contacts: 64-bit keys that stay the same from step to step.
 //
-//   key = a << 32 | element        a: the free body with the lower storage index
+//   key = group << 63 | a << 32 | element
+//   group: 0, or 1 for general contacts of the mixed layout
+//   a: the free body with the lower storage index
 //   element, in 32 bits:
 //     [0, wall_begin)              body b << feature_bits | feature
 //     [wall_begin, solid_begin)    plane p of the walls, slot corner: wall_begin + 8 p + corner
@@ -15,8 +17,14 @@ namespace scree {
 
 inline constexpr int kPlaneSlots = 8;
 
+/// The bit of the group.
+inline constexpr std::uint64_t kGeneralGroup = std::uint64_t{1} << 63;
+/// Body A of a contact.
+SCREE_HD inline Index contact_body(std::uint64_t key) { return key_body(key & ~kGeneralGroup); }
+
 struct ContactKeys {
-  int feature_bits = 0;  ///< 0 when every pair of bodies has at most one contact
+  int feature_bits = 0;     ///< 0 when every pair of bodies has at most one contact
+  bool has_groups = false;  ///< mixed layout
   std::uint32_t wall_begin = 0;
   std::uint32_t solid_begin = 0;
 

@@ -98,19 +98,20 @@ struct RenameContacts {
 
   SCREE_HD void operator()(Index c) const {
     order[c] = c;
-    const Index a = renamed(key_body(key[c]));
+    const std::uint64_t group = key[c] & kGeneralGroup;
+    const Index a = renamed(contact_body(key[c]));
     const std::uint32_t element = key_element(key[c]);
     if (!keys.is_body(element)) {
-      key[c] = make_key(a, element);
+      key[c] = group | make_key(a, element);
       return;
     }
     const Index b = renamed(keys.body(element));
     const std::uint32_t feature = keys.feature(element);
     if (a < b) {
-      key[c] = make_key(a, keys.body_element(b, feature));
+      key[c] = group | make_key(a, keys.body_element(b, feature));
       return;
     }
-    key[c] = make_key(b, keys.body_element(a, feature));
+    key[c] = group | make_key(b, keys.body_element(a, feature));
     for (int v = 0; v < vectors; ++v) {
       Vec3<Real>& g = impulse[static_cast<Offset>(c) * vectors + v];
       g = -g;

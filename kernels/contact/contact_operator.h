@@ -7,7 +7,8 @@
 
 namespace scree {
 
-/// J^T gamma of body i, summed in the fixed order "contacts as A, then contacts as B".
+/// J^T gamma of body i, summed in the fixed order "contacts as A, then contacts as B", group by
+/// group.
 template <class R, class Real>
 SCREE_HD Twist<Real> gather_wrench(const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
                                    Index i) {
@@ -18,6 +19,19 @@ SCREE_HD Twist<Real> gather_wrench(const ContactProblem<Real>& p, Span<const Vec
   for (Index k = p.b_start[i]; k < p.b_start[i + 1]; ++k) {
     const Index c = p.b_contact[k];
     sum = sum + R::wrench(p, c, true, R::load(gamma, c));
+  }
+  if constexpr (R::kHasLaterGroups) {
+    for (const ContactLists& group : p.later) {
+      if (group.a_start.empty()) continue;
+      for (Index k = group.a_start[i]; k < group.a_start[i + 1]; ++k) {
+        const Index c = group.first + k;
+        sum = sum + R::wrench(p, c, false, R::load(gamma, c));
+      }
+      for (Index k = group.b_start[i]; k < group.b_start[i + 1]; ++k) {
+        const Index c = group.first + group.b_contact[k];
+        sum = sum + R::wrench(p, c, true, R::load(gamma, c));
+      }
+    }
   }
   return sum;
 }
@@ -196,7 +210,7 @@ SCREE_HD ContactMetric<Real> mass_split_metric(const ContactProblem<Real>& p, In
     const Index i = side == 0 ? p.body_a[c] : p.body_b[c];
     if (i >= p.free_count) continue;
     const Real k =
-        static_cast<Real>(p.a_start[i + 1] - p.a_start[i] + p.b_start[i + 1] - p.b_start[i]);
+        static_cast<Real>(R::kHasLaterGroups ? p.count_contacts(i) : p.lists(0).count(i));
     const ContactMetric<Real> m = R::body_metric(p, c, side == 1, i);
     sum.normal += k * m.normal;
     sum.tangential += k * m.tangential;

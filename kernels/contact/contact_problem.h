@@ -5,8 +5,14 @@
 //   minimize 1/2 gamma^T N gamma + r^T gamma over the product of cones,
 //   N = J M^-1 J^T,  r = J v* + bias
 //
-// Body rates are twists (v, s). In the radial layout s = r w is the surface speed of a sphere, so
-// that no radius and no lever arm is read in a solver iteration; otherwise s = w.
+// Body rates are twists (v, s) with s = l w. In the radial and the mixed layout the length l of a
+// free sphere is its radius, so that s is its surface speed, and no radius and no lever arm is read
+// where spheres touch; of all other bodies it is 1. Lever arms and inertias are in the same unit:
+// arms divided by the length of their body, inertias by its square.
+//
+// Contacts are one group, all with the same data, or several one after the other: each sorted by
+// body A, with lists of its own for each body. Fields that not all groups have, as lever arms, are
+// stored from the first contact on that has them.
 
 #include "kernels/bodies/per_body.h"
 #include "kernels/contact/contact_view.h"
@@ -132,39 +138,73 @@ struct RadialInertias {
   }
 };
 
+/// The contacts of each free body in one group, numbered from the first one of the group: as A they
+/// are the range [a_start[i], a_start[i + 1]), as B the listed ones.
+struct ContactLists {
+  Index first = 0;              ///< contact of the group
+  Span<const Index> a_start;    ///< [free_count + 1]; empty: there is no such group
+  Span<const Index> b_start;    ///< [free_count + 1]
+  Span<const Index> b_contact;  ///< sorted by (body_b, contact)
+
+  SCREE_HD Index count(Index i) const {
+    return a_start[i + 1] - a_start[i] + b_start[i + 1] - b_start[i];
+  }
+};
+
+/// Groups behind the first one: the general contacts of the mixed layout.
+inline constexpr int kLaterGroups = 1;
+
 template <class Real>
 struct ContactProblem {
   ContactLayout layout = ContactLayout::radial;
   Index contact_count = 0;
   Index free_count = 0;  ///< bodies [0, free_count) move
   Index body_count = 0;  ///< storage size of body arrays; bodies >= free_count keep their velocity
+  /// Mixed layout: contacts [0, radial_count) are radial, the others general. 0 in other layouts.
+  Index radial_count = 0;
 
-  // contacts [contact_count], sorted by body_a
+  // contacts [contact_count], each group sorted by body_a
   Span<const Index> body_a;       ///< always free, and less than body_b
   Span<const Index> body_b;       ///< free or fixed
   Span<const Vec3<Real>> normal;  ///< unit, from A to B
   ContactBias<Real> bias;         ///< [m/s]
   PerContact<Real> friction;      ///< mu [-]
   PerContact<Real> adhesion;      ///< c h [N s]: the cone's apex lies at gamma_n = -c h
-  Span<const Vec3<Real>> arm_a;   ///< [m], not in the radial layout
+  /// [contact_count - radial_count] over the length of the body, none in the radial layout
+  Span<const Vec3<Real>> arm_a;
   Span<const Vec3<Real>> arm_b;
   Span<const RollingRow<Real>> rolling;  ///< rolling layout only
   /// What turning bodies add to the velocity of each contact by the middle of the step [m/s], world
-  /// frame; empty in the radial layout and where no body needs it.
+  /// frame [contact_count - radial_count]; empty in the radial layout and where no body needs it.
   Span<const Vec3<Real>> drift;
   /// What the solver leaves at each contact and finds again in the next step, -1 at new contacts.
   /// Empty unless Solver::keeps_marks().
   Span<Index> mark;
 
   // bodies
-  FreeVelocity<Real> free_velocity;                  ///< v* = v + h M^-1 f_ext [body_count]
-  RadialInertias<Real> radial_inertia;               ///< [body_count], radial layout
-  Span<const GeneralInertia<Real>> general_inertia;  ///< [body_count], other layouts
+  FreeVelocity<Real> free_velocity;  ///< v* = v + h M^-1 f_ext [body_count]
+  /// [body_count], radial and mixed layout; zero for bodies of the latter that are no radial ones
+  RadialInertias<Real> radial_inertia;
+  /// [body_count], other layouts; of the mixed one empty when all free bodies are radial
+  Span<const GeneralInertia<Real>> general_inertia;
 
-  // contacts of a body: as A they are the range [a_start[i], a_start[i+1]), as B the listed ones
-  Span<const Index> a_start;    ///< [free_count + 1]
-  Span<const Index> b_start;    ///< [free_count + 1]
-  Span<const Index> b_contact;  ///< contact indices sorted by (body_b, contact)
+  // contacts of a body in the first group: as A they are the range [a_start[i], a_start[i+1]), as B
+  // the listed ones
+  Span<const Index> a_start;         ///< [free_count + 1]
+  Span<const Index> b_start;         ///< [free_count + 1]
+  Span<const Index> b_contact;       ///< contact indices sorted by (body_b, contact)
+  ContactLists later[kLaterGroups];  ///< of the groups behind it
+
+  /// The lists of a group, 0 to kLaterGroups.
+  SCREE_HD ContactLists lists(int group) const {
+    return group == 0 ? ContactLists{0, a_start, b_start, b_contact} : later[group - 1];
+  }
+  /// Contacts of free body i, of all groups.
+  SCREE_HD Index count_contacts(Index i) const {
+    Index n = lists(0).count(i);
+    for (const ContactLists& group : later) n += group.a_start.empty() ? 0 : group.count(i);
+    return n;
+  }
 };
 
 /// Metric weights of one contact's rows; a bound of its diagonal Delassus block from above.

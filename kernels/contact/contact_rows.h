@@ -98,6 +98,10 @@ struct ForceRowsBase {
   using Rows = ForceRows<Real>;
   static constexpr int kVectors = 1;
   static constexpr int kMetricValues = 2;  ///< reals a stored ContactMetric takes
+  static constexpr bool kHasLaterGroups = false;
+
+  /// Impulse vectors of all contacts.
+  static Offset vector_count(const ContactProblem<Real>& p) { return p.contact_count; }
 
   static SCREE_HD Rows load(Span<const Vec3<Real>> rows, Index c) { return {rows[c]}; }
   static SCREE_HD void store(Span<Vec3<Real>> rows, Index c, const Rows& x) { rows[c] = x.force; }
@@ -173,31 +177,58 @@ struct RadialRows : ForceRowsBase<Real> {
   }
 };
 
-/// Shared by layouts with lever arms and full inertia.
+/// General inertia of a sphere whose length is its radius.
 template <class Real>
+SCREE_HD GeneralInertia<Real> isotropic(const RadialInertia<Real>& r) {
+  GeneralInertia<Real> g;
+  if (!(r.inv_mass > Real(0))) return g;
+  g.mass = Real(1) / r.inv_mass;
+  g.inv_mass = {r.inv_mass, r.inv_mass, r.inv_mass};
+  g.inv_inertia.xx = g.inv_inertia.yy = g.inv_inertia.zz = r.inv_spin;
+  if (r.inv_spin > Real(0)) g.inertia.xx = g.inertia.yy = g.inertia.zz = Real(1) / r.inv_spin;
+  return g;
+}
+
+/// Shared by layouts with lever arms and full inertia.
+/// @tparam kInMixed  contacts behind radial ones, and bodies that may have a radial inertia only
+template <class Real, bool kInMixed = false>
 struct LeverArms {
+  /// Where what only such contacts have is stored.
+  static SCREE_HD Index place(const ContactProblem<Real>& p, Index c) {
+    return kInMixed ? c - p.radial_count : c;
+  }
+  static SCREE_HD const Vec3<Real>& arm(const ContactProblem<Real>& p, Index c, bool side_b) {
+    return side_b ? p.arm_b[place(p, c)] : p.arm_a[place(p, c)];
+  }
+  static SCREE_HD decltype(auto) inertia(const ContactProblem<Real>& p, Index i) {
+    if constexpr (kInMixed) {
+      return p.general_inertia.empty() ? isotropic(p.radial_inertia[i]) : p.general_inertia[i];
+    } else {
+      return p.general_inertia[i];
+    }
+  }
   static SCREE_HD Twist<Real> apply_inverse_mass(const ContactProblem<Real>& p, Index i,
                                                  const Twist<Real>& w) {
-    const GeneralInertia<Real>& inertia = p.general_inertia[i];
-    return {hadamard(inertia.inv_mass, w.linear), inertia.inv_inertia * w.angular};
+    const GeneralInertia<Real>& body = inertia(p, i);
+    return {hadamard(body.inv_mass, w.linear), body.inv_inertia * w.angular};
   }
   static SCREE_HD double mass_norm2(const ContactProblem<Real>& p, Index i, const Twist<Real>& dv) {
-    const GeneralInertia<Real>& inertia = p.general_inertia[i];
-    return static_cast<double>(inertia.mass) * norm2(dv.linear) +
-           dot(dv.angular, inertia.inertia * dv.angular);
+    const GeneralInertia<Real>& body = inertia(p, i);
+    return static_cast<double>(body.mass) * norm2(dv.linear) +
+           dot(dv.angular, body.inertia * dv.angular);
   }
   /// Velocity of B against A at the contact, in the middle of the step, without bias.
   static SCREE_HD Vec3<Real> point_velocity(const ContactProblem<Real>& p, Index c,
                                             const Twist<Real>& a, const Twist<Real>& b) {
-    const Vec3<Real> u =
-        b.linear + cross(b.angular, p.arm_b[c]) - a.linear - cross(a.angular, p.arm_a[c]);
-    return p.drift.empty() ? u : u + p.drift[c];
+    const Vec3<Real> u = b.linear + cross(b.angular, arm(p, c, true)) - a.linear -
+                         cross(a.angular, arm(p, c, false));
+    return p.drift.empty() ? u : u + p.drift[place(p, c)];
   }
   /// Response of body i at arm r to a unit impulse along e: (M^-1)_lin e + (I^-1 (r x e)) x r.
   static SCREE_HD Vec3<Real> response(const ContactProblem<Real>& p, Index i, const Vec3<Real>& r,
                                       const Vec3<Real>& e) {
-    const GeneralInertia<Real>& inertia = p.general_inertia[i];
-    return hadamard(inertia.inv_mass, e) + cross(inertia.inv_inertia * cross(r, e), r);
+    const GeneralInertia<Real>& body = inertia(p, i);
+    return hadamard(body.inv_mass, e) + cross(body.inv_inertia * cross(r, e), r);
   }
   /// Bound of a symmetric 3x3 block G by diag(a_n, a_t, a_t) >= G, given its action.
   /// a_n = G_nn + |G_nt|, a_t = lambda_max(G_tt) + |G_nt|.
@@ -215,29 +246,30 @@ struct LeverArms {
   }
   static SCREE_HD ContactMetric<Real> force_metric(const ContactProblem<Real>& p, Index c) {
     return bound_block(p.normal[c], [&](const Vec3<Real>& e) {
-      return response(p, p.body_a[c], p.arm_a[c], e) + response(p, p.body_b[c], p.arm_b[c], e);
+      return response(p, p.body_a[c], arm(p, c, false), e) +
+             response(p, p.body_b[c], arm(p, c, true), e);
     });
   }
   static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c,
                                                   bool side_b, Index i) {
-    const Vec3<Real> arm = side_b ? p.arm_b[c] : p.arm_a[c];
-    return bound_block(p.normal[c], [&](const Vec3<Real>& e) { return response(p, i, arm, e); });
+    const Vec3<Real> r = arm(p, c, side_b);
+    return bound_block(p.normal[c], [&](const Vec3<Real>& e) { return response(p, i, r, e); });
   }
   static SCREE_HD Real block_trace(const ContactProblem<Real>& p, Index c) {
     Real trace = 0;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3<Real> e;
       e[axis] = 1;
-      trace +=
-          (response(p, p.body_a[c], p.arm_a[c], e) + response(p, p.body_b[c], p.arm_b[c], e))[axis];
+      trace += (response(p, p.body_a[c], arm(p, c, false), e) +
+                response(p, p.body_b[c], arm(p, c, true), e))[axis];
     }
     return trace;
   }
 };
 
 /// Any shapes, three rows a contact.
-template <class Real>
-struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real> {
+template <class Real, bool kInMixed = false>
+struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real, kInMixed> {
   using Rows = ForceRows<Real>;
   static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
                                 const Twist<Real>& b) {
@@ -245,8 +277,8 @@ struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real> {
   }
   static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
                                      const Rows& g) {
-    if (side_b) return {g.force, cross(p.arm_b[c], g.force)};
-    return {-g.force, cross(g.force, p.arm_a[c])};
+    if (side_b) return {g.force, cross(GeneralRows::arm(p, c, true), g.force)};
+    return {-g.force, cross(g.force, GeneralRows::arm(p, c, false))};
   }
   static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
     return GeneralRows::force_metric(p, c);
@@ -260,6 +292,11 @@ struct RollingRows : LeverArms<Real> {
   using Rows = ForceMomentRows<Real>;
   static constexpr int kVectors = 2;
   static constexpr int kMetricValues = 3;
+  static constexpr bool kHasLaterGroups = false;
+
+  static Offset vector_count(const ContactProblem<Real>& p) {
+    return 2 * static_cast<Offset>(p.contact_count);
+  }
 
   static SCREE_HD Rows load(Span<const Vec3<Real>> rows, Index c) {
     return {rows[2 * static_cast<Offset>(c)], rows[2 * static_cast<Offset>(c) + 1]};
@@ -339,18 +376,69 @@ struct RollingRows : LeverArms<Real> {
   }
 };
 
-/// Calls f with the rows class of the layout: one branch per solve, none per contact.
+/// Radial contacts, then general ones: what a contact is follows from its number. Bodies are radial
+/// ones, whose general inertia is isotropic, or have a radial inertia of zero.
+template <class Real>
+struct MixedRows : ForceRowsBase<Real> {
+  using Rows = ForceRows<Real>;
+  using Radial = RadialRows<Real>;
+  using General = GeneralRows<Real, true>;
+  static constexpr bool kHasLaterGroups = true;
+
+  static SCREE_HD bool is_radial(const ContactProblem<Real>& p, Index c) {
+    return c < p.radial_count;
+  }
+  static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
+                                const Twist<Real>& b) {
+    return is_radial(p, c) ? Radial::velocity(p, c, a, b) : General::velocity(p, c, a, b);
+  }
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
+    return is_radial(p, c) ? Radial::wrench(p, c, side_b, g) : General::wrench(p, c, side_b, g);
+  }
+  static SCREE_HD Twist<Real> apply_inverse_mass(const ContactProblem<Real>& p, Index i,
+                                                 const Twist<Real>& w) {
+    const RadialInertia<Real> r = p.radial_inertia[i];
+    if (r.inv_mass > Real(0)) return Radial::apply_inverse_mass(r, w);
+    return General::apply_inverse_mass(p, i, w);
+  }
+  static SCREE_HD double mass_norm2(const ContactProblem<Real>& p, Index i, const Twist<Real>& dv) {
+    return p.radial_inertia[i].inv_mass > Real(0) ? Radial::mass_norm2(p, i, dv)
+                                                  : General::mass_norm2(p, i, dv);
+  }
+  static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
+    return is_radial(p, c) ? Radial::block_metric(p, c) : General::block_metric(p, c);
+  }
+  static SCREE_HD Real block_trace(const ContactProblem<Real>& p, Index c) {
+    return is_radial(p, c) ? Radial::block_trace(p, c) : General::block_trace(p, c);
+  }
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c,
+                                                  bool side_b, Index i) {
+    return is_radial(p, c) ? Radial::body_metric(p, c, side_b, i)
+                           : General::body_metric(p, c, side_b, i);
+  }
+};
+
+/// Calls f with the rows class of a layout of one group: one branch per solve, none per contact.
 template <class Real, class F>
-decltype(auto) with_rows(ContactLayout layout, F&& f) {
+decltype(auto) with_rows_of_one_group(ContactLayout layout, F&& f) {
   switch (layout) {
     case ContactLayout::radial:
       return f(RadialRows<Real>{});
-    case ContactLayout::general:
-      return f(GeneralRows<Real>{});
     case ContactLayout::rolling:
+      return f(RollingRows<Real>{});
+    case ContactLayout::general:
+    case ContactLayout::mixed:
       break;
   }
-  return f(RollingRows<Real>{});
+  return f(GeneralRows<Real>{});
+}
+
+/// The same for all layouts.
+template <class Real, class F>
+decltype(auto) with_rows(ContactLayout layout, F&& f) {
+  if (layout == ContactLayout::mixed) return f(MixedRows<Real>{});
+  return with_rows_of_one_group<Real>(layout, f);
 }
 
 }  // namespace scree

@@ -248,11 +248,12 @@ struct FillContacts {
   Span<Index> body_b;       ///< out
   Span<Vec3<Real>> normal;  ///< out
   Span<Real> gap;           ///< out [m]
-  Span<Vec3<Real>> arm_a;   ///< out, empty when radial [m]
-  Span<Vec3<Real>> arm_b;   ///< out, empty when radial [m]
+  Index radial_count;       ///< the first ones have no stored arms
+  Span<Vec3<Real>> arm_a;   ///< out, from contact radial_count on [m]
+  Span<Vec3<Real>> arm_b;   ///< out, from contact radial_count on [m]
 
   SCREE_HD void operator()(Index c) const {
-    const Index a = key_body(key[c]);
+    const Index a = contact_body(key[c]);
     const std::uint32_t element = key_element(key[c]);
     const BodySample body = load_body<kMix>(bodies, shapes, range, a);
     ContactGeometry g;
@@ -274,9 +275,9 @@ struct FillContacts {
     body_b[c] = b;
     normal[c] = Vec3<Real>(g.normal);
     gap[c] = static_cast<Real>(g.gap);
-    if (!arm_a.empty()) {
-      arm_a[c] = Vec3<Real>(g.arm_a);
-      arm_b[c] = Vec3<Real>(g.arm_b);
+    if (c >= radial_count) {
+      arm_a[c - radial_count] = Vec3<Real>(g.arm_a);
+      arm_b[c - radial_count] = Vec3<Real>(g.arm_b);
     }
   }
 };

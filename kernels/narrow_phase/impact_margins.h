@@ -23,13 +23,13 @@ struct ImpactGraph {
   SCREE_HD Vec3<Real> relative_velocity(Index c) const {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
     const Vec3<Real> u = bodies.velocity[b] - bodies.velocity[a];
-    if (contacts.arm_a.empty()) {  // radial: arms r_a n and -r_b n, and walls do not rotate
+    if (contacts.is_radial(c)) {  // arms r_a n and -r_b n, and walls do not rotate
       return u - cross(bodies.radius[a] * bodies.angular_velocity[a] +
                            bodies.radius[b] * bodies.angular_velocity[b],
                        contacts.normal[c]);
     }
-    return u + cross(bodies.angular_velocity[b], contacts.arm_b[c]) -
-           cross(bodies.angular_velocity[a], contacts.arm_a[c]);
+    return u + cross(bodies.angular_velocity[b], contacts.lever_b(c)) -
+           cross(bodies.angular_velocity[a], contacts.lever_a(c));
   }
 
   /// How far contact c may push its two bodies off their course [m]: the way of a closing speed

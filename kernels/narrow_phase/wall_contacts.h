@@ -357,6 +357,22 @@ SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range
   }
 }
 
+/// The box or mesh wall that an element names.
+template <class Real>
+SCREE_HD const WallSolid& solid_of(const WallView<Real>& walls, std::uint32_t element) {
+  Index k = static_cast<Index>(walls.solids.size) - 1;
+  while (k > 0 && element < walls.solids[k].first_element) --k;
+  return walls.solids[k];
+}
+
+/// The wall body that an element names.
+template <class Real>
+SCREE_HD Index wall_body(const WallView<Real>& walls, const ContactKeys& keys,
+                         std::uint32_t element) {
+  if (element >= keys.solid_begin) return solid_of(walls, element).body;
+  return walls.planes[(element - keys.wall_begin) / kPlaneSlots].body;
+}
+
 /// Geometry of the wall contact an element names, and the wall body.
 /// @param envelope  as in visit_walls()
 template <ShapeMix kMix, class Real>
@@ -369,9 +385,7 @@ SCREE_HD ContactGeometry wall_contact(const WallView<Real>& walls, const Contact
     body_b = plane.body;
     return plane_contact<kMix>(a, plane, static_cast<int>(slot % kPlaneSlots));
   }
-  Index k = static_cast<Index>(walls.solids.size) - 1;
-  while (k > 0 && element < walls.solids[k].first_element) --k;
-  const WallSolid& solid = walls.solids[k];
+  const WallSolid& solid = solid_of(walls, element);
   body_b = solid.body;
   if constexpr (kMix == ShapeMix::any) {
     if (a.kind == ShapeKind::box) return BoxOnSolid{solid, range, a}.geometry(element);

@@ -1,5 +1,5 @@
 #pragma once
-// Tuned twin of the APGD contact pass for the radial layout on the CPU: as many contacts at a time
+// Tuned twin of the APGD contact pass for radial contacts on the CPU: as many contacts at a time
 // as a vector register holds. Their numbers are turned from records to lanes, and the step of the
 // plain pass runs on lanes. The body pass is the plain one.
 //
@@ -18,6 +18,17 @@ namespace scree {
 
 template <class Real>
 using RadialImpactRows = ImpactRows<RadialRows<Real>>;
+template <class Real>
+using MixedImpactRows = ImpactRows<MixedRows<Real>>;
+
+/// The contact step of a running solve for general contacts of the mixed layout, from the first of
+/// them on.
+template <class R, class Real>
+struct ApgdGeneralContacts {
+  static constexpr const char* name = "apgd_general_contacts";
+  ApgdContactPass<R, Real> pass;
+  SCREE_HD Sums<2> operator()(Index k) const { return pass(pass.p.radial_count + k); }
+};
 
 /// Contact step of a block of contacts; the element is the block.
 template <template <class> class Rows, class Real>
@@ -119,6 +130,8 @@ class ApgdIteration<Cpu> {
   }
   bool stops(const ApgdPasses<RadialRows<float>, float>&) const { return true; }
   bool stops(const ApgdPasses<RadialImpactRows<float>, float>&) const { return true; }
+  bool stops(const ApgdPasses<MixedRows<float>, float>&) const { return true; }
+  bool stops(const ApgdPasses<MixedImpactRows<float>, float>&) const { return true; }
 
   template <class R, class Real>
   bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
@@ -146,11 +159,35 @@ class ApgdIteration<Cpu> {
   static void trial(Cpu& cpu, const ApgdPasses<RadialImpactRows<Real>, Real>& a) {
     trial_in_blocks<RadialImpactRows>(cpu, a);
   }
+  template <class Real>
+  static void trial(Cpu& cpu, const ApgdPasses<MixedRows<Real>, Real>& a) {
+    trial_in_groups<RadialRows>(cpu, a);
+  }
+  template <class Real>
+  static void trial(Cpu& cpu, const ApgdPasses<MixedImpactRows<Real>, Real>& a) {
+    trial_in_groups<RadialImpactRows>(cpu, a);
+  }
+
   template <template <class> class Rows, class Real>
   static void trial_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a) {
+    step_in_blocks<Rows>(cpu, a);
+    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
+  }
+  /// @tparam Rows  of the radial contacts
+  template <template <class> class Rows, class R, class Real>
+  static void trial_in_groups(Cpu& cpu, const ApgdPasses<R, Real>& a) {
+    ApgdPasses<Rows<Real>, Real> radial = passes_on<Rows<Real>>(a);
+    radial.p.contact_count = a.p.radial_count;
+    step_in_blocks<Rows>(cpu, radial);
+    reduce<Sums<2>>(cpu, a.p.contact_count - a.p.radial_count,
+                    ApgdGeneralContacts<R, Real>{a.contact_pass()},
+                    ApgdContactFinish{a.state, true});
+    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
+  }
+  template <template <class> class Rows, class Real>
+  static void step_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a) {
     using Block = ApgdContactBlock<Rows, Real>;
     reduce<Sums<2>>(cpu, Block::count(a.p.contact_count), Block{a}, ApgdContactFinish{a.state});
-    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
   }
 };
 

@@ -174,9 +174,10 @@ struct ApgdContactPass {
 
 struct ApgdContactFinish {
   ApgdState* state;
+  bool adds = false;  ///< to what other contacts of the trial have found
   SCREE_HD void operator()(const Sums<2>& sums) const {
-    state->descent = sums.value[0];
-    state->step_squares = sums.value[1];
+    state->descent = sums.value[0] + (adds ? state->descent : 0);
+    state->step_squares = sums.value[1] + (adds ? state->step_squares : 0);
   }
 };
 
@@ -263,6 +264,14 @@ struct ApgdPasses {
   }
   SCREE_HD ApgdBodyPass<R, Real> body_pass() const { return {p, gamma, velocity, state}; }
 };
+
+/// The same data for passes on other rows.
+template <class To, class R, class Real>
+ApgdPasses<To, Real> passes_on(const ApgdPasses<R, Real>& a) {
+  return {a.p,        a.gamma,
+          a.velocity, {a.metric.values, a.metric.one_each, a.metric.tangential_ratio},
+          a.state,    a.exact};
+}
 
 /// Residual of the current iterate, wherever the rotation left it.
 template <class R, class Real>

@@ -1,5 +1,6 @@
 #pragma once
-// Tuned twin of the two APGD passes for the radial layout: one cooperative launch runs many trials.
+// Tuned twin of the two APGD passes for the radial and the mixed layout: one cooperative launch runs
+// many trials.
 //
 // A block takes tiles of bodies that are neighbors in space (Morton order), one in each round. It
 // brings their V_y into shared memory while the tile before is at work, steps their contacts, keeps
@@ -10,6 +11,10 @@
 // rarely waits. A large body among small ones has thousands of contacts, which all threads of a
 // warp sum up. At the end of a trial the blocks meet, each adds up the sums of all in block order
 // and decides, and the next trial begins without a launch.
+//
+// General contacts of the mixed layout are few. All threads take their share of them first thing in a
+// trial, before any tile: so these are done where the contact steps of the first round are, and no
+// body moves before. Bodies add what they exert by lists of their own.
 //
 // The warps of a block meet nowhere within a trial: barriers are in halves, with other work between
 // (SplitBarrier). One warp speaks with other blocks; it has the fewest contacts and bodies.
@@ -27,6 +32,7 @@
 
 #include "kernels/backend/device_counter.cuh"
 #include "kernels/backend/split_barrier.cuh"
+#include "kernels/solve/apgd_general.cuh"
 #include "kernels/solve/apgd_tile.cuh"
 
 namespace scree {
@@ -44,7 +50,8 @@ struct Shared {
 
 /// Body pass of the thread's body of a tile: what other tiles exert, then its new velocity. A body
 /// with many contacts is summed up by its warp.
-template <class Real>
+/// @tparam kIsMixed  there are general contacts, and maybe bodies that are no spheres
+template <bool kIsMixed, class Real>
 __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial, Index i,
                           bool is_there, PartialWrench<Real>& body, const Twist<Real>& extrapolated,
                           Sums<3>& sums) {
@@ -57,8 +64,15 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
     const Wrench<Real> sum = gather.by_warp(i - lane + of);
     if (lane == of) body.wrench = sum;
   }
+  if constexpr (kIsMixed) add_general(a.p, trial.next_gamma.data, i, is_there, body.wrench);
   if (!is_there) return;
   const RadialInertia<Real> inertia = a.p.radial_inertia[i];
+  if constexpr (kIsMixed) {
+    if (!(inertia.inv_mass > Real(0))) {
+      step_general_body(a.p, trial, i, body.wrench, extrapolated, sums);
+      return;
+    }
+  }
   const Twist<Real> next =
       a.p.free_velocity[i] +
       RadialRows<Real>::apply_inverse_mass(inertia, {body.wrench.force, body.wrench.torque});
@@ -117,7 +131,7 @@ __device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums
   __syncthreads();
 }
 
-template <int kWeights, Law kLaw, class Real>
+template <int kWeights, Law kLaw, bool kIsMixed, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                int count, double enough) {
@@ -155,6 +169,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     auto t = static_cast<Index>(blockIdx.x);
     first.finish(trial, memory.bodies);
     ready.arrive();
+    if constexpr (kIsMixed) step_general_contacts<kLaw>(a, trial, sums);
     for (Index round = 0;; t += blocks, ++round) {
       const TileBodies<Real>& here = memory.bodies[round % 2];
       TileBodies<Real>& other = memory.bodies[(round + 1) % 2];
@@ -192,7 +207,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
         reached.wait((turn - 1) % 2);
         PartialWrench<Real> body;
         if (is_before) body = memory.half_done[local];
-        step_body(a, trial, i, is_before, body, extrapolated, sums);
+        step_body<kIsMixed>(a, trial, i, is_before, body, extrapolated, sums);
       }
       if (has_next) fetch.read_previous();
       if (has_tile) {
@@ -235,9 +250,9 @@ class ApgdIteration<Cuda> {
       counters_.reserve_discard(counters);
       partial_.reserve_discard(blocks_);
       fill(cuda, counters_.view(counters), 0u);
-      packed_.reserve_discard(a.p.contact_count);
-      for_each(cuda, a.p.contact_count,
-               sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(a.p.contact_count)});
+      const Index radial = R::kHasLaterGroups ? a.p.radial_count : a.p.contact_count;
+      packed_.reserve_discard(radial);
+      for_each(cuda, radial, sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(radial)});
       shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data()};
     }
   }
@@ -254,7 +269,8 @@ class ApgdIteration<Cuda> {
   template <class R, class Real>
   void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double enough) {
     if constexpr (kIsSwept<R, Real>) {
-      sweep::RadialPasses<Real> passes = sweep::radial_passes(a);
+      // The law of the sweep tells impacts from other contacts.
+      sweep::RadialPasses<Real> passes = passes_on<RadialRows<Real>>(a);
       void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
       check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, sweep::kThreads, arguments, kBytes,
                                              cuda.stream()),
@@ -270,6 +286,7 @@ class ApgdIteration<Cuda> {
   template <class R, class Real>
   static constexpr bool kIsSwept = std::is_same_v<Real, float> &&
                                    (std::is_same_v<R, RadialRows<Real>> ||
+                                    std::is_same_v<R, MixedRows<Real>> ||
                                     sweep::kIsImpact<R, Real>);
   static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
 
@@ -277,9 +294,10 @@ class ApgdIteration<Cuda> {
   template <sweep::Law kLaw, class R>
   static const void* kernel_of(const StoredMetric<R, float>& metric) {
     const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
-    if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, float>);
-    return metric.one_each ? of(&sweep::run_trials<1, kLaw, float>)
-                           : of(&sweep::run_trials<2, kLaw, float>);
+    constexpr bool kIsMixed = R::kHasLaterGroups;
+    if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, kIsMixed, float>);
+    return metric.one_each ? of(&sweep::run_trials<1, kLaw, kIsMixed, float>)
+                           : of(&sweep::run_trials<2, kLaw, kIsMixed, float>);
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {

@@ -31,15 +31,8 @@ enum class Law {
 };
 
 template <class R, class Real>
-inline constexpr bool kIsImpact = std::is_same_v<R, ImpactRows<RadialRows<Real>>>;
-
-/// The data of passes on impact rows too: the law of the sweep tells these from plain ones.
-template <class R, class Real>
-RadialPasses<Real> radial_passes(const ApgdPasses<R, Real>& a) {
-  return {a.p,        a.gamma,
-          a.velocity, {a.metric.values, a.metric.one_each, a.metric.tangential_ratio},
-          a.state,    a.exact};
-}
+inline constexpr bool kIsImpact = std::is_same_v<R, ImpactRows<RadialRows<Real>>> ||
+                                  std::is_same_v<R, ImpactRows<MixedRows<Real>>>;
 
 /// What a contact exerts on its bodies: B's force, and the torque on both.
 template <class Real>

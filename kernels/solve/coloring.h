@@ -155,9 +155,7 @@ struct ColoringLists {
 /// its list and sets its mask to the colors that its contacts have brought along.
 struct ColoringBatch {
   static constexpr const char* name = "coloring_batch";
-  Span<const Index> a_start;
-  Span<const Index> b_start;
-  Span<const Index> b_contact;
+  ContactLists lists[1 + kLaterGroups];  ///< of all contacts
   Span<const Index> active;
   Span<const Index> color;
   Span<Index> incident;  ///< contacts to color of all bodies, by (body, priority, index)
@@ -178,8 +176,8 @@ struct ColoringBatch {
     const bool has_work = s.begin < s.end;
     s.used = 0;
     if (has_work && !is_fresh) {
-      for (Index c = a_start[i]; c < a_start[i + 1]; ++c) s.used |= bit_of(color[c]);
-      for (Index e = b_start[i]; e < b_start[i + 1]; ++e) s.used |= bit_of(color[b_contact[e]]);
+      for (const ContactLists& group : lists)
+        if (!group.a_start.empty()) s.used |= bits_of(group, i);
     }
     s.head = s.used == kAllColors ? s.end : s.begin;
     state[i] = s;
@@ -187,6 +185,14 @@ struct ColoringBatch {
   }
 
  private:
+  SCREE_HD std::uint64_t bits_of(const ContactLists& group, Index i) const {
+    std::uint64_t bits = 0;
+    for (Index k = group.a_start[i]; k < group.a_start[i + 1]; ++k)
+      bits |= bit_of(color[group.first + k]);
+    for (Index e = group.b_start[i]; e < group.b_start[i + 1]; ++e)
+      bits |= bit_of(color[group.first + group.b_contact[e]]);
+    return bits;
+  }
   SCREE_HD std::uint64_t bit_of(Index c) const {
     const Index bit = c - first_color;
     return bit >= 0 && bit < kColorsPerBatch ? std::uint64_t{1} << bit : 0;

@@ -18,9 +18,10 @@ struct GaussSeidelPass {
   Span<Vec3<Real>> gamma;
   Real relaxation;
   Index first = 0;
+  Span<const Index> order = {};  ///< contacts to visit, where there are several groups
 
   SCREE_HD void operator()(Index k) const {
-    const Index c = first + k;
+    const Index c = R::kHasLaterGroups && !order.empty() ? order[first + k] : first + k;
     const Index a = p.body_a[c], b = p.body_b[c];
     const Twist<Real> v_a = velocity[a], v_b = velocity[b];
     const auto old = R::load(gamma, c);

@@ -117,7 +117,9 @@ struct GatherImpacts {
   Span<Index> contact;       ///< out: where it comes from
   Span<Index> body_a, body_b;
   Span<Vec3<Real>> normal;
-  Span<Vec3<Real>> arm_a, arm_b;   ///< empty when radial
+  ContactLayout layout;
+  Offset radial_count;             ///< of those that take part
+  Span<Vec3<Real>> arm_a, arm_b;   ///< of the others, over the lengths of bodies
   Span<Real> bias;                 ///< [m/s]
   Span<Real> friction;             ///< [-]
   Span<Real> restitution;          ///< [-], 0 where the contact does not bounce
@@ -131,9 +133,9 @@ struct GatherImpacts {
     body_a[k] = from.body_a[c];
     body_b[k] = from.body_b[c];
     normal[k] = from.normal[c];
-    if (!arm_a.empty()) {
-      arm_a[k] = from.arm_a[c];
-      arm_b[k] = from.arm_b[c];
+    if (!from.is_radial(c)) {
+      arm_a[k - radial_count] = scaled(from.lever_a(c), from.body_a[c]);
+      arm_b[k - radial_count] = scaled(from.lever_b(c), from.body_b[c]);
     }
     const PairLaw<Real>& pair = test.pair(c);
     friction[k] = pair.friction;
@@ -144,6 +146,11 @@ struct GatherImpacts {
     const bool bounces = test.bounces(c, u_n);
     bias[k] = bounces && u_n + load < 0 ? load : Real(0);
     restitution[k] = bounces ? pair.restitution : Real(0);
+  }
+
+ private:
+  SCREE_HD Vec3<Real> scaled(const Vec3<Real>& arm, Index i) const {
+    return (Real(1) / rate_length(layout, test.bodies, i)) * arm;
   }
 };
 
@@ -203,11 +210,9 @@ struct TakeVelocities {
   BodyView<Real> bodies;
 
   SCREE_HD void operator()(Index i) const {
-    if (p.a_start[i] == p.a_start[i + 1] && p.b_start[i] == p.b_start[i + 1]) return;
+    if (p.count_contacts(i) == 0) return;
     bodies.velocity[i] = velocity[i].linear;
-    bodies.angular_velocity[i] = p.layout == ContactLayout::radial
-                                     ? (Real(1) / bodies.radius[i]) * velocity[i].angular
-                                     : velocity[i].angular;
+    bodies.angular_velocity[i] = (Real(1) / rate_length(p.layout, bodies, i)) * velocity[i].angular;
   }
 };
 

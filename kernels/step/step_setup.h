@@ -5,7 +5,8 @@
 #include "kernels/backend/backend.h"
 #include "kernels/bodies/body_view.h"
 #include "kernels/bodies/locks.h"
-#include "kernels/contact/contact_problem.h"
+#include "kernels/contact/contact_rows.h"
+#include "kernels/contact/radial_bodies.h"
 
 namespace scree {
 
@@ -29,6 +30,13 @@ struct LawTable {
   }
 };
 
+/// Inverse mass of free body i in the radial layout.
+template <class Real>
+SCREE_HD RadialInertia<Real> radial_inertia(const BodyView<Real>& bodies, Index i) {
+  const Real r = bodies.radius[i];
+  return {bodies.inv_mass[i], bodies.locks[i] == 0 ? r * r / bodies.moments(i).x : Real(0)};
+}
+
 /// v* = v + h g, and the inverse mass, of one body in the radial layout (angular part: r w).
 /// Solid spheres need no such pass: see FreeVelocity and RadialInertias.
 template <class Real>
@@ -49,11 +57,36 @@ struct PredictRadial {
     const bool turns = bodies.locks[i] == 0;
     free_velocity[i] = {bodies.velocity[i] + gravity_step,
                         turns ? r * bodies.angular_velocity[i] : Vec3<Real>{}};
-    inertia[i] = {bodies.inv_mass[i], turns ? r * r / bodies.moments(i).x : Real(0)};
+    inertia[i] = radial_inertia(bodies, i);
   }
 };
 
-/// The same for any shape, with locked axes.
+/// v* = v + h g of one body of any shape, with locked axes.
+template <class Real>
+SCREE_HD Twist<Real> general_velocity(const BodyView<Real>& bodies, const Vec3<Real>& gravity_step,
+                                      Index i) {
+  if (i >= bodies.free_count) {
+    const bool exists = i >= bodies.fixed_begin;
+    return {exists ? bodies.velocity[i] : Vec3<Real>{},
+            exists ? bodies.angular_velocity[i] : Vec3<Real>{}};
+  }
+  return {on_axes(bodies.velocity[i] + gravity_step, free_linear_axes(bodies.locks[i])),
+          on_axes(bodies.angular_velocity[i], free_angular_axes(bodies.locks[i]))};
+}
+
+/// Mass matrix of free body i.
+template <class Real>
+SCREE_HD GeneralInertia<Real> general_inertia(const BodyView<Real>& bodies, Index i) {
+  const Real inv_mass = bodies.inv_mass[i];
+  GeneralInertia<Real> g;
+  g.mass = Real(1) / inv_mass;
+  g.inv_mass = on_axes(Vec3<Real>{inv_mass, inv_mass, inv_mass}, free_linear_axes(bodies.locks[i]));
+  g.inertia = rotated_diagonal(bodies.orientation[i], bodies.moments(i));
+  g.inv_inertia = inverse_on_axes(g.inertia, free_angular_axes(bodies.locks[i]));
+  return g;
+}
+
+/// The same as PredictRadial for any shape, with locked axes.
 template <class Real>
 struct PredictGeneral {
   static constexpr const char* name = "predict_general";
@@ -63,24 +96,57 @@ struct PredictGeneral {
   Span<GeneralInertia<Real>> inertia;
 
   SCREE_HD void operator()(Index i) const {
-    if (i >= bodies.free_count) {
-      const bool exists = i >= bodies.fixed_begin;
-      free_velocity[i] = {exists ? bodies.velocity[i] : Vec3<Real>{},
-                          exists ? bodies.angular_velocity[i] : Vec3<Real>{}};
-      inertia[i] = {};
-      return;
-    }
-    const unsigned linear = free_linear_axes(bodies.locks[i]);
-    const unsigned angular = free_angular_axes(bodies.locks[i]);
-    free_velocity[i] = {on_axes(bodies.velocity[i] + gravity_step, linear),
-                        on_axes(bodies.angular_velocity[i], angular)};
+    free_velocity[i] = general_velocity(bodies, gravity_step, i);
+    inertia[i] = i < bodies.free_count ? general_inertia(bodies, i) : GeneralInertia<Real>{};
+  }
+};
+
+/// The same in the mixed layout.
+template <class Real>
+struct PredictMixed {
+  static constexpr const char* name = "predict_mixed";
+  BodyView<Real> bodies;
+  Vec3<Real> gravity_step;  ///< h g [m/s]
+  Span<Twist<Real>> free_velocity;
+  Span<RadialInertia<Real>> radial;    ///< empty when they can be worked out
+  Span<GeneralInertia<Real>> general;  ///< empty when all free bodies are radial ones
+
+  SCREE_HD void operator()(Index i) const {
+    RadialInertia<Real> r;
     GeneralInertia<Real> g;
-    g.mass = Real(1) / bodies.inv_mass[i];
-    g.inv_mass =
-        on_axes(Vec3<Real>{bodies.inv_mass[i], bodies.inv_mass[i], bodies.inv_mass[i]}, linear);
-    g.inertia = rotated_diagonal(bodies.orientation[i], bodies.moments(i));
-    g.inv_inertia = inverse_on_axes(g.inertia, angular);
-    inertia[i] = g;
+    if (i < bodies.free_count && is_radial_body(bodies, i)) {
+      r = radial_inertia(bodies, i);
+      g = isotropic(r);
+      free_velocity[i] = {
+          bodies.velocity[i] + gravity_step,
+          bodies.locks[i] == 0 ? bodies.radius[i] * bodies.angular_velocity[i] : Vec3<Real>{}};
+    } else {
+      free_velocity[i] = general_velocity(bodies, gravity_step, i);
+      if (i < bodies.free_count) g = general_inertia(bodies, i);
+    }
+    if (!radial.empty()) radial[i] = r;
+    if (!general.empty()) general[i] = g;
+  }
+};
+
+/// Lever arms of general contacts over the lengths of their bodies, in the mixed layout.
+template <class Real>
+struct ScaleArms {
+  static constexpr const char* name = "scale_arms";
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  Span<Vec3<Real>> arm_a;  ///< [count - radial_count] out
+  Span<Vec3<Real>> arm_b;  ///< [count - radial_count] out
+
+  SCREE_HD void operator()(Index k) const {
+    const Index c = contacts.radial_count + k;
+    arm_a[k] = inverse_length(contacts.body_a[c]) * contacts.arm_a[k];
+    arm_b[k] = inverse_length(contacts.body_b[c]) * contacts.arm_b[k];
+  }
+
+ private:
+  SCREE_HD Real inverse_length(Index i) const {
+    return Real(1) / rate_length(ContactLayout::mixed, bodies, i);
   }
 };
 
@@ -90,9 +156,9 @@ SCREE_HD Real normal_velocity(const BodyView<Real>& bodies, const ContactView<Re
                               Index c) {
   const Index a = contacts.body_a[c], b = contacts.body_b[c];
   Vec3<Real> relative = bodies.velocity[b] - bodies.velocity[a];
-  if (!contacts.arm_a.empty()) {  // radial arms turn no normal velocity
-    relative += cross(bodies.angular_velocity[b], contacts.arm_b[c]) -
-                cross(bodies.angular_velocity[a], contacts.arm_a[c]);
+  if (!contacts.is_radial(c)) {  // radial arms turn no normal velocity
+    relative += cross(bodies.angular_velocity[b], contacts.lever_b(c)) -
+                cross(bodies.angular_velocity[a], contacts.lever_a(c));
   }
   return dot(relative, contacts.normal[c]);
 }
@@ -119,18 +185,19 @@ struct ContactDrift {
   ContactView<Real> contacts;
   Span<const GeneralInertia<Real>> inertia;
   Real half_step;          ///< h / 2 [s]
-  Span<Vec3<Real>> drift;  ///< out [m/s]
+  Span<Vec3<Real>> drift;  ///< [count - radial_count] out [m/s]
 
-  SCREE_HD void operator()(Index c) const {
-    drift[c] = {};
+  SCREE_HD void operator()(Index k) const {
+    drift[k] = {};
+    const Index c = contacts.radial_count + k;
     // Vertices of boxes on walls. Where a sphere touches, the point of contact moves over it.
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
     if (bodies.shape[a] < 0 || b < bodies.fixed_begin || bodies.shape[b] < 0) return;
     const Vec3<Real> w = on_axes(bodies.angular_velocity[a], free_angular_axes(bodies.locks[a]));
-    const Vec3<Real> r = contacts.arm_a[c];
+    const Vec3<Real> r = contacts.arm_a[k];
     const GeneralInertia<Real>& body = inertia[a];
     const Vec3<Real> turn = body.inv_inertia * cross(body.inertia * w, w);
-    drift[c] = -half_step * (cross(turn, r) + cross(w, cross(w, r)));
+    drift[k] = -half_step * (cross(turn, r) + cross(w, cross(w, r)));
   }
 };
 

@@ -27,7 +27,8 @@ PlainProblem small_problem(ContactLayout layout, unsigned seed) {
                                                  .free_count = 3 + contacts / 3,
                                                  .contact_count = contacts,
                                                  .seed = seed,
-                                                 .has_adhesion = seed % 3 == 0});
+                                                 .has_adhesion = seed % 3 == 0,
+                                                 .only_spheres = seed % 2 == 0});
   fixtures::round_to<Real>(plain);
   return plain;
 }
@@ -81,6 +82,7 @@ TYPED_TEST_SUITE(SolverOracleTest, Reals);
 
 TYPED_TEST(SolverOracleTest, A04Radial) { this->expect_oracle(ContactLayout::radial); }
 TYPED_TEST(SolverOracleTest, A04General) { this->expect_oracle(ContactLayout::general); }
+TYPED_TEST(SolverOracleTest, A04Mixed) { this->expect_oracle(ContactLayout::mixed); }
 TYPED_TEST(SolverOracleTest, A04Rolling) { this->expect_oracle(ContactLayout::rolling); }
 
 /// A box on a plane: four corners share the weight of a body with six degrees of freedom.
@@ -121,9 +123,10 @@ TYPED_TEST(SolverOracleTest, A05RankDeficientBox) {
 /// interior-point solves.
 TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
   const double tolerance = std::is_same_v<TypeParam, double> ? 1e-8 : 3e-4;
-  for (ContactLayout layout :
-       {ContactLayout::radial, ContactLayout::general, ContactLayout::rolling}) {
-    for (unsigned seed = 1; seed <= 6; ++seed) {
+  for (ContactLayout layout : {ContactLayout::radial, ContactLayout::general,
+                               ContactLayout::rolling, ContactLayout::mixed}) {
+    const unsigned first = layout == ContactLayout::mixed ? 21 : 1;
+    for (unsigned seed = first; seed < first + 6; ++seed) {
       const PlainProblem plain = small_problem<TypeParam>(layout, seed);
       const oracle::Solution expected = oracle::solve_coulomb(plain.data, 1e-10, 60);
       using Solvers =

@@ -17,7 +17,7 @@ using fixtures::ProblemBuffers;
 using fixtures::random_problem;
 
 const ContactLayout kLayouts[] = {ContactLayout::radial, ContactLayout::general,
-                                  ContactLayout::rolling};
+                                  ContactLayout::rolling, ContactLayout::mixed};
 
 template <class R, class Real>
 struct StoreWrench {

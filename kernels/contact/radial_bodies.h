@@ -1,0 +1,41 @@
+#pragma once
+// Which bodies touch each other radially, and the unit of their angular rates in a contact problem.
+
+#include "kernels/bodies/body_view.h"
+#include "kernels/bodies/locks.h"
+#include "kernels/contact/contact_view.h"
+#include "kernels/math/scalar.h"
+
+namespace scree {
+
+/// Whether contacts of two such bodies are radial: free spheres that turn about all axes or none,
+/// and fixed and kinematic bodies that do not turn in this step.
+template <class Real>
+SCREE_HD bool is_radial_body(const BodyView<Real>& bodies, Index i) {
+  if (i >= bodies.fixed_begin) return is_zero(norm2(bodies.angular_velocity[i]));
+  const unsigned locks = bodies.locks[i], turning = free_angular_axes(locks);
+  return bodies.shape[i] < 0 && free_linear_axes(locks) == 7u && (turning == 7u || turning == 0u);
+}
+
+/// Length by which the angular rate of a body is multiplied in a problem of this layout [m]: see
+/// ContactProblem.
+template <class Real>
+SCREE_HD Real rate_length(ContactLayout layout, const BodyView<Real>& bodies, Index i) {
+  if (layout == ContactLayout::radial) return bodies.radius[i];
+  const bool is_scaled =
+      layout == ContactLayout::mixed && i < bodies.free_count && is_radial_body(bodies, i);
+  return is_scaled ? bodies.radius[i] : Real(1);
+}
+
+/// The lengths of all bodies in the mixed layout.
+template <class Real>
+struct RateLengths {
+  static constexpr const char* name = "rate_lengths";
+  BodyView<Real> bodies;
+  Span<Real> length;  ///< out [m]
+  SCREE_HD void operator()(Index i) const {
+    length[i] = rate_length(ContactLayout::mixed, bodies, i);
+  }
+};
+
+}  // namespace scree

@@ -126,10 +126,11 @@ class World {
   BodyStates states() const;
   /// Constants of all bodies, those that join later included; valid as long as the World.
   const BodyConstants& constants() const;
+  /// Contacts of the last step; none after overlaps(), restore(), arrays_changed(Written::poses)
+  /// and a step that failed.
   std::vector<ContactRecord> contacts() const;
 
-  /// Pairs of bodies that overlap where they are now, impulses left zero. Takes the place of the
-  /// contacts of the last step, also for the next warm start: for a check before the first step.
+  /// Pairs of bodies that overlap where they are now, impulses left zero.
   std::vector<ContactRecord> overlaps() const;
 
   /// What array() knows in this scene: an array that no body of the scene needs is not there.
@@ -166,6 +167,8 @@ class World {
   std::size_t peak_memory() const;
 
  private:
+  void release() noexcept;
+
   std::unique_ptr<Dynamics> dynamics_;
 };
 

@@ -59,6 +59,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const double h = scene_.stepping.time_step;
     StageClock<B> clock(b);
     StepReport report;
+    forget_solved_contacts();  // a step that fails leaves none
 
     loading_.insert_due(time());
     motion_.set(store_, time(), steps_done() + 1);
@@ -144,6 +145,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   BodyStates states() override { return store_.states(); }
 
   std::vector<ContactRecord> contacts() override {
+    if (!has_solved_contacts_) return {};
     std::vector<ContactRecord> out = records(download(backend(), solved_impulses()));
     add_impacts(backend(), impacts_.impulses(), vectors(), out);
     return out;

@@ -86,13 +86,16 @@ int cuda_device_count() {
 
 DeviceInfo cuda_device_info(int device) {
   DeviceInfo info;
-  const CudaDeviceScope scope(device);
   cudaDeviceProp properties{};
-  if (cudaGetDeviceProperties(&properties, device) == cudaSuccess) {
-    info.name = properties.name;
-    info.memory_bytes = properties.totalGlobalMem;
+  if (cudaGetDeviceProperties(&properties, device) != cudaSuccess) return info;
+  info.name = properties.name;
+  info.memory_bytes = properties.totalGlobalMem;
+  info.threads = properties.multiProcessorCount;
+  try {
+    const CudaDeviceScope scope(device);
     info.free_bytes = free_device_memory(device);
-    info.threads = properties.multiProcessorCount;
+  } catch (const DeviceError&) {
+    info.free_bytes = 0;  // another process has the device for itself
   }
   return info;
 }

@@ -64,9 +64,25 @@ std::size_t free_host_memory() {
 
 World::World(Scene scene, const WorldOptions& options)
     : dynamics_(dynamics_for(std::move(scene), options)) {}
-World::~World() = default;
+World::~World() { release(); }
 World::World(World&&) noexcept = default;
-World& World::operator=(World&&) noexcept = default;
+World& World::operator=(World&& other) noexcept {
+  if (this == &other) return *this;
+  release();
+  dynamics_ = std::move(other.dynamics_);
+  return *this;
+}
+
+/// Memory is given back while its device is the current one.
+void World::release() noexcept {
+  if (dynamics_ == nullptr) return;
+  try {
+    const OnDevice on_device(*dynamics_);
+    dynamics_.reset();
+  } catch (const DeviceError&) {  // the driver is gone, as when a program ends
+    dynamics_.reset();
+  }
+}
 
 StepReport World::step() { return OnDevice(*dynamics_)->step(nullptr); }
 StepReport World::step(BodyProblem& problem) { return OnDevice(*dynamics_)->step(&problem); }

@@ -159,6 +159,32 @@ TEST_P(Arrays, ShowTheContactsOfTheLastStep) {
   }
   world.overlaps();
   EXPECT_EQ(world.array("contact_impulse").shape[0], 0) << "not of a step";
+  EXPECT_TRUE(world.contacts().empty());
+}
+
+TEST_P(Arrays, ContactsAreThoseOfTheLastStepOrNone) {
+  World world = world_of(bed());
+  for (int k = 0; k < 40; ++k) world.step();
+  const WorldState earlier = world.save();
+  for (int k = 0; k < 40; ++k) world.step();  // the order of the bodies changes between
+  EXPECT_FALSE(world.contacts().empty());
+  world.restore(earlier);
+  EXPECT_TRUE(world.contacts().empty());
+  world.step();
+  EXPECT_FALSE(world.contacts().empty());
+  world.arrays_changed(Written::poses);
+  EXPECT_TRUE(world.contacts().empty());
+}
+
+TEST_P(Arrays, AStepThatFailsLeavesNoContacts) {
+  Scene scene = bed();
+  scene.materials[0].restitution = 0.5;
+  World world = world_of(scene);
+  while (world.steps_done() < 64) world.step();  // the next one sorts the bodies
+  world.arrays_changed(Written::velocities);
+  write_row(world.array("force"), 7, {0, std::nan(""), 0});
+  EXPECT_THROW(world.step(), RunError);
+  EXPECT_TRUE(world.contacts().empty());
 }
 
 TEST_P(Arrays, OfConstantsThatAllShareHaveNoStride) {

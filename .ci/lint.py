@@ -73,12 +73,14 @@ def main():
         return contents[path]
 
     work = []
+    seen = set()  # a source may belong to several targets
     unchanged = 0
     for entry in json.loads((build / "compile_commands.json").read_text()):
         source = os.path.normpath(build / entry["file"])
         name = in_tree(source, build)
-        if name is None or not source.endswith(".cpp"):
+        if name is None or not source.endswith(".cpp") or source in seen:
             continue
+        seen.add(source)
         made = re.search(r" -o (\S+)", entry["command"])
         included = headers.get(made.group(1)) if made else None
         key = None
@@ -112,7 +114,7 @@ def main():
     found = []
     left_over = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for findings in pool.map(lambda item: check(*item[2:]), sorted(work)):
+        for findings in pool.map(lambda item: check(*item[2:]), sorted(work, key=lambda item: item[:2])):
             if findings is None:
                 left_over += 1
             elif findings:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <stdexcept>
 #include <thread>
 
 #include "dynamics/dynamics.h"
@@ -79,7 +80,7 @@ void World::release() noexcept {
   try {
     const OnDevice on_device(*dynamics_);
     dynamics_.reset();
-  } catch (const DeviceError&) {  // the driver is gone, as when a program ends
+  } catch (const std::runtime_error&) {  // the driver is gone, as when a program ends
     dynamics_.reset();
   }
 }

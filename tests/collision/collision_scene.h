@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "collision/body_order.h"
 #include "collision/contact_detector.h"
 
 namespace scree {
@@ -145,7 +146,16 @@ class CollisionRun {
     return v;
   }
 
-  Span<Real> radius() { return radius_.view(static_cast<Offset>(scene_.radius.size())); }
+  /// Sorts bodies, which differ in place and radius only, and kept contacts as a run does.
+  void reorder() {
+    BodyOrder<B> order(*b_);
+    const BodyView<Real> v = bodies();
+    order.compute(*b_, v.position.first(v.free_count));
+    order.apply(*b_, v.position);
+    order.apply(*b_, radius_.view(v.count));
+    detector_.remap(*b_, v, order.new_of_old());
+    scene_.position = download(*b_, v.position);
+  }
 
   std::vector<HostContact> detect() {
     detector_.detect(*b_, bodies(), scene_.h, scene_.h * scene_.gravity);

@@ -128,13 +128,7 @@ TYPED_TEST(PersistentContactsTest, ReorderedBodiesKeepTheirImpulses) {
   }
   run.detector().keep(2, this->buffer(impulses));
 
-  BodyOrder<TestBackend> order(b);
-  BodyView<TypeParam> bodies = run.bodies();
-  order.compute(b, bodies.position.first(bodies.free_count));
-  order.apply(b, bodies.position);
-  order.apply(b, run.radius());
-  run.detector().remap(b, bodies, order.new_of_old());
-  run.scene().position = download(b, bodies.position);
+  run.reorder();
 
   const auto after = run.detect();
   ASSERT_EQ(after.size(), before.size());
@@ -176,13 +170,7 @@ TYPED_TEST(PersistentContactsTest, MarksFollowTheirContacts) {
   run.detector().keep_marks(std::move(mark));
   EXPECT_EQ(run.detector().save_marks(b), values);
 
-  BodyOrder<TestBackend> order(b);
-  BodyView<TypeParam> bodies = run.bodies();
-  order.compute(b, bodies.position.first(bodies.free_count));
-  order.apply(b, bodies.position);
-  order.apply(b, run.radius());
-  run.detector().remap(b, bodies, order.new_of_old());
-  run.scene().position = download(b, bodies.position);
+  run.reorder();
   const auto after = run.detect();
   Buffer<TestBackend, Index> matched(b, count);
   run.detector().match_marks(b, matched.view());

@@ -1,6 +1,6 @@
 #pragma once
-// Scenes in code, for tests with closed-form answers. Section A of the validation catalogue asks
-// for a residual of 1e-8 m/s at most; most closed forms here need less to show their own digits.
+// Scenes in code, for tests with closed-form answers. They are solved to a residual
+// of 1e-8 m/s where their digits ask for it; most closed forms here need less to show their own digits.
 
 #include <cmath>
 #include <cstdint>

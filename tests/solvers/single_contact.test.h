@@ -1,4 +1,4 @@
-// One-contact problems with closed forms: VALIDATION A30 to A33, A45, A46.
+// One-contact problems with closed forms (cases A30 to A33, A45, A46).
 #include <cmath>
 #include <string>
 #include <vector>
@@ -38,8 +38,8 @@ PlainProblem body_on_plane(double spin_factor, double mu, double bias,
   return p;
 }
 
-/// Uniform rod of half length 1 and mass 1, its lower tip on the plane, tan(theta) = 2:
-/// VALIDATION A45.
+/// Uniform rod of half length 1 and mass 1, its lower tip on the plane, tan(theta) = 2
+/// (case A45).
 PlainProblem painleve_rod(double mu, double tip_speed, double fall_speed) {
   PlainProblem p;
   p.layout = ContactLayout::general;

@@ -1,4 +1,4 @@
-// Every registered solver against the dense oracle: VALIDATION A04 and A05, and exact
+// Every registered solver against the dense oracle (cases A04 and A05), and exact
 // Coulomb friction.
 #include <algorithm>
 #include <cmath>

@@ -17,6 +17,8 @@
 namespace scree {
 namespace {
 
+using test::for_each_frame;
+using test::number;
 using test::rows;
 using test::scene_with;
 using test::ScratchDirectory;
@@ -37,44 +39,29 @@ struct Frame {
   std::vector<std::int64_t> connectivity;
 };
 
-/// Follows the offsets of the specification (VTKHDF 2.0, PolyData) for every frame.
 std::vector<Frame> read_frames(const std::filesystem::path& path) {
-  const h5::File file = h5::File::open(path);
-  const h5::Group vtk = file.root().open_group("VTKHDF");
-  EXPECT_EQ(vtk.text_attribute("Type"), "PolyData");
-  const auto count = vtk.open_group("Steps").attribute<std::int64_t>("NSteps");
   std::vector<Frame> frames;
-  for (std::int64_t step = 0; step < count; ++step) {
-    const auto number = [&](const std::string& name, std::int64_t row) {
-      return rows<std::int64_t>(vtk, name, row, 1)[0];
-    };
+  for_each_frame(path, "Vertices", [&](const h5::Group& vtk, std::int64_t step, std::int64_t part) {
     const auto data_offset = [&](const std::string& name) {
-      return number("Steps/PointDataOffsets/" + name, step);
+      return number(vtk, "Steps/PointDataOffsets/" + name, step);
     };
-    EXPECT_EQ(number("Steps/NumberOfParts", step), 1);
-    const std::int64_t part = number("Steps/PartOffsets", step);
-    const std::int64_t points = number("NumberOfPoints", part);
-    const std::int64_t cells = number("Vertices/NumberOfCells", part);
-    const std::int64_t ids = number("Vertices/NumberOfConnectivityIds", part);
-    for (const std::string topology : {"Lines", "Polygons", "Strips"}) {
-      EXPECT_EQ(number(topology + "/NumberOfCells", part), 0);
-      EXPECT_EQ(number(topology + "/NumberOfConnectivityIds", part), 0);
-      EXPECT_EQ(number(topology + "/Offsets", part), 0);
-    }
+    const std::int64_t points = number(vtk, "NumberOfPoints", part);
+    const std::int64_t cells = number(vtk, "Vertices/NumberOfCells", part);
+    const std::int64_t ids = number(vtk, "Vertices/NumberOfConnectivityIds", part);
     Frame frame;
     frame.time = rows<double>(vtk, "Steps/Values", step, 1)[0];
-    frame.points = rows<double>(vtk, "Points", number("Steps/PointOffsets", step), points);
+    frame.points = rows<double>(vtk, "Points", number(vtk, "Steps/PointOffsets", step), points);
     frame.velocity = rows<float>(vtk, "PointData/velocity", data_offset("velocity"), points);
     frame.speed = rows<float>(vtk, "PointData/speed", data_offset("speed"), points);
     frame.id = rows<std::int64_t>(vtk, "PointData/id", data_offset("id"), points);
     frame.mass = rows<double>(vtk, "PointData/mass", data_offset("mass"), points);
     // The offsets of a part begin one entry later for each part before it.
     frame.offsets = rows<std::int64_t>(vtk, "Vertices/Offsets",
-                                       number("Steps/CellOffsets", step) + part, cells + 1);
+                                       number(vtk, "Steps/CellOffsets", step) + part, cells + 1);
     frame.connectivity = rows<std::int64_t>(vtk, "Vertices/Connectivity",
-                                            number("Steps/ConnectivityIdOffsets", step), ids);
+                                            number(vtk, "Steps/ConnectivityIdOffsets", step), ids);
     frames.push_back(frame);
-  }
+  });
   return frames;
 }
 

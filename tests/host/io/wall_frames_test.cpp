@@ -15,6 +15,8 @@
 namespace scree {
 namespace {
 
+using test::for_each_frame;
+using test::number;
 using test::rows;
 using test::ScratchDirectory;
 using testing::HasSubstr;
@@ -29,41 +31,29 @@ struct Frame {
 };
 
 std::vector<Frame> read_frames(const std::filesystem::path& path) {
-  const h5::File file = h5::File::open(path);
-  const h5::Group vtk = file.root().open_group("VTKHDF");
-  EXPECT_EQ(vtk.text_attribute("Type"), "PolyData");
-  const auto count = vtk.open_group("Steps").attribute<std::int64_t>("NSteps");
   std::vector<Frame> frames;
-  for (std::int64_t step = 0; step < count; ++step) {
-    const auto number = [&](const std::string& name, std::int64_t row) {
-      return rows<std::int64_t>(vtk, name, row, 1);
-    };
+  for_each_frame(path, "Polygons", [&](const h5::Group& vtk, std::int64_t step, std::int64_t part) {
     const auto data = [&](const std::string& name) {
-      return number("Steps/CellDataOffsets/" + name, step)[0];
+      return number(vtk, "Steps/CellDataOffsets/" + name, step);
     };
-    EXPECT_EQ(number("Steps/NumberOfParts", step)[0], 1);
-    const std::int64_t part = number("Steps/PartOffsets", step)[0];
-    const std::int64_t points = number("NumberOfPoints", part)[0];
-    const std::int64_t cells = number("Polygons/NumberOfCells", part)[0];
-    const std::int64_t ids = number("Polygons/NumberOfConnectivityIds", part)[0];
-    for (const std::string topology : {"Vertices", "Lines", "Strips"}) {
-      EXPECT_EQ(number(topology + "/NumberOfCells", part)[0], 0);
-      EXPECT_EQ(number(topology + "/NumberOfConnectivityIds", part)[0], 0);
-      EXPECT_EQ(number(topology + "/Offsets", part)[0], 0);
-    }
+    const auto of_polygons = [&](const std::string& name) {
+      return rows<std::int64_t>(vtk, name, step, 1)[2];
+    };
+    const std::int64_t points = number(vtk, "NumberOfPoints", part);
+    const std::int64_t cells = number(vtk, "Polygons/NumberOfCells", part);
+    const std::int64_t ids = number(vtk, "Polygons/NumberOfConnectivityIds", part);
     Frame frame;
     frame.time = rows<double>(vtk, "Steps/Values", step, 1)[0];
-    frame.points = rows<double>(vtk, "Points", number("Steps/PointOffsets", step)[0], points);
-    const std::size_t polygons = 2;
-    frame.offsets = rows<std::int64_t>(vtk, "Polygons/Offsets",
-                                       number("Steps/CellOffsets", step)[polygons], cells + 1);
-    frame.connectivity = rows<std::int64_t>(
-        vtk, "Polygons/Connectivity", number("Steps/ConnectivityIdOffsets", step)[polygons], ids);
+    frame.points = rows<double>(vtk, "Points", number(vtk, "Steps/PointOffsets", step), points);
+    frame.offsets =
+        rows<std::int64_t>(vtk, "Polygons/Offsets", of_polygons("Steps/CellOffsets"), cells + 1);
+    frame.connectivity = rows<std::int64_t>(vtk, "Polygons/Connectivity",
+                                            of_polygons("Steps/ConnectivityIdOffsets"), ids);
     frame.id = rows<std::int64_t>(vtk, "CellData/id", data("id"), cells);
     frame.group = rows<std::int32_t>(vtk, "CellData/group", data("group"), cells);
     frame.kind = rows<std::uint8_t>(vtk, "CellData/kind", data("kind"), cells);
     frames.push_back(frame);
-  }
+  });
   return frames;
 }
 

@@ -1,4 +1,4 @@
-// Cone projections: VALIDATION A01 and A02, and the conditions of optimality for every
+// Cone projections (cases A01 and A02), and the conditions of optimality for every
 // layout and metric.
 #include <algorithm>
 #include <cmath>

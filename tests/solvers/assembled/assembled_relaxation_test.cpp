@@ -1,4 +1,4 @@
-// VALIDATION.md A.2 on the assembled operator: what the convex model does to one sliding contact,
+// A sliding contact on the assembled operator: what the convex model does to it,
 // and the exact one does not. Published speeds: solver comparison by H. Mazhar, 2014.
 #include <gtest/gtest.h>
 

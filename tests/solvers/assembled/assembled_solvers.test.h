@@ -50,7 +50,7 @@ std::vector<std::string> robust_solvers() {
 INSTANTIATE_TEST_SUITE_P(All, BackendSolvers, ::testing::ValuesIn(robust_solvers()),
                          [](const auto& info) { return info.param; });
 
-/// VALIDATION.md A.2: a block that slides along an edge of all friction laws, first step.
+/// A block that slides along an edge of all friction laws, first step.
 TEST_P(BackendSolvers, OneSlidingContactHasItsClosedForm) {
   const double pull = 9.81 * 0.0025, mu = 0.3;
   const AssembledProblem p = fixtures::one_contact({1, 0, 0, 0, 1, 0, 0, 0, 1}, {-pull, 2, 0}, mu);

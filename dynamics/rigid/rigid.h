@@ -240,11 +240,20 @@ class RigidDynamics final : public ModelOn<B, Real> {
     B& b = backend();
     const double h = scene_.stepping.time_step;
     const PeriodicBox box = periodic_box();
+    Span<const Twist<Real>> solved = solver_->velocity();
+    Buffer<B, Twist<Real>> plain(b);
+    if (summary_.layout == ContactLayout::mixed) {
+      plain.reserve_discard(bodies.free_count);
+      for_each(b, bodies.free_count,
+               PlainRates<Real>{bodies, solved, plain.view(bodies.free_count)});
+      solved = plain.view(bodies.free_count);
+    }
     const auto along = [&](const auto& way) {
       using Way = std::decay_t<decltype(way)>;
       reduce<IntegrateSums>(
           b, bodies.free_count,
-          Integrate<Real, Way>{bodies, solver_->velocity(), summary_.layout, h, box, way},
+          Integrate<Real, Way>{bodies, solved, summary_.layout == ContactLayout::radial, h, box,
+                               way},
           StoreResult<IntegrateSums>{integrate_sums_.data()});
     };
     const WallView<Real> walls = detector_.walls();

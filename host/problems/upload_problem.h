@@ -10,7 +10,8 @@
 namespace scree {
 
 /// Owns the arrays of a problem with bodies, and its guess. From a problem that a step wrote on the
-/// same backend and in the same precision, the solver of that step makes the same bits.
+/// same backend and in the same precision, the solver of that step makes the same bits; not where
+/// contacts of the step were in two groups, which are stored as one.
 template <class B, class Real>
 class UploadedProblem {
  public:

@@ -3,7 +3,7 @@
 
 #include "kernels/bodies/body_view.h"
 #include "kernels/bodies/locks.h"
-#include "kernels/contact/contact_view.h"
+#include "kernels/contact/contact_problem.h"
 #include "kernels/math/scalar.h"
 
 namespace scree {
@@ -26,6 +26,19 @@ SCREE_HD Real rate_length(ContactLayout layout, const BodyView<Real>& bodies, In
       layout == ContactLayout::mixed && i < bodies.free_count && is_radial_body(bodies, i);
   return is_scaled ? bodies.radius[i] : Real(1);
 }
+
+/// Rates of free bodies from those of a problem of the mixed layout.
+template <class Real>
+struct PlainRates {
+  static constexpr const char* name = "plain_rates";
+  BodyView<Real> bodies;
+  Span<const Twist<Real>> solved;
+  Span<Twist<Real>> plain;  ///< [free_count] out
+  SCREE_HD void operator()(Index i) const {
+    const Real length = rate_length(ContactLayout::mixed, bodies, i);
+    plain[i] = {solved[i].linear, (Real(1) / length) * solved[i].angular};
+  }
+};
 
 /// The lengths of all bodies in the mixed layout.
 template <class Real>

@@ -71,14 +71,14 @@ struct Integrate {
   static constexpr const char* name = "integrate";
   BodyView<Real> bodies;
   Span<const Twist<Real>> solved;
-  ContactLayout layout;  ///< of the problem that was solved: see rate_length()
-  double time_step;      ///< h [s]
+  bool radial;       ///< angular part of `solved` is r w
+  double time_step;  ///< h [s]
   PeriodicBox box;
   Way way;
 
   SCREE_HD IntegrateSums operator()(Index i) const {
     const Vec3<Real> v = solved[i].linear;
-    Vec3<Real> w = (Real(1) / rate_length(layout, bodies, i)) * solved[i].angular;
+    Vec3<Real> w = radial ? (Real(1) / bodies.radius[i]) * solved[i].angular : solved[i].angular;
     Quat<Real> q = bodies.orientation[i];
     const Vec3<Real> moments = bodies.moments(i);
     const bool isotropic = moments.x == moments.y && moments.y == moments.z;

@@ -121,6 +121,28 @@ Scene kinematic() {
   return scene;
 }
 
+Scene kinematic_exact() {
+  Scene scene = kinematic();
+  scene.solver.exact_coulomb = true;
+  return scene;
+}
+
+Scene kinematic_restitution() {
+  Scene scene = kinematic();
+  scene.materials[0].restitution = 0.5;
+  solve_to(scene, 1e-6);
+  return scene;
+}
+
+/// A box with many spheres on it, and small boxes between these.
+Scene boxes_among_spheres() {
+  Scene scene = free_box();
+  for (int k = 0; k < 6; ++k)
+    add_box(scene, {0.012 * k - 0.03, 0.01, 0.12}, {0.005, 0.004, 0.004}, 2e-3).velocity = {0, 0,
+                                                                                            -0.5};
+  return scene;
+}
+
 Scene periodic() {
   Scene scene = falling_spheres();
   add_plane(scene);
@@ -178,8 +200,10 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"fixed_boxes", fixed_boxes}, Case{"free_box", free_box},
                       Case{"boxes", boxes}, Case{"cohesion", cohesion},
                       Case{"rolling_friction", rolling_friction}, Case{"kinematic", kinematic},
-                      Case{"periodic", periodic}, Case{"exact_coulomb", exact_coulomb},
-                      Case{"restitution", restitution},
+                      Case{"kinematic_exact", kinematic_exact},
+                      Case{"kinematic_restitution", kinematic_restitution},
+                      Case{"boxes_among_spheres", boxes_among_spheres}, Case{"periodic", periodic},
+                      Case{"exact_coulomb", exact_coulomb}, Case{"restitution", restitution},
                       Case{"newton_restitution", newton_restitution}, Case{"insertion", insertion},
                       Case{"mixed_materials", mixed_materials}),
     [](const auto& info) { return std::string(info.param.name); });

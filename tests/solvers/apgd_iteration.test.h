@@ -18,13 +18,11 @@ using fixtures::random_problem;
 using fixtures::relative_distance;
 
 /// The arrays of a solve from zero impulses.
-template <class Real>
+template <class Real, class R = RadialRows<Real>>
 class Arrays {
  public:
-  using R = RadialRows<Real>;
-
   Arrays(TestBackend& b, const ContactProblem<Real>& p,
-         ApgdMetricKind kind = ApgdMetricKind::diagonal)
+         ApgdMetricKind kind = ApgdMetricKind::diagonal, bool exact = false)
       : metric_(b, StoredMetric<R, Real>::per_contact(p) * Offset{p.contact_count}), state_(b, 1) {
     passes_.p = p;
     for (int k = 0; k < 2; ++k) {
@@ -41,6 +39,7 @@ class Arrays {
     if (kind == ApgdMetricKind::diagonal)
       passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());
     passes_.state = state_.data();
+    passes_.exact = exact;
     reduce<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, passes_.metric},
                             ApgdStart{state_.data(), 0});
   }
@@ -66,12 +65,13 @@ template <class Real>
 class ApgdIterationTest : public BackendTest<Real> {
  protected:
   /// Trials in blocks of several sizes against plain ones; returns how many were accepted.
-  Index expect_match(const ContactProblem<Real>& p,
-                     ApgdMetricKind kind = ApgdMetricKind::diagonal) {
+  template <class R = RadialRows<Real>>
+  Index expect_match(const ContactProblem<Real>& p, ApgdMetricKind kind = ApgdMetricKind::diagonal,
+                     bool exact = false) {
     TestBackend& b = this->backend();
-    Arrays<Real> plain(b, p, kind), tuned(b, p, kind), again(b, p, kind);
+    Arrays<Real, R> plain(b, p, kind, exact), tuned(b, p, kind, exact), again(b, p, kind, exact);
     for (int k = 0; k < 20; ++k) apgd_trial(b, plain.passes());
-    for (Arrays<Real>* arrays : {&tuned, &again}) {
+    for (Arrays<Real, R>* arrays : {&tuned, &again}) {
       ApgdIteration<TestBackend> iteration(b);
       iteration.start(b, arrays->passes());
       for (const int count : {1, 12, 7}) iteration.run(b, arrays->passes(), count, -1);
@@ -108,6 +108,43 @@ TYPED_TEST(ApgdIterationTest, MatchesInEveryMetric) {
   p.radial_inertia.spin_ratio = TypeParam(2.5);
   ASSERT_EQ((StoredMetric<RadialRows<TypeParam>, TypeParam>::per_contact(p)), 1);
   EXPECT_GT(this->expect_match(p), 10);
+}
+
+/// Spheres, walls that turn and bodies of other shapes: two groups of contacts, in every metric.
+TYPED_TEST(ApgdIterationTest, MatchesInTwoGroups) {
+  using Rows = MixedRows<TypeParam>;
+  for (const bool only_spheres : {false, true}) {
+    const PlainProblem plain = random_problem({.layout = ContactLayout::mixed,
+                                               .free_count = 3000,
+                                               .fixed_count = 40,
+                                               .contact_count = 9000,
+                                               .seed = 3,
+                                               .has_adhesion = true,
+                                               .only_spheres = only_spheres});
+    ASSERT_GT(plain.radial_count, 1000);
+    ASSERT_GT(plain.contact_count() - plain.radial_count, 50);
+    ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+    ContactProblem<TypeParam> p = buffers.problem();
+    EXPECT_GT(this->template expect_match<Rows>(p), 10);
+    EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::diagonal, true), 10);
+    EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::euclidean), 10);
+    p.radial_inertia.spin_ratio = TypeParam(2.5);
+    EXPECT_GT(this->template expect_match<Rows>(p), 10);
+  }
+}
+
+/// A sphere, or another body, with thousands of contacts of which many are general.
+TYPED_TEST(ApgdIterationTest, MatchesWithALargeBodyInTwoGroups) {
+  for (const int count : {3000, 3002}) {
+    const PlainProblem plain = random_problem({.layout = ContactLayout::mixed,
+                                               .free_count = count,
+                                               .contact_count = 9000,
+                                               .seed = 6,
+                                               .hub_contacts = 4000});
+    ASSERT_EQ(plain.is_sphere[static_cast<std::size_t>(count / 2)], count == 3000);
+    ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+    EXPECT_GT(this->template expect_match<MixedRows<TypeParam>>(buffers.problem()), 10);
+  }
 }
 
 /// More contacts than a tile keeps in fast memory.

@@ -127,6 +127,8 @@ TEST_F(ColoringTest, RandomGraphsMatchTheGreedyReference) {
         {.free_count = 60, .fixed_count = 3, .contact_count = 200, .seed = seed}));
     expect_greedy(
         fixtures::random_problem({.free_count = 3000, .contact_count = 9000, .seed = seed}));
+    expect_greedy(fixtures::random_problem(
+        {.layout = ContactLayout::mixed, .free_count = 3000, .contact_count = 9000, .seed = seed}));
     // Some 130 contacts on every body: three batches of colors.
     expect_greedy(
         fixtures::random_problem({.free_count = 30, .contact_count = 2000, .seed = seed}));

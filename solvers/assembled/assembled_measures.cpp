@@ -3,17 +3,10 @@
 #include <algorithm>
 #include <array>
 
+#include "solvers/assembled/cone_vectors.h"
+
 namespace scree {
 namespace {
-
-double norm_of(const std::vector<double>& v) {
-  double sum = 0;
-  for (const double x : v) sum += x * x;
-  return std::sqrt(sum);
-}
-
-/// a / b, and a where b is zero: at rest without loads every number is an error as it stands.
-double ratio(double a, double b) { return b > 0 ? a / b : a; }
 
 ContactState state_of(double mu, const std::array<double, 3>& x) {
   const double t = std::hypot(x[1], x[2]);
@@ -62,10 +55,10 @@ AssembledResidual measure(const AssembledProblem& p, AssembledModel model,
     free_square += natural_square(p.mu[c], x, w);
     if (state != nullptr) (*state)[c] = state_of(p.mu[c], trial);
   }
-  const double norm_q = norm_of(p.q);
+  const double norm_q = norm(p.q);
   result.absolute = std::sqrt(square);
   result.relative = ratio(result.absolute, norm_q);
-  result.to_largest = ratio(result.absolute, std::max({norm_q, norm_of(r), norm_of(u)}));
+  result.to_largest = ratio(result.absolute, std::max({norm_q, norm(r), norm(u)}));
   result.unit_free = ratio(std::sqrt(free_square), std::sqrt(scaled_q));
   return result;
 }

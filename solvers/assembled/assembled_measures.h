@@ -49,6 +49,9 @@ inline double value_of(const AssembledResidual& residual, AssembledMeasure measu
   return residual.relative;
 }
 
+/// a / b, and a where b is zero: at rest without loads every number is an error as it stands.
+inline double ratio(double a, double b) { return b > 0 ? a / b : a; }
+
 /// Euclidean projection of three numbers on the cone, in place.
 SCREE_HD inline void project_on_cone(double mu, double* x) {
   const ContactVec<double> y = project_cone(mu, ContactVec<double>{x[0], x[1], x[2]});

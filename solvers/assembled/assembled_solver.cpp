@@ -1,13 +1,14 @@
 #include "solvers/assembled/assembled_solver.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <utility>
 
+#include "kernels/joined.h"
 #include "solvers/assembled/backend_solver.h"
+#include "solvers/assembled/cone_vectors.h"
 #include "solvers/assembled/de_saxce_loop.h"
 #include "solvers/assembled/infeasibility.h"
+#include "solvers/assembled/model_problem.h"
+#include "solvers/assembled/solve_checks.h"
 
 namespace scree {
 
@@ -19,46 +20,25 @@ namespace scree {
 
 namespace {
 
-void require(bool ok, const std::string& what) {
-  if (!ok) throw AssembledError(what);
-}
-
-/// Products of rounding apart, W is symmetric below this.
-constexpr double symmetric_to = 1e-12;
-
 void check(const AssembledProblem& p, const AssembledOptions& o) {
-  const std::size_t rows = 3 * static_cast<std::size_t>(p.contact_count);
-  const auto require_rows = [&](const std::vector<double>& v, const char* name) {
-    require(v.size() == rows, std::string(name) + " has " + std::to_string(v.size()) +
-                                  " values, expected " + std::to_string(rows));
-    require(std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); }),
-            std::string(name) + " holds a value that is not finite");
-  };
-  require(p.contact_count > 0, "the problem has no contacts");
-  require(p.mu.size() == static_cast<std::size_t>(p.contact_count), "mu does not fit the contacts");
-  require_rows(p.q, "q");
-  if (!o.guess.empty()) require_rows(o.guess, "guess");
-  if (!o.reference_velocity.empty()) require_rows(o.reference_velocity, "reference_velocity");
-  if (!o.reference_impulse.empty()) require_rows(o.reference_impulse, "reference_impulse");
-  require(o.tolerance >= 0, "tolerance must not be negative, got " + std::to_string(o.tolerance));
-  require(o.max_iterations >= 0,
-          "max_iterations must not be negative, got " + std::to_string(o.max_iterations));
-  require(o.check_every >= 0,
-          "check_every must not be negative, got " + std::to_string(o.check_every));
-  require(o.max_seconds >= 0,
-          "max_seconds must not be negative, got " + std::to_string(o.max_seconds));
-  require(o.relaxation >= 0 && o.relaxation < 2,
-          "relaxation must lie in (0, 2), got " + std::to_string(o.relaxation));
+  const auto contacts = static_cast<std::size_t>(std::max(0, p.contact_count));
+  check_rows_and_options({.contact_count = p.contact_count,
+                          .contact_rows = 3,
+                          .q = p.q,
+                          .coefficients = {{"mu", &p.mu}},
+                          .matrix_rows = contacts,
+                          .row_start = p.row_start,
+                          .column = p.column,
+                          .entry_count = p.block.size()},
+                         o);
 }
 
 /// Gives methods a relative tolerance to aim at where the one asked for is on another measure.
 void aim(const AssembledProblem& p, AssembledOptions& o) {
   if (o.measure == AssembledMeasure::relative) return;
   o.goal = o.tolerance;
-  double square = 0;
-  for (const double x : p.q) square += x * x;
   if (o.measure == AssembledMeasure::absolute) {
-    if (square > 0) o.tolerance /= std::sqrt(square);
+    if (const double size = norm(p.q); size > 0) o.tolerance /= size;
   } else {
     // How the two compare is known when the problem is solved. What is too strict only
     // makes methods go on.
@@ -96,23 +76,15 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
   if (o.guess.empty()) o.guess.assign(problem.q.size(), 0.0);
 
   const bool convex = o.model == AssembledModel::convex;
-  const double unsymmetric = convex || !own.exact ? asymmetry(problem) : 0;
-  AssembledProblem symmetric;
-  const bool replace = convex && unsymmetric > symmetric_to;
-  if (replace) symmetric = symmetrized(problem);
-  const AssembledProblem& p = replace ? symmetric : problem;
+  const ModelProblem<AssembledProblem> solved(problem, o.model);
+  const AssembledProblem& p = solved.get();
 
   aim(p, o);
   AssembledMonitor monitor(p, o, curve);
-  if (replace) {
-    char text[80];
-    std::snprintf(text, sizeof text, "W symmetrized (unsymmetric by %.1e)", unsymmetric);
-    monitor.note(text);
-  }
+  monitor.note(solved.note());
   if (const int hopeless = untouchable_contact(p); hopeless >= 0) {
     monitor.check(0, o.guess);
-    monitor.fail(AssembledStatus::no_solution,
-                 "contact " + std::to_string(hopeless) + " approaches and no impulse acts on it");
+    monitor.fail(AssembledStatus::no_solution, untouchable_note(hopeless));
   } else if (convex ? own.convex : own.exact) {
     run(p, o, monitor);
   } else if (!convex && own.convex) {
@@ -125,12 +97,6 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
 }
 
 namespace {
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& n : names) text += (text.empty() ? "" : ", ") + n;
-  return text;
-}
 
 std::unique_ptr<AssembledSolver> make_host_solver(const std::string& name) {
 #define SCREE_ASSEMBLED_SOLVER(known) \

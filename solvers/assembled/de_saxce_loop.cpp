@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "solvers/assembled/model_problem.h"
+
 namespace scree {
 namespace {
-
-constexpr double unsymmetric_from = 1e-12;
 
 /// mu |u_t| of all contacts.
 std::vector<double> lift_of(const AssembledProblem& p, const std::vector<double>& u) {
@@ -33,7 +33,7 @@ double next_factor(double factor, const std::vector<double>& last, const std::ve
 
 void run_de_saxce_loop(const AssembledSolver& convex, const AssembledProblem& problem,
                        const AssembledOptions& options, AssembledMonitor& monitor) {
-  const bool unsymmetric = asymmetry(problem) > unsymmetric_from;
+  const bool unsymmetric = asymmetry(problem) > symmetric_to;
   AssembledProblem inner = unsymmetric ? symmetrized(problem) : problem;
   const AssembledTraits traits = convex.traits();
   std::vector<double> r = options.guess, full, symmetric;

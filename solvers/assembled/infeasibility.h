@@ -1,6 +1,8 @@
 #pragma once
 // Signs that a contact problem has no solution.
 
+#include <string>
+
 #include "solvers/assembled/assembled_measures.h"
 
 namespace scree {
@@ -8,6 +10,10 @@ namespace scree {
 /// A contact that approaches (q_n < 0) and whose rows of W are zero, so that nothing can be done
 /// about it; -1 when there is none.
 int untouchable_contact(const AssembledProblem& p);
+/// What a result says of such a contact.
+inline std::string untouchable_note(int contact) {
+  return "contact " + std::to_string(contact) + " approaches and no impulse acts on it";
+}
 
 /// Whether impulses r of the cones, far from a solution, point along a direction d with
 /// W d = 0 and q.d < 0. For a symmetric W no impulses then give velocities in the dual cones,

@@ -1,9 +1,9 @@
 #include "solvers/assembled/proximal_method.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "solvers/assembled/cone_vectors.h"
 #include "solvers/assembled/newton_method.h"
 #include "solvers/assembled/sweep.h"
 
@@ -22,12 +22,6 @@ void regularize(const AssembledProblem& p, const std::vector<double>& scale, dou
       inner.q[3 * c + k] = p.q[3 * c + k] - add * r[3 * c + k];
     }
   }
-}
-
-double norm_of(const std::vector<double>& v) {
-  double sum = 0;
-  for (const double x : v) sum += x * x;
-  return std::sqrt(sum);
 }
 
 /// Whether residuals still fall by halves.
@@ -98,8 +92,8 @@ bool run_proximal(const AssembledProblem& p, const AssembledOptions& o,
     inner_options.goal = 0;
     inner_options.reference_velocity.clear();
     // The absolute error asked for is a share of the present one.
-    const double wanted = std::max(0.1 * monitor.last().absolute, 0.2 * o.tolerance * norm_of(p.q));
-    inner_options.tolerance = wanted / std::max(norm_of(inner.q), 1e-300);
+    const double wanted = std::max(0.1 * monitor.last().absolute, 0.2 * o.tolerance * norm(p.q));
+    inner_options.tolerance = wanted / std::max(norm(inner.q), 1e-300);
     if (o.max_seconds > 0)
       inner_options.max_seconds = std::max(1e-3, o.max_seconds - monitor.seconds());
     inner_options.guess = r;

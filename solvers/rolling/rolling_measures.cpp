@@ -4,19 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include "solvers/assembled/cone_vectors.h"
+
 namespace scree {
 namespace {
 
 using Row5 = std::array<double, 5>;
-
-double norm_of(const std::vector<double>& v) {
-  double sum = 0;
-  for (const double x : v) sum += x * x;
-  return std::sqrt(sum);
-}
-
-/// a / b, and a where b is zero: at rest without loads every number is an error as it stands.
-double ratio(double a, double b) { return b > 0 ? a / b : a; }
 
 double normal_of(const RollingCone& cone, const double* x) {
   const BoundedPart<double> parts[2] = {{cone.mu, 1, std::hypot(x[1], x[2])},
@@ -96,10 +89,10 @@ AssembledResidual measure(const RollingProblem& p, AssembledModel model,
     free_square += natural_square(free_cone, x, w, now);
     if (state != nullptr) (*state)[c] = now;
   }
-  const double norm_q = norm_of(p.q);
+  const double norm_q = norm(p.q);
   result.absolute = std::sqrt(square);
   result.relative = ratio(result.absolute, norm_q);
-  result.to_largest = ratio(result.absolute, std::max({norm_q, norm_of(r), norm_of(u)}));
+  result.to_largest = ratio(result.absolute, std::max({norm_q, norm(r), norm(u)}));
   result.unit_free = ratio(std::sqrt(free_square), std::sqrt(scaled_q));
   return result;
 }

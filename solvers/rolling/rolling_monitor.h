@@ -1,12 +1,11 @@
 #pragma once
-// Follows one solve of a problem with rolling friction: checks iterates, records, keeps the best,
+// Follows one solve of a problem with rolling friction: checks iterates, has an account kept,
 // and says when to stop, as AssembledMonitor does for three rows a contact.
 
-#include <chrono>
 #include <string>
 #include <vector>
 
-#include "solvers/assembled/assembled_monitor.h"
+#include "solvers/assembled/solve_account.h"
 #include "solvers/rolling/rolling_measures.h"
 
 namespace scree {
@@ -24,41 +23,35 @@ class RollingMonitor {
   /// Whether the last call of over() looked.
   bool looked() const { return looked_; }
 
-  void count_factorizations(int count) { result_.factorizations += count; }
+  void count_factorizations(int count) { account_.count_factorizations(count); }
 
   /// Starts a phase of so many iterations. @return whether there is one: not after the end
   /// @param check_every  iterations between looks
   bool next_phase(int most, int check_every);
   bool stopped() const { return stopped_; }
-  bool out_of_time() const { return options_.max_seconds > 0 && seconds() >= options_.max_seconds; }
+  bool out_of_time() const { return account_.out_of_time(); }
 
   /// Best impulses so far as x = S r.
-  std::vector<double> best() const { return scaled_impulses(result_.r); }
+  std::vector<double> best() const { return scaled_impulses(account_.best()); }
   /// S r
   std::vector<double> scaled_impulses(std::vector<double> r) const;
 
   void fail(AssembledStatus status, const std::string& note);
-  void note(const std::string& text);
+  void note(const std::string& text) { account_.note(text); }
   /// The account, complete. Call once, at the end.
-  AssembledResult finish();
+  AssembledResult finish() { return account_.finish(); }
 
  private:
   void look(const std::vector<double>& x);
-  void record(const std::vector<double>& u, const std::vector<double>& r);
-  double seconds() const;
 
   const RollingProblem& problem_;
   const std::vector<double>& scales_;
   const AssembledOptions& options_;
-  std::vector<AssembledCurvePoint>* curve_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::vector<ContactState> state_, last_state_;
-  AssembledResidual last_;
-  AssembledResult result_;
+  SolveAccount account_;
+  std::vector<ContactState> state_;
   int phase_end_ = 0;
   int check_every_ = 1;
   bool looked_ = false;
-  bool has_best_ = false;
   bool stopped_ = false;
 };
 

@@ -2,16 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "kernels/joined.h"
+#include "solvers/assembled/infeasibility.h"
+#include "solvers/assembled/model_problem.h"
+#include "solvers/assembled/solve_checks.h"
 #include "solvers/rolling/rolling_methods.h"
 
 namespace scree {
 namespace {
 
-/// Products of rounding apart, W is symmetric below this.
-constexpr double symmetric_to = 1e-12;
 constexpr int default_iterations = 100000;
 constexpr int sweeps_a_look = 10;
 /// Of the turns of auto: iterations of the first one; of those from which on, and contacts up to
@@ -19,29 +20,17 @@ constexpr int sweeps_a_look = 10;
 constexpr int least_turn = 100, most_first_turn = 4000;
 constexpr int long_turn = 3000, few_contacts = 300, proximal_turn = 40;
 
-void require(bool ok, const std::string& what) {
-  if (!ok) throw AssembledError(what);
-}
-
 void check(const RollingProblem& p, const AssembledOptions& o) {
-  const std::size_t rows = 5 * static_cast<std::size_t>(p.contact_count);
-  const auto require_rows = [&](const std::vector<double>& v, const char* name) {
-    require(v.size() == rows, std::string(name) + " has " + std::to_string(v.size()) +
-                                  " values, expected " + std::to_string(rows));
-    require(std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); }),
-            std::string(name) + " holds a value that is not finite");
-  };
-  require(p.contact_count > 0, "the problem has no contacts");
-  require_rows(p.q, "q");
-  if (!o.guess.empty()) require_rows(o.guess, "guess");
-  if (!o.reference_velocity.empty()) require_rows(o.reference_velocity, "reference_velocity");
-  if (!o.reference_impulse.empty()) require_rows(o.reference_impulse, "reference_impulse");
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& n : names) text += (text.empty() ? "" : ", ") + n;
-  return text;
+  const auto contacts = static_cast<std::size_t>(std::max(0, p.contact_count));
+  check_rows_and_options({.contact_count = p.contact_count,
+                          .contact_rows = 5,
+                          .q = p.q,
+                          .coefficients = {{"mu", &p.mu}, {"mu_r", &p.mu_r}},
+                          .matrix_rows = 5 * contacts,
+                          .row_start = p.row_start,
+                          .column = p.column,
+                          .entry_count = p.value.size()},
+                         o);
 }
 
 /// A contact that approaches and whose normal row of W is zero; -1 when there is none.
@@ -83,31 +72,24 @@ AssembledResult solve_rolling(const std::string& name, const RollingProblem& pro
                               const AssembledOptions& options,
                               std::vector<AssembledCurvePoint>* curve) {
   const std::vector<std::string> known = rolling_solver_names();
-  require(std::find(known.begin(), known.end(), name) != known.end(),
-          "solver \"" + name +
-              "\" does not solve problems with rolling friction; those that do: " + joined(known));
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw AssembledError(
+        "solver \"" + name +
+        "\" does not solve problems with rolling friction; those that do: " + joined(known));
   check(problem, options);
   AssembledOptions o = options;
   if (o.max_iterations == 0) o.max_iterations = default_iterations;
-  const double unsymmetric = o.model == AssembledModel::convex ? asymmetry(problem) : 0;
-  const bool replace = unsymmetric > symmetric_to;
-  RollingProblem symmetric;
-  if (replace) symmetric = symmetrized(problem);
-  const RollingProblem& p = replace ? symmetric : problem;
+  const ModelProblem<RollingProblem> solved(problem, o.model);
+  const RollingProblem& p = solved.get();
   const std::vector<double> scales = contact_scales(p);
   const RollingProblem free = scaled(p, scales);
   RollingMonitor monitor(p, scales, o, curve);
-  if (replace) {
-    char text[80];
-    std::snprintf(text, sizeof text, "W symmetrized (unsymmetric by %.1e)", unsymmetric);
-    monitor.note(text);
-  }
+  monitor.note(solved.note());
   std::vector<double> x = monitor.scaled_impulses(
       o.guess.empty() ? std::vector<double>(problem.q.size(), 0.0) : o.guess);
   if (const int hopeless = untouchable_contact(p); hopeless >= 0) {
     monitor.over(x);
-    monitor.fail(AssembledStatus::no_solution,
-                 "contact " + std::to_string(hopeless) + " approaches and no impulse acts on it");
+    monitor.fail(AssembledStatus::no_solution, untouchable_note(hopeless));
   } else if (name == "auto") {
     run_auto(free, o.model, x, monitor);
   } else if (name == "proximal") {

@@ -16,7 +16,7 @@ std::vector<std::string> rolling_solver_names();
 /// replaced by its symmetric part, which the result notes.
 /// @param options  relaxation and tell_unsolvable have no meaning here
 /// @throws AssembledError naming the known solvers when the name is none of them,
-///         or when sizes disagree
+///         or when sizes disagree or an option is out of range
 AssembledResult solve_rolling(const std::string& name, const RollingProblem& problem,
                               const AssembledOptions& options,
                               std::vector<AssembledCurvePoint>* curve = nullptr);

@@ -244,6 +244,46 @@ TEST(RollingSolvers, ApproachThatNothingActsOnHasNoSolution) {
   EXPECT_NE(result.note.find("contact 1"), std::string::npos) << result.note;
 }
 
+TEST(RollingSolvers, MistakesOfTheCallerAreNamed) {
+  const RollingProblem good = rolling_form(random_rolling_problem(2, false, 8));
+  const auto fault = [](const RollingProblem& p, const AssembledOptions& o) {
+    try {
+      solve_rolling("nlgs", p, o);
+    } catch (const AssembledError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  RollingProblem p = good;
+  p.mu_r.clear();
+  EXPECT_EQ(fault(p, {}), "mu_r has 0 values, expected 2");
+  p = good;
+  p.mu.push_back(0.5);
+  EXPECT_EQ(fault(p, {}), "mu has 3 values, expected 2");
+  p = good;
+  p.row_start.pop_back();
+  EXPECT_EQ(fault(p, {}), "row_start has 10 values, expected 11");
+  p = good;
+  p.row_start[4] = 1000;
+  EXPECT_EQ(fault(p, {}), "row_start must ascend from 0 to 100");
+  p = good;
+  p.column.back() = 10;
+  EXPECT_EQ(fault(p, {}), "column holds 10, expected 0 to 9");
+  AssembledOptions o;
+  o.tolerance = std::nan("");
+  EXPECT_EQ(fault(good, o), "tolerance must not be negative, got nan");
+  o = {};
+  o.max_iterations = -1;
+  EXPECT_EQ(fault(good, o), "max_iterations must not be negative, got -1");
+  o = {};
+  o.check_every = -1;
+  EXPECT_EQ(fault(good, o), "check_every must not be negative, got -1");
+  o = {};
+  o.max_seconds = std::nan("");
+  EXPECT_EQ(fault(good, o), "max_seconds must not be negative, got nan");
+  EXPECT_EQ(fault(good, {}), "no error");
+}
+
 TEST(RollingProblems, BilateralConstraintsAreEliminated) {
   // The sphere on a rail: it cannot move along y nor turn about x, and so r_t2 and r_m1 rest.
   GlobalProblem p = rolling_sphere(0.5, 0.005);

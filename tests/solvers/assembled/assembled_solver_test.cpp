@@ -411,6 +411,9 @@ TEST(AssembledSolver, MistakesOfTheCallerAreNamed) {
   o.tolerance = -1;
   EXPECT_THAT(fault(p, o), HasSubstr("tolerance"));
   EXPECT_THAT(fault(AssembledProblem{}, {}), HasSubstr("no contacts"));
+  AssembledProblem short_rows = p;
+  short_rows.row_start.pop_back();
+  EXPECT_THAT(fault(short_rows, {}), HasSubstr("row_start has 1 values, expected 2"));
   AssembledProblem bad = p;
   bad.q[1] = std::nan("");
   EXPECT_THAT(fault(bad, {}), HasSubstr("q holds a value that is not finite"));

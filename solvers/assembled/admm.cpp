@@ -23,13 +23,13 @@
 
 #include "solvers/assembled/assembled_solver.h"
 #include "solvers/assembled/cone_vectors.h"
+#include "solvers/assembled/model_problem.h"
 #include "solvers/assembled/shifted_factors.h"
 
 namespace scree {
 namespace {
 
 constexpr double over_relaxation = 1.6;
-constexpr double unsymmetric_from = 1e-12;  ///< what is less is rounding
 
 /// Coulomb's law of one contact alone with u = rho (x - y), in place of y.
 void solve_isotropic_contact(double mu, double* y) {
@@ -45,8 +45,10 @@ void project(const AssembledProblem& p, AssembledModel model, std::vector<double
   for (int c = 0; c < p.contact_count; ++c) solve_isotropic_contact(p.mu[c], &y[3 * c]);
 }
 
-void fail(AssembledMonitor& monitor) {
-  monitor.fail(AssembledStatus::singular, "W is not semidefinite");
+void fail(AssembledMonitor& monitor, BlockFactors::Kind kind) {
+  monitor.fail(AssembledStatus::singular, kind == BlockFactors::Kind::lu
+                                              ? "W + rho D is singular to rounding"
+                                              : "W is not semidefinite");
 }
 
 class Admm final : public AssembledSolver {
@@ -65,15 +67,16 @@ class Admm final : public AssembledSolver {
     const AssembledProblem& s = scaled.problem;
     const std::size_t rows = p.q.size();
     const double relaxation = o.relaxation > 0 ? o.relaxation : over_relaxation;
-    ShiftedFactors factors(
-        s, asymmetry(s) > unsymmetric_from ? BlockFactors::Kind::lu : BlockFactors::Kind::cholesky);
+    const BlockFactors::Kind kind =
+        asymmetry(s) > symmetric_to ? BlockFactors::Kind::lu : BlockFactors::Kind::cholesky;
+    ShiftedFactors factors(s, kind);
     double rho = 1;
     const auto factorize = [&] {
       monitor.count_factorizations();
       return factors.factorize(
           std::vector<Block3>(p.contact_count, Block3{rho, 0, 0, 0, rho, 0, 0, 0, rho}));
     };
-    if (!factorize()) return fail(monitor);
+    if (!factorize()) return fail(monitor, kind);
     std::vector<double> z = scaled.scaled(o.guess), w(rows), b(rows), x;
     project(p, o.model, z);
     // -rho w is the velocity at a solution.
@@ -109,7 +112,7 @@ class Admm final : public AssembledSolver {
       const double before = rho;
       rho = std::clamp(rho * factor, 1e-8, 1e8);
       for (double& v : w) v *= before / rho;
-      if (!factorize()) return fail(monitor);
+      if (!factorize()) return fail(monitor, kind);
     }
   }
 };

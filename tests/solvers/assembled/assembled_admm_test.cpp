@@ -76,6 +76,17 @@ TEST(AssembledAdmm, AnUnsymmetricOperatorIsFactorizedAsItIs) {
   EXPECT_LE(result.factorizations, 12);
 }
 
+/// Of a scale of 1, so that W + D has a column of zeros.
+TEST(AssembledAdmm, FactorsOfAnUnsymmetricOperatorThatFailAreNotedAsSingular) {
+  const Block3 unsymmetric{2, 0, 0, 0, -1, 1, 0, 0, 2}, indefinite{2, 0, 0, 0, -1, 0, 0, 0, 2};
+  const AssembledResult lu = solve(fixtures::one_contact(unsymmetric, {-1, 1, 0}, 0.3));
+  EXPECT_EQ(lu.status, AssembledStatus::singular);
+  EXPECT_EQ(lu.note, "W + rho D is singular to rounding");
+  const AssembledResult cholesky = solve(fixtures::one_contact(indefinite, {-1, 1, 0}, 0.3));
+  EXPECT_EQ(cholesky.status, AssembledStatus::singular);
+  EXPECT_EQ(cholesky.note, "W is not semidefinite");
+}
+
 /// Masses of 1 on top of each other come down with a speed of 1 and stay: all contacts stick.
 TEST(AssembledAdmm, ATowerIsCarriedWithFewFactorizations) {
   const int count = 60;

@@ -5,6 +5,8 @@ set_property(CACHE SCREE_CUDA PROPERTY STRINGS AUTO ON OFF)
 set(SCREE_CUDA_ARCHITECTURES AUTO CACHE STRING
   "CUDA architectures to build for, for instance 80;90; AUTO: those of the GPUs of this machine, 90 without one")
 set(SCREE_EXTRA_SOLVERS "" CACHE STRING "Headers of further solvers of steps (a list), as CONTRIBUTING.md describes them")
+set(SCREE_EXTRA_SHAPES "" CACHE STRING "Headers of further shapes (a list), as CONTRIBUTING.md describes them")
+set(SCREE_EXTRA_PAIRS "" CACHE STRING "Headers of their pair functions (a list)")
 set(SCREE_SANITIZE "" CACHE STRING "Host sanitizers, for instance address;undefined")
 set(SCREE_TEST_LAUNCHER "" CACHE STRING "Command (a list) put before the CUDA test program")
 option(SCREE_NATIVE "Build for the processor of this machine" ON)

@@ -290,7 +290,7 @@ void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
     throw std::runtime_error(
         std::to_string(bodies.count) + " bodies and " + std::to_string(end - wall_begin) +
         " wall features do not fit the 32 bits of a contact element" +
-        (keys_.feature_bits > 0 ? ", " + bits + " of which tell the contacts of two boxes apart"
+        (keys_.feature_bits > 0 ? ", " + bits + " of which tell the contacts of two bodies apart"
                                 : ""));
   }
   keys_.wall_begin = static_cast<std::uint32_t>(wall_begin);

@@ -1,12 +1,16 @@
 #pragma once
 // Shapes, walls and meshes in backend memory.
 
+#include <algorithm>
+#include <map>
 #include <stdexcept>
 #include <string>
 
 #include "collision/obstacles.h"
 #include "kernels/backend/backend.h"
+#include "kernels/narrow_phase/pair_table.h"
 #include "kernels/narrow_phase/wall_contacts.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
 
@@ -34,11 +38,16 @@ class ObstacleBuffers {
     const MeshTopology<Real> topology = build_mesh_topology<Real>(data.meshes);
     std::vector<PlaneSource> sources;
     std::vector<WallSolid> solids;
-    free_boxes_ = check_pairs(data);
+    count_free_shapes(data);
+    check_pairs(data);
     for (const Index s : data.walls) {
       add_wall(s, data.shapes[static_cast<std::size_t>(s)], topology, sources, solids);
     }
-    mix_ = free_boxes_ > 0  ? ShapeMix::any
+    const bool is_mixed =
+        !free_.empty() || std::any_of(solids.begin(), solids.end(), [](const WallSolid& solid) {
+          return !is_solid_of_spheres(solid.kind);
+        });
+    mix_ = is_mixed         ? ShapeMix::any
            : solids.empty() ? ShapeMix::spheres_and_planes
                             : ShapeMix::spheres;
     plane_count_ = static_cast<Index>(sources.size());
@@ -61,8 +70,14 @@ class ObstacleBuffers {
   ShapeMix mix() const { return mix_; }
   Index plane_count() const { return plane_count_; }
   /// Bits that contact keys need to tell the contacts of two free bodies apart.
-  int feature_bits() const { return free_boxes_ > 1 ? BoxFeature::kBits : 0; }
-  /// Contact elements that box and mesh walls take.
+  int feature_bits() const {
+    int bits = 0;
+    for (const auto& [a, count_a] : free_)
+      for (const auto& [b, count_b] : free_)
+        if (a != b || count_a > 1) bits = std::max(bits, bits_of(a, b));
+    return bits;
+  }
+  /// Contact elements that solid walls take.
   std::uint64_t solid_elements() const { return solid_elements_; }
   Span<const ShapeRecord<Real>> shapes() const { return whole(shapes_); }
 
@@ -84,85 +99,80 @@ class ObstacleBuffers {
   }
 
  private:
-  /// Refuses bodies that could meet without a word.
-  /// @return  the number of free boxes
-  static Index check_pairs(const ObstacleData<Real>& data) {
+  /// Bits that tell the contacts of two shapes apart.
+  static int bits_of(ShapeKind a, ShapeKind b) {
+    const PairEntry* pair = find_pair(a, b);
+    return pair == nullptr ? 0 : pair->feature_bits;
+  }
+
+  void count_free_shapes(const ObstacleData<Real>& data) {
     std::vector<bool> is_wall(data.shapes.size(), false);
-    bool has_mesh = false;
+    for (const Index s : data.walls) is_wall[static_cast<std::size_t>(s)] = true;
+    for (std::size_t s = 0; s < data.shapes.size(); ++s)
+      if (!is_wall[s]) ++free_[data.shapes[s].kind];
+  }
+
+  /// Refuses bodies that could meet without a word. Spheres may come at any time, and have no
+  /// records.
+  void check_pairs(const ObstacleData<Real>& data) const {
+    const auto require = [](ShapeKind a, ShapeKind b) {
+      if (find_pair(a, b) != nullptr) return;
+      throw std::runtime_error(std::string("contact of a ") + name_of(a) + " with a " + name_of(b) +
+                               " is not available: there is no pair function");
+    };
+    for (const auto& [a, count] : free_) {
+      require(shapes::Sphere::kind, a);
+      for (const auto& [b, count_b] : free_)
+        if (a != b || count > 1) require(a, b);
+    }
     for (const Index s : data.walls) {
-      is_wall[static_cast<std::size_t>(s)] = true;
-      has_mesh = has_mesh || data.shapes[static_cast<std::size_t>(s)].kind == ShapeKind::mesh;
+      const ShapeKind wall = data.shapes[static_cast<std::size_t>(s)].kind;
+      if (!is_shape(wall) || shape_card(wall).is_ball) continue;  // refused by add_wall()
+      const ShapeKind met = shape_card(wall).faces ? shapes::HalfSpace::kind : wall;
+      require(shapes::Sphere::kind, met);
+      for (const auto& [a, count] : free_) require(a, met);
     }
-    Index free_boxes = 0;
-    for (std::size_t s = 0; s < data.shapes.size(); ++s) {
-      if (is_wall[s]) continue;
-      const ShapeKind kind = data.shapes[s].kind;
-      // Spheres may come at any time, and have no records.
-      if (pair_kind(ShapeKind::sphere, kind) == PairKind::none ||
-          pair_kind(kind, kind) == PairKind::none) {
-        throw std::runtime_error("shape " + std::to_string(s) + " is a " + name_of(kind) +
-                                 ", for whose contacts with other bodies there is no function");
-      }
-      free_boxes += kind == ShapeKind::box;
-    }
-    if (free_boxes > 0 && has_mesh) {
-      throw std::runtime_error("contact of a box with a mesh is not available: " +
-                               std::to_string(free_boxes) + " free boxes and a mesh wall");
-    }
-    return free_boxes;
   }
 
   static const char* name_of(ShapeKind kind) {
-    switch (kind) {
-      case ShapeKind::sphere:
-        return "sphere";
-      case ShapeKind::box:
-        return "box";
-      case ShapeKind::half_space:
-        return "half_space";
-      case ShapeKind::container:
-        return "container";
-      case ShapeKind::mesh:
-        return "mesh";
-    }
-    return "shape of an unknown kind";
+    return is_shape(kind) ? shape_card(kind).name : "shape of an unknown kind";
   }
 
   void add_wall(Index s, const ShapeRecord<Real>& shape, const MeshTopology<Real>& topology,
                 std::vector<PlaneSource>& sources, std::vector<WallSolid>& solids) {
+    if (!is_shape(shape.kind) || shape_card(shape.kind).is_ball) {
+      throw std::runtime_error("shape " + std::to_string(s) + " is a " + name_of(shape.kind) +
+                               " and cannot be a wall");
+    }
+    const ShapeCard& card = shape_card(shape.kind);
+    if (card.faces != nullptr) {
+      Shape described;
+      described.half_extents = Vec3d(shape.half_extents);
+      described.normal = Vec3d(shape.normal);
+      described.open_faces = shape.open_faces;
+      for (const WallFace& face : card.faces(described)) {
+        sources.push_back({s, face.point, face.normal});
+      }
+      return;
+    }
     WallSolid solid;
     solid.kind = shape.kind;
     solid.body = shape.body;
     solid.mesh = shape.mesh;
     solid.half_extents = Vec3d(shape.half_extents);
     solid.element_offset = static_cast<std::uint32_t>(solid_elements_);
-    switch (shape.kind) {
-      case ShapeKind::half_space:
-        sources.push_back({s, -1});
-        return;
-      case ShapeKind::container:
-        for (int face = 0; face < kContainerFaces; ++face) {
-          if ((shape.open_faces >> face & 1) == 0) sources.push_back({s, face});
-        }
-        return;
-      case ShapeKind::box:
-        if (free_boxes_ > 0) solid.slots = 1u << BoxFeature::kBits;
-        solids.push_back(solid);
-        solid_elements_ += images_ * solid.slots;
-        return;
-      case ShapeKind::mesh:
-        if (shape.mesh < 0 || shape.mesh >= static_cast<Index>(topology.meshes.size())) {
-          throw std::runtime_error("wall names mesh " + std::to_string(shape.mesh) + " of " +
-                                   std::to_string(topology.meshes.size()));
-        }
-        add_mesh(topology, solid);
-        solids.push_back(solid);
-        solid_elements_ += images_ * solid.slots;
-        return;
-      case ShapeKind::sphere:
-        break;
+    for (const auto& [a, count] : free_) {
+      solid.slots = std::max(solid.slots, 1u << bits_of(a, shape.kind));
     }
-    throw std::runtime_error("shape " + std::to_string(s) + " is a sphere and cannot be a wall");
+    if (card.has_mesh) {
+      if (shape.mesh < 0 || shape.mesh >= static_cast<Index>(topology.meshes.size())) {
+        throw std::runtime_error("wall names mesh " + std::to_string(shape.mesh) + " of " +
+                                 std::to_string(topology.meshes.size()));
+      }
+      add_mesh(topology, solid);
+    }
+    solids.push_back(solid);
+    solid_elements_ += images_ * solid.slots;
   }
 
   static void add_mesh(const MeshTopology<Real>& topology, WallSolid& solid) {
@@ -185,9 +195,9 @@ class ObstacleBuffers {
   ShapeMix mix_ = ShapeMix::spheres_and_planes;
   Index plane_count_ = 0;
   Index solid_count_ = 0;
-  Index free_boxes_ = 0;
+  std::map<ShapeKind, Index> free_;  ///< free bodies by shape, but for spheres without records
   std::uint64_t solid_elements_ = 0;
-  std::uint64_t images_ = 1;  ///< of each box or mesh wall
+  std::uint64_t images_ = 1;  ///< of each solid wall
   Buffer<B, ShapeRecord<Real>> shapes_;
   Buffer<B, PlaneSource> sources_;
   Buffer<B, WallPlane> planes_;

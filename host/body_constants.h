@@ -13,7 +13,7 @@ struct BodyConstant {
   double mass = 0;    ///< [kg]; 0 for fixed and kinematic bodies
   int group = 0;
   BodyKind kind = BodyKind::free;
-  Shape::Kind shape = Shape::Kind::sphere;
+  ShapeKind shape = kNoShape;
   int entry = -1;            ///< see BodyDescription and ParticleSet
   bool is_particle = false;  ///< of a set: the entry is one of `particles`
   std::size_t number = 0;    ///< in its set

@@ -15,10 +15,10 @@
 
 #include "kernels/math/quat.h"
 #include "kernels/math/vec3.h"
+#include "shapes/shape.h"
 
 namespace scree {
 
-using Vec3d = Vec3<double>;
 using Quatd = Quat<double>;
 
 /// Contact law parameters of one material, or of one pair of materials.
@@ -78,26 +78,6 @@ class Rare {
   std::shared_ptr<const T> value_;
 };
 
-/// A closed (or declared open) triangle surface in its body's frame.
-struct TriangleMesh {
-  std::string name;                           ///< file it came from, for messages
-  std::vector<Vec3d> vertices;                ///< [m]
-  std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise seen from outside
-  bool closed = true;
-};
-
-/// The shape of one body.
-struct Shape {
-  enum class Kind : std::uint8_t { sphere, box, half_space, container, mesh };
-  Kind kind = Kind::sphere;
-  double radius = 0;   ///< sphere [m]
-  Vec3d half_extents;  ///< box, container: half edge lengths [m]
-  /// half_space: unit outward normal in the body frame (bodies are on this side).
-  Vec3d normal{0, 0, 1};
-  unsigned open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
-  int mesh = -1;            ///< mesh: index into Scene::meshes
-};
-
 enum class BodyKind : std::uint8_t { free, fixed, kinematic };
 
 /// Locked degrees of freedom, world axes: bits of BodyDescription::locks.
@@ -115,7 +95,7 @@ enum Lock : std::uint8_t {
 /// One body as it enters the simulation.
 struct BodyDescription {
   BodyKind kind = BodyKind::free;
-  Shape shape;
+  Shape shape;             ///< its kind is one of shape_cards()
   Vec3d position;          ///< center of mass, world [m]
   Quatd orientation;       ///< body to world
   Vec3d velocity;          ///< [m/s]
@@ -272,7 +252,8 @@ class InputError;
 /// Checks every field of the scene. @throws InputError at the first fault.
 void validate(const Scene& scene);
 
-/// Mass and principal moments of a solid sphere or box of the given density [kg/m^3].
+/// Mass and principal moments of a solid of the given density [kg/m^3].
+/// @throws InputError for shapes that have no mass
 void set_mass_from_density(BodyDescription& body, double density);
 
 /// One particle of a set as a body of its own.

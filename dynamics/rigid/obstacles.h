@@ -9,6 +9,7 @@
 #include "host/scene/bodies_by_id.h"
 #include "kernels/backend/backend.h"
 #include "kernels/bodies/body_view.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
 
@@ -22,7 +23,7 @@ class Obstacles {
     const auto add = [&](std::size_t body_id, const BodyDescription& body) {
       const auto id = static_cast<Index>(body_id);
       const bool is_free = body.kind == BodyKind::free;
-      if (body.shape.kind != Shape::Kind::sphere) {
+      if (!shape_card(body.shape.kind).is_ball) {
         shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
         if (!is_free) data_.walls.push_back(shape_of_id_[id]);
         data_.shapes.push_back(record(body.shape, is_free ? -1 : fixed));
@@ -55,23 +56,9 @@ class Obstacles {
  private:
   static ShapeRecord<Real> record(const Shape& shape, Index body) {
     ShapeRecord<Real> r;
-    switch (shape.kind) {
-      case Shape::Kind::sphere:
-        r.kind = ShapeKind::sphere;
-        break;
-      case Shape::Kind::box:
-        r.kind = ShapeKind::box;
-        break;
-      case Shape::Kind::half_space:
-        r.kind = ShapeKind::half_space;
-        break;
-      case Shape::Kind::container:
-        r.kind = ShapeKind::container;
-        break;
-      case Shape::Kind::mesh:
-        r.kind = ShapeKind::mesh;
-        break;
-    }
+    const ShapeCard& card = shape_card(shape.kind);
+    r.kind = shape.kind;
+    r.rounding = card.rounding == nullptr ? Real(0) : static_cast<Real>(card.rounding(shape));
     r.open_faces = static_cast<std::uint8_t>(shape.open_faces);
     r.mesh = shape.mesh;
     r.body = body;

@@ -6,6 +6,7 @@
 #include "host/scene.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/step/step_setup.h"
+#include "shapes/shape_card.h"
 #include "solvers/body_contacts.h"
 
 namespace scree {
@@ -44,12 +45,15 @@ struct StepProblem {
 template <class B, class Real>
 class ProblemAssembly {
  public:
-  ProblemAssembly(B& b, const Scene& scene, const SceneSummary& summary)
+  /// @param shapes  records that BodyView::shape points to
+  ProblemAssembly(B& b, const Scene& scene, const SceneSummary& summary,
+                  Span<const ShapeRecord<Real>> shapes)
       : laws_(b),
         sums_(b, 1),
         layout_(summary.layout),
         solid_spheres_(summary.solid_spheres),
         radial_bodies_(summary.radial_bodies),
+        shapes_(shapes),
         material_count_(static_cast<Index>(scene.materials.size())) {
     std::vector<PairLaw<Real>> laws;
     for (const Material& m : all_pair_values(scene)) {
@@ -64,13 +68,13 @@ class ProblemAssembly {
       has_restitution_ = has_restitution_ || law.restitution > 0;
     }
     upload(b, laws, laws_);
-    const auto is_box = [](const BodyDescription& body) {
-      return body.kind == BodyKind::free && body.shape.kind == Shape::Kind::box;
+    const auto has_vertices = [](const BodyDescription& body) {
+      return body.kind == BodyKind::free && !shape_card(body.shape.kind).is_ball;
     };
-    has_vertices_ = std::any_of(scene.bodies.begin(), scene.bodies.end(), is_box);
+    has_vertices_ = std::any_of(scene.bodies.begin(), scene.bodies.end(), has_vertices);
     for (const Insertion& insertion : scene.insertions)
-      has_vertices_ =
-          has_vertices_ || std::any_of(insertion.bodies.begin(), insertion.bodies.end(), is_box);
+      has_vertices_ = has_vertices_ ||
+                      std::any_of(insertion.bodies.begin(), insertion.bodies.end(), has_vertices);
     bounces_by_bias_ = has_restitution_ && scene.stepping.restitution_law == RestitutionLaw::newton;
   }
 
@@ -118,7 +122,8 @@ class ProblemAssembly {
       const Span<Vec3<Real>> drift = sized(step.drift, general);
       p.drift = drift;
       for_each(b, general,
-               ContactDrift<Real>{bodies, contacts, p.general_inertia, setup.time_step / 2, drift});
+               ContactDrift<Real>{bodies, contacts, p.general_inertia, shapes_, setup.time_step / 2,
+                                  drift});
     }
     reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
     step.lists.build(b, p);
@@ -196,6 +201,7 @@ class ProblemAssembly {
   ContactLayout layout_;
   bool solid_spheres_ = false;
   bool radial_bodies_ = false;
+  Span<const ShapeRecord<Real>> shapes_;
   Index material_count_;
   Real uniform_friction_ = 0;
   bool has_uniform_friction_ = true;

@@ -41,7 +41,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
         loads_(backend(), store_.count()),
         obstacles_(backend(), scene_, store_.fixed_begin()),
         detector_(backend(), collision_settings(scene_, summary_, near_pairs), obstacles_.data()),
-        assembly_(backend(), scene_, summary_),
+        assembly_(backend(), scene_, summary_, obstacles_.shapes()),
         impacts_(backend(), scene_, summary_.layout),
         integrate_sums_(backend(), 1),
         solver_(make_step_solver()),

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "host/scene/bodies_by_id.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
 namespace {
@@ -38,7 +39,7 @@ SharedConstants shared_constants(const Scene& scene) {
   bool spheres = true;
   const auto see_body = [&](std::size_t, const BodyDescription& body) {
     if (body.kind != BodyKind::free) return;
-    spheres = spheres && body.shape.kind == Shape::Kind::sphere;
+    spheres = spheres && shape_card(body.shape.kind).is_ball;
     radius.see(body.shape.radius);
     mass.see(body.mass);
     locks.see(body.locks);

@@ -21,7 +21,7 @@ int print_schema() {
   const std::filesystem::path path = scene_folder() / "schema.json";
   std::ifstream file(path);
   if (!file) throw InputError(path.string() + ": cannot be read");
-  const auto schema = reader::schema_with_solvers(reader::Json::parse(file));
+  const auto schema = reader::schema_with_cards(reader::Json::parse(file));
   fmt::print("{}\n", schema.dump(2));
   return 0;
 }

@@ -6,6 +6,7 @@
 
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_summary.h"
+#include "shapes/sphere.h"
 
 namespace scree {
 
@@ -37,6 +38,7 @@ BodyConstant BodyConstants::operator[](std::size_t id) const {
   const std::size_t i = id - range.begin;
   if (!range.bodies.empty()) return range.bodies[i];
   BodyConstant particle;
+  particle.shape = shapes::Sphere::kind;
   particle.radius = range.particles.radius[i];
   particle.mass = particle_mass(range.particles, i);
   particle.group = range.particles.group[i];

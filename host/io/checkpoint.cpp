@@ -18,6 +18,7 @@
 #include "host/io/values.h"
 #include "host/scene/particle_table.h"
 #include "host/version.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
 namespace {
@@ -227,7 +228,7 @@ void write_all(h5::Group root, const Contents& c) {
   body.write("velocity", values(s.velocity), 3);
   body.write("angular_velocity", values(s.angular_velocity), 3);
   write_constant<double>(body, "radius", c, [](const BodyConstant& b) {
-    return b.shape == Shape::Kind::sphere ? b.radius : 0.0;
+    return shape_card(b.shape).is_ball ? b.radius : 0.0;
   });
   write_constant<double>(body, "mass", c, [](const BodyConstant& b) { return b.mass; });
   write_constant<std::int32_t>(body, "group", c, [](const BodyConstant& b) { return b.group; });

@@ -14,6 +14,7 @@
 #include "host/io/values.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_summary.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
 namespace {
@@ -68,17 +69,15 @@ void write_constant(h5::Group& data, const std::string& name, const BodyConstant
   write_values(data, name, column);
 }
 
-/// Half edge lengths of boxes and containers; zero for other bodies.
+/// Half edge lengths of the boxes about bodies; zero for spheres, half spaces and meshes.
 template <class Real>
 std::vector<Real> half_extents(const Scene& scene, std::size_t count) {
   std::vector<Real> column(3 * count, Real(0));
   for_each_by_id(
       scene,
       [&](std::size_t id, const BodyDescription& body) {
-        const Shape& s = body.shape;
-        if (s.kind != Shape::Kind::box && s.kind != Shape::Kind::container) return;
         for (std::size_t k = 0; k < 3; ++k)
-          column[3 * id + k] = static_cast<Real>(s.half_extents[static_cast<int>(k)]);
+          column[3 * id + k] = static_cast<Real>(body.shape.half_extents[static_cast<int>(k)]);
       },
       [](std::size_t, const ParticleSet&) {});
   return column;
@@ -88,7 +87,7 @@ template <class Real>
 void write_constants(h5::Group& data, const Scene& scene, const BodyConstants& bodies) {
   write_values(data, "id", counting(bodies.size()));
   write_constant<Real>(data, "radius", bodies, [](const BodyConstant& b) {
-    return b.shape == Shape::Kind::sphere ? b.radius : 0.0;
+    return shape_card(b.shape).is_ball ? b.radius : 0.0;
   });
   write_values(data, "half_extents", half_extents<Real>(scene, bodies.size()), 3);
   write_constant<double>(data, "mass", bodies, [](const BodyConstant& b) { return b.mass; });

@@ -7,25 +7,14 @@
 
 #include "host/io/atomic_file.h"
 #include "host/io/wall_surfaces.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
 namespace {
 
 const char* name_of(const BodyDescription& body) {
   if (body.kind == BodyKind::kinematic) return "kinematic";
-  switch (body.shape.kind) {
-    case Shape::Kind::sphere:
-      return "sphere";
-    case Shape::Kind::box:
-      return "box";
-    case Shape::Kind::container:
-      return "container";
-    case Shape::Kind::half_space:
-      return "half_space";
-    case Shape::Kind::mesh:
-      return "mesh";
-  }
-  return "body";
+  return shape_card(body.shape.kind).name;
 }
 
 }  // namespace

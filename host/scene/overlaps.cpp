@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/error.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
 namespace {
@@ -31,7 +32,7 @@ std::vector<Ball> balls_at_start(const Scene& scene) {
   int id = 0;
   const auto pass = [&](const auto& batch, bool is_there) {
     for (const BodyDescription& body : batch.bodies) {
-      const bool is_ball = body.kind == BodyKind::free && body.shape.kind == Shape::Kind::sphere;
+      const bool is_ball = body.kind == BodyKind::free && shape_card(body.shape.kind).is_ball;
       if (is_there && is_ball) balls.push_back({body.position, body.shape.radius, id});
       ++id;
     }

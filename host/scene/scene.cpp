@@ -8,9 +8,13 @@
 
 #include "host/error.h"
 #include "host/io/printable.h"
+#include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/bodies/range.h"
+#include "kernels/narrow_phase/pair_table.h"
+#include "shapes/half_space.h"
+#include "shapes/sphere.h"
 #include "solvers/solver_card.h"
 
 namespace scree {
@@ -64,37 +68,23 @@ void check_one_of(const std::string& path, const std::string& value,
   refuse(path, quoted(value), "must be one of " + list);
 }
 
+bool is_wall_shape(const ShapeCard& card) { return !card.may_be_free(); }
+
 std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body) {
   const Shape& shape = body.shape;
-  switch (shape.kind) {
-    case Shape::Kind::sphere:
-      if (!is_positive(shape.radius))
-        return Fault{"radius", text(shape.radius), "must be positive [m]"};
-      break;
-    case Shape::Kind::container:
-      if (shape.open_faces > 63u)
-        return Fault{"open_faces", fmt::format("{}", shape.open_faces), "must be bits 0 to 5"};
-      [[fallthrough]];
-    case Shape::Kind::box:
-      if (!is_positive(shape.half_extents))
-        return Fault{"half_extents", text(shape.half_extents), "must be positive [m]"};
-      break;
-    case Shape::Kind::half_space:
-      if (!is_unit(norm(shape.normal)))
-        return Fault{"normal", text(shape.normal), "must have length 1"};
-      break;
-    case Shape::Kind::mesh:
-      if (shape.mesh < 0 || shape.mesh >= static_cast<int>(scene.meshes.size()))
-        return Fault{"mesh", fmt::format("{}", shape.mesh),
-                     fmt::format("must be an index below {}", scene.meshes.size())};
-      break;
-  }
-  const bool solid = shape.kind == Shape::Kind::sphere || shape.kind == Shape::Kind::box;
-  if (body.kind == BodyKind::free && !solid)
+  if (!is_shape(shape.kind))
+    return Fault{"shape", fmt::format("number {}", static_cast<int>(shape.kind)),
+                 "must be one of " + shape_names([](const ShapeCard&) { return true; }, " or ")};
+  const ShapeCard& card = shape_card(shape.kind);
+  if (card.has_mesh && mesh_of(scene, shape) == nullptr)
+    return Fault{"mesh", fmt::format("{}", shape.mesh),
+                 fmt::format("must be an index below {}", scene.meshes.size())};
+  if (auto fault = card.fault(shape)) return fault;
+  if (body.kind == BodyKind::free && !card.may_be_free())
     return Fault{
         "kind", "\"free\"",
-        "only spheres and boxes can be free; half_space, container and mesh bodies must be "
-        "\"fixed\" or \"kinematic\""};
+        fmt::format("only {} bodies can be free; {} bodies must be \"fixed\" or \"kinematic\"",
+                    shape_names(&ShapeCard::may_be_free, " or "), shape_names(is_wall_shape))};
   return std::nullopt;
 }
 
@@ -157,7 +147,6 @@ std::optional<Fault> motion_fault(const BodyDescription& body) {
 
 std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body) {
   if (auto fault = shape_fault(scene, body)) return fault;
-  if (auto fault = size_fault(body.shape)) return fault;
   if (!is_finite(body.position))
     return Fault{"position", text(body.position), "must be three finite numbers [m]"};
   if (!is_unit(length(body.orientation)))
@@ -326,66 +315,6 @@ void check_meshes(const Scene& scene) {
   }
 }
 
-/// Half length of the box's shadow on a direction.
-double shadow(const BodyDescription& box, const Vec3d& direction) {
-  const Vec3d d = rotate_back(box.orientation, direction);
-  const Vec3d& e = box.shape.half_extents;
-  return std::abs(d.x) * e.x + std::abs(d.y) * e.y + std::abs(d.z) * e.z;
-}
-
-/// True when the interior of box `inner` lies inside box `outer`.
-bool lies_inside(const BodyDescription& inner, const BodyDescription& outer, double tolerance) {
-  const Vec3d offset = inner.position - outer.position;
-  for (int k = 0; k < 3; ++k) {
-    Vec3d axis;
-    axis[k] = 1;
-    axis = rotate(outer.orientation, axis);
-    if (std::abs(dot(offset, axis)) + shadow(inner, axis) > outer.shape.half_extents[k] + tolerance)
-      return false;
-  }
-  return true;
-}
-
-/// Separating axis test of two boxes; touching is not overlap.
-bool interiors_meet(const BodyDescription& a, const BodyDescription& b, double tolerance) {
-  std::array<Vec3d, 15> axes;
-  for (int k = 0; k < 3; ++k) {
-    Vec3d unit;
-    unit[k] = 1;
-    axes[k] = rotate(a.orientation, unit);
-    axes[3 + k] = rotate(b.orientation, unit);
-  }
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) axes[6 + 3 * i + j] = cross(axes[i], axes[3 + j]);
-  const Vec3d offset = b.position - a.position;
-  for (const Vec3d& axis : axes) {
-    const double size = norm(axis);
-    if (size < 1e-9) continue;  // parallel edges: covered by the face axes
-    if (std::abs(dot(offset, axis)) >= shadow(a, axis) + shadow(b, axis) - tolerance * size)
-      return false;
-  }
-  return true;
-}
-
-void check_containers(const Scene& scene) {
-  std::vector<std::size_t> containers;
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    if (scene.bodies[i].shape.kind == Shape::Kind::container) containers.push_back(i);
-  for (std::size_t i = 0; i < containers.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const BodyDescription& a = scene.bodies[containers[j]];
-      const BodyDescription& b = scene.bodies[containers[i]];
-      const double tolerance = 1e-9 * (norm(a.shape.half_extents) + norm(b.shape.half_extents));
-      if (interiors_meet(a, b, tolerance) && !lies_inside(a, b, tolerance) &&
-          !lies_inside(b, a, tolerance))
-        refuse(fmt::format("bodies[{}]", containers[i]), "a container",
-               fmt::format("its interior partly overlaps that of bodies[{}]; containers must be "
-                           "apart, touch, or lie one inside the other",
-                           containers[j]));
-    }
-  }
-}
-
 /// Calls f(body, path maker) for the bodies that are described one by one, those of
 /// insertions included.
 template <class F>
@@ -399,23 +328,46 @@ void for_each_body(const Scene& scene, F f) {
   }
 }
 
-/// There is no contact between a box and a mesh; without this check they would pass through each
-/// other without a word.
-void check_boxes(const Scene& scene) {
-  std::string free_box;
-  std::string mesh;
+/// What a body meets of a shape.
+ShapeKind met_shape(ShapeKind kind) {
+  return shape_card(kind).faces != nullptr ? shapes::HalfSpace::kind : kind;
+}
+
+/// Bodies of two shapes without a pair function would pass through each other without a word.
+void check_pairs(const Scene& scene) {
+  struct Place {
+    std::string path;
+    int count = 0;
+  };
+  std::map<ShapeKind, Place> free, walls;
+  const auto add = [](std::map<ShapeKind, Place>& places, ShapeKind kind, auto path) {
+    Place& place = places[kind];
+    if (place.count++ == 0) place.path = path();
+  };
   for_each_body(scene, [&](const BodyDescription& body, auto path) {
-    const Shape::Kind kind = body.shape.kind;
-    if (free_box.empty() && kind == Shape::Kind::box && body.kind == BodyKind::free)
-      free_box = path();
-    if (mesh.empty() && kind == Shape::Kind::mesh) mesh = path();
+    add(body.kind == BodyKind::free ? free : walls, body.shape.kind, path);
   });
-  if (!free_box.empty() && !mesh.empty())
-    refuse(free_box, "a free box",
-           fmt::format("it could meet the mesh {}, and contact between a box and a mesh is not "
-                       "available yet; a free box may meet spheres, boxes, half_spaces and "
-                       "containers",
-                       mesh));
+  for_each_by_id(
+      scene, [](std::size_t, const BodyDescription&) {},
+      [&](std::size_t, const ParticleSet&) {
+        add(free, shapes::Sphere::kind, [] { return std::string("particles"); });
+      });
+  const auto require = [](ShapeKind a, const Place& at_a, ShapeKind b, const Place& at_b) {
+    if (find_pair(a, met_shape(b)) != nullptr) return;
+    const char *name_a = shape_card(a).name, *name_b = shape_card(b).name;
+    refuse(at_a.path, fmt::format("a free {}", name_a),
+           fmt::format("it could meet the {} {}, and contact between a {} and a {} is not "
+                       "available yet; a free {} may meet {}",
+                       name_b, at_b.path, name_a, name_b, name_a,
+                       shape_names([a](const ShapeCard& card) {
+                         return find_pair(a, met_shape(card.kind)) != nullptr;
+                       })));
+  };
+  for (const auto& [a, at_a] : free) {
+    for (const auto& [b, at_b] : walls) require(a, at_a, b, at_b);
+    for (const auto& [b, at_b] : free)
+      if (a < b || (a == b && at_a.count > 1)) require(b, at_b, a, at_a);
+  }
 }
 
 void check_insertions(const Scene& scene) {
@@ -519,44 +471,39 @@ void validate(const Scene& scene) {
   check_meshes(scene);
   check_bodies(scene);
   check_insertions(scene);
-  check_containers(scene);
-  check_boxes(scene);
+  if (const auto fault = room_fault(scene)) refuse(fault->field, fault->value, fault->expected);
+  check_pairs(scene);
   check_periodicity(scene);
+}
+
+const TriangleMesh* mesh_of(const Scene& scene, const Shape& shape) {
+  const bool has_one = shape.mesh >= 0 && shape.mesh < static_cast<int>(scene.meshes.size());
+  return has_one ? &scene.meshes[static_cast<std::size_t>(shape.mesh)] : nullptr;
 }
 
 namespace {
 
-double sphere_mass(double radius, double density) {
-  constexpr double pi = 3.14159265358979323846;
-  return density * 4.0 / 3.0 * pi * radius * radius * radius;
-}
-
-void set_mass_of_sphere(BodyDescription& body, double density) {
-  const double r = body.shape.radius;
-  body.mass = sphere_mass(r, density);
-  const double moment = 0.4 * body.mass * r * r;
-  body.inertia = {moment, moment, moment};
+void set_mass(BodyDescription& body, double density) {
+  const MassProperties solid = shape_card(body.shape.kind).mass(body.shape, density);
+  body.mass = solid.mass;
+  body.inertia = solid.inertia;
 }
 
 }  // namespace
 
 void set_mass_from_density(BodyDescription& body, double density) {
   if (!is_positive(density)) refuse("density", text(density), "must be positive [kg/m^3]");
-  if (body.shape.kind == Shape::Kind::sphere) {
-    set_mass_of_sphere(body, density);
-  } else if (body.shape.kind == Shape::Kind::box) {
-    const Vec3d& e = body.shape.half_extents;
-    body.mass = density * 8 * e.x * e.y * e.z;
-    const Vec3d square = hadamard(e, e);
-    body.inertia =
-        body.mass / 3 * Vec3d{square.y + square.z, square.z + square.x, square.x + square.y};
-  } else {
-    refuse("density", text(density), "only spheres and boxes have a mass");
-  }
+  if (!is_shape(body.shape.kind))
+    refuse("density", text(density), "a body without a shape has no mass");
+  if (!shape_card(body.shape.kind).may_be_free())
+    refuse("density", text(density),
+           fmt::format("only {} bodies have a mass", shape_names(&ShapeCard::may_be_free, " or ")));
+  set_mass(body, density);
 }
 
 BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
   BodyDescription body;
+  body.shape.kind = shapes::Sphere::kind;
   body.shape.radius = set.radius[i];
   body.position = set.position[i];
   body.orientation = set.orientation[i];
@@ -567,10 +514,10 @@ BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
   body.locks = set.locks;
   const double mass = set.mass[i];
   if (mass == 0) {
-    set_mass_of_sphere(body, set.density[i]);
+    set_mass(body, set.density[i]);
   } else {
     // Moments of a solid sphere of that mass: they are proportional to the density.
-    set_mass_of_sphere(body, 1.0);
+    set_mass(body, 1.0);
     body.inertia *= mass / body.mass;
     body.mass = mass;
   }
@@ -578,7 +525,7 @@ BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
 }
 
 double particle_mass(const ParticleSet& set, std::size_t i) {
-  return set.mass[i] == 0 ? sphere_mass(set.radius[i], set.density[i]) : set.mass[i];
+  return set.mass[i] == 0 ? shapes::Sphere::mass_of(set.radius[i], set.density[i]) : set.mass[i];
 }
 
 }  // namespace scree

@@ -5,15 +5,9 @@
 #include <string>
 
 #include "host/scene.h"
+#include "shapes/shape_card.h"
 
 namespace scree {
-
-/// What is wrong with one value: the field below the body's path, its value and what was expected.
-struct Fault {
-  std::string field;     ///< such as "radius"; empty: the body as a whole
-  std::string value;     ///< as text
-  std::string expected;  ///< such as "must be positive [m]"
-};
 
 /// "<path>: <value> is not allowed: <expected>", the one format of messages about a value.
 std::string fault_text(const std::string& path, const std::string& value,
@@ -26,8 +20,11 @@ std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body)
 /// What of a wall does not fit the scene's periodic domain.
 std::optional<Fault> periodic_wall_fault(const Scene& scene, const BodyDescription& body);
 
-/// A length of a shape that is too small or too large for runs to compute with, see range_fault().
-std::optional<Fault> size_fault(const Shape& shape);
+/// The mesh that a shape names; null: it has none.
+const TriangleMesh* mesh_of(const Scene& scene, const Shape& shape);
+
+/// The first room that partly overlaps another. The field is the whole path.
+std::optional<Fault> room_fault(const Scene& scene);
 
 /// First value of a body that runs cannot compute with: single precision ends at 3e38, and values
 /// are multiplied and squared on the way. Part of body_fault().

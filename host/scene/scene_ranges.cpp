@@ -7,13 +7,13 @@
 
 #include "host/scene/motion.h"
 #include "host/scene/scene_checks.h"
+#include "host/scene/scene_summary.h"
 #include "kernels/bodies/range.h"
 
 namespace scree {
 namespace {
 
-constexpr double kShortest = 1e-12;  // length of a body [m]
-constexpr double kHeaviest = 1e24;   // [kg]
+constexpr double kHeaviest = 1e24;  // [kg]
 constexpr double kLightest = 1e-24;
 constexpr double kMostInertia = 1e36;  // of a shape whose moments are inverted in Real [kg m^2]
 constexpr double kLeastInertia = 1e-36;
@@ -38,22 +38,8 @@ Fault too_far(const std::string& field, const Vec3d& value, const char* unit) {
 
 bool lies_between(double value, double low, double high) { return value >= low && value <= high; }
 
-}  // namespace
-
-std::optional<Fault> size_fault(const Shape& shape) {
-  if (shape.kind == Shape::Kind::sphere && !lies_between(shape.radius, kShortest, kFarthest))
-    return out_of_range("radius", shape.radius, kShortest, kFarthest, "m");
-  if (shape.kind == Shape::Kind::box || shape.kind == Shape::Kind::container) {
-    for (int k = 0; k < 3; ++k)
-      if (!lies_between(shape.half_extents[k], kShortest, kFarthest))
-        return out_of_range("half_extents", shape.half_extents[k], kShortest, kFarthest, "m");
-  }
-  return std::nullopt;
-}
-
-namespace {
-
-std::optional<Fault> speed_fault(const BodyDescription& body, double h) {
+std::optional<Fault> speed_fault(const Scene& scene, const BodyDescription& body) {
+  const double h = scene.stepping.time_step;
   const auto too_fast = [&](const char* field, const Vec3d& rates, const char* unit) {
     return Fault{field, text(rates),
                  fmt::format("must move the body by {:g} m/s at most, and by {:g} m in a step of "
@@ -61,8 +47,7 @@ std::optional<Fault> speed_fault(const BodyDescription& body, double h) {
                              kFastest, kFarthest, h, unit)};
   };
   if (!is_speed_in_range(norm(body.velocity), h)) return too_fast("velocity", body.velocity, "m/s");
-  const double radius =
-      body.shape.kind == Shape::Kind::sphere ? body.shape.radius : norm(body.shape.half_extents);
+  const double radius = bounding_radius(scene, body);
   const double spin = norm(body.angular_velocity);
   if (!is_speed_in_range(radius * spin, h) || !(spin <= kFastest))
     return too_fast("angular_velocity", body.angular_velocity, "rad/s");
@@ -72,7 +57,7 @@ std::optional<Fault> speed_fault(const BodyDescription& body, double h) {
 std::optional<Fault> mass_fault(const BodyDescription& body) {
   if (!lies_between(body.mass, kLightest, kHeaviest))
     return out_of_range("mass", body.mass, kLightest, kHeaviest, "kg");
-  if (body.shape.kind == Shape::Kind::sphere) return std::nullopt;  // its moments need no matrix
+  if (shape_card(body.shape.kind).is_ball) return std::nullopt;  // its moments need no matrix
   for (int k = 0; k < 3; ++k)
     if (!lies_between(body.inertia[k], kLeastInertia, kMostInertia))
       return out_of_range("inertia", body.inertia[k], kLeastInertia, kMostInertia, "kg m^2");
@@ -166,7 +151,7 @@ std::optional<Fault> range_fault(const Scene& scene, const BodyDescription& body
   const double h = scene.stepping.time_step;
   if (!is_in_range(body.position)) return too_far("position", body.position, "m");
   if (body.kind != BodyKind::free) return motion_range_fault(body, h);
-  if (auto fault = speed_fault(body, h)) return fault;
+  if (auto fault = speed_fault(scene, body)) return fault;
   return mass_fault(body);
 }
 

@@ -7,6 +7,7 @@
 
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/motion.h"
+#include "host/scene/scene_checks.h"
 
 namespace scree {
 namespace {
@@ -28,11 +29,11 @@ bool fits_radial_layout(std::uint8_t locks) { return locks == 0 || locks == lock
 /// Spheres whose locks leave all of the translation and all or nothing of the rotation.
 bool fits_radial_layout(const BodyDescription& body) {
   if (body.kind != BodyKind::free) return !rotates(body);
-  return body.shape.kind == Shape::Kind::sphere && fits_radial_layout(body.locks);
+  return shape_card(body.shape.kind).is_ball && fits_radial_layout(body.locks);
 }
 
 bool is_free_solid_sphere(const BodyDescription& body) {
-  if (body.shape.kind != Shape::Kind::sphere || body.locks != 0) return false;
+  if (!shape_card(body.shape.kind).is_ball || body.locks != 0) return false;
   const double solid = 0.4 * body.mass * body.shape.radius * body.shape.radius;
   const auto is_solid = [&](double moment) { return std::abs(moment - solid) <= 1e-9 * solid; };
   return is_solid(body.inertia.x) && is_solid(body.inertia.y) && is_solid(body.inertia.z);
@@ -41,22 +42,7 @@ bool is_free_solid_sphere(const BodyDescription& body) {
 }  // namespace
 
 double bounding_radius(const Scene& scene, const BodyDescription& body) {
-  switch (body.shape.kind) {
-    case Shape::Kind::sphere:
-      return body.shape.radius;
-    case Shape::Kind::box:
-    case Shape::Kind::container:
-      return norm(body.shape.half_extents);
-    case Shape::Kind::half_space:
-      return 0;
-    case Shape::Kind::mesh:
-      break;
-  }
-  double largest = 0;
-  for (const Vec3d& v : scene.meshes[static_cast<std::size_t>(body.shape.mesh)].vertices) {
-    largest = std::max(largest, norm2(v));
-  }
-  return std::sqrt(largest);
+  return shape_card(body.shape.kind).bounding_radius(body.shape, mesh_of(scene, body.shape));
 }
 
 namespace {

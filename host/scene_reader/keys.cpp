@@ -1,7 +1,9 @@
 #include "host/scene_reader/keys.h"
 
+#include <algorithm>
 #include <stdexcept>
 
+#include "shapes/shape_card.h"
 #include "solvers/solver_card.h"
 
 namespace scree {
@@ -14,7 +16,25 @@ std::vector<std::string> solver_keys() {
   return keys;
 }
 
+std::vector<std::string> body_keys() {
+  std::vector<std::string> keys = shape_keys();
+  keys.insert(keys.begin(), {"shape", "kind"});
+  for (const char* key :
+       {"position", "orientation", "rotation_deg", "velocity", "angular_velocity", "mass",
+        "density", "inertia", "material", "group", "lock", "motion", "insert_at"})
+    keys.emplace_back(key);
+  return keys;
+}
+
 }  // namespace
+
+std::vector<std::string> shape_keys() {
+  std::vector<std::string> keys;
+  for (const ShapeCard& card : shape_cards())
+    for (const ShapeKey& own : card.keys)
+      if (std::find(keys.begin(), keys.end(), own.key) == keys.end()) keys.emplace_back(own.key);
+  return keys;
+}
 
 const std::vector<KeyTable>& scene_key_tables() {
   static const std::vector<KeyTable> tables{
@@ -27,32 +47,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"material_pair",
        {"between", "friction", "restitution", "cohesion", "rolling_friction", "spinning_friction"}},
       {"periodic", {"x", "y", "z"}},
-      {"body",
-       {"shape",
-        "kind",
-        "radius",
-        "size",
-        "normal",
-        "point",
-        "min",
-        "max",
-        "open",
-        "file",
-        "scale",
-        "closed",
-        "position",
-        "orientation",
-        "rotation_deg",
-        "velocity",
-        "angular_velocity",
-        "mass",
-        "density",
-        "inertia",
-        "material",
-        "group",
-        "lock",
-        "motion",
-        "insert_at"}},
+      {"body", body_keys()},
       {"rotation", {"axis", "angle"}},
       {"motion",
        {"type", "velocity", "axis", "center", "rate", "amplitude", "frequency", "phase", "start",

@@ -16,6 +16,9 @@ struct KeyTable {
 /// All tables.
 const std::vector<KeyTable>& scene_key_tables();
 
+/// Keys of bodies that say something about their shape, each once.
+std::vector<std::string> shape_keys();
+
 /// The table of that name, which must exist.
 const KeyTable& scene_keys(const std::string& object);
 

@@ -8,19 +8,12 @@
 #include "host/scene/particle_table.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene_reader/parts.h"
+#include "shapes/shape_card.h"
 
 namespace scree::reader {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
-
-using Kind = Shape::Kind;
-
-const std::vector<std::pair<std::string, Kind>> kShapes{{"sphere", Kind::sphere},
-                                                        {"box", Kind::box},
-                                                        {"half_space", Kind::half_space},
-                                                        {"container", Kind::container},
-                                                        {"mesh", Kind::mesh}};
 
 /// Refuses keys that exist but mean nothing here, such as a radius of a box.
 void refuse_keys(const Node& node, const std::vector<std::string>& keys, const std::string& why) {
@@ -28,51 +21,7 @@ void refuse_keys(const Node& node, const std::vector<std::string>& keys, const s
     if (const auto found = node.find(key)) found->fail(why);
 }
 
-void refuse_keys_of_other_shapes(const Node& node, Kind kind, const std::string& name) {
-  const std::vector<std::pair<std::string, std::vector<Kind>>> shape_keys{
-      {"radius", {Kind::sphere}},     {"size", {Kind::box, Kind::container}},
-      {"normal", {Kind::half_space}}, {"point", {Kind::half_space}},
-      {"min", {Kind::container}},     {"max", {Kind::container}},
-      {"open", {Kind::container}},    {"file", {Kind::mesh}},
-      {"scale", {Kind::mesh}},        {"closed", {Kind::mesh}}};
-  for (const auto& [key, kinds] : shape_keys)
-    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-      refuse_keys(node, {key}, "a " + name + " has no such key");
-}
-
-Vec3d read_half_extents(const Node& node) {
-  const Node size = node.at("size", "must be three full edge lengths [x, y, z] [m]");
-  const Vec3d edges = size.vector("m");
-  if (!(edges.x > 0 && edges.y > 0 && edges.z > 0)) size.refuse("must be positive [m]");
-  return 0.5 * edges;
-}
-
-unsigned read_open_faces(const Node& node) {
-  const std::vector<std::pair<std::string, unsigned>> names{{"-x", 1}, {"+x", 2},  {"-y", 4},
-                                                            {"+y", 8}, {"-z", 16}, {"+z", 32}};
-  unsigned bits = 0;
-  for (const Node& face : node.elements()) bits |= face.choice(names);
-  return bits;
-}
-
-void read_container(const Node& node, BodyDescription& body) {
-  const bool by_corners = node.has("min") || node.has("max");
-  if (by_corners) {
-    refuse_keys(node, {"size", "position"}, "give either min and max, or size and position");
-    const Vec3d low = node.at("min", "must be the lower corner [x, y, z] [m]").vector("m");
-    const Node max = node.at("max", "must be the upper corner [x, y, z] [m]");
-    const Vec3d high = max.vector("m");
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z))
-      max.refuse("must be above min on every axis [m]");
-    body.shape.half_extents = 0.5 * (high - low);
-    body.position = 0.5 * (low + high);
-  } else {
-    body.shape.half_extents = read_half_extents(node);
-  }
-  if (const auto open = node.find("open")) body.shape.open_faces = read_open_faces(*open);
-}
-
-void read_mesh_shape(const Node& node, BodyDescription& body, Draft& draft) {
+int read_mesh_file(const Node& node, Draft& draft) {
   const Node file = node.at("file", "must be the name of an .stl or .obj file");
   const std::filesystem::path path = file.file();
   MeshOptions options;
@@ -82,45 +31,82 @@ void read_mesh_shape(const Node& node, BodyDescription& body, Draft& draft) {
   const auto [entry, is_new] =
       draft.meshes.emplace(key, static_cast<int>(draft.scene.meshes.size()));
   if (is_new) draft.scene.meshes.push_back(read_mesh(path, options));
-  body.shape.mesh = entry->second;
+  return entry->second;
 }
 
-void read_shape(const Node& node, BodyDescription& body, Draft& draft) {
-  const Node shape = node.at("shape",
-                             "must be one of \"sphere\", \"box\", \"half_space\", "
-                             "\"container\", \"mesh\"");
-  body.shape.kind = shape.choice(kShapes);
-  refuse_keys_of_other_shapes(node, body.shape.kind, shape.text());
-  switch (body.shape.kind) {
-    case Kind::sphere:
-      body.shape.radius = node.at("radius", "must be positive [m]").number(kPositive, "m");
-      break;
-    case Kind::box:
-      body.shape.half_extents = read_half_extents(node);
-      break;
-    case Kind::half_space:
-      if (const auto normal = node.find("normal")) body.shape.normal = normal->direction();
-      if (const auto point = node.find("point")) {
-        refuse_keys(node, {"position"}, "give either point or position");
-        body.position = point->vector("m");
-      }
-      break;
-    case Kind::container:
-      read_container(node, body);
-      break;
-    case Kind::mesh:
-      read_mesh_shape(node, body, draft);
-      break;
+/// An entry of `bodies`.
+class NodeSource final : public ShapeSource {
+ public:
+  NodeSource(const Node& node, Draft& draft) : node_(node), draft_(draft) {}
+
+  bool has(const char* key) const override { return node_.has(key); }
+  double length(const char* key) const override {
+    return node_.at(key, "must be positive [m]").number(kPositive, "m");
+  }
+  Vec3d edges(const char* key) const override {
+    const Node size = node_.at(key, "must be three full edge lengths [x, y, z] [m]");
+    const Vec3d edges = size.vector("m");
+    if (!(edges.x > 0 && edges.y > 0 && edges.z > 0)) size.refuse("must be positive [m]");
+    return edges;
+  }
+  Vec3d direction(const char* key) const override {
+    return node_.at(key, "must be a direction [x, y, z]").direction();
+  }
+  Vec3d point(const char* key, const char* expected) const override {
+    return node_.at(key, expected).vector("m");
+  }
+  unsigned faces(const char* key) const override {
+    const std::vector<std::pair<std::string, unsigned>> names{{"-x", 1}, {"+x", 2},  {"-y", 4},
+                                                              {"+y", 8}, {"-z", 16}, {"+z", 32}};
+    unsigned bits = 0;
+    for (const Node& face : node_.at(key, "must be a list of faces").elements())
+      bits |= face.choice(names);
+    return bits;
+  }
+  int mesh() const override { return read_mesh_file(node_, draft_); }
+  void exclude(std::span<const char* const> keys, const char* why) const override {
+    refuse_keys(node_, {keys.begin(), keys.end()}, why);
+  }
+  [[noreturn]] void refuse(const char* key, const char* expected) const override {
+    node_.at(key, expected).refuse(expected);
+  }
+
+ private:
+  const Node& node_;
+  Draft& draft_;
+};
+
+void refuse_keys_of_other_shapes(const Node& node, const ShapeCard& own) {
+  for (const std::string& key : shape_keys()) {
+    const bool is_own = std::any_of(own.keys.begin(), own.keys.end(),
+                                    [&](const ShapeKey& k) { return key == k.key; });
+    if (!is_own) refuse_keys(node, {key}, fmt::format("a {} has no such key", own.name));
   }
 }
 
+void read_shape(const Node& node, BodyDescription& body, Draft& draft) {
+  std::vector<std::pair<std::string, ShapeKind>> names;
+  std::string list;
+  for (const ShapeCard& card : shape_cards()) {
+    names.emplace_back(card.name, card.kind);
+    list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", card.name);
+  }
+  const Node shape = node.at("shape", "must be one of " + list);
+  body.shape.kind = shape.choice(names);
+  const ShapeCard& card = shape_card(body.shape.kind);
+  refuse_keys_of_other_shapes(node, card);
+  card.read(NodeSource(node, draft), body.shape, body.position);
+}
+
 void read_kind(const Node& node, BodyDescription& body) {
-  const bool solid = body.shape.kind == Kind::sphere || body.shape.kind == Kind::box;
-  body.kind = solid ? BodyKind::free : BodyKind::fixed;
+  const bool may_be_free = shape_card(body.shape.kind).may_be_free();
+  body.kind = may_be_free ? BodyKind::free : BodyKind::fixed;
   if (const auto kind = node.find("kind")) {
     body.kind = kind->choice<BodyKind>(
         {{"free", BodyKind::free}, {"fixed", BodyKind::fixed}, {"kinematic", BodyKind::kinematic}});
-    if (body.kind == BodyKind::free && !solid) kind->refuse("only spheres and boxes can be free");
+    if (body.kind == BodyKind::free && !may_be_free)
+      kind->refuse(
+          fmt::format("only {} bodies can be free", shape_names(&ShapeCard::may_be_free, " or ")));
   }
   if (body.kind != BodyKind::free)
     refuse_keys(node,

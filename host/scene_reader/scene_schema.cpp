@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/scene.h"
+#include "shapes/shape_card.h"
 #include "solvers/solver_card.h"
 
 namespace scree::reader {
@@ -32,9 +33,85 @@ Json parameter_schema(const SharedParameter& shared) {
           {"description", description}};
 }
 
+Json schema_of(ShapeKey::Type type) {
+  switch (type) {
+    case ShapeKey::Type::length:
+      return {{"type", "number"}, {"exclusiveMinimum", 0}};
+    case ShapeKey::Type::vector:
+      return {{"$ref", "#/$defs/vector"}};
+    case ShapeKey::Type::faces:
+      return {{"type", "array"}, {"items", {{"enum", {"-x", "+x", "-y", "+y", "-z", "+z"}}}}};
+    case ShapeKey::Type::file:
+      return {{"type", "string"}, {"minLength", 1}};
+    case ShapeKey::Type::scale:
+      return {{"type", "number"}, {"exclusiveMinimum", 0}, {"default", 1}};
+    case ShapeKey::Type::flag:
+      return {{"type", "boolean"}, {"default", true}};
+  }
+  return {};
+}
+
+/// "box, container: full edge lengths [m], positive.": what the shapes that have a key say of it.
+std::string text_of_key(const std::string& key) {
+  std::vector<std::pair<std::string, std::string>> texts;  // of one or more shapes, their names
+  for (const ShapeCard& card : shape_cards())
+    for (const ShapeKey& own : card.keys) {
+      if (key != own.key) continue;
+      if (!texts.empty() && texts.back().first == own.text)
+        texts.back().second += fmt::format(", {}", card.name);
+      else
+        texts.emplace_back(own.text, card.name);
+    }
+  std::string all;
+  for (const auto& [text, names] : texts)
+    all += fmt::format("{}{}: {}", all.empty() ? "" : " ", names, text);
+  return all;
+}
+
+Json shape_condition(const ShapeCard& card) {
+  Json required = Json::array();
+  for (const ShapeKey& key : card.keys)
+    if (key.is_required) required.push_back(key.key);
+  if (required.empty()) return {};
+  return {
+      {"if",
+       {{"properties", {{"shape", {{"const", card.name}}}}}, {"required", Json::array({"shape"})}}},
+      {"then", {{"required", required}}}};
+}
+
+/// Takes the place of what the schema says of shapes.
+void put_shapes(Json& body) {
+  Json& properties = body.at("properties");
+  std::vector<std::string> names;
+  std::string description;
+  for (const ShapeCard& card : shape_cards()) {
+    names.emplace_back(card.name);
+    description +=
+        fmt::format("{}{}: {}.", description.empty() ? "" : " ", card.name, card.description);
+  }
+  properties["shape"] = {{"enum", names}, {"description", description}};
+  properties["kind"]["description"] = fmt::format(
+      "free: moves by forces. fixed: never moves. kinematic: follows its motion. "
+      "Default: free for {}, fixed for the others, which cannot be free.",
+      shape_names(&ShapeCard::may_be_free));
+  for (const ShapeCard& card : shape_cards())
+    for (const ShapeKey& key : card.keys) {
+      properties[key.key] = schema_of(key.type);
+      properties[key.key]["description"] = text_of_key(key.key);
+    }
+  Json conditions = Json::array();
+  for (const ShapeCard& card : shape_cards())
+    if (Json condition = shape_condition(card); !condition.is_null())
+      conditions.push_back(condition);
+  for (const Json& condition : body.at("allOf"))
+    if (!condition.at("if").at("properties").contains("shape")) conditions.push_back(condition);
+  body["allOf"] = conditions;
+}
+
 }  // namespace
 
-Json schema_with_solvers(Json schema) {
+Json schema_with_cards(Json schema) {
+  put_shapes(schema.at("$defs").at("body"));
   Json& properties = schema.at("$defs").at("solver").at("properties");
   properties["name"] = name_schema();
   for (const SharedParameter& shared : solver_parameters())

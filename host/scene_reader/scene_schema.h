@@ -1,12 +1,12 @@
 #pragma once
-// The part of scenes/schema.json that tells the solvers of steps: what their cards say.
+// The parts of scenes/schema.json that tell the solvers of steps and the shapes: what their cards say.
 
 #include "host/scene_reader/json_text.h"
 
 namespace scree::reader {
 
-/// The schema with the solvers of this program and their parameters.
+/// The schema with the solvers of this program, their parameters and its shapes.
 /// @param schema  the document of scenes/schema.json
-Json schema_with_solvers(Json schema);
+Json schema_with_cards(Json schema);
 
 }  // namespace scree::reader

@@ -1,21 +1,21 @@
 #pragma once
-// Bodies as structures of arrays, and the shapes that are not plain spheres.
+// Bodies as structures of arrays, and records of the shapes that are not spheres.
 
 #include "kernels/bodies/per_body.h"
 #include "kernels/math/quat.h"
+#include "shapes/shape_kind.h"
 
 namespace scree {
-
-enum class ShapeKind : std::uint8_t { sphere, box, half_space, container, mesh };
 
 /// Geometry of a body that is not a sphere, in its body frame.
 template <class Real>
 struct ShapeRecord {
-  ShapeKind kind = ShapeKind::box;
+  ShapeKind kind = kNoShape;
   std::uint8_t open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
   Index mesh = -1;              ///< mesh: index into MeshSetView::ranges
   Index body = -1;              ///< storage index of the body that has this shape
-  Vec3<Real> half_extents;      ///< box, container [m]
+  Vec3<Real> half_extents;      ///< of the box about it [m]
+  Real rounding = 0;            ///< by how much its vertices are rounded [m]
   Vec3<Real> normal;            ///< half_space: unit, bodies are on this side
 };
 

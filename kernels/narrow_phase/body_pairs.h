@@ -1,10 +1,8 @@
 #pragma once
-// The table of pair functions for two binned bodies, by shape kinds.
+// Contacts of two binned bodies, by the pair function of their shapes.
 
 #include "kernels/broad_phase/contact_range.h"
-#include "kernels/narrow_phase/pairs/box_box.h"
-#include "kernels/narrow_phase/pairs/sphere_box.h"
-#include "kernels/narrow_phase/pairs/sphere_sphere.h"
+#include "kernels/narrow_phase/pairs/pair_list.h"
 #include "kernels/narrow_phase/walls.h"
 
 namespace scree {
@@ -19,13 +17,16 @@ enum class ShapeMix {
 
 /// What pair functions need of one body.
 struct BodySample {
-  ShapeKind kind = ShapeKind::sphere;
+  ShapeKind kind = kNoShape;
   Vec3d position;
   double radius = 0;
   RigidMotion motion;  ///< on its course, see course_velocity()
-  Quatd orientation;   ///< boxes only
-  Vec3d half_extents;  ///< boxes only
-  Index name = 0;      ///< boxes only: stays when bodies change places in memory
+  // Not of spheres:
+  Quatd orientation;
+  Vec3d half_extents;
+  Index name = 0;  ///< stays when bodies change places in memory
+
+  SCREE_HD PairSide side() const { return {radius, orientation, half_extents}; }
 };
 
 /// @tparam kMix  without `any` no binned body has a shape record, so none is looked up
@@ -33,6 +34,7 @@ template <ShapeMix kMix, class Real>
 SCREE_HD BodySample load_body(const BodyView<Real>& bodies, Span<const ShapeRecord<Real>> shapes,
                               const ContactRange& range, Index i) {
   BodySample s;
+  s.kind = shapes::Sphere::kind;
   s.position = bodies.position[i];
   s.radius = bodies.radius[i];
   s.motion.linear = course_velocity(bodies, range, i);
@@ -49,46 +51,25 @@ SCREE_HD BodySample load_body(const BodyView<Real>& bodies, Span<const ShapeReco
   return s;
 }
 
-/// The pair functions of two binned bodies.
-enum class PairKind { none, sphere_sphere, sphere_box, box_sphere, box_box };
-
-/// Two kinds as one number, for a switch.
-SCREE_HD constexpr int pair_of(ShapeKind a, ShapeKind b) {
-  return static_cast<int>(a) * 16 + static_cast<int>(b);
-}
-
-/// A scene in which two bodies could meet that have no pair function is refused before a run.
-SCREE_HD constexpr PairKind pair_kind(ShapeKind a, ShapeKind b) {
-  switch (pair_of(a, b)) {
-    case pair_of(ShapeKind::sphere, ShapeKind::sphere):
-      return PairKind::sphere_sphere;
-    case pair_of(ShapeKind::sphere, ShapeKind::box):
-      return PairKind::sphere_box;
-    case pair_of(ShapeKind::box, ShapeKind::sphere):
-      return PairKind::box_sphere;
-    case pair_of(ShapeKind::box, ShapeKind::box):
-      return PairKind::box_box;
-    default:
-      return PairKind::none;
-  }
-}
-
-/// A contact that is never listed.
+/// A contact that is never listed. A scene in which two bodies could meet that have no pair
+/// function is refused before a run.
 SCREE_HD inline ContactGeometry no_contact() { return {{0, 0, 1}, INFINITY, {}, {}}; }
 
-SCREE_HD inline BoxAxes box_axes(const BodySample& body) {
-  return {body.orientation, body.half_extents};
-}
-
-/// Two boxes in the order of their names, which outlives that in memory: so their contacts keep
-/// their features.
-struct NamedBoxes {
+/// Two bodies as a pair function takes them. Two of one shape with several contacts come in the
+/// order of their names, which outlives that in memory: so their contacts keep their features.
+template <class P>
+struct OrderedPair {
   bool is_swapped;
-  BoxPair pair;
+  PairSide a, b;
+  Vec3d d;  ///< center of a to center of b [m]
 
-  SCREE_HD NamedBoxes(const BodySample& a, const BodySample& b, const Vec3d& d)
-      : is_swapped(b.name < a.name),
-        pair{{box_axes(is_swapped ? b : a), box_axes(is_swapped ? a : b)}, is_swapped ? -d : d} {}
+  SCREE_HD OrderedPair(const BodySample& first, const BodySample& second, const Vec3d& along,
+                       bool is_reversed)
+      : is_swapped(is_reversed ||
+                   (P::kFeatureBits > 0 && P::A::kind == P::B::kind && second.name < first.name)),
+        a(is_swapped ? second.side() : first.side()),
+        b(is_swapped ? first.side() : second.side()),
+        d(is_swapped ? -along : along) {}
   SCREE_HD ContactGeometry in_memory(const ContactGeometry& g) const {
     return is_swapped ? swapped(g) : g;
   }
@@ -102,21 +83,13 @@ SCREE_HD ContactGeometry body_pair(const BodySample& a, const BodySample& b, con
   if constexpr (kMix != ShapeMix::any) {
     return sphere_sphere(d, a.radius, b.radius);
   } else {
-    switch (pair_kind(a.kind, b.kind)) {
-      case PairKind::sphere_sphere:
-        return sphere_sphere(d, a.radius, b.radius);
-      case PairKind::sphere_box:
-        return sphere_box(d, a.radius, b.orientation, b.half_extents);
-      case PairKind::box_sphere:
-        return swapped(sphere_box(-d, b.radius, a.orientation, a.half_extents));
-      case PairKind::box_box: {
-        const NamedBoxes boxes(a, b, d);
-        return boxes.in_memory(box_box_contact(boxes.pair, feature));
-      }
-      case PairKind::none:
-        break;
-    }
-    return no_contact();
+    ContactGeometry g = no_contact();
+    PairList::visit_bodies(a.kind, b.kind, [&](auto pair, bool is_reversed) {
+      using P = decltype(pair);
+      const OrderedPair<P> p(a, b, d, is_reversed);
+      g = p.in_memory(P::contact(p.a, p.b, p.d, feature));
+    });
+    return g;
   }
 }
 
@@ -127,23 +100,35 @@ SCREE_HD inline double most_speed(const BodySample& a, const RigidMotion& motion
          norm(motion_b.angular) * radius_b;
 }
 
-/// Calls emit(feature) for each listed contact of two bodies of any kinds, features ascending. What
-/// two boxes have is found once for all of their contacts.
+/// Calls emit(feature) for the contacts that a pair function lists, features ascending. What several
+/// have in common is found once.
+/// @param most    bodies that are farther apart have none [m]
+/// @param listed  listed(contact): whether it is wanted
+template <class P, class Listed, class Emit>
+SCREE_HD void list_features(const PairSide& a, const PairSide& b, const Vec3d& d, double most,
+                            Listed&& listed, Emit&& emit) {
+  if constexpr (P::kFeatureBits == 0) {
+    if (listed(P::contact(a, b, d, 0))) emit(0u);
+  } else {
+    const Manifold m = P::manifold(a, b, d, most, listed);
+    for (int k = 0; k < m.count; ++k) emit(m.feature[k]);
+  }
+}
+
+/// Calls emit(feature) for each listed contact of two bodies of any shapes, features ascending.
 /// @param reach  contacts are listed up to this gap [m], see is_listed()
 template <class Emit>
 SCREE_HD void visit_pair(const BodySample& a, const BodySample& b, const Vec3d& d, double reach,
                          double h, Emit&& emit) {
-  const auto listed = [&](const ContactGeometry& g) {
-    return is_listed(g.gap, separation_speed(g, a.motion, b.motion), reach, h);
-  };
-  if (pair_kind(a.kind, b.kind) != PairKind::box_box) {
-    if (listed(body_pair<ShapeMix::any>(a, b, d, 0))) emit(0u);
-    return;
-  }
-  const NamedBoxes boxes(a, b, d);
-  const Manifold m = box_box(boxes.pair, reach + h * most_speed(a, b.motion, b.radius),
-                             [&](const ContactGeometry& g) { return listed(boxes.in_memory(g)); });
-  for (int k = 0; k < m.count; ++k) emit(m.feature[k]);
+  PairList::visit_bodies(a.kind, b.kind, [&](auto pair, bool is_reversed) {
+    using P = decltype(pair);
+    const OrderedPair<P> p(a, b, d, is_reversed);
+    const auto listed = [&](const ContactGeometry& found) {
+      const ContactGeometry g = p.in_memory(found);
+      return is_listed(g.gap, separation_speed(g, a.motion, b.motion), reach, h);
+    };
+    list_features<P>(p.a, p.b, p.d, reach + h * most_speed(a, b.motion, b.radius), listed, emit);
+  });
 }
 
 }  // namespace scree

@@ -263,8 +263,8 @@ struct FillContacts {
       const BodySample other = load_body<kMix>(bodies, shapes, range, b);
       const Vec3d d = minimum_image(other.position - body.position, range.period);
       g = body_pair<kMix>(body, other, d, keys.feature(element));
-      if (kPasses && g.gap > 0 && body.kind == ShapeKind::sphere &&
-          other.kind == ShapeKind::sphere) {
+      if (kPasses && g.gap > 0 && body.kind == shapes::Sphere::kind &&
+          other.kind == shapes::Sphere::kind) {
         const Vec3d way = range.h * (other.motion.linear - body.motion.linear);
         g = spheres_on_way(g, d, way, body.radius, other.radius);
       }

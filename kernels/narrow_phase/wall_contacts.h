@@ -5,8 +5,6 @@
 #include "kernels/contact/contact_key.h"
 #include "kernels/narrow_phase/body_pairs.h"
 #include "kernels/narrow_phase/mesh_way.h"
-#include "kernels/narrow_phase/pairs/box_plane.h"
-#include "kernels/narrow_phase/pairs/sphere_plane.h"
 
 namespace scree {
 
@@ -17,7 +15,7 @@ struct WallView {
   MeshView<Real> meshes;
 };
 
-/// Contact of body A with a plane; `corner` counts for boxes only.
+/// Contact of body A with a plane. @param corner  below plane_corners()
 template <ShapeMix kMix>
 SCREE_HD ContactGeometry plane_contact(const BodySample& a, const WallPlane& plane, int corner) {
   const double height = dot(a.position - plane.point, plane.normal);
@@ -25,18 +23,26 @@ SCREE_HD ContactGeometry plane_contact(const BodySample& a, const WallPlane& pla
   if constexpr (kMix != ShapeMix::any) {
     return sphere_half_space(height, plane.normal, d, a.radius);
   } else {
-    switch (a.kind) {
-      case ShapeKind::sphere:
-        return sphere_half_space(height, plane.normal, d, a.radius);
-      case ShapeKind::box:
-        return box_half_space(height, plane.normal, d, a.orientation, a.half_extents, corner);
-      case ShapeKind::half_space:
-      case ShapeKind::container:
-      case ShapeKind::mesh:
-        break;
-    }
-    return no_contact();
+    ContactGeometry g = no_contact();
+    PairList::visit_plane(a.kind, [&](auto pair) {
+      g = decltype(pair)::contact(a.side(), height, plane.normal, d, corner);
+    });
+    return g;
   }
+}
+
+/// Contacts that body A may have with one plane.
+template <ShapeMix kMix>
+SCREE_HD int plane_corners([[maybe_unused]] const BodySample& a) {
+  int corners = 1;
+  if constexpr (kMix == ShapeMix::any) {
+    corners = 0;
+    PairList::visit_plane(a.kind, [&](auto pair) {
+      static_assert(decltype(pair)::kCorners <= kPlaneSlots);
+      corners = decltype(pair)::kCorners;
+    });
+  }
+  return corners;
 }
 
 /// Sphere A on a mesh, from the contact point found in the frame of the mesh.
@@ -62,18 +68,15 @@ struct SolidContacts {
   template <class Emit>
   SCREE_HD void visit(Emit& emit) const {
     const WallImages images = reached_images();
-    if (solid.kind == ShapeKind::box) {
-      visit_box(images, emit);
-    } else {
-      visit_mesh(images, emit);
-    }
+    if (solid.kind == shapes::Box::kind) visit_box(images, emit);
+    if (solid.kind == shapes::Mesh::kind) visit_mesh(images, emit);
   }
 
   /// Geometry of the contact with this element.
   SCREE_HD ContactGeometry geometry(std::uint32_t element) const {
     const std::uint32_t slot = element - solid.first_element;
     const Vec3d d = center_of(slot / solid.slots);
-    if (solid.kind == ShapeKind::box) {
+    if (solid.kind == shapes::Box::kind) {
       const ContactGeometry g = sphere_box(d, a.radius, solid.orientation, solid.half_extents);
       return sphere_box_on_way(g, d, range.h * wall_speed(d), a.radius, solid.orientation,
                                solid.half_extents);
@@ -281,9 +284,8 @@ struct SolidContacts {
   }
 };
 
-/// Box A and a box wall, in all images that it can touch. Boxes and mesh walls do
-/// not come together.
-struct BoxOnSolid {
+/// Body A and a solid wall, in all images that it can touch, by their pair function.
+struct PairOnSolid {
   const WallSolid& solid;
   const ContactRange& range;
   const BodySample& a;
@@ -298,27 +300,53 @@ struct BoxOnSolid {
             ? WallImages(solid, range.period, a.position, a.radius + envelope + way)
             : WallImages();
     images.for_each(range.period, [&](std::uint32_t image) {
-      const Manifold m = box_box(pair(image), envelope + way, [&](const ContactGeometry& g) {
-        return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
+      with_pair(image, [&](auto pair, const auto& in_memory, const PairSide& first,
+                           const PairSide& second, const Vec3d& d) {
+        const auto listed = [&](const ContactGeometry& found) {
+          const ContactGeometry g = in_memory(found);
+          return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
+        };
+        list_features<decltype(pair)>(first, second, d, envelope + way, listed,
+                                      [&](std::uint32_t feature) {
+                                        emit(solid.first_element + image * solid.slots + feature);
+                                      });
       });
-      for (int k = 0; k < m.count; ++k) {
-        emit(solid.first_element + image * solid.slots + m.feature[k]);
-      }
     });
   }
 
   /// Geometry of the contact with this element.
   SCREE_HD ContactGeometry geometry(std::uint32_t element) const {
     const std::uint32_t slot = element - solid.first_element;
-    return box_box_contact(pair(slot / solid.slots), slot % solid.slots);
+    ContactGeometry g = no_contact();
+    with_pair(slot / solid.slots, [&](auto pair, const auto& in_memory, const PairSide& first,
+                                      const PairSide& second, const Vec3d& d) {
+      g = in_memory(decltype(pair)::contact(first, second, d, slot % solid.slots));
+    });
+    return g;
   }
 
  private:
-  SCREE_HD BoxPair pair(std::uint32_t image) const {
-    return {{box_axes(a), {solid.orientation, solid.half_extents}},
-            image_of_wall(solid, range.period, a.position, image)};
+  /// Calls f(pair function, back to the order A, wall; first side, second side, first to second).
+  template <class F>
+  SCREE_HD void with_pair(std::uint32_t image, F&& f) const {
+    const PairSide wall{0, solid.orientation, solid.half_extents};
+    const Vec3d d = image_of_wall(solid, range.period, a.position, image);
+    PairList::visit_bodies(a.kind, solid.kind, [&](auto pair, bool is_reversed) {
+      const auto in_memory = [&](const ContactGeometry& g) { return is_reversed ? swapped(g) : g; };
+      f(pair, in_memory, is_reversed ? wall : a.side(), is_reversed ? a.side() : wall,
+        is_reversed ? -d : d);
+    });
   }
 };
+
+/// Spheres meet boxes and meshes by SolidContacts, which follows their ways past the wall. All else
+/// is for runs of any shapes.
+SCREE_HD inline bool is_solid_of_spheres(ShapeKind kind) {
+  return kind == shapes::Box::kind || kind == shapes::Mesh::kind;
+}
+SCREE_HD inline bool is_by_pair_function(const BodySample& a, const WallSolid& solid) {
+  return a.kind != shapes::Sphere::kind || !is_solid_of_spheres(solid.kind);
+}
 
 /// Calls emit(element) for each listed contact of body A with the walls, in ascending order: planes
 /// come before solid walls, and the triangles of a mesh are numbered along its tree.
@@ -328,13 +356,12 @@ template <ShapeMix kMix, class Real, class Emit>
 SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range,
                           const ContactKeys& keys, const BodySample& a, double envelope,
                           double inflated, Emit&& emit) {
-  const bool is_box = kMix == ShapeMix::any && a.kind == ShapeKind::box;
   for (Index p = 0; p < static_cast<Index>(walls.planes.size); ++p) {
     const WallPlane& plane = walls.planes[p];
     // Half of it, and the way of A in one step, are in the inflated radius already.
     const double height = dot(a.position - plane.point, plane.normal);
     if (!plane.moves && height > inflated + 0.5 * envelope) continue;
-    const int corners = is_box ? kBoxCorners : 1;
+    const int corners = plane_corners<kMix>(a);
     for (int corner = 0; corner < corners; ++corner) {
       const ContactGeometry g = plane_contact<kMix>(a, plane, corner);
       if (g.gap > envelope &&
@@ -347,8 +374,8 @@ SCREE_HD void visit_walls(const WallView<Real>& walls, const ContactRange& range
   if constexpr (kMix != ShapeMix::spheres_and_planes) {
     for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
       if constexpr (kMix == ShapeMix::any) {
-        if (is_box) {
-          BoxOnSolid{walls.solids[k], range, a}.visit(envelope, emit);
+        if (is_by_pair_function(a, walls.solids[k])) {
+          PairOnSolid{walls.solids[k], range, a}.visit(envelope, emit);
           continue;
         }
       }
@@ -388,7 +415,7 @@ SCREE_HD ContactGeometry wall_contact(const WallView<Real>& walls, const Contact
   const WallSolid& solid = solid_of(walls, element);
   body_b = solid.body;
   if constexpr (kMix == ShapeMix::any) {
-    if (a.kind == ShapeKind::box) return BoxOnSolid{solid, range, a}.geometry(element);
+    if (is_by_pair_function(a, solid)) return PairOnSolid{solid, range, a}.geometry(element);
   }
   return SolidContacts<Real>{walls.meshes, solid, range, a, envelope}.geometry(element);
 }

@@ -1,18 +1,18 @@
 #pragma once
-// Walls: fixed and kinematic bodies that are not spheres. Half-spaces and container faces become
-// planes, boxes and meshes stay solids. Their world geometry is refreshed each step, since
+// Walls: fixed and kinematic bodies that are not spheres. Shapes that have faces as planes, such as
+// half-spaces and containers, become these; others, such as boxes and meshes, stay solids. Their world geometry is refreshed each step, since
 // kinematic bodies move.
 
 #include "kernels/broad_phase/contact_range.h"
 #include "kernels/narrow_phase/pairs/contact_geometry.h"
-#include "kernels/narrow_phase/pairs/container.h"
 
 namespace scree {
 
 /// Where a plane comes from. Constant over a run.
 struct PlaneSource {
   Index shape = 0;  ///< index of the ShapeRecord
-  int face = -1;    ///< container face, -1 for a half-space
+  Vec3d point;      ///< on the plane, body frame [m]
+  Vec3d normal;     ///< unit, body frame
 };
 
 /// An infinite plane in world axes.
@@ -25,15 +25,15 @@ struct WallPlane {
   bool moves = false;  ///< the wall body has a velocity
 };
 
-/// A box or a mesh among the walls.
+/// A solid among the walls.
 struct WallSolid {
-  ShapeKind kind = ShapeKind::box;
+  ShapeKind kind = kNoShape;
   Index mesh = -1;
   Index body = 0;
   std::uint32_t element_offset = 0;  ///< of its contact elements among those of all solids
   std::uint32_t first_element = 0;   ///< of its contact elements
   std::uint32_t slots = 1;           ///< contact elements of one image
-  Vec3d half_extents;                ///< of a box, or of one about the mesh, body frame [m]
+  Vec3d half_extents;                ///< of the box about it, body frame [m]
   Vec3d center;                      ///< position of the wall body [m]
   Quatd orientation;
   RigidMotion motion;  ///< on its course, see course_velocity()
@@ -65,8 +65,7 @@ struct RefreshPlanes {
   SCREE_HD void operator()(Index p) const {
     const ShapeRecord<Real>& shape = shapes[source[p].shape];
     const Quatd q = load_orientation(bodies, shape.body);
-    FacePlane local{{}, Vec3d(shape.normal)};
-    if (source[p].face >= 0) local = container_face(Vec3d(shape.half_extents), source[p].face);
+    const PlaneSource local = source[p];
     WallPlane w;
     w.body = shape.body;
     w.center = bodies.position[shape.body];

@@ -27,7 +27,7 @@ struct EdgeSource {
     const Index shape = list.shape[body];
     if (shape < 0) return false;
     const ShapeRecord<Real>& record = list.shapes[shape];
-    const bool is_container = record.kind == ShapeKind::container;
+    const bool is_container = is_room(record.kind);
     if (!is_container && !is_front_wall(list, body, record)) return false;
 
     // Edge k runs along one axis, at signs (s1, s2) of the next two.

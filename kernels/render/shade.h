@@ -11,7 +11,7 @@ namespace scree::render {
 /// and stores 8-bit sRGB.
 ///
 /// Bodies get a key light with shadows, a sky that neighbors hide, a darker rim that parts
-/// neighbors, and a pattern fixed to the body that shows how it turns. Planes and containers take
+/// neighbors, and a pattern fixed to the body that shows how it turns. Half-spaces and containers take
 /// the background's own color and only receive shadow, so that bodies stand in a plain bright room.
 template <class Real>
 struct ShadePixel {
@@ -49,29 +49,18 @@ struct ShadePixel {
                          const Vec3f& normal) const {
     if (solid.body >= list.fixed_begin) return 1.0f;
     const float footprint = view.footprint(depth);
-    if (solid.kind == SolidKind::sphere) {
-      // A dark belt and two unlike halves; gone before it would flicker on spheres
-      // of a few samples.
-      const Vec3f n = rotate_back(Quat<float>(list.orientation[solid.body]), normal);
-      const float blur = 0.02f + footprint / solid.radius;
-      const float belt = 1.0f - smooth_step(0.20f - blur, 0.20f + blur, std::abs(n.z));
-      const float half = smooth_step(-blur, blur, n.z);
-      const float strength = smooth_step(2.0f, 7.0f, solid.radius / footprint);
-      return 1.0f - strength * (0.38f * belt + 0.10f * half);
-    }
-    if (solid.kind == SolidKind::box) {
+    float factor = 1.0f;
+    ShapeList::visit(solid.kind, [&](auto shape) {
+      using S = decltype(shape);
       const Vec3f p = ray.origin + depth * ray.direction;
-      const Vec3f n = solid.normal_at(ray, depth);
-      float margin = 1e30f;
-      for (int axis = 0; axis < 3; ++axis) {
-        if (n[axis] == 0.0f) margin = smaller(margin, solid.half_extents[axis] - std::abs(p[axis]));
+      if constexpr (requires { S::paint(solid, p, p, footprint); }) {
+        const Vec3f n = S::outline == Outline::ball
+                            ? rotate_back(Quat<float>(list.orientation[solid.body]), normal)
+                            : S::normal_at(solid, ray, depth);
+        factor = S::paint(solid, p, n, footprint);
       }
-      const Vec3f& h = solid.half_extents;
-      const float line = 0.06f * smaller(h.x, smaller(h.y, h.z));
-      const float strength = smooth_step(0.7f, 2.5f, line / footprint);
-      return 1.0f - 0.35f * strength * (1.0f - smooth_step(0.6f * line, 1.6f * line, margin));
-    }
-    return 1.0f;
+    });
+    return factor;
   }
 
   SCREE_HD Vec3f shade(const Solid& solid, float depth, int i, int j) const {
@@ -95,7 +84,7 @@ struct ShadePixel {
                                        : shadow(wall_taps, sub, point, normal));
     }
     const float upward = dot(normal, sky_up);
-    const bool is_plain = solid.kind == SolidKind::half_space || solid.kind == SolidKind::container;
+    const bool is_plain = is_backdrop(solid.kind);
     float open = 1.0f;
     if (is_movable) {
       open -= occlusion(body_taps, i, j, point_view, normal_view, true);
@@ -113,7 +102,7 @@ struct ShadePixel {
       const Vec3f here = lit * key_light() + (0.25f + 0.75f * open) * ambient;
       const Vec3f ratio{here.x / full.x, here.y / full.y, here.z / full.z};
       // A plane fades into the background with distance; walls are a shade darker than floors.
-      const bool is_plane = solid.kind == SolidKind::half_space;
+      const bool is_plane = outline_of(solid.kind) == Outline::plane;
       const float tone = 0.91f + 0.06f * larger(upward, 0.0f) + 0.02f * facing_light;
       const float fade =
           is_plane ? smooth_step(2.0f * scene_size, 12.0f * scene_size, depth) : 0.0f;

@@ -4,7 +4,8 @@
 // of all mesh bodies in the order of their shape records.
 
 #include "kernels/bodies/body_view.h"
-#include "kernels/render/intersect.h"
+#include "kernels/render/view.h"
+#include "shapes/shape_list.h"
 
 namespace scree::render {
 
@@ -51,46 +52,53 @@ struct DrawList {
   }
 };
 
-enum class SolidKind : std::uint8_t { none, sphere, box, half_space, container, triangle };
+/// Whether a shape is part of the background: it takes the color of that, casts no shadow and
+/// hides nothing in front of what it holds.
+template <class S>
+constexpr bool is_backdrop_shape() {
+  if constexpr (requires { S::is_backdrop; }) return S::is_backdrop;
+  return false;
+}
+SCREE_HD inline bool is_backdrop(ShapeKind kind) {
+  bool is_one = false;
+  ShapeList::visit(kind, [&](auto shape) { is_one = is_backdrop_shape<decltype(shape)>(); });
+  return is_one;
+}
+SCREE_HD inline Outline outline_of(ShapeKind kind) {
+  Outline outline = Outline::plane;
+  ShapeList::visit(kind, [&](auto shape) { outline = decltype(shape)::outline; });
+  return outline;
+}
+/// A box seen from inside, such as a container.
+SCREE_HD inline bool is_room(ShapeKind kind) {
+  return is_backdrop(kind) && outline_of(kind) == Outline::box;
+}
 
 /// One primitive in its own frame, with the eye in that frame: ready to be intersected.
 struct Solid {
-  SolidKind kind = SolidKind::none;  ///< none: not drawn in this view
-  bool one_sided = false;            ///< triangle: seen from outside only
-  unsigned open_faces = 0;           ///< container
-  Index body = -1;                   ///< storage index
+  ShapeKind kind = kNoShape;  ///< none: not drawn in this view
+  bool one_sided = false;     ///< triangle: seen from outside only
+  unsigned open_faces = 0;    ///< container
+  Index body = -1;            ///< storage index
   Eye eye;
   float radius = 0;    ///< sphere [m]
-  Vec3f half_extents;  ///< box, container [m]
+  Vec3f half_extents;  ///< of the box about it [m]
   Vec3f normal;        ///< half-space: unit
   Vec3f vertex;        ///< triangle: first vertex [m]
   Vec3f edge1;         ///< triangle: to the second vertex [m]
   Vec3f edge2;         ///< triangle: to the third vertex [m]
 
-  /// Depth at which a ray hits, or kMiss. @tparam known  the solid's kind
-  template <SolidKind known>
-  SCREE_HD float hit(const Ray& ray) const {
-    if constexpr (known == SolidKind::sphere) return hit_sphere(ray, radius);
-    if constexpr (known == SolidKind::box) return hit_box(ray, half_extents);
-    if constexpr (known == SolidKind::half_space) return hit_plane(ray, normal);
-    if constexpr (known == SolidKind::container)
-      return hit_container(ray, half_extents, open_faces);
-    if constexpr (known == SolidKind::triangle)
-      return hit_triangle(ray, vertex, edge1, edge2, one_sided);
-    return kMiss;
-  }
-
   /// Drawn samples the solid may cover.
   SCREE_HD SampleRect rect(const View& view) const {
-    switch (kind) {
-      case SolidKind::sphere:
+    if (kind == kNoShape) return {};
+    switch (outline_of(kind)) {
+      case Outline::ball:
         return sphere_rect(view, eye.to_view({0, 0, 0}), radius);
-      case SolidKind::box:
-      case SolidKind::container:
+      case Outline::box:
         return box_rect(view, eye, half_extents);
-      case SolidKind::half_space:
+      case Outline::plane:
         return drawn_rect(view);
-      case SolidKind::triangle: {
+      case Outline::triangles: {
         const Vec3f a = eye.to_view(vertex);
         const Vec3f b = eye.to_view(vertex + edge1);
         const Vec3f c = eye.to_view(vertex + edge2);
@@ -100,8 +108,6 @@ struct Solid {
         bounds.add_edge(view, c, a);
         return bounds.samples(view);
       }
-      case SolidKind::none:
-        break;
     }
     return {};
   }
@@ -109,43 +115,21 @@ struct Solid {
   /// Unit normal at a hit, towards the eye, in the solid's frame.
   SCREE_HD Vec3f normal_at(const Ray& ray, float depth) const {
     Vec3f n{0, 0, 1};
-    switch (kind) {
-      case SolidKind::sphere:
-        n = (1.0f / radius) * (ray.origin + depth * ray.direction);
-        break;
-      case SolidKind::box:
-      case SolidKind::container: {
-        const BoxSpan span = span_in_box(ray, half_extents);
-        const int axis = kind == SolidKind::box ? span.enter_axis : span.leave_axis;
-        n = {0, 0, 0};
-        n[axis] = ray.direction[axis] > 0.0f ? -1.0f : 1.0f;
-        break;
-      }
-      case SolidKind::half_space:
-        n = normal;
-        break;
-      case SolidKind::triangle: {
-        n = normalized(cross(edge1, edge2));
-        if (dot(n, ray.direction) > 0.0f) n = -n;
-        break;
-      }
-      case SolidKind::none:
-        break;
-    }
+    ShapeList::visit(kind, [&](auto shape) { n = decltype(shape)::normal_at(*this, ray, depth); });
     return n;
   }
 };
 
-/// A fixed plate (a box at least six times wider than thick) that stands between the eye and the
-/// focus is a front wall: like that of a container it is drawn by its edges only.
+/// A fixed plate (at least six times wider than thick) that stands between the eye and the focus is
+/// a front wall: like that of a container it is drawn by its edges only.
 template <class Real>
 SCREE_HD bool is_front_wall(const DrawList<Real>& list, Index body,
                             const ShapeRecord<Real>& record) {
-  if (body < list.fixed_begin || record.kind != ShapeKind::box) return false;
+  if (body < list.fixed_begin || is_backdrop(record.kind)) return false;
   const Vec3f h(record.half_extents);
   const int axis = h.x < h.y ? (h.x < h.z ? 0 : 2) : (h.y < h.z ? 1 : 2);
   const float width = smaller(h[(axis + 1) % 3], h[(axis + 2) % 3]);
-  if (width < 6.0f * h[axis]) return false;
+  if (!(h[axis] > 0.0f) || width < 6.0f * h[axis]) return false;
   Vec3f local;
   local[axis] = 1.0f;
   const Vec3<double> normal(rotate(Quat<float>(list.orientation[body]), local));
@@ -155,7 +139,7 @@ SCREE_HD bool is_front_wall(const DrawList<Real>& list, Index body,
 }
 
 /// Primitive number to solid.
-/// @param solid_only  leave out half-spaces and containers, which cast no shadow
+/// @param solid_only  leave out what is part of the background: it casts no shadow
 template <class Real>
 SCREE_HD Solid resolve(const DrawList<Real>& list, const View& view, Index primitive,
                        bool solid_only) {
@@ -167,33 +151,25 @@ SCREE_HD Solid resolve(const DrawList<Real>& list, const View& view, Index primi
     if (shape < 0) {
       solid.radius = static_cast<float>(list.radius[body]);
       if (!(solid.radius > 0.0f)) return solid;
-      solid.kind = SolidKind::sphere;
+      solid.kind = shapes::Sphere::kind;
       solid.eye = view.eye_at(list.position[body]);
       return solid;
     }
     const ShapeRecord<Real>& record = list.shapes[shape];
+    const Outline outline = outline_of(record.kind);
+    if (outline == Outline::triangles) return solid;  // drawn triangle by triangle
     solid.half_extents = Vec3f(record.half_extents);
-    switch (record.kind) {
-      case ShapeKind::sphere:
-        solid.kind = SolidKind::sphere;
-        solid.radius = static_cast<float>(list.radius[body]);
-        solid.eye = view.eye_at(list.position[body]);
-        return solid;
-      case ShapeKind::box:
-        if (!is_front_wall(list, body, record)) solid.kind = SolidKind::box;
-        break;
-      case ShapeKind::half_space:
-        if (!solid_only) solid.kind = SolidKind::half_space;
-        solid.normal = Vec3f(record.normal);
-        break;
-      case ShapeKind::container:
-        if (!solid_only) solid.kind = SolidKind::container;
-        solid.open_faces = record.open_faces;
-        break;
-      case ShapeKind::mesh:
-        return solid;  // drawn triangle by triangle
+    solid.normal = Vec3f(record.normal);
+    solid.open_faces = record.open_faces;
+    if (is_backdrop(record.kind) ? !solid_only : !is_front_wall(list, body, record)) {
+      solid.kind = record.kind;
     }
-    solid.eye = view.eye_at(list.position[body], list.orientation[body]);
+    if (outline == Outline::ball) {
+      solid.radius = static_cast<float>(list.radius[body]);
+      solid.eye = view.eye_at(list.position[body]);
+    } else {
+      solid.eye = view.eye_at(list.position[body], list.orientation[body]);
+    }
     return solid;
   }
   const Index k = primitive - list.body_count();
@@ -202,7 +178,7 @@ SCREE_HD Solid resolve(const DrawList<Real>& list, const View& view, Index primi
   const Index triangle = list.meshes.ranges[record.mesh].first_triangle +
                          static_cast<Index>(k - list.triangle_begin[shape]);
   const TriangleIndices& t = list.meshes.triangles[triangle];
-  solid.kind = SolidKind::triangle;
+  solid.kind = record.kind;
   solid.body = record.body;
   solid.one_sided = record.body >= list.fixed_begin;
   solid.vertex = Vec3f(list.meshes.vertices[t.v[0]]);

@@ -3,6 +3,7 @@
 // mean size, value range.
 
 #include "kernels/render/color.h"
+#include "kernels/render/solids.h"
 
 namespace scree::render {
 
@@ -65,13 +66,11 @@ struct MeasureBodies {
   PerBody<Index> shape;
   Span<const ShapeRecord<Real>> shapes;
 
-  /// Half the size of the body along the world axes: exact for boxes, the bounding
-  /// radius otherwise.
+  /// Half the size of the body along the world axes: that of the box about
+  /// it, or else the bounding radius.
   SCREE_HD Vec3<double> half_size(Index body, double r) const {
     const Index s = shape[body];
-    if (s < 0 || (shapes[s].kind != ShapeKind::box && shapes[s].kind != ShapeKind::container)) {
-      return {r, r, r};
-    }
+    if (s < 0 || outline_of(shapes[s].kind) != Outline::box) return {r, r, r};
     Vec3<double> size;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3<double> edge;

@@ -7,16 +7,15 @@
 
 #include "kernels/math/quat.h"
 #include "kernels/types.h"
+#include "shapes/ray.h"
 
 namespace scree::render {
 
-using Vec3f = Vec3<float>;
+using scree::Vec3f;
 
 inline constexpr int kSupersampling = 2;  ///< samples per pixel and axis
 /// Samples per axis of a chunk, one work item of a drawing pass.
 inline constexpr int kChunkSide = 8;
-/// Keeps divisions by vanishing direction components finite.
-inline constexpr float kTiny = 1e-20f;
 
 SCREE_HD inline float smaller(float a, float b) { return a < b ? a : b; }
 SCREE_HD inline float larger(float a, float b) { return a > b ? a : b; }
@@ -25,17 +24,6 @@ SCREE_HD inline float clamp(float a, float low, float high) {
 }
 SCREE_HD inline float mix(float a, float b, float t) { return a + (b - a) * t; }
 SCREE_HD inline Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + (b - a) * t; }
-/// 0 below `low`, 1 above `high`, a smooth cubic between.
-SCREE_HD inline float smooth_step(float low, float high, float a) {
-  const float t = clamp((a - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3.0f - 2.0f * t);
-}
-
-struct Ray {
-  Vec3f origin;     ///< [m]
-  Vec3f direction;  ///< scaled so that the ray parameter is the depth
-};
-
 /// The eye and the axes of a view in the frame of a solid: makes rays in that frame.
 struct Eye {
   Vec3f origin;

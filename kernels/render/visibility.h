@@ -58,7 +58,7 @@ struct CountTriangles {
   Span<Index> counts;  ///< [shapes] out
   SCREE_HD void operator()(Index s) const {
     const ShapeRecord<Real>& record = list.shapes[s];
-    const bool drawn = record.kind == ShapeKind::mesh && record.mesh >= 0 &&
+    const bool drawn = outline_of(record.kind) == Outline::triangles && record.mesh >= 0 &&
                        list.is_present(record.body) && list.shape[record.body] == s;
     counts[s] = drawn ? list.meshes.ranges[record.mesh].triangle_count : 0;
   }
@@ -84,30 +84,18 @@ struct SolidSource {
     const Solid solid = resolve(list, view, primitive, solid_only);
     const SampleRect area = solid.rect(view).chunk(chunk);
     // The kind is told apart once per chunk, not once per sample.
-    switch (solid.kind) {
-      case SolidKind::sphere:
-        return draw_kind<SolidKind::sphere>(solid, area, primitive);
-      case SolidKind::box:
-        return draw_kind<SolidKind::box>(solid, area, primitive);
-      case SolidKind::half_space:
-        return draw_kind<SolidKind::half_space>(solid, area, primitive);
-      case SolidKind::container:
-        return draw_kind<SolidKind::container>(solid, area, primitive);
-      case SolidKind::triangle:
-        return draw_kind<SolidKind::triangle>(solid, area, primitive);
-      case SolidKind::none:
-        return;
-    }
+    ShapeList::visit(solid.kind,
+                     [&](auto shape) { draw_shape<decltype(shape)>(solid, area, primitive); });
   }
 
  private:
-  template <SolidKind kind>
-  SCREE_HD void draw_kind(const Solid& solid, const SampleRect& area, Index primitive) const {
+  template <class S>
+  SCREE_HD void draw_shape(const Solid& solid, const SampleRect& area, Index primitive) const {
     for (int j = area.y_begin; j < area.y_end; ++j) {
       const float y = view.plane_y(j);
       Sample* row = samples.data + view.index(0, j);
       for (int i = area.x_begin; i < area.x_end; ++i) {
-        const float depth = solid.hit<kind>(solid.eye.ray(view.plane_x(i), y));
+        const float depth = S::hit(solid, solid.eye.ray(view.plane_x(i), y));
         // The upper limit also rejects what is not finite.
         if (depth > view.near_depth && depth < 1e20f) draw_hit(row + i, depth, primitive);
       }

@@ -1,6 +1,6 @@
 #pragma once
 // The way of a free sphere in one step, as the solved velocities lead it, but not through
-// mesh and box walls.
+// solid walls.
 //
 // Contacts hold a sphere off what it would meet on the way it had before they acted. One that
 // bounces, or is pushed aside by another body, may meet more, and a wall that turns far is not
@@ -10,6 +10,7 @@
 // the contacts of the next step.
 
 #include "kernels/narrow_phase/wall_contacts.h"
+#include "shapes/shape_list.h"
 
 namespace scree {
 
@@ -176,10 +177,10 @@ struct GuardedWay {
       if (from >= hit.time) return;
       const Vec3d end = to_frame(frame, to, place(leg, to));
       const Chord chord{frame, from, to, first, start, end - start, radius};
-      if (solid.kind == ShapeKind::box) {
-        pass(chord, hit, [&](const Vec3d& x) { return nearest_in_box(solid.half_extents, x); });
-      } else {
+      if (solid.kind == shapes::Mesh::kind) {
         pass_mesh(chord, walls.meshes.meshes[solid.mesh], hit);
+      } else {
+        pass_solid(chord, solid, hit);
       }
       start = end;
     }
@@ -224,6 +225,15 @@ struct GuardedWay {
     hit.place = place;
     hit.way = (1 / (c.to - c.from)) * c.way;
     hit.normal = normalized(offset);
+  }
+
+  SCREE_HD static void pass_solid(const Chord& c, const WallSolid& solid, Hit& hit) {
+    ShapeList::visit(solid.kind, [&](auto shape) {
+      using S = decltype(shape);
+      if constexpr (requires { S::nearest(solid.half_extents, c.start); }) {
+        pass(c, hit, [&](const Vec3d& x) { return S::nearest(solid.half_extents, x); });
+      }
+    });
   }
 
   SCREE_HD void pass_mesh(const Chord& c, const MeshInfo& info, Hit& hit) const {

@@ -184,17 +184,19 @@ struct ContactDrift {
   BodyView<Real> bodies;
   ContactView<Real> contacts;
   Span<const GeneralInertia<Real>> inertia;
+  Span<const ShapeRecord<Real>> shapes;
   Real half_step;          ///< h / 2 [s]
   Span<Vec3<Real>> drift;  ///< [count - radial_count] out [m/s]
 
   SCREE_HD void operator()(Index k) const {
     drift[k] = {};
     const Index c = contacts.radial_count + k;
-    // Vertices of boxes on walls. Where a sphere touches, the point of contact moves over it.
+    // Vertices on walls. Where a sphere, or a rounded vertex, touches, the point of contact moves
+    // over it.
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
     if (bodies.shape[a] < 0 || b < bodies.fixed_begin || bodies.shape[b] < 0) return;
     const Vec3<Real> w = on_axes(bodies.angular_velocity[a], free_angular_axes(bodies.locks[a]));
-    const Vec3<Real> r = contacts.arm_a[k];
+    const Vec3<Real> r = contacts.arm_a[k] - shapes[bodies.shape[a]].rounding * contacts.normal[c];
     const GeneralInertia<Real>& body = inertia[a];
     const Vec3<Real> turn = body.inv_inertia * cross(body.inertia * w, w);
     drift[k] = -half_step * (cross(turn, r) + cross(w, cross(w, r)));

@@ -8,6 +8,10 @@
 
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"
+#include "shapes/box.h"
+#include "shapes/container.h"
+#include "shapes/half_space.h"
+#include "shapes/mesh.h"
 
 namespace scree {
 
@@ -53,31 +57,31 @@ struct CollisionScene {
   }
   Index add_half_space(Vec3<double> x, Vec3<double> normal) {
     const Index i = add(x, 0);
-    give_shape(ShapeKind::half_space, true).normal = Vec3<Real>(normal);
+    give_shape(shapes::HalfSpace::kind, true).normal = Vec3<Real>(normal);
     return i;
   }
   Index add_container(Vec3<double> x, Vec3<double> half, unsigned open_faces = 0) {
     const Index i = add(x, 0);
-    ShapeRecord<Real>& s = give_shape(ShapeKind::container, true);
+    ShapeRecord<Real>& s = give_shape(shapes::Container::kind, true);
     s.half_extents = Vec3<Real>(half);
     s.open_faces = static_cast<std::uint8_t>(open_faces);
     return i;
   }
   Index add_box_wall(Vec3<double> x, Vec3<double> half) {
     const Index i = add(x, norm(half));
-    give_shape(ShapeKind::box, true).half_extents = Vec3<Real>(half);
+    give_shape(shapes::Box::kind, true).half_extents = Vec3<Real>(half);
     return i;
   }
   Index add_mesh_wall(Vec3<double> x, const MeshSource& mesh) {
     const Index i = add(x, 0);
-    give_shape(ShapeKind::mesh, true).mesh = static_cast<Index>(obstacles.meshes.size());
+    give_shape(shapes::Mesh::kind, true).mesh = static_cast<Index>(obstacles.meshes.size());
     obstacles.meshes.push_back(mesh);
     return i;
   }
   Index add_free_box(Vec3<double> x, Vec3<double> half, Quat<Real> q = {}) {
     const Index i = add_free(x, norm(half));
     orientation.back() = q;
-    give_shape(ShapeKind::box, false).half_extents = Vec3<Real>(half);
+    give_shape(shapes::Box::kind, false).half_extents = Vec3<Real>(half);
     return i;
   }
 };

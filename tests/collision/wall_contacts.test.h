@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "shapes/container.h"
 #include "tests/backend_fixture.h"
 #include "tests/collision/collision_scene.h"
 
@@ -229,7 +230,7 @@ TYPED_TEST(WallTest, BoxAndMeshAreRefusedByName) {
   EXPECT_THROW(this->contacts(s), std::runtime_error);
   CollisionScene<TypeParam> t;  // a kind that cannot be free
   t.add_free_box({0, 0, 0}, {1, 1, 1});
-  t.obstacles.shapes.back().kind = ShapeKind::container;
+  t.obstacles.shapes.back().kind = shapes::Container::kind;
   EXPECT_THROW(this->contacts(t), std::runtime_error);
 }
 

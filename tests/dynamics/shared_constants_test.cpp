@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shapes/box.h"
+
 namespace scree {
 namespace {
 
@@ -65,7 +67,7 @@ TEST(SharedConstants, LookAtInsertionsButNotAtEmptySetsOrWalls) {
 TEST(SharedConstants, BoundingRadiiOfOtherShapesAreNot) {
   Scene scene;
   BodyDescription box;
-  box.shape.kind = Shape::Kind::box;
+  box.shape.kind = shapes::Box::kind;
   scene.bodies = {box, box};
   EXPECT_FALSE(shared_constants(scene).radius);
   EXPECT_FALSE(shared_constants(scene).spheres);

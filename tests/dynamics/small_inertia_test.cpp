@@ -7,6 +7,7 @@
 
 #include "host/world.h"
 #include "kernels/math/sym3.h"
+#include "shapes/container.h"
 
 namespace scree {
 namespace {
@@ -39,7 +40,7 @@ Scene turning_sand(double radius) {
   scene.solver.max_iterations = 2000;
   BodyDescription box;
   box.kind = BodyKind::kinematic;
-  box.shape.kind = Shape::Kind::container;
+  box.shape.kind = shapes::Container::kind;
   box.shape.half_extents = radius * Vec3d{5, 5, 5};
   Motion motion;
   motion.kind = Motion::Kind::rotating;

@@ -2,9 +2,10 @@
 # check_includes.sh ROOT: reads the #include lines of the source tree at ROOT and prints, as
 # file:line: reason, each one that goes against the layering. Exit status 1 when there are any.
 #
-#   kernels/    kernels                     collision/  kernels, collision
-#   solvers/    kernels, solvers            dynamics/   kernels, collision, solvers, dynamics, some of host
-#   host/       kernels, solvers, host, dynamics/*.h
+#   kernels/    kernels, shapes             shapes/     shapes, kernels/math and kernels/bodies
+#   solvers/    kernels, solvers            collision/  kernels, shapes, collision
+#   dynamics/   kernels, shapes, collision, solvers, dynamics, some of host
+#   host/       kernels, shapes, solvers, host, dynamics/*.h
 #   scenes/     scenes and host/*.h         tests/reference/  anything but kernels/
 # Nobody includes tests/, bench/, host/cli/ or host/python/. kernels/, collision/ and solvers/ use only
 # the standard library and CUDA beside these, and sources of solvers/assembled/ and rolling/ Eigen; host/*.h has
@@ -34,14 +35,15 @@ awk '
   # folder_in("kernels/math/vec3.h") is "math", and "." for a file beside the folders.
   function folder_in(path,  part) { return split(path, part, "/") > 2 ? part[2] : "." }
   BEGIN {
-    allowed["kernels"] = " kernels "
-    allowed["collision"] = " kernels collision "
+    allowed["kernels"] = " kernels shapes "
+    allowed["shapes"] = " kernels shapes "
+    allowed["collision"] = " kernels shapes collision "
     allowed["solvers"] = " kernels solvers "
-    allowed["dynamics"] = " kernels collision solvers dynamics host "
-    allowed["host"] = " kernels solvers dynamics host "
+    allowed["dynamics"] = " kernels shapes collision solvers dynamics host "
+    allowed["host"] = " kernels shapes solvers dynamics host "
     allowed["scenes"] = " host scenes "
     allowed["tests"] = " tests collision solvers dynamics host scenes "
-    is_layer = " kernels collision solvers dynamics host scenes tests bench "
+    is_layer = " kernels shapes collision solvers dynamics host scenes tests bench "
 
     # What a folder may include of the tree that it is in; each may include itself.
     within["kernels/."] = " "
@@ -106,6 +108,8 @@ awk '
     } else if (in_tree && (from to) ~ /^(dynamicshost|hostdynamics)$/ &&
                !index(across[place " " to], " " folder_in(path) " ")) {
       fault(place " may not include " goal " (" path ")")
+    } else if (from == "shapes" && to == "kernels" && folder_in(path) !~ /^(\.|math|bodies)$/) {
+      fault("shapes may not include " goal " (" path ")")
     } else if (in_tree && from == "scenes" && path ~ /^host\/.*\//) {
       fault("scenes may include public host headers only (" path ")")
     } else if ((!quoted || path ~ "/") && !in_tree && from ~ /^(kernels|collision|solvers)$/ &&

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "shapes/mesh.h"
 #include "tests/parity/parity.h"
 
 namespace scree::parity {
@@ -144,7 +145,7 @@ class MeshContainers : public ::testing::TestWithParam<std::tuple<BackendKind, P
     s.meshes.push_back(vessel.mesh(closed));
     BodyDescription body;
     body.kind = course == Course::rest ? BodyKind::fixed : BodyKind::kinematic;
-    body.shape.kind = Shape::Kind::mesh;
+    body.shape.kind = shapes::Mesh::kind;
     body.shape.mesh = 0;
     Motion motion;
     motion.kind = course == Course::shakes ? Motion::Kind::oscillating : Motion::Kind::rotating;

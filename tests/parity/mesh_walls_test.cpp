@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shapes/mesh.h"
 #include "tests/parity/parity.h"
 
 namespace scree::parity {
@@ -56,7 +57,7 @@ BodyDescription& add_mesh(Scene& scene, TriangleMesh mesh) {
   scene.meshes.push_back(mesh);
   BodyDescription body;
   body.kind = BodyKind::fixed;
-  body.shape.kind = Shape::Kind::mesh;
+  body.shape.kind = shapes::Mesh::kind;
   body.shape.mesh = static_cast<int>(scene.meshes.size()) - 1;
   scene.bodies.push_back(body);
   return scene.bodies.back();

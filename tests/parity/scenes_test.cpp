@@ -4,6 +4,8 @@
 
 #include <functional>
 
+#include "shapes/container.h"
+#include "shapes/mesh.h"
 #include "tests/parity/parity.h"
 
 namespace scree::parity {
@@ -31,7 +33,7 @@ Scene container() {
   Scene scene = falling_spheres(-0.03);
   BodyDescription body;
   body.kind = BodyKind::fixed;
-  body.shape.kind = Shape::Kind::container;
+  body.shape.kind = shapes::Container::kind;
   body.shape.half_extents = {0.044, 0.044, 0.037};
   body.shape.open_faces = 32;
   body.orientation = exp_map(Vec3d{0, 0, 0.05});
@@ -51,7 +53,7 @@ Scene mesh() {
   scene.meshes.push_back(valley);
   BodyDescription body;
   body.kind = BodyKind::fixed;
-  body.shape.kind = Shape::Kind::mesh;
+  body.shape.kind = shapes::Mesh::kind;
   body.shape.mesh = 0;
   scene.bodies.push_back(body);
   return scene;

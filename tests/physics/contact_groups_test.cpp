@@ -10,6 +10,7 @@
 #include "host/problems/body_problem.h"
 #include "host/scene/scene_summary.h"
 #include "host/state_hash.h"
+#include "shapes/mesh.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -53,7 +54,7 @@ Scene turning_mesh() {
   valley.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
   scene.meshes.push_back(valley);
   BodyDescription body;
-  body.shape.kind = Shape::Kind::mesh;
+  body.shape.kind = shapes::Mesh::kind;
   body.shape.mesh = 0;
   turn(body, {0.05, 0, 1}, 2);
   scene.bodies.push_back(body);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shapes/container.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -90,7 +91,7 @@ Scene thrown_box(std::uint32_t seed, double e, double friction) {
   scene.stepping.restitution_threshold = 0;
   BodyDescription walls;
   walls.kind = BodyKind::fixed;
-  walls.shape.kind = Shape::Kind::container;
+  walls.shape.kind = shapes::Container::kind;
   walls.shape.half_extents = {0.3, 0.3, 0.3};
   scene.bodies.push_back(walls);
   std::mt19937 random(seed);

@@ -9,6 +9,9 @@
 #include <vector>
 
 #include "host/world.h"
+#include "shapes/box.h"
+#include "shapes/half_space.h"
+#include "shapes/sphere.h"
 
 namespace scree::physics {
 
@@ -52,7 +55,7 @@ inline BodyDescription& add_plane(Scene& scene, const Vec3d& normal = {0, 0, 1},
                                   const Vec3d& point = {}) {
   BodyDescription body;
   body.kind = BodyKind::fixed;
-  body.shape.kind = Shape::Kind::half_space;
+  body.shape.kind = shapes::HalfSpace::kind;
   body.shape.normal = normal;
   body.position = point;
   scene.bodies.push_back(body);
@@ -62,7 +65,7 @@ inline BodyDescription& add_plane(Scene& scene, const Vec3d& normal = {0, 0, 1},
 /// A free solid sphere.
 inline BodyDescription sphere(const Vec3d& position, double radius, double mass) {
   BodyDescription body;
-  body.shape.kind = Shape::Kind::sphere;
+  body.shape.kind = shapes::Sphere::kind;
   body.shape.radius = radius;
   body.position = position;
   body.mass = mass;
@@ -80,7 +83,7 @@ inline BodyDescription& add_sphere(Scene& scene, const Vec3d& position, double r
 inline BodyDescription& add_box(Scene& scene, const Vec3d& position, const Vec3d& half_extents,
                                 double mass) {
   BodyDescription body;
-  body.shape.kind = Shape::Kind::box;
+  body.shape.kind = shapes::Box::kind;
   body.shape.half_extents = half_extents;
   set_mass_from_density(body, mass / (8 * half_extents.x * half_extents.y * half_extents.z));
   body.position = position;
@@ -93,7 +96,7 @@ inline BodyDescription& add_wall_box(Scene& scene, const Vec3d& position, const 
                                      BodyKind kind = BodyKind::fixed) {
   BodyDescription body;
   body.kind = kind;
-  body.shape.kind = Shape::Kind::box;
+  body.shape.kind = shapes::Box::kind;
   body.shape.half_extents = half_extents;
   body.position = position;
   scene.bodies.push_back(body);

@@ -12,7 +12,7 @@
 // A feature tells which corners, edges and sides make a contact, and so its geometry without any
 // further choice: what was listed is what is filled in.
 
-#include "kernels/narrow_phase/pairs/box_plane.h"
+#include "kernels/narrow_phase/pairs/box_half_space.h"
 #include "kernels/narrow_phase/pairs/manifold.h"
 #include "kernels/narrow_phase/pairs/sphere_box.h"
 
@@ -202,9 +202,9 @@ struct NearestPoints {
     const BoxAxes &box_a = pair.box[0], &box_b = pair.box[1];
     for (int k = 0; k < kBoxCorners; ++k) {
       const Vec3d x = box_a.world(box_corner(box_a.half, k));
-      offer(x, pair.d + box_b.world(nearest_in_box(box_b.half, box_b.local(x - pair.d))));
+      offer(x, pair.d + box_b.world(shapes::Box::nearest(box_b.half, box_b.local(x - pair.d))));
       const Vec3d y = pair.d + box_b.world(box_corner(box_b.half, k));
-      offer(box_a.world(nearest_in_box(box_a.half, box_a.local(y))), y);
+      offer(box_a.world(shapes::Box::nearest(box_a.half, box_a.local(y))), y);
     }
     for (int e = 0; e < 12; ++e) {
       for (int f = 0; f < 12; ++f) offer_edges(pair, e, f);
@@ -471,5 +471,23 @@ SCREE_HD Manifold box_box(const BoxPair& pair, double most, Listed&& listed) {
   if (m.count == 0 && axis.separation > 0) add_listed(BoxFeature::kNearest);
   return m;
 }
+
+struct BoxBox {
+  using A = shapes::Box;
+  using B = shapes::Box;
+  static constexpr int kFeatureBits = BoxFeature::kBits;
+  SCREE_HD static BoxPair pair(const PairSide& a, const PairSide& b, const Vec3d& d) {
+    return {{{a.orientation, a.half_extents}, {b.orientation, b.half_extents}}, d};
+  }
+  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                          std::uint32_t feature) {
+    return box_box_contact(pair(a, b, d), feature);
+  }
+  template <class Listed>
+  SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                    double most, Listed&& listed) {
+    return box_box(pair(a, b, d), most, listed);
+  }
+};
 
 }  // namespace scree

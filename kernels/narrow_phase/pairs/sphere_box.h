@@ -2,18 +2,9 @@
 // A sphere and a solid box.
 
 #include "kernels/narrow_phase/pairs/sphere_sphere.h"
+#include "shapes/box.h"
 
 namespace scree {
-
-/// Point of a box nearest to x, body frame [m].
-SCREE_HD inline Vec3d nearest_in_box(const Vec3d& half_extents, const Vec3d& x) {
-  Vec3d nearest = x;
-  for (int k = 0; k < 3; ++k) {
-    const double limit = half_extents[k];
-    nearest[k] = x[k] > limit ? limit : x[k] < -limit ? -limit : x[k];
-  }
-  return nearest;
-}
 
 /// Sphere A, box B. The contact is at the point of the box closest to the center of the sphere; a
 /// center inside the box leaves through the nearest face.
@@ -59,6 +50,16 @@ SCREE_HD inline ContactGeometry sphere_box(const Vec3d& d, double radius, const 
   return g;
 }
 
+struct SphereBox {
+  using A = shapes::Sphere;
+  using B = shapes::Box;
+  static constexpr int kFeatureBits = 0;
+  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                          std::uint32_t) {
+    return sphere_box(d, a.radius, b.orientation, b.half_extents);
+  }
+};
+
 /// The same for a sphere on a straight way. One that misses the box, but would cut the plane of the
 /// start, is held to that of its nearest pass, see spheres_on_way().
 /// @param g    sphere_box() at the start
@@ -75,9 +76,9 @@ SCREE_HD inline ContactGeometry sphere_box_on_way(const ContactGeometry& g, cons
   for (int k = 0; k < 50; ++k) {
     const double at = 0.5 * (from + to);
     const Vec3d x = start + at * along;
-    (dot(x - nearest_in_box(half_extents, x), along) < 0 ? from : to) = at;
+    (dot(x - shapes::Box::nearest(half_extents, x), along) < 0 ? from : to) = at;
   }
-  const Vec3d x = start + to * along, closest = nearest_in_box(half_extents, x);
+  const Vec3d x = start + to * along, closest = shapes::Box::nearest(half_extents, x);
   const double distance = norm(x - closest);
   if (distance < radius) return g;
   const Vec3d outward = (1 / distance) * (x - closest);

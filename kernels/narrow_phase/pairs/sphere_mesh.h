@@ -11,6 +11,8 @@
 
 #include "kernels/narrow_phase/mesh_view.h"
 #include "kernels/narrow_phase/pairs/sphere_triangle.h"
+#include "shapes/mesh.h"
+#include "shapes/sphere.h"
 
 namespace scree {
 
@@ -168,5 +170,11 @@ SCREE_HD void visit_sphere_mesh(const MeshView<Real>& mesh, const MeshInfo& info
     }
   }
 }
+
+/// Walls have passes of their own for these, see SolidContacts.
+struct SphereMesh {
+  using A = shapes::Sphere;
+  using B = shapes::Mesh;
+};
 
 }  // namespace scree

@@ -2,7 +2,8 @@
 // Two spheres.
 
 #include "kernels/broad_phase/contact_range.h"
-#include "kernels/narrow_phase/pairs/contact_geometry.h"
+#include "kernels/narrow_phase/pairs/pair_side.h"
+#include "shapes/sphere.h"
 
 namespace scree {
 
@@ -20,6 +21,16 @@ SCREE_HD inline ContactGeometry sphere_sphere(const Vec3d& d, double radius_a, d
   g.arm_b = -radius_b * g.normal;
   return g;
 }
+
+struct SphereSphere {
+  using A = shapes::Sphere;
+  using B = shapes::Sphere;
+  static constexpr int kFeatureBits = 0;
+  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                          std::uint32_t) {
+    return sphere_sphere(d, a.radius, b.radius);
+  }
+};
 
 /// The same for spheres on straight ways. Where these miss each other, but would cut the plane
 /// between the spheres at the start, that at their nearest pass takes its place, so that it does

@@ -13,6 +13,7 @@
 #include "host/io/h5.h"
 #include "host/io/seal.h"
 #include "host/scene/particle_table.h"
+#include "shapes/box.h"
 #include "tests/host/io/output_fixtures.h"
 
 namespace scree {
@@ -143,7 +144,7 @@ TEST_F(CheckpointTest, GivesSpheresInTheOrderOfIds) {
 
 TEST_F(CheckpointTest, LeavesBodiesThatAreNoSpheresOutOfTheParticles) {
   Scene scene = test::scene_with(4, 0, 0);
-  scene.bodies[2].shape.kind = Shape::Kind::box;
+  scene.bodies[2].shape.kind = shapes::Box::kind;
   write_checkpoint(file, state_with(0, 1), BodyConstants(scene), "", BackendKind::cpu,
                    Precision::single_precision);
   EXPECT_EQ(read_checkpoint_particles(file).position.size(), 2u);

@@ -21,6 +21,11 @@
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
 #include "host/version.h"
+#include "shapes/box.h"
+#include "shapes/container.h"
+#include "shapes/half_space.h"
+#include "shapes/mesh.h"
+#include "shapes/sphere.h"
 #include "tests/host/io/output_fixtures.h"
 
 namespace scree {
@@ -193,10 +198,12 @@ TEST(WallsTest, AllFacesOfABoxPointOutward) {
   Scene scene;
   BodyDescription box;
   box.kind = BodyKind::fixed;
-  box.shape.kind = Shape::Kind::container;
+  box.shape.kind = shapes::Container::kind;
   box.shape.half_extents = {1, 2, 3};
   box.shape.open_faces = 1u << 5;
-  scene.bodies = {BodyDescription{}, box};
+  BodyDescription ball;
+  ball.shape.kind = shapes::Sphere::kind;
+  scene.bodies = {ball, box};
   ASSERT_TRUE(write_walls(scratch / "walls.obj", scene));
   std::ifstream in(scratch / "walls.obj");
   std::vector<Vec3d> vertices;
@@ -225,10 +232,11 @@ TEST(WallsTest, HasEveryKindOfWallAndNoFreeBodies) {
   const ScratchDirectory scratch;
   Scene scene;
   scene.bodies.resize(5);
+  for (BodyDescription& body : scene.bodies) body.shape.kind = shapes::Sphere::kind;
   EXPECT_FALSE(write_walls(scratch / "walls.obj", scene));
   EXPECT_FALSE(fs::exists(scratch / "walls.obj"));
-  const Shape::Kind kinds[]{Shape::Kind::sphere, Shape::Kind::box, Shape::Kind::half_space,
-                            Shape::Kind::mesh};
+  const ShapeKind kinds[]{shapes::Sphere::kind, shapes::Box::kind, shapes::HalfSpace::kind,
+                          shapes::Mesh::kind};
   scene.meshes.push_back({"m", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, false});
   for (std::size_t i = 0; i < 4; ++i) {
     scene.bodies[i + 1].kind = i == 0 ? BodyKind::kinematic : BodyKind::fixed;

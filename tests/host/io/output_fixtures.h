@@ -14,6 +14,8 @@
 #include <string>
 
 #include "host/world.h"
+#include "shapes/half_space.h"
+#include "shapes/sphere.h"
 
 namespace scree::test {
 
@@ -52,6 +54,7 @@ inline Scene scene_with(int first, int batches, int per_batch) {
   Scene scene;
   const auto sphere = [](int i) {
     BodyDescription body;
+    body.shape.kind = shapes::Sphere::kind;
     body.shape.radius = 0.1 + i;
     body.mass = 2.0 + i;
     body.group = i % 3;
@@ -60,7 +63,7 @@ inline Scene scene_with(int first, int batches, int per_batch) {
   for (int i = 0; i < first; ++i) scene.bodies.push_back(sphere(i));
   if (first > 1) {
     scene.bodies[1].kind = BodyKind::fixed;
-    scene.bodies[1].shape.kind = Shape::Kind::half_space;
+    scene.bodies[1].shape.kind = shapes::HalfSpace::kind;
     scene.bodies[1].mass = 0;
   }
   for (int batch = 0; batch < batches; ++batch) {

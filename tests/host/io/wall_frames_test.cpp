@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "host/error.h"
+#include "shapes/box.h"
+#include "shapes/mesh.h"
 #include "tests/host/io/output_fixtures.h"
 #include "tests/host/io/vtkhdf_rows.h"
 
@@ -65,10 +67,10 @@ Scene scene_with_walls() {
   scene.bodies[0].shape.radius = 0.1;
   scene.meshes.push_back({"m", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, false});
   scene.bodies[1].kind = BodyKind::fixed;
-  scene.bodies[1].shape.kind = Shape::Kind::mesh;
+  scene.bodies[1].shape.kind = shapes::Mesh::kind;
   scene.bodies[1].shape.mesh = 0;
   scene.bodies[2].kind = BodyKind::kinematic;
-  scene.bodies[2].shape.kind = Shape::Kind::box;
+  scene.bodies[2].shape.kind = shapes::Box::kind;
   scene.bodies[2].shape.half_extents = {1, 2, 3};
   scene.bodies[2].group = 1;
   return scene;

@@ -9,7 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "kernels/render/intersect.h"
+#include "kernels/render/view.h"
+#include "shapes/sphere.h"
 
 namespace scree::render {
 namespace {
@@ -118,7 +119,7 @@ TEST(Camera, SphereRectangleHoldsTheSilhouette) {
     for (int j = 0; j < view.height; ++j) {
       for (int i = 0; i < view.width; ++i) {
         const Ray ray = eye.ray(view.plane_x(i), view.plane_y(j));
-        if (hit_sphere(ray, static_cast<float>(radius)) < view.near_depth) continue;
+        if (shapes::Sphere::hit(static_cast<float>(radius), ray) < view.near_depth) continue;
         outside += i < rect.x_begin || i >= rect.x_end || j < rect.y_begin || j >= rect.y_end;
         edge += i < rect.x_begin + 3 || i >= rect.x_end - 3 || j < rect.y_begin + 3 ||
                 j >= rect.y_end - 3;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shapes/sphere.h"
 #include "tests/host/scene_texts.h"
 
 namespace scree {
@@ -99,6 +100,7 @@ TEST(Overlaps, ACrowdInOnePlaceTakesNoTime) {
 TEST(Overlaps, ThoseOfBodiesWithoutAFileAreNamedById) {
   Scene scene;
   BodyDescription body;
+  body.shape.kind = shapes::Sphere::kind;
   body.shape.radius = 1;
   set_mass_from_density(body, 1);
   scene.bodies = {body, body};

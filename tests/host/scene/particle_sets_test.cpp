@@ -6,6 +6,7 @@
 
 #include "host/error.h"
 #include "host/world.h"
+#include "shapes/half_space.h"
 
 namespace scree {
 namespace {
@@ -32,7 +33,7 @@ Scene floor_scene() {
   Scene scene;
   BodyDescription floor;
   floor.kind = BodyKind::fixed;
-  floor.shape.kind = Shape::Kind::half_space;
+  floor.shape.kind = shapes::HalfSpace::kind;
   scene.bodies = {floor};
   return scene;
 }

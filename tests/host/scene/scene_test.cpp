@@ -8,6 +8,11 @@
 
 #include "host/body_constants.h"
 #include "host/scene/scene_summary.h"
+#include "shapes/box.h"
+#include "shapes/container.h"
+#include "shapes/half_space.h"
+#include "shapes/mesh.h"
+#include "shapes/sphere.h"
 #include "tests/host/input_files.h"
 
 namespace scree {
@@ -18,11 +23,12 @@ using testing::StartsWith;
 
 BodyDescription sphere(double radius = 0.1) {
   BodyDescription body;
+  body.shape.kind = shapes::Sphere::kind;
   body.shape.radius = radius;
   set_mass_from_density(body, 1000);
   return body;
 }
-BodyDescription wall(Shape::Kind kind) {
+BodyDescription wall(ShapeKind kind) {
   BodyDescription body;
   body.kind = BodyKind::fixed;
   body.shape.kind = kind;
@@ -36,14 +42,14 @@ Scene scene_with(std::vector<BodyDescription> bodies) {
 }
 /// The refusal of a good scene after a change.
 std::string refused(const std::function<void(Scene&)>& change) {
-  Scene scene = scene_with({sphere(), wall(Shape::Kind::half_space)});
+  Scene scene = scene_with({sphere(), wall(shapes::HalfSpace::kind)});
   change(scene);
   return refusal([&] { validate(scene); });
 }
 
 TEST(Validate, AcceptsAGoodScene) {
   EXPECT_EQ(refused([](Scene&) {}), "no error");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(Shape::Kind::container)); }),
+  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(shapes::Container::kind)); }),
             "no error");
 }
 
@@ -83,7 +89,7 @@ TEST(Validate, RefusesNonFiniteAndOutOfRangeValues) {
 TEST(Validate, RefusesNumbersThatNoRunCanComputeWith) {
   const auto box = [](Scene& s) -> BodyDescription& {
     BodyDescription& body = s.bodies[0];
-    body.shape.kind = Shape::Kind::box;
+    body.shape.kind = shapes::Box::kind;
     body.shape.half_extents = {0.1, 0.1, 0.1};
     return body;
   };
@@ -176,7 +182,7 @@ TEST(Validate, RefusesBadIndices) {
             "bodies[0].material: 1 is not allowed: must be an index below 1");
   EXPECT_EQ(refused([](Scene& s) { s.bodies[1].group = -1; }),
             "bodies[1].group: -1 is not allowed: must be an index below 1");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(Shape::Kind::mesh)); }),
+  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(shapes::Mesh::kind)); }),
             "bodies[2].mesh: -1 is not allowed: must be an index below 0");
   EXPECT_EQ(refused([](Scene& s) {
               s.meshes.push_back({"m", {{0, 0, 0}}, {{0, 1, 2}}, true});
@@ -186,7 +192,7 @@ TEST(Validate, RefusesBadIndices) {
 
 TEST(Validate, RefusesImpossibleBodies) {
   EXPECT_THAT(refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
-              StartsWith("bodies[1].kind: \"free\" is not allowed: only spheres and boxes"));
+              StartsWith("bodies[1].kind: \"free\" is not allowed: only sphere or box bodies"));
   EXPECT_THAT(refused([](Scene& s) {
                 Motion motion;
                 motion.kind = Motion::Kind::linear;
@@ -207,7 +213,7 @@ TEST(Validate, RefusesBadInsertions) {
             }),
             "insertions[0].time: -1 is not allowed: must be zero or positive [s]");
   EXPECT_EQ(refused([](Scene& s) {
-              s.insertions = {{1, {wall(Shape::Kind::half_space)}}};
+              s.insertions = {{1, {wall(shapes::HalfSpace::kind)}}};
             }),
             "insertions[0].bodies[0].kind: a fixed or kinematic body is not allowed: only free "
             "bodies can be inserted during a run");
@@ -268,7 +274,7 @@ TEST(ParticleSets, HaveTheMassAndInertiaOfTheSameBodies) {
 }
 
 TEST(BodyConstants, AreInTheOrderOfIds) {
-  Scene scene = scene_with({sphere(0.1), wall(Shape::Kind::container)});
+  Scene scene = scene_with({sphere(0.1), wall(shapes::Container::kind)});
   scene.groups = {"bodies", "others"};
   scene.particles = {two_particles(), ParticleSet{}, two_particles()};
   scene.particles[2].radius = PerParticle(std::vector<double>{0.2, 0.3});
@@ -281,12 +287,12 @@ TEST(BodyConstants, AreInTheOrderOfIds) {
     if (id == 1) continue;
     EXPECT_EQ(constants[id].radius, radii[id]) << id;
     EXPECT_EQ(constants[id].kind, BodyKind::free) << id;
-    EXPECT_EQ(constants[id].shape, Shape::Kind::sphere) << id;
+    EXPECT_EQ(constants[id].shape, shapes::Sphere::kind) << id;
     EXPECT_GT(constants[id].mass, 0) << id;
     EXPECT_EQ(constants[id].group, id == 4 || id == 5 ? 1 : 0) << id;
   }
   EXPECT_EQ(constants[1].kind, BodyKind::fixed);
-  EXPECT_EQ(constants[1].shape, Shape::Kind::container);
+  EXPECT_EQ(constants[1].shape, shapes::Container::kind);
   EXPECT_EQ(constants[1].mass, 0);
 }
 
@@ -305,8 +311,8 @@ TEST(SceneSummary, MedianOfSetsAndBodies) {
 
 TEST(Validate, ContainersMayTouchOrNestButNotOverlapInPart) {
   const auto containers = [](const Vec3d& offset, double size, double angle) {
-    BodyDescription a = wall(Shape::Kind::container);
-    BodyDescription b = wall(Shape::Kind::container);
+    BodyDescription a = wall(shapes::Container::kind);
+    BodyDescription b = wall(shapes::Container::kind);
     b.position = offset;
     b.shape.half_extents = {size, size, size};
     b.orientation = exp_map(Vec3d{0, 0, angle});
@@ -321,18 +327,18 @@ TEST(Validate, ContainersMayTouchOrNestButNotOverlapInPart) {
 }
 
 TEST(Validate, BoxesMayMeetAllButMeshes) {
-  BodyDescription box = wall(Shape::Kind::box);
+  BodyDescription box = wall(shapes::Box::kind);
   const BodyDescription fixed_box = box;
   box.kind = BodyKind::free;
   set_mass_from_density(box, 1000);
   const auto check = [](std::vector<BodyDescription> bodies) {
     return refusal([&] { validate(scene_with(std::move(bodies))); });
   };
-  EXPECT_EQ(check({box, sphere(), wall(Shape::Kind::half_space), wall(Shape::Kind::container)}),
+  EXPECT_EQ(check({box, sphere(), wall(shapes::HalfSpace::kind), wall(shapes::Container::kind)}),
             "no error");
   EXPECT_EQ(check({sphere(), fixed_box, fixed_box}), "no error");
   EXPECT_EQ(check({box, box, fixed_box}), "no error");
-  Scene with_mesh = scene_with({wall(Shape::Kind::mesh), box});
+  Scene with_mesh = scene_with({wall(shapes::Mesh::kind), box});
   with_mesh.bodies[0].shape.mesh = 0;
   with_mesh.meshes.push_back({"plate", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, false});
   EXPECT_THAT(refusal([&] { validate(with_mesh); }),
@@ -360,7 +366,7 @@ TEST(MassFromDensity, SphereAndBox) {
   EXPECT_NEAR(ball.mass, 1000 * 3.14159265358979 / 6, 1e-9);
   EXPECT_NEAR(ball.inertia.x, 0.1 * ball.mass, 1e-12);
   BodyDescription box;
-  box.shape.kind = Shape::Kind::box;
+  box.shape.kind = shapes::Box::kind;
   box.shape.half_extents = {0.5, 1, 1.5};
   set_mass_from_density(box, 2);
   EXPECT_DOUBLE_EQ(box.mass, 12);

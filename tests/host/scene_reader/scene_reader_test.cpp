@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "shapes/sphere.h"
 #include "tests/host/input_files.h"
 #include "tests/host/scene_texts.h"
 
@@ -143,7 +144,7 @@ TEST(SceneReader, ReadsASphere) {
       "lock": ["x", "rz"]}]})");
   const BodyDescription& body = scene.bodies.at(0);
   EXPECT_EQ(body.kind, BodyKind::free);
-  EXPECT_EQ(body.shape.kind, Shape::Kind::sphere);
+  EXPECT_EQ(body.shape.kind, shapes::Sphere::kind);
   EXPECT_EQ(body.shape.radius, 0.5);
   EXPECT_NEAR(body.mass, kPi, 1e-14);
   EXPECT_NEAR(body.inertia.y, 0.4 * kPi * 0.25, 1e-14);

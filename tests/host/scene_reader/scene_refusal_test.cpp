@@ -187,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(
             with_body(R"({"shape": "sphere", "radius": 1, "mass": 1, "inertia": [1, 0, 1]})"),
             "bodies[1].inertia: [1,0,1] is not allowed: must be three positive principal moments"},
         Refusal{"FreeHalfSpace", with_body(R"({"shape": "half_space", "kind": "free"})"),
-                "bodies[1].kind: \"free\" is not allowed: only spheres and boxes can be free"},
+                "bodies[1].kind: \"free\" is not allowed: only sphere or box bodies can be free"},
         Refusal{"VelocityOfAWall", with_body(R"({"shape": "half_space", "velocity": [1, 0, 0]})"),
                 "bodies[1].velocity: only free bodies have this key"},
         Refusal{"ZeroNormal", with_body(R"({"shape": "half_space", "normal": [0, 0, 0]})"),

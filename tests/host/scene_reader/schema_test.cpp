@@ -62,7 +62,7 @@ TEST(Schema, DescribesEveryKey) {
 TEST(Schema, TellsTheSolversAsTheirCardsDo) {
   std::ifstream file(SCREE_SCENE_DIR "/schema.json");
   const auto published = reader::Json::parse(file);
-  const auto complete = reader::schema_with_solvers(published);
+  const auto complete = reader::schema_with_cards(published);
   EXPECT_EQ(Json::parse(published.dump()), Json::parse(complete.dump()));
 }
 

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "kernels/narrow_phase/pairs/box_plane.h"
-#include "kernels/narrow_phase/pairs/container.h"
+#include "kernels/narrow_phase/pairs/box_half_space.h"
 #include "kernels/narrow_phase/pairs/sphere_box.h"
-#include "kernels/narrow_phase/pairs/sphere_plane.h"
+#include "kernels/narrow_phase/pairs/sphere_half_space.h"
 #include "kernels/narrow_phase/pairs/sphere_sphere.h"
 #include "kernels/narrow_phase/pairs/sphere_triangle.h"
 #include "tests/backend_fixture.h"
@@ -130,17 +129,6 @@ TEST(BoxHalfSpaceTest, EachCornerIsAContact) {
     expect_near(g.arm_a, p - center);
     expect_consistent(g, wall - center);
   }
-}
-
-TEST(ContainerTest, FacesPointInward) {
-  const Vec3d half{1, 2, 3};
-  for (int face = 0; face < kContainerFaces; ++face) {
-    const FacePlane plane = container_face(half, face);
-    EXPECT_NEAR(dot(Vec3d{} - plane.point, plane.normal), half[face / 2], kTiny);
-    EXPECT_NEAR(norm(plane.normal), 1, kTiny);
-  }
-  expect_near(container_face(half, 0).point, {-1, 0, 0});
-  expect_near(container_face(half, 5).point, {0, 0, 3});
 }
 
 TEST(TriangleTest, ClosestPointAndFeature) {

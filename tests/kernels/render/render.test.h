@@ -11,6 +11,10 @@
 
 #include "host/render/renderer.h"
 #include "kernels/backend/atomic.h"
+#include "shapes/box.h"
+#include "shapes/container.h"
+#include "shapes/half_space.h"
+#include "shapes/mesh.h"
 #include "tests/backend_fixture.h"
 
 namespace scree {
@@ -145,15 +149,15 @@ PictureScene<Real> busy_scene() {
         0.03 + 0.01 * (k % 3), k % 8);
   }
   ShapeRecord<Real> record;
-  record.kind = ShapeKind::box;
+  record.kind = shapes::Box::kind;
   record.half_extents = {Real(0.2), Real(0.1), Real(0.15)};
   scene.shaped(record, {0.6, 0.1, 0.4}, exp_map(Vec3<Real>{Real(0.3), Real(0.2), Real(0.9)}), 0.27);
   scene.free_done();
-  record.kind = ShapeKind::container;
+  record.kind = shapes::Container::kind;
   record.open_faces = 1u << 5;
   record.half_extents = {Real(0.9), Real(0.6), Real(0.5)};
   scene.shaped(record, {0, 0, 0.5}, {}, 1.2);
-  record.kind = ShapeKind::half_space;
+  record.kind = shapes::HalfSpace::kind;
   record.normal = {0, 0, 1};
   scene.shaped(record, {0, 0, -0.1}, {}, 0);
   return scene;
@@ -318,7 +322,7 @@ TYPED_TEST(RenderTest, BoxAndMeshCubeLookTheSame) {
   PictureScene<TypeParam> box;
   box.free_done();
   ShapeRecord<TypeParam> record;
-  record.kind = ShapeKind::box;
+  record.kind = shapes::Box::kind;
   record.half_extents = {TypeParam(0.3), TypeParam(0.3), TypeParam(0.3)};
   PictureScene<TypeParam> mesh = box;
   const Image empty = take_picture(this->backend(), box, settings);
@@ -335,7 +339,7 @@ TYPED_TEST(RenderTest, BoxAndMeshCubeLookTheSame) {
     mesh.triangles.push_back({{v[0], v[2], v[3]}});
   }
   mesh.ranges.push_back({0, 12});
-  record.kind = ShapeKind::mesh;
+  record.kind = shapes::Mesh::kind;
   record.mesh = 0;
   mesh.shaped(record, {0, 0, 0}, q, 0.52);
 
@@ -386,7 +390,7 @@ TYPED_TEST(RenderTest, ContainerNeverHidesItsContent) {
   scene.free_done();
   const Image bare = take_picture(this->backend(), scene, settings);
   ShapeRecord<TypeParam> record;
-  record.kind = ShapeKind::container;
+  record.kind = shapes::Container::kind;
   record.half_extents = {TypeParam(0.6), TypeParam(0.6), TypeParam(0.6)};
   scene.shaped(record, {0, 0, 0}, {}, 1.04);
   const Image boxed = take_picture(this->backend(), scene, settings);
@@ -395,7 +399,7 @@ TYPED_TEST(RenderTest, ContainerNeverHidesItsContent) {
   EXPECT_GT(differing_pixels(bare, boxed), 1000);  // its walls are there
 
   // A fixed plate in front counts as a wall, too.
-  record.kind = ShapeKind::box;
+  record.kind = shapes::Box::kind;
   record.half_extents = {TypeParam(0.6), TypeParam(0.02), TypeParam(0.6)};
   scene.shaped(record, {0, -0.8, 0}, {}, 0.85);
   EXPECT_GT(middle_warmth(take_picture(this->backend(), scene, settings)), 20);
@@ -407,7 +411,7 @@ TYPED_TEST(RenderTest, BodiesCastShadowsOnThePlane) {
   PictureScene<TypeParam> scene;
   scene.free_done();
   ShapeRecord<TypeParam> plane;
-  plane.kind = ShapeKind::half_space;
+  plane.kind = shapes::HalfSpace::kind;
   plane.normal = {0, 0, 1};
   scene.shaped(plane, {0, 0, 0}, {}, 0);
   const Image bare = take_picture(this->backend(), scene, settings);
@@ -481,7 +485,7 @@ inline int brightness_at(const Image& image, int x, int y) {
 TYPED_TEST(RenderTest, WallsShowNoDarkRimAroundBodiesBeforeThem) {
   const auto settings = looking_along_y(160, 160, 3.0, 20);
   ShapeRecord<TypeParam> wall;
-  wall.kind = ShapeKind::half_space;
+  wall.kind = shapes::HalfSpace::kind;
   wall.normal = {0, -1, 0};
   PictureScene<TypeParam> bare, with;
   bare.sphere({5, 0, 0}, 0.1);  // out of sight, for a scene of the same size
@@ -513,12 +517,12 @@ TYPED_TEST(RenderTest, ShadowEdgesHaveNoSteps) {
     for (const double y : {-5.0, 5.0}) scene.sphere({x, y, 0.01}, 0.01);
   scene.free_done();
   ShapeRecord<TypeParam> record;
-  record.kind = ShapeKind::half_space;
+  record.kind = shapes::HalfSpace::kind;
   record.normal = {0, 0, 1};
   scene.shaped(record, {0, 0, 0}, {}, 0);
   // The light comes along (0.62, 0.3, -1): the edge of the top, 1.8 m high,
   // has its shadow at x = 0.
-  record.kind = ShapeKind::box;
+  record.kind = shapes::Box::kind;
   record.half_extents = {2, 2, TypeParam(0.4)};
   scene.shaped(record, {-2 - 0.62 * 1.8, -0.3 * 1.8, 1.4}, {}, 2.9);
   const Image image = take_picture(this->backend(), scene, settings);

@@ -2,7 +2,9 @@
 // A sphere on a plane: the surface of a half-space, or a face of a container taken
 // as an infinite plane.
 
-#include "kernels/narrow_phase/pairs/contact_geometry.h"
+#include "kernels/narrow_phase/pairs/pair_side.h"
+#include "shapes/half_space.h"
+#include "shapes/sphere.h"
 
 namespace scree {
 
@@ -19,5 +21,15 @@ SCREE_HD inline ContactGeometry sphere_half_space(double height, const Vec3d& no
   g.arm_b = height * g.normal - d;
   return g;
 }
+
+struct SphereHalfSpace {
+  using A = shapes::Sphere;
+  using B = shapes::HalfSpace;
+  static constexpr int kCorners = 1;
+  SCREE_HD static ContactGeometry contact(const PairSide& a, double height, const Vec3d& normal,
+                                          const Vec3d& d, int) {
+    return sphere_half_space(height, normal, d, a.radius);
+  }
+};
 
 }  // namespace scree

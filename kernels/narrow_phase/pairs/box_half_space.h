@@ -2,7 +2,9 @@
 // A box on a plane: the surface of a half-space, or a face of a container taken as an infinite
 // plane. Each of the eight corners is a contact of its own.
 
-#include "kernels/narrow_phase/pairs/contact_geometry.h"
+#include "kernels/narrow_phase/pairs/pair_side.h"
+#include "shapes/box.h"
+#include "shapes/half_space.h"
 
 namespace scree {
 
@@ -29,5 +31,15 @@ SCREE_HD inline ContactGeometry box_half_space(double height, const Vec3d& norma
   g.arm_b = g.arm_a + g.gap * g.normal - d;
   return g;
 }
+
+struct BoxHalfSpace {
+  using A = shapes::Box;
+  using B = shapes::HalfSpace;
+  static constexpr int kCorners = kBoxCorners;
+  SCREE_HD static ContactGeometry contact(const PairSide& a, double height, const Vec3d& normal,
+                                          const Vec3d& d, int corner) {
+    return box_half_space(height, normal, d, a.orientation, a.half_extents, corner);
+  }
+};
 
 }  // namespace scree

@@ -1,0 +1,23 @@
+#pragma once
+// What pair functions need of a body.
+//
+// A pair function is a struct named like its file, with the shapes it serves as A and B:
+// - Two bodies, or a body and a solid wall: contact(a, b, d, feature) with d from the center of A to that of B, and
+//   kFeatureBits. With zero bits there is one contact. Else manifold(a, b, d, most, listed) finds those that are
+//   listed; contact() gives the geometry of each from its feature alone.
+// - A body and a plane, B a half-space: contact(a, height, normal, d, corner) and kCorners, so many for each plane.
+//   Faces of containers are planes, too.
+// The list of kernels/CMakeLists.txt names them.
+
+#include "kernels/narrow_phase/pairs/contact_geometry.h"
+
+namespace scree {
+
+/// One of the two.
+struct PairSide {
+  double radius = 0;  ///< of a sphere [m]
+  Quatd orientation;
+  Vec3d half_extents;  ///< [m]
+};
+
+}  // namespace scree

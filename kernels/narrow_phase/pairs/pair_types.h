@@ -1,0 +1,68 @@
+#pragma once
+// A list of pair functions that element programs choose from by the kinds of two shapes.
+
+#include "kernels/narrow_phase/pairs/manifold.h"
+#include "kernels/narrow_phase/pairs/pair_side.h"
+#include "shapes/shape_kind.h"
+
+namespace scree {
+
+/// Of two bodies, or of a body and a solid wall.
+template <class P>
+concept IsBodyPair = requires {
+  P::kFeatureBits;
+};
+/// Of a body and a plane.
+template <class P>
+concept IsPlanePair = requires {
+  P::kCorners;
+};
+
+template <class P>
+constexpr int feature_bits_of() {
+  if constexpr (IsBodyPair<P>) return P::kFeatureBits;
+  return 0;
+}
+
+template <class... P>
+struct PairTypes {
+  /// Calls f(P{}, is_reversed) for the pair function of two bodies, if there is one.
+  template <class F>
+  SCREE_HD static void visit_bodies(ShapeKind a, ShapeKind b, F&& f) {
+    (void)(visit_one<P>(a, b, f) || ...);
+  }
+  /// Calls f(P{}) for the pair function of a body and a plane, if there is one.
+  template <class F>
+  SCREE_HD static void visit_plane(ShapeKind a, F&& f) {
+    (void)(visit_one_plane<P>(a, f) || ...);
+  }
+  /// Calls f(P{}) for each.
+  template <class F>
+  static constexpr void for_each(F&& f) {
+    (f(P{}), ...);
+  }
+
+ private:
+  template <class One, class F>
+  SCREE_HD static bool visit_one(ShapeKind a, ShapeKind b, F&& f) {
+    if constexpr (IsBodyPair<One>) {
+      constexpr ShapeKind own_a = One::A::kind, own_b = One::B::kind;
+      const bool is_reversed = own_a != own_b && a == own_b && b == own_a;
+      if (!is_reversed && !(a == own_a && b == own_b)) return false;
+      f(One{}, is_reversed);
+      return true;
+    }
+    return false;
+  }
+  template <class One, class F>
+  SCREE_HD static bool visit_one_plane(ShapeKind a, F&& f) {
+    if constexpr (IsPlanePair<One>) {
+      if (a != One::A::kind) return false;
+      f(One{});
+      return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace scree

@@ -1,0 +1,141 @@
+#pragma once
+// What a shape says of itself to the host. Its file holds what its card is made of; scene reader, scene check,
+// schema, memory forecast and output read the card, so that a shape is known everywhere by its own file
+// and a line in the list of shapes/CMakeLists.txt. Element programs of pictures take the functions of
+// that file themselves (shapes/shape_types.h); those of contacts, the pair functions of
+// kernels/narrow_phase/pairs/.
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "shapes/ray.h"
+#include "shapes/shape.h"
+#include "shapes/surface.h"
+
+namespace scree {
+
+/// What is wrong with one value: the field below the body's path, its value and what was expected.
+struct Fault {
+  std::string field;     ///< such as "radius"; empty: the body as a whole
+  std::string value;     ///< as text
+  std::string expected;  ///< such as "must be positive [m]"
+};
+
+/// Fault of a length of a shape: not positive, or out of the range that runs compute with.
+std::optional<Fault> length_fault(const char* field, double value);
+/// The same of three.
+std::optional<Fault> lengths_fault(const char* field, const Vec3d& value);
+/// Fault of a vector whose length is not one.
+std::optional<Fault> unit_fault(const char* field, const Vec3d& value);
+
+/// "[1, 2, 3]", for messages.
+std::string vector_text(const Vec3d& value);
+
+/// A key of scene files that says something about a shape.
+struct ShapeKey {
+  enum class Type { length, vector, faces, file, scale, flag };
+  const char* key;
+  Type type;
+  const char* text;  ///< what it is, with its unit
+  bool is_required = false;
+};
+
+/// The entry of a scene file that a shape is read from. A value that does not fit is refused with
+/// file, key, value and what was expected.
+class ShapeSource {
+ public:
+  virtual ~ShapeSource() = default;
+  virtual bool has(const char* key) const = 0;
+  virtual double length(const char* key) const = 0;    ///< positive [m]
+  virtual Vec3d edges(const char* key) const = 0;      ///< three positive lengths [m]
+  virtual Vec3d direction(const char* key) const = 0;  ///< of length 1
+  virtual Vec3d point(const char* key, const char* expected) const = 0;  ///< [m]
+  /// Bits of the faces -x +x -y +y -z +z that a list names.
+  virtual unsigned faces(const char* key) const = 0;
+  /// Index of the mesh that the keys `file`, `scale` and `closed` describe.
+  virtual int mesh() const = 0;
+  virtual void exclude(std::span<const char* const> keys, const char* why) const = 0;
+  [[noreturn]] virtual void refuse(const char* key, const char* expected) const = 0;
+};
+
+struct MassProperties {
+  double mass = 0;  ///< [kg]
+  Vec3d inertia;    ///< principal moments, body frame [kg m^2]
+};
+
+/// A wall that a shape puts up as an infinite plane, body frame.
+struct WallFace {
+  const char* name = "";  ///< such as "-x"; empty: it has only one
+  Vec3d point;            ///< on the plane [m]
+  Vec3d normal;           ///< unit; bodies are on this side
+};
+
+struct ShapeCard {
+  ShapeKind kind;
+  const char* name;         ///< in scenes and files: that of its file
+  const char* description;  ///< what it is, in one line
+  std::span<const ShapeKey> keys;
+  bool is_ball;   ///< the shape of particles: bodies have no shape record, contacts are radial
+  bool has_mesh;  ///< its surface is a mesh of the scene
+  /// Reads what the keys say. @param position  of the body [m]; a shape may set it
+  void (*read)(const ShapeSource& source, Shape& shape, Vec3d& position);
+  std::optional<Fault> (*fault)(const Shape& shape);
+  /// Radius of the sphere about the center of the body that holds it [m]; 0: unbounded.
+  double (*bounding_radius)(const Shape& shape, const TriangleMesh* mesh);
+  /// @param scene_size  half edge of what is unbounded [m]
+  Surface (*surface)(const Shape& shape, const TriangleMesh* mesh, double scene_size);
+  /// Of a solid of that density [kg/m^3]; null: bodies of this shape cannot be free.
+  MassProperties (*mass)(const Shape& shape, double density);
+  /// Point farthest along a direction, body frame [m]; null: unbounded.
+  Vec3d (*support)(const Shape& shape, const TriangleMesh* mesh, const Vec3d& direction);
+  /// The planes that it is as a wall; null: it is a solid.
+  std::vector<WallFace> (*faces)(const Shape& shape);
+  /// By how much its vertices are rounded [m]; null: not at all.
+  double (*rounding)(const Shape& shape);
+
+  bool may_be_free() const { return mass != nullptr; }
+  /// Planes around a bounded inside.
+  bool is_room() const { return faces != nullptr && support != nullptr; }
+};
+
+/// The card of a shape from what its file holds.
+template <class S>
+constexpr ShapeCard card_of() {
+  ShapeCard card{S::kind,  S::name,   S::description,      S::keys,     false, false,
+                 &S::read, &S::fault, &S::bounding_radius, &S::surface, {},    {},
+                 {},       {}};
+  card.is_ball = S::outline == Outline::ball;
+  card.has_mesh = S::outline == Outline::triangles;
+  if constexpr (requires { &S::mass; }) card.mass = &S::mass;
+  if constexpr (requires { &S::farthest; }) card.support = &S::farthest;
+  if constexpr (requires { &S::faces; }) card.faces = &S::faces;
+  if constexpr (requires { &S::rounding; }) card.rounding = &S::rounding;
+  return card;
+}
+
+/// The shapes that this program has, in the order of the list.
+const std::vector<ShapeCard>& shape_cards();
+
+/// Whether this program has that shape.
+bool is_shape(ShapeKind kind);
+/// @throws std::logic_error for no shape of this program
+const ShapeCard& shape_card(ShapeKind kind);
+
+/// "sphere, box and capsule": names of the shapes that fit.
+/// @param last  before the last of them
+template <class Fits>
+std::string shape_names(Fits fits, const char* last = " and ") {
+  std::vector<std::string> names;
+  for (const ShapeCard& card : shape_cards())
+    if (std::invoke(fits, card)) names.emplace_back(card.name);
+  std::string text;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text += (k == 0 ? "" : k + 1 < names.size() ? ", " : last) + names[k];
+  return text;
+}
+
+}  // namespace scree

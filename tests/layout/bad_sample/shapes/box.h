@@ -1,0 +1,3 @@
+#include "kernels/math/vec3.h"
+#include "kernels/narrow_phase/pairs/manifold.h"
+#include "collision/broad.h"

@@ -7,6 +7,7 @@ set(SCREE_CUDA_ARCHITECTURES AUTO CACHE STRING
 set(SCREE_EXTRA_SOLVERS "" CACHE STRING "Headers of further solvers of steps (a list), as CONTRIBUTING.md describes them")
 set(SCREE_EXTRA_SHAPES "" CACHE STRING "Headers of further shapes (a list), as CONTRIBUTING.md describes them")
 set(SCREE_EXTRA_PAIRS "" CACHE STRING "Headers of their pair functions (a list)")
+set(SCREE_EXTRA_DYNAMICS "" CACHE STRING "Headers of further models of dynamics (a list), as CONTRIBUTING.md describes them")
 set(SCREE_SANITIZE "" CACHE STRING "Host sanitizers, for instance address;undefined")
 set(SCREE_TEST_LAUNCHER "" CACHE STRING "Command (a list) put before the CUDA test program")
 option(SCREE_NATIVE "Build for the processor of this machine" ON)

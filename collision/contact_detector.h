@@ -139,8 +139,9 @@ class ContactDetector {
     memory_.keep_marks(std::move(marks));
   }
 
-  /// How contact keys are built; set by detect().
+  /// How contact keys are built; set by detect() and name_elements().
   const ContactKeys& keys() const { return keys_; }
+  const ContactKeys& name_elements(const BodyView<Real>& bodies);
 
   /// Lists of pairs of near bodies made so far.
   std::int64_t list_builds() const { return candidates_.build_count(); }
@@ -162,7 +163,6 @@ class ContactDetector {
                       Span<std::uint32_t> touching);
   void group_keys(B& b, const BodyView<Real>& bodies, Span<std::uint64_t> key);
   void list_within(B& b, const BodyView<Real>& bodies, const ContactRange& range);
-  void name_elements(const BodyView<Real>& bodies);
   void release_contacts();
 
   CollisionSettings settings_;
@@ -278,7 +278,7 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
 }
 
 template <class B, class Real>
-void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
+const ContactKeys& ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
   keys_.feature_bits = obstacles_.feature_bits();
   keys_.has_groups = settings_.layout == ContactLayout::mixed;
   const std::uint64_t wall_begin = static_cast<std::uint64_t>(bodies.count) << keys_.feature_bits;
@@ -295,6 +295,7 @@ void ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
   }
   keys_.wall_begin = static_cast<std::uint32_t>(wall_begin);
   keys_.solid_begin = static_cast<std::uint32_t>(solid_begin);
+  return keys_;
 }
 
 /// The contacts of before are void; their memory serves the search for new ones.

@@ -60,6 +60,11 @@ void throw_bad_contact(std::int64_t step, int body_a, int body_b) {
                   step, body_a, body_b));
 }
 
+void throw_wrong_model(const std::string& found, const std::string& expected) {
+  throw InputError(
+      fmt::format("checkpoint: it is of dynamics \"{}\", the scene has \"{}\"", found, expected));
+}
+
 void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene) {
   throw InputError(
       fmt::format("checkpoint: {} insertions done, the scene has {}", found, in_scene));
@@ -74,18 +79,31 @@ void throw_unknown_body(int id) {
   throw InputError(fmt::format("checkpoint: body {} is not a free body of the scene", id));
 }
 
-void require_contacts(const WorldState& state, int vectors_per_contact, std::size_t free_count) {
-  const std::size_t contacts = state.contact_key.size();
-  const std::size_t vectors = contacts * static_cast<std::size_t>(vectors_per_contact);
-  if (state.contact_impulse.size() != vectors)
-    throw InputError(fmt::format("checkpoint: {} contact impulses, expected {} of {} contacts",
-                                 state.contact_impulse.size(), vectors, contacts));
-  for (std::size_t c = 0; c < contacts; ++c)
-    if (const std::uint64_t place = (state.contact_key[c] & ~kGeneralGroup) >> 32;
-        place >= free_count)
+void throw_unknown_contact(std::size_t contact, int body_a, int body_b, std::uint64_t feature) {
+  throw InputError(
+      fmt::format("checkpoint: contact {} has body_a {}, body_b {} and feature {}, which is no "
+                  "contact of bodies of the scene",
+                  contact, body_a, body_b, feature));
+}
+
+void require_impulses(std::size_t found, std::size_t expected) {
+  if (found != expected)
+    throw InputError(
+        fmt::format("checkpoint: {} vectors of contact impulses, expected {}", found, expected));
+}
+
+void require_contact_rows(std::initializer_list<std::size_t> found, std::size_t expected) {
+  for (const std::size_t rows : found)
+    if (rows != expected)
+      throw InputError(fmt::format("checkpoint: {} rows of contacts, expected {}", rows, expected));
+}
+
+void require_places(const std::vector<std::uint64_t>& keys, std::int64_t free_count) {
+  for (std::size_t c = 0; c < keys.size(); ++c)
+    if (contact_body(keys[c]) >= free_count || contact_body(keys[c]) < 0)
       throw InputError(
-          fmt::format("checkpoint: contact {} is of storage place {}, expected 0 to {}", c, place,
-                      static_cast<std::int64_t>(free_count) - 1));
+          fmt::format("checkpoint: contact {} is of storage place {}, expected 0 to {}", c,
+                      contact_body(keys[c]), free_count - 1));
 }
 
 }  // namespace scree

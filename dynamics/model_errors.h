@@ -26,14 +26,22 @@ namespace scree {
 [[noreturn]] void throw_not_finite(std::int64_t step, const char* quantity, double value);
 /// @throws RunError naming the two bodies
 [[noreturn]] void throw_bad_contact(std::int64_t step, int body_a, int body_b);
+/// A state of another model. @throws InputError
+[[noreturn]] void throw_wrong_model(const std::string& found, const std::string& expected);
 /// @throws InputError
 [[noreturn]] void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene);
 /// @throws InputError
 [[noreturn]] void throw_wrong_body_count(std::size_t found, std::size_t expected);
 /// @throws InputError
 [[noreturn]] void throw_unknown_body(int id);
-/// Checks that remembered contacts fit a scene: their vectors are counted and their keys name
-/// bodies that can move. @throws InputError
-void require_contacts(const WorldState& state, int vectors_per_contact, std::size_t free_count);
+/// A contact of a checkpoint that is none of bodies of the scene. @throws InputError
+[[noreturn]] void throw_unknown_contact(std::size_t contact, int body_a, int body_b,
+                                        std::uint64_t feature);
+/// Vectors of impulses in a checkpoint. @throws InputError
+void require_impulses(std::size_t found, std::size_t expected);
+/// Rows of arrays of contacts in a checkpoint. @throws InputError
+void require_contact_rows(std::initializer_list<std::size_t> found, std::size_t expected);
+/// Keys of a checkpoint of version 1 name free bodies. @throws InputError
+void require_places(const std::vector<std::uint64_t>& keys, std::int64_t free_count);
 
 }  // namespace scree

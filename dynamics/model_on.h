@@ -71,6 +71,21 @@ class ModelOn : public Dynamics {
     return *found;
   }
 
+  WorldState save() final {
+    WorldState s;
+    s.dynamics = model_;
+    s.step = step_;
+    s.time = time_;
+    save_arrays(s);
+    return s;
+  }
+  void restore(const WorldState& s) final {
+    if (s.dynamics != model_) throw_wrong_model(s.dynamics, model_);
+    restore_arrays(s);
+    step_ = s.step;
+    time_ = s.time;
+  }
+
   Image render(const PictureSettings& settings) final {
     render::ColorRange range;
     const Drawn bodies = drawn();
@@ -94,6 +109,7 @@ class ModelOn : public Dynamics {
   ModelOn(std::unique_ptr<B> backend, const Scene& scene)
       : backend_(std::move(backend)),
         constants_(scene),
+        model_(scene.dynamics.type),
         time_step_(scene.stepping.time_step),
         renderer_(*backend_) {}
 
@@ -104,6 +120,10 @@ class ModelOn : public Dynamics {
     MeshSetView<Real> meshes = {};
   };
   virtual Drawn drawn() = 0;
+
+  /// The arrays that the card of the model names, and insertions; the rest of a state is there.
+  virtual void save_arrays(WorldState& s) = 0;
+  virtual void restore_arrays(const WorldState& s) = 0;
 
   using MakeView = std::function<ArrayView()>;
   using VisitArray = std::function<void(const ArrayInfo&, const MakeView&)>;
@@ -117,14 +137,11 @@ class ModelOn : public Dynamics {
     ++step_;
     time_ = static_cast<double>(step_) * time_step_;
   }
-  void set_steps_done(std::int64_t step, double time) {
-    step_ = step;
-    time_ = time;
-  }
 
  private:
   std::unique_ptr<B> backend_;  // first: arrays of a model give their memory back to it
   BodyConstants constants_;
+  std::string model_;
   double time_step_;  ///< [s]
   Renderer<B, Real> renderer_;
   std::int64_t step_ = 0;

@@ -151,6 +151,14 @@ struct Insertion {
   std::vector<ParticleSet> particles = {};
 };
 
+/// What a step is.
+struct DynamicsSettings {
+  std::string type = "rigid";  ///< one of dynamics_names()
+  /// Values of parameters of the model by key, of choices their number; those that are missing
+  /// have their default.
+  std::map<std::string, double> parameters = {};
+};
+
 /// When a solver stops. Levels are those of the theory page: relative to v* and to d/h.
 struct StopRule {
   enum class Level { quality, preview, absolute, fixed_iterations };
@@ -238,6 +246,7 @@ struct Scene {
   std::vector<ParticleSet> particles;   ///< present at time zero
   std::vector<Insertion> insertions;    ///< increasing times
   Periodicity periodicity;
+  DynamicsSettings dynamics;
   SteppingSettings stepping;
   SolverSettings solver;
   OutputSettings output;

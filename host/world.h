@@ -10,6 +10,7 @@
 #include "host/arrays.h"
 #include "host/body_constants.h"
 #include "host/scene.h"
+#include "host/world_state.h"
 
 namespace scree {
 
@@ -40,7 +41,7 @@ struct StageTimes {
   double total = 0;
 };
 
-/// What one step did. Residuals are the natural map of solvers/residual.h.
+/// What one step did; which of it a model of dynamics fills in is in its card. Residuals are the natural map of solvers/residual.h.
 struct StepReport {
   std::int64_t step = 0;  ///< number of steps done, this one included
   double time = 0;        ///< simulated time after the step [s]
@@ -60,6 +61,7 @@ struct StepReport {
   double max_cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
   double kinetic_energy = 0;      ///< after the step [J]
   int stopped = 0;                ///< spheres that were stopped at a box or mesh wall
+  std::vector<double> own;        ///< quantities of the model, see Own in dynamics_card.h
   StageTimes ms;
 };
 
@@ -68,7 +70,8 @@ struct BodyStates {
   std::vector<Vec3d> position;
   std::vector<Quatd> orientation;
   std::vector<Vec3d> velocity;
-  std::vector<Vec3d> angular_velocity;  ///< world frame [rad/s]
+  std::vector<Vec3d> angular_velocity;   ///< world frame [rad/s]
+  std::vector<std::vector<double>> own;  ///< quantities of the model, see Own in dynamics_card.h
 };
 
 /// One contact of the last step, for analysis; ids, not storage indices.
@@ -78,22 +81,6 @@ struct ContactRecord {
   Vec3d normal;    ///< unit, from A to B
   double gap = 0;  ///< at the start of the step [m]
   Vec3d impulse;   ///< world frame, acting on B [N s]
-};
-
-/// All that decides how a run goes on: a World made from the same Scene and restored from this
-/// continues bit for bit. Values of float runs are stored as double, which is exact.
-struct WorldState {
-  std::int64_t step = 0;
-  double time = 0;
-  std::uint64_t insertions_done = 0;
-  std::vector<int> id;          ///< [free_count] storage order of the free bodies
-  std::vector<Vec3d> position;  ///< [free_count] the next four in storage order
-  std::vector<Quatd> orientation;
-  std::vector<Vec3d> velocity;
-  std::vector<Vec3d> angular_velocity;
-  std::vector<std::uint64_t> contact_key;  ///< [contact_count] of the last step
-  std::vector<Vec3d> contact_impulse;      ///< [vectors_per_contact * contact_count]
-  std::vector<double> solver_memory;       ///< what the solver carries from step to step
 };
 
 /// A picture, 8-bit RGB, rows from the top.

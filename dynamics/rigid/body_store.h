@@ -164,19 +164,19 @@ class BodyStore {
 
   /// Free bodies in storage order, as doubles (exact).
   void save_free(WorldState& s) {
-    s.id = take(id_, 0, free_count_);
-    take_free(position_, s.position);
-    take_free(orientation_, s.orientation);
-    take_free(velocity_, s.velocity);
-    take_free(angular_velocity_, s.angular_velocity);
+    s.add("body/id", take(id_, 0, free_count_));
+    s.add("body/position", take_free<Vec3d>(position_));
+    s.add("body/orientation", take_free<Quatd>(orientation_));
+    s.add("body/velocity", take_free<Vec3d>(velocity_));
+    s.add("body/angular_velocity", take_free<Vec3d>(angular_velocity_));
   }
   /// Overwrites the state of the free bodies; their constants must be in place already,
-  /// in order of s.id.
+  /// in the order of its ids. @throws InputError when an array has not a row for each body
   void restore_free(const WorldState& s) {
-    put_free(s.position, position_);
-    put_free(s.orientation, orientation_);
-    put_free(s.velocity, velocity_);
-    put_free(s.angular_velocity, angular_velocity_);
+    put_free(s.at<Vec3d>("body/position"), position_);
+    put_free(s.at<Quatd>("body/orientation"), orientation_);
+    put_free(s.at<Vec3d>("body/velocity"), velocity_);
+    put_free(s.at<Vec3d>("body/angular_velocity"), angular_velocity_);
   }
   /// Brings the free bodies into the storage order of a saved state.
   /// @param id  [free_count] ids in that order
@@ -268,16 +268,19 @@ class BodyStore {
     for (Index i = begin; i < end; i += std::min(kTransferChunk, end - i))
       f(i, std::min(kTransferChunk, end - i));
   }
-  template <class T, class D>
-  void take_free(Buffer<B, T>& buffer, std::vector<D>& to) {
-    to.clear();
+  template <class D, class T>
+  std::vector<D> take_free(Buffer<B, T>& buffer) {
+    std::vector<D> to;
     to.reserve(static_cast<std::size_t>(free_count_));
     for_each_chunk(0, free_count_, [&](Index begin, Index count) {
       for (const T& value : take(buffer, begin, count)) to.emplace_back(value);
     });
+    return to;
   }
   template <class T, class D>
   void put_free(const std::vector<D>& from, Buffer<B, T>& buffer) {
+    if (from.size() != static_cast<std::size_t>(free_count_))
+      throw_wrong_body_count(from.size(), static_cast<std::size_t>(free_count_));
     for_each_chunk(0, free_count_, [&](Index begin, Index count) {
       const auto first = from.begin() + begin;
       put(buffer, begin, std::vector<T>(first, first + count));

@@ -7,13 +7,14 @@
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/collision_settings.h"
+#include "dynamics/rigid/contact_layout.h"
 #include "dynamics/rigid/contact_records.h"
-#include "dynamics/rigid/expected_memory.h"
 #include "dynamics/rigid/impact_phase.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
 #include "dynamics/rigid/prescribed_motion.h"
 #include "dynamics/rigid/problem_assembly.h"
+#include "dynamics/rigid/rigid_card.h"
 #include "dynamics/rigid/saved_state.h"
 #include "dynamics/rigid/step_report.h"
 #include "dynamics/rigid/tolerance.h"
@@ -181,29 +182,24 @@ class RigidDynamics final : public ModelOn<B, Real> {
                       Vec3d(fetch(b, bodies.angular_velocity.data + bad)));
   }
 
-  WorldState save() override {
-    WorldState s;
-    s.step = steps_done();
-    s.time = time();
-    s.insertions_done = loading_.insertions_done();
-    save_state(backend(), store_, detector_, *solver_, s);
-    return s;
-  }
-
-  void restore(const WorldState& s) override {
-    loading_.insert_first(s.insertions_done);
-    forget_solved_contacts();
-    restore_state(backend(), s, vectors(), store_, detector_, *solver_);
-    this->set_steps_done(s.step, s.time);
-    motion_.set(store_, time(), steps_done() + 1);
-  }
-
  private:
   /// Steps between two checks of the order of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
 
   using ModelOn<B, Real>::backend;
+
+  void save_arrays(WorldState& s) override {
+    s.insertions_done = loading_.insertions_done();
+    save_state(backend(), store_, detector_, *solver_, s);
+  }
+
+  void restore_arrays(const WorldState& s) override {
+    loading_.insert_first(s.insertions_done);
+    forget_solved_contacts();
+    restore_state(backend(), s, vectors(), store_, detector_, *solver_);
+    motion_.set(store_, s.time, s.step + 1);
+  }
 
   typename ModelOn<B, Real>::Drawn drawn() override {
     return {store_.view(), obstacles_.shapes(), obstacles_.mesh_set()};
@@ -332,5 +328,13 @@ class RigidDynamics final : public ModelOn<B, Real> {
   BodyLoading<B, Real> loading_;
   bool has_solved_contacts_ = false;  ///< the detector has those of the last step
 };
+
+template <class B, class Real>
+std::unique_ptr<Dynamics> make_rigid(Scene scene, const WorldOptions& options) {
+  const bool near_pairs = keeps_near_pairs(scene, options);  // from what is free before all else
+  const SceneSummary summary = summarize_run(scene, options);
+  return std::make_unique<RigidDynamics<B, Real>>(make_backend<B>(options), std::move(scene),
+                                                  summary, near_pairs);
+}
 
 }  // namespace scree

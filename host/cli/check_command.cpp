@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "dynamics/dynamics_card.h"
 #include "host/problems/body_problem.h"
 #include "host/scene/overlaps.h"
 #include "host/scene/scene_summary.h"
@@ -53,6 +54,7 @@ int check_scene(const CheckOptions& options) {
   const BodyConstants bodies(scene);
   Scene settings;  // the descriptions of bodies go to the search for overlaps
   settings.name = scene.name;
+  settings.dynamics = scene.dynamics;
   settings.stepping = scene.stepping;
   settings.solver = scene.solver;
   settings.output = scene.output;
@@ -64,6 +66,7 @@ int check_scene(const CheckOptions& options) {
                                 {"fixed_bodies", s.fixed_count},
                                 {"median_diameter_m", s.median_diameter},
                                 {"envelope_m", s.envelope},
+                                {"dynamics", settings.dynamics.type},
                                 {"contact_layout", to_string(s.layout)},
                                 {"time_step_s", settings.stepping.time_step},
                                 {"steps", steps},
@@ -83,13 +86,17 @@ int check_scene(const CheckOptions& options) {
   fmt::print("scene       {}: valid\n", settings.name);
   fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
              s.fixed_count, s.median_diameter);
-  fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", to_string(s.layout),
-             s.envelope);
+  const DynamicsCard& card = dynamics_card(settings.dynamics.type);
+  fmt::print("dynamics    {}: {}\n", card.name, card.description);
+  if (card.has_contacts)
+    fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", to_string(s.layout),
+               s.envelope);
   fmt::print("time step   {:g} s, {} steps for {:g} s\n", settings.stepping.time_step, steps,
              settings.stepping.duration);
-  fmt::print("solver      {}{}, at most {} iterations a step\n", settings.solver.name,
-             settings.solver.exact_coulomb ? ", exact Coulomb" : "",
-             settings.solver.max_iterations);
+  if (card.has_contacts)
+    fmt::print("solver      {}{}, at most {} iterations a step\n", settings.solver.name,
+               settings.solver.exact_coulomb ? ", exact Coulomb" : "",
+               settings.solver.max_iterations);
   fmt::print("device      {} ({}, {})\n", device.name, backend, precision);
   fmt::print("memory      {:.1f} MiB expected{}, {:.0f} of {:.0f} MiB free\n",
              static_cast<double>(memory) / (1 << 20),

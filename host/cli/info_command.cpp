@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "dynamics/dynamics_card.h"
 #include "host/cli/options.h"
 #include "host/error.h"
 #include "host/scene_reader/scene_schema.h"
@@ -32,8 +33,9 @@ CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
   CLI::App* command = app.add_subcommand("info", "Devices, build options, versions");
   CLI::Option* json = command->add_flag("--json", options.json, "print JSON");
   command
-      ->add_flag("--schema", options.schema,
-                 "print the JSON schema of scene files, with all solvers of this program")
+      ->add_flag(
+          "--schema", options.schema,
+          "print the JSON schema of scene files, with all solvers and models of this program")
       ->excludes(json);
   return command;
 }
@@ -64,6 +66,7 @@ int print_info(const InfoOptions& options) {
         {"compiler", __VERSION__},
         {"assertions", assertions},
         {"built_with_cuda", built_with_cuda},
+        {"dynamics", dynamics_names()},
         {"solvers", solver_names()},
         {"problem_solvers", problem_solvers},
         {"cpu",
@@ -86,7 +89,10 @@ int print_info(const InfoOptions& options) {
   fmt::print("scree       {} ({})\n", version(), commit());
   fmt::print("compiler    {}; assertions {}; CUDA {}\n", __VERSION__, assertions,
              built_with_cuda ? "built in" : "not built in");
-  const char* heading = "solvers";
+  const char* heading = "dynamics";
+  for (const DynamicsCard& card : dynamics_cards())
+    fmt::print("{:<12}{:<22}{}\n", std::exchange(heading, ""), card.name, card.description);
+  heading = "solvers";
   for (const SolverCard& card : solver_cards())
     fmt::print("{:<12}{:<22}{}\n", std::exchange(heading, ""), card.name, card.description);
   fmt::print("            for scree solve: {}\n", fmt::join(problem_solvers, ", "));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "dynamics/dynamics_card.h"
 #include "host/cli/judged.h"
 #include "host/error.h"
 #include "host/io/checkpoint.h"
@@ -67,7 +68,9 @@ class Run {
         world_options_(resolve_options(options.target, scene_, &notice_)),
         directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out,
                    existing_output(options), scene_text_, {"/duration", "/output"}),
-        target_(step_target(options, scene_)) {
+        target_(step_target(options, scene_)),
+        card_(dynamics_card(scene_.dynamics.type)),
+        record_(card_) {
     record_.scene_file = scene_file.string();
   }
 
@@ -128,6 +131,7 @@ class Run {
     Scene s;
     s.name = scene.name;
     s.seed = scene.seed;
+    s.dynamics = scene.dynamics;
     s.stepping = scene.stepping;
     s.solver = scene.solver;
     s.output = scene.output;
@@ -179,10 +183,11 @@ class Run {
   void simulate(World& world, FrameWriter& frames, WallFrameWriter& wall_frames,
                 const SignalGuard& signals, std::optional<std::int64_t> resumed_step) {
     const double h = scene_.stepping.time_step;
-    StepsCsv steps(directory_.steps_csv(), resumed_step);
+    StepsCsv steps(directory_.steps_csv(), card_.report, resumed_step);
     WriterThread writer;
-    Progress progress(progress_options(options_.quiet), world.time(),
-                      static_cast<double>(target_) * h);
+    ProgressOptions line = progress_options(options_.quiet);
+    line.has_contacts = card_.has_contacts;
+    Progress progress(line, world.time(), static_cast<double>(target_) * h);
     if (steps.missing_steps() > 0) {
       record_.message =
           fmt::format("{} has no lines of {} of the {} steps before this run",
@@ -282,14 +287,16 @@ class Run {
 
   std::string summary() const {
     const RunTotals& t = record_.totals;
-    const StageTimes ms = t.mean_ms();
+    std::string ms;
+    for (const RunTotals::Stage& stage : t.stages())
+      ms += fmt::format("{}{} {:.2f}", ms.empty() ? "" : ", ", stage.name, stage.mean);
+    const std::string where = fmt::format("results in {}", directory_.path().string());
+    if (!card_.has_contacts)
+      return fmt::format("{} steps; ms a step: {}\n{}", t.steps(), ms, where);
     return fmt::format(
-        "{} steps, {:.1f} iterations a step; ms a step: collision {:.2f}, setup {:.2f}, solve "
-        "{:.2f}, integrate "
-        "{:.2f}, total {:.2f}\nlargest penetration {:.3g} m, worst residual {:.3g} m/s; results in "
-        "{}",
-        t.steps(), t.mean_iterations(), ms.collision, ms.setup, ms.solve, ms.integrate, ms.total,
-        t.max_penetration(), t.max_residual_rms(), directory_.path().string());
+        "{} steps, {:.1f} iterations a step; ms a step: {}\nlargest penetration {:.3g} m, worst "
+        "residual {:.3g} m/s; {}",
+        t.steps(), t.mean_iterations(), ms, t.max_penetration(), t.max_residual_rms(), where);
   }
 
   void start_record(std::optional<std::int64_t> resumed_from) {
@@ -324,6 +331,7 @@ class Run {
   WorldOptions world_options_;
   OutputDirectory directory_;
   std::int64_t target_;
+  DynamicsCard card_;  ///< of the model
   RunRecord record_;
   std::chrono::steady_clock::time_point start_clock_;
 };

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <vector>
 
+#include "dynamics/dynamics_card.h"
 #include "host/error.h"
 #include "host/io/atomic_file.h"
 #include "host/io/h5.h"
@@ -25,12 +26,8 @@ namespace {
 
 constexpr const char* format_name = "scree checkpoint";
 
-/// Positions [m] and speeds [m/s, rad/s] of runs are far below this, and those far above it are no
-/// place where contacts could be found in float.
-constexpr double most_size = 1e15;
-
-/// What a float holds.
-constexpr double most_float = std::numeric_limits<float>::max();
+/// The first version of the format that is still read.
+constexpr int first_version = 1;
 
 /// Beyond this, step numbers are no longer exact where they are doubles.
 constexpr std::int64_t most_steps = std::int64_t{1} << 53;
@@ -61,7 +58,8 @@ class Reader {
   /// What a function below reads from the root group.
   template <class T>
   T opened(T (Reader::*read)(const h5::Group&) const) const try {
-    const std::string fault = check_seal(path_, format_name, checkpoint_format_version);
+    const std::string fault =
+        check_seal(path_, format_name, checkpoint_format_version, first_version);
     if (!fault.empty()) refuse(fault);
     return (this->*read)(h5::File::open_foreign(path_).root());
   } catch (const h5::Error& error) {
@@ -74,8 +72,8 @@ class Reader {
 
   [[noreturn]] void refuse(const std::string& found) const {
     throw InputError(
-        fmt::format("cannot read checkpoint {}: {}; expected a {} of format version {}",
-                    path_.string(), found, format_name, checkpoint_format_version));
+        fmt::format("cannot read checkpoint {}: {}; expected a {} of format version {} to {}",
+                    path_.string(), found, format_name, first_version, checkpoint_format_version));
   }
 
   void require_shape(const h5::Group& root, const std::string& name, std::uint64_t rows,
@@ -130,10 +128,14 @@ class Reader {
                                    path_.string(), bodies));
     ParticleSet set;
     set.position = rows<Vec3d>(root, "body/position", 3, bodies, wanted);
-    set.orientation = PerParticle(rows<Quatd>(root, "body/orientation", 4, bodies, wanted));
-    set.velocity = PerParticle(rows<Vec3d>(root, "body/velocity", 3, bodies, wanted));
-    set.angular_velocity =
-        PerParticle(rows<Vec3d>(root, "body/angular_velocity", 3, bodies, wanted));
+    // Models may have none of these.
+    if (root.has("body/orientation"))
+      set.orientation = PerParticle(rows<Quatd>(root, "body/orientation", 4, bodies, wanted));
+    if (root.has("body/velocity"))
+      set.velocity = PerParticle(rows<Vec3d>(root, "body/velocity", 3, bodies, wanted));
+    if (root.has("body/angular_velocity"))
+      set.angular_velocity =
+          PerParticle(rows<Vec3d>(root, "body/angular_velocity", 3, bodies, wanted));
     set.radius = PerParticle(rows<double>(root, "body/radius", 0, bodies, wanted));
     set.mass = PerParticle(rows<double>(root, "body/mass", 0, bodies, wanted));
     return set;
@@ -141,7 +143,9 @@ class Reader {
 
   Checkpoint read_all(const h5::Group& root) const {
     Checkpoint c;
-    c.format_version = checkpoint_format_version;
+    c.format_version = root.attribute<std::int32_t>("format_version");
+    if (c.format_version < first_version || c.format_version > checkpoint_format_version)
+      refuse(fmt::format("attribute format_version is {}", c.format_version));
     c.backend = word(root, "backend", {BackendKind::cpu, BackendKind::cuda});
     c.precision =
         word(root, "precision", {Precision::single_precision, Precision::double_precision});
@@ -155,30 +159,61 @@ class Reader {
       refuse(fmt::format("attribute step is {}, expected 0 to {}", s.step, most_steps));
     if (!(std::isfinite(s.time) && s.time >= 0))
       refuse(fmt::format("attribute time is {}, expected a time from 0 on", s.time));
+    const DynamicsCard& card = model_of(root, c.format_version);
+    s.dynamics = card.name;
+    for (const StateField& field : card.state)
+      if (field.first_version <= c.format_version && c.format_version <= field.last_version)
+        read_field(root, field, s);
     const std::uint64_t bodies = root.shape("body/id").rows;
-    s.id = array<std::int32_t>(root, "body/id", bodies);
-    s.position = array<Vec3d>(root, "body/position", bodies, 3);
-    s.orientation = array<Quatd>(root, "body/orientation", bodies, 4);
-    s.velocity = array<Vec3d>(root, "body/velocity", bodies, 3);
-    s.angular_velocity = array<Vec3d>(root, "body/angular_velocity", bodies, 3);
     for (const char* name : {"body/radius", "body/mass", "body/group"})
       require_shape(root, name, bodies);  // other scenes read them
-
-    const std::uint64_t contacts = root.shape("contact/key").rows;
-    const std::uint64_t impulses = root.shape("contact/impulse").rows;
-    if (impulses != contacts && impulses != 2 * contacts)
-      refuse(fmt::format("dataset contact/impulse has {} rows, expected {}, or {} with moments",
-                         impulses, contacts, 2 * contacts));
-    s.contact_key = array<std::uint64_t>(root, "contact/key", contacts);
-    s.contact_impulse = array<Vec3d>(root, "contact/impulse", impulses, 3);
-    s.solver_memory = array<double>(root, "solver/memory", root.shape("solver/memory").rows);
-    require_up_to(most_size, "body/position", values(s.position));
-    require_up_to(2, "body/orientation", values(s.orientation));
-    require_up_to(most_size, "body/velocity", values(s.velocity));
-    require_up_to(most_size, "body/angular_velocity", values(s.angular_velocity));
-    require_up_to(most_float, "contact/impulse", values(s.contact_impulse));
-    require_up_to(most_float, "solver/memory", s.solver_memory);
     return c;
+  }
+
+  const DynamicsCard& model_of(const h5::Group& root, int format_version) const {
+    const std::string name = format_version == 1 ? "rigid" : root.text_attribute("dynamics");
+    for (const DynamicsCard& card : dynamics_cards())
+      if (name == card.name) return card;
+    refuse(fmt::format("attribute dynamics is \"{}\", which this program does not have", name));
+  }
+
+  void read_field(const h5::Group& root, const StateField& field, WorldState& s) const {
+    require_rows(root, field);
+    switch (field.type) {
+      case StateField::Type::int32:
+        return read_rows<std::int32_t>(root, field, 0, s);
+      case StateField::Type::uint64:
+        return read_rows<std::uint64_t>(root, field, 0, s);
+      case StateField::Type::number:
+        return read_rows<double>(root, field, 0, s);
+      case StateField::Type::vector:
+        return read_rows<Vec3d>(root, field, 3, s);
+      case StateField::Type::quaternion:
+        return read_rows<Quatd>(root, field, 4, s);
+    }
+  }
+
+  template <class T>
+  void read_rows(const h5::Group& root, const StateField& field, std::uint64_t columns,
+                 WorldState& s) const {
+    std::vector<T> rows = array<T>(root, field.name, root.shape(field.name).rows, columns);
+    if constexpr (!std::is_integral_v<T>) {
+      if (field.largest > 0) require_up_to(field.largest, field.name, values(std::as_const(rows)));
+    }
+    s.add(field.name, std::move(rows));
+  }
+
+  /// An array has as many rows as the one it goes with, or a multiple of them.
+  void require_rows(const h5::Group& root, const StateField& field) const {
+    if (field.rows_of == nullptr) return;
+    const std::uint64_t found = root.shape(field.name).rows, rows = root.shape(field.rows_of).rows;
+    if (found == 0 && field.may_be_empty) return;
+    std::string expected;
+    for (std::uint64_t k = 1; k <= static_cast<std::uint64_t>(field.most_rows); ++k) {
+      if (found == k * rows) return;
+      expected += fmt::format("{}{}", k == 1 ? "" : " or ", k * rows);
+    }
+    refuse(fmt::format("dataset {} has {} rows, expected {}", field.name, found, expected));
   }
 
   void require_up_to(double most, const char* name, std::span<const double> numbers) const {
@@ -200,12 +235,20 @@ class Reader {
   std::filesystem::path path_;
 };
 
+template <class T>
+std::uint64_t columns_of(const std::vector<T>&) {
+  if constexpr (std::is_same_v<T, Vec3d>) return 3;
+  if constexpr (std::is_same_v<T, Quatd>) return 4;
+  return 0;
+}
+
 /// Writes f(constants) of the bodies of a state, in its order.
 template <class T, class F>
 void write_constant(h5::Group& group, const std::string& name, const Contents& c, F f) {
   std::vector<T> values;
-  values.reserve(c.state.id.size());
-  for (const int id : c.state.id) values.push_back(f(c.bodies[static_cast<std::size_t>(id)]));
+  const std::vector<std::int32_t>& ids = c.state.at<std::int32_t>("body/id");
+  values.reserve(ids.size());
+  for (const int id : ids) values.push_back(f(c.bodies[static_cast<std::size_t>(id)]));
   group.write(name, std::span<const T>(values));
 }
 
@@ -216,26 +259,24 @@ void write_all(h5::Group root, const Contents& c) {
   root.write_text_attribute("program", fmt::format("scree {} ({})", version(), commit()));
   root.write_text_attribute("backend", to_string(c.backend));
   root.write_text_attribute("precision", to_string(c.precision));
+  root.write_text_attribute("dynamics", s.dynamics);
   root.write_attribute<std::int64_t>("step", s.step);
   root.write_attribute<double>("time", s.time);
   root.write_attribute<std::uint64_t>("insertions_done", s.insertions_done);
   root.write_text("scene", c.scene_text);
 
-  h5::Group body = root.create_group("body");
-  body.write("id", std::span<const std::int32_t>(s.id));
-  body.write("position", values(s.position), 3);
-  body.write("orientation", values(s.orientation), 4);
-  body.write("velocity", values(s.velocity), 3);
-  body.write("angular_velocity", values(s.angular_velocity), 3);
+  for (const StateArray& array : s.arrays) {
+    const std::string group = array.name.substr(0, array.name.find('/'));
+    if (!root.has(group)) root.create_group(group);
+    std::visit([&](const auto& rows) { root.write(array.name, values(rows), columns_of(rows)); },
+               array.values);
+  }
+  h5::Group body = root.open_group("body");
   write_constant<double>(body, "radius", c, [](const BodyConstant& b) {
     return shape_card(b.shape).is_ball ? b.radius : 0.0;
   });
   write_constant<double>(body, "mass", c, [](const BodyConstant& b) { return b.mass; });
   write_constant<std::int32_t>(body, "group", c, [](const BodyConstant& b) { return b.group; });
-  h5::Group contact = root.create_group("contact");
-  contact.write("key", values(s.contact_key));
-  contact.write("impulse", values(s.contact_impulse), 3);
-  root.create_group("solver").write("memory", values(s.solver_memory));
 }
 
 }  // namespace
@@ -249,7 +290,7 @@ const char* to_string(Precision precision) {
 void write_checkpoint(const std::filesystem::path& path, const WorldState& state,
                       const BodyConstants& bodies, const std::string& scene_text,
                       BackendKind backend, Precision precision) {
-  for (const int id : state.id)
+  for (const int id : state.at<std::int32_t>("body/id"))
     if (id < 0 || static_cast<std::size_t>(id) >= bodies.size())
       throw RunError(fmt::format("cannot write a checkpoint: body id {} is not in the scene", id));
   AtomicFile target(path);

@@ -3,10 +3,15 @@
 // other scenes to read.
 //
 // Layout (HDF5, sealed, see seal.h): attributes of the root group: format, format_version, program,
-// backend, precision, step, time [s], insertions_done. Datasets: scene (text); body/id, position,
-// orientation (w, x, y, z), velocity, angular_velocity in storage order, with radius (0: not a
-// sphere), mass and group (index) of the same bodies; contact/key, impulse; solver/memory. Numbers
-// are stored as the program holds them: IEEE doubles and integers.
+// backend, precision, dynamics (the model), step, time [s], insertions_done. Datasets: scene (text)
+// and the arrays that the card of the model names (DynamicsCard::state); beside them in body/ radius
+// (0: not a sphere), mass and group (index) of the bodies of body/id. Numbers are stored as the
+// program holds them: IEEE doubles and integers.
+//
+// Arrays of rigid bodies: body/id, position, orientation (w, x, y, z), velocity, angular_velocity in
+// storage order; contact/body_a and body_b (ids; -1: a wall), feature, impulse, mark; solver/memory.
+// Version 1, which is still read, had no attribute dynamics, and contact/key, names of contacts in
+// places of storage, where body_a, body_b, feature and mark are now.
 
 #include <filesystem>
 #include <string>
@@ -16,8 +21,8 @@
 
 namespace scree {
 
-/// Number of the layout above; files of another version are refused.
-inline constexpr int checkpoint_format_version = 1;
+/// Number of the layout above; files of versions that are not known are refused.
+inline constexpr int checkpoint_format_version = 2;
 
 struct Checkpoint {
   int format_version = 0;
@@ -36,7 +41,7 @@ void write_checkpoint(const std::filesystem::path& path, const WorldState& state
                       BackendKind backend, Precision precision);
 
 /// @throws InputError naming the file, what was found and what was expected: no such file,
-///         not HDF5, truncated, another program or format version, missing datasets, sizes that
+///         not HDF5, truncated, another program, format version or model of dynamics, missing datasets, sizes that
 ///         disagree, or contents that do not match their checksum
 Checkpoint read_checkpoint(const std::filesystem::path& path);
 

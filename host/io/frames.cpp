@@ -22,9 +22,9 @@ namespace {
 constexpr std::array topologies{"Vertices", "Lines", "Polygons", "Strips"};  // the format's order
 constexpr std::array constant_data{"id",    "radius", "half_extents", "mass",
                                    "group", "kind",   "shape"};
-constexpr std::array moving_data{"velocity", "angular_velocity", "orientation", "speed"};
+using Fields = std::span<const FrameField>;
 
-Filled filled(const FrameExtent& extent) {
+Filled filled(const FrameExtent& extent, Fields fields) {
   const auto frames = static_cast<std::uint64_t>(extent.frames);
   const auto parts = static_cast<std::uint64_t>(extent.parts);
   std::vector<Growing> all{
@@ -32,9 +32,9 @@ Filled filled(const FrameExtent& extent) {
       {"Steps/Values", frames},        {"Steps/PartOffsets", frames},
       {"Steps/NumberOfParts", frames}, {"Steps/PointOffsets", frames},
       {"Steps/CellOffsets", frames},   {"Steps/ConnectivityIdOffsets", frames}};
-  for (const char* name : moving_data) {
-    all.push_back({fmt::format("PointData/{}", name), extent.points});
-    all.push_back({fmt::format("Steps/PointDataOffsets/{}", name), frames});
+  for (const FrameField& field : fields) {
+    all.push_back({fmt::format("PointData/{}", field.name), extent.points});
+    all.push_back({fmt::format("Steps/PointDataOffsets/{}", field.name), frames});
   }
   for (const char* name : constant_data)
     all.push_back({fmt::format("Steps/PointDataOffsets/{}", name), frames});
@@ -100,7 +100,7 @@ void write_constants(h5::Group& data, const Scene& scene, const BodyConstants& b
 
 /// Everything of the file but frames. @tparam Real  number type of the run
 template <class Real>
-void write_empty(h5::Group root, const Scene& scene) {
+void write_empty(h5::Group root, const Scene& scene, Fields fields) {
   const BodyConstants bodies(scene);
   const std::uint64_t count = bodies.size();
   // Chunks are at most one to two megabytes, and small runs get small files.
@@ -126,10 +126,9 @@ void write_empty(h5::Group root, const Scene& scene) {
 
   h5::Group data = vtk.create_group("PointData");
   write_constants<Real>(data, scene, bodies);
-  data.create_growing<Real>("velocity", 3, point_chunk);
-  data.create_growing<Real>("angular_velocity", 3, point_chunk);
-  data.create_growing<Real>("orientation", 4, point_chunk);
-  data.create_growing<Real>("speed", 0, point_chunk);
+  for (const FrameField& field : fields)
+    data.create_growing<Real>(
+        field.name, field.columns > 1 ? static_cast<std::uint64_t>(field.columns) : 0, point_chunk);
 
   h5::Group steps = vtk.create_group("Steps");
   steps.write_attribute<std::int64_t>("NSteps", 0);
@@ -140,40 +139,67 @@ void write_empty(h5::Group root, const Scene& scene) {
     steps.create_growing<std::int64_t>(name, topologies.size(), frame_chunk);
   h5::Group offsets = steps.create_group("PointDataOffsets");
   for (const char* name : constant_data) offsets.create_growing<std::int64_t>(name, 0, frame_chunk);
-  for (const char* name : moving_data) offsets.create_growing<std::int64_t>(name, 0, frame_chunk);
+  for (const FrameField& field : fields)
+    offsets.create_growing<std::int64_t>(field.name, 0, frame_chunk);
 }
 
 void append_number(h5::Group& group, const std::string& name, std::int64_t value) {
   group.append(name, std::span<const std::int64_t>(&value, 1));
 }
 
-/// Three numbers per vector, four per quaternion.
+/// Calls visit(rows) with the vector of what a field shows.
+template <class Visit>
+void with_rows_of(const FrameField& field, const BodyStates& states, Visit visit) {
+  std::visit(
+      [&](auto where) {
+        if constexpr (std::is_same_v<decltype(where), Own>) {
+          visit(states.own.at(where.place));
+        } else {
+          visit(states.*where);
+        }
+      },
+      field.values);
+}
+
+/// Three numbers per vector, four per quaternion; or the length of each.
 template <class Real, class T>
-std::vector<Real> numbers(const std::vector<T>& data) {
-  const std::span<const double> from = values(data);
-  std::vector<Real> to(from.size());
+std::vector<Real> numbers(const std::vector<T>& rows, bool length) {
+  std::vector<Real> to;
+  if constexpr (std::is_same_v<T, Vec3d>) {
+    if (length) {
+      to.reserve(rows.size());
+      for (const Vec3d& row : rows) to.push_back(static_cast<Real>(norm(row)));
+      return to;
+    }
+  }
+  const std::span<const double> from = values(rows);
+  to.resize(from.size());
   std::transform(from.begin(), from.end(), to.begin(),
                  [](double x) { return static_cast<Real>(x); });
   return to;
 }
 
 template <class Real>
-std::vector<Real> speeds(const std::vector<Vec3d>& velocity) {
-  std::vector<Real> to(velocity.size());
-  std::transform(velocity.begin(), velocity.end(), to.begin(),
-                 [](const Vec3d& v) { return static_cast<Real>(norm(v)); });
-  return to;
+void append_states(h5::Group& data, const BodyStates& states, Fields fields) {
+  for (const FrameField& field : fields)
+    with_rows_of(field, states, [&](const auto& rows) {
+      data.append(field.name, std::span<const Real>(numbers<Real>(rows, field.length)));
+    });
 }
 
-template <class Real>
-void append_states(h5::Group& data, const BodyStates& states) {
-  const auto append = [&](const char* name, const std::vector<Real>& column) {
-    data.append(name, std::span<const Real>(column));
-  };
-  append("velocity", numbers<Real>(states.velocity));
-  append("angular_velocity", numbers<Real>(states.angular_velocity));
-  append("orientation", numbers<Real>(states.orientation));
-  append("speed", speeds<Real>(states.velocity));
+/// Whether every field has a value for each body.
+bool has_all_rows(const BodyStates& states, Fields fields) {
+  const std::size_t bodies = states.position.size();
+  return std::all_of(fields.begin(), fields.end(), [&](const FrameField& field) {
+    bool has = false;
+    with_rows_of(field, states, [&](const auto& rows) {
+      using Row = typename std::decay_t<decltype(rows)>::value_type;
+      const auto width =
+          std::is_same_v<Row, double> ? static_cast<std::size_t>(field.columns) : std::size_t{1};
+      has = rows.size() == bodies * width;
+    });
+    return has;
+  });
 }
 
 /// Cells for a number of bodies that no earlier frame had. Readers find the offsets of a part
@@ -203,15 +229,15 @@ FrameExtent extended(const FrameExtent& before, std::uint64_t bodies) {
 }
 
 void write_frame(h5::Group vtk, const FrameExtent& before, double time, const BodyStates& states,
-                 Precision precision) {
+                 Fields fields, Precision precision) {
   const FrameExtent after = extended(before, states.position.size());
   if (after.parts > before.parts) write_part(vtk, after.last_bodies);
   vtk.append("Points", values(states.position));
   h5::Group data = vtk.open_group("PointData");
   if (precision == Precision::double_precision)
-    append_states<double>(data, states);
+    append_states<double>(data, states, fields);
   else
-    append_states<float>(data, states);
+    append_states<float>(data, states, fields);
 
   h5::Group steps = vtk.open_group("Steps");
   const auto first_point = static_cast<std::int64_t>(before.points);
@@ -226,7 +252,7 @@ void write_frame(h5::Group vtk, const FrameExtent& before, double time, const Bo
   steps.append("ConnectivityIdOffsets", std::span<const std::int64_t>(first_connectivity));
   h5::Group offsets = steps.open_group("PointDataOffsets");
   for (const char* name : constant_data) append_number(offsets, name, 0);
-  for (const char* name : moving_data) append_number(offsets, name, first_point);
+  for (const FrameField& field : fields) append_number(offsets, field.name, first_point);
   steps.write_attribute<std::int64_t>("NSteps", after.frames);
 }
 
@@ -262,7 +288,9 @@ FrameExtent read_extent(const h5::Group& vtk, const std::filesystem::path& path,
 
 FrameWriter::FrameWriter(std::filesystem::path path, const Scene& scene, Precision precision,
                          std::optional<double> resume_time)
-    : file_(std::move(path)), precision_(precision) {
+    : file_(std::move(path)),
+      fields_(dynamics_card(scene.dynamics.type).frame),
+      precision_(precision) {
   if (resume_time) resume(scene, *resume_time);
   if (extent_.frames == 0) start(scene);
 }
@@ -272,9 +300,9 @@ void FrameWriter::start(const Scene& scene) {
   extent_.body_capacity = count_bodies(scene).all();
   file_.start([&](h5::Group root) {
     if (precision_ == Precision::double_precision)
-      write_empty<double>(std::move(root), scene);
+      write_empty<double>(std::move(root), scene, fields_);
     else
-      write_empty<float>(std::move(root), scene);
+      write_empty<float>(std::move(root), scene, fields_);
   });
 }
 
@@ -289,14 +317,14 @@ void FrameWriter::resume(const Scene& scene, double time) {
     const h5::Group root = file.root();
     const h5::Group vtk = root.open_group("VTKHDF");
     kept = read_extent(vtk, path, time, &frames_found, &last_time_);
-    for (const Growing& dataset : filled(kept).datasets)
+    for (const Growing& dataset : filled(kept, fields_).datasets)
       if (root.shape(dataset.name).rows < dataset.rows)
         throw InputError(
             fmt::format("cannot continue {}: dataset {} has {} rows, expected {} or more",
                         path.string(), dataset.name, root.shape(dataset.name).rows, dataset.rows));
     // Reading nothing checks the type.
-    for (const char* name : moving_data) {
-      const std::string dataset = fmt::format("PointData/{}", name);
+    for (const FrameField& field : fields_) {
+      const std::string dataset = fmt::format("PointData/{}", field.name);
       if (precision_ == Precision::double_precision)
         vtk.read(dataset, std::span<double>());
       else
@@ -310,7 +338,7 @@ void FrameWriter::resume(const Scene& scene, double time) {
                                  path.string(), kept.body_capacity, bodies));
   extent_ = kept;
   if (kept.frames == 0 || kept.frames == frames_found) return;
-  file_.cut(filled(kept), [&](h5::Group root) {
+  file_.cut(filled(kept, fields_), [&](h5::Group root) {
     root.open_group("VTKHDF/Steps").write_attribute<std::int64_t>("NSteps", kept.frames);
   });
 }
@@ -322,14 +350,13 @@ void FrameWriter::append(double time, const BodyStates& states) {
   const std::size_t bodies = states.position.size();
   if (bodies == 0) return;  // readers have trouble with empty parts
   if (bodies > extent_.body_capacity || bodies < extent_.last_bodies ||
-      states.orientation.size() != bodies || states.velocity.size() != bodies ||
-      states.angular_velocity.size() != bodies)
+      !has_all_rows(states, fields_))
     throw RunError(
         fmt::format("a frame of {} bodies does not fit the {} of the last frame and the {} "
                     "of the scene",
                     bodies, extent_.last_bodies, extent_.body_capacity));
-  file_.append(filled(extent_), [&](h5::Group root) {
-    write_frame(root.open_group("VTKHDF"), extent_, time, states, precision_);
+  file_.append(filled(extent_, fields_), [&](h5::Group root) {
+    write_frame(root.open_group("VTKHDF"), extent_, time, states, fields_, precision_);
   });
   extent_ = extended(extent_, bodies);
   last_time_ = time;

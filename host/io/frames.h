@@ -1,9 +1,9 @@
 #pragma once
 // frames.vtkhdf: all bodies at many times, as ParaView reads them (transient VTKHDF, PolyData).
 //
-// One point per body, in the order of ids. Point data per frame: velocity [m/s], angular_velocity
-// (world frame) [rad/s], orientation (w, x, y, z) and speed [m/s] in the precision of the run,
-// positions in double.
+// One point per body, in the order of ids, positions in double. Point data per frame are those that
+// the model of dynamics says in its card, in the precision of the run; of rigid bodies velocity
+// [m/s], angular_velocity (world frame) [rad/s], orientation (w, x, y, z) and speed [m/s].
 // Point data that never change are stored once: id, radius (0: not a sphere) and half_extents
 // (boxes and containers) [m] in the precision of the run, mass [kg], group, kind (0 free, 1 fixed,
 // 2 kinematic), shape (0 sphere, 1 box, 2 half space, 3 container, 4 mesh). They hold all bodies of
@@ -13,7 +13,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 
+#include "dynamics/dynamics_card.h"
 #include "host/io/twin_file.h"
 #include "host/scene.h"
 #include "host/world.h"
@@ -61,6 +63,7 @@ class FrameWriter {
   void resume(const Scene& scene, double time);
 
   TwinFile file_;
+  std::span<const FrameField> fields_;  ///< of the model
   Precision precision_;
   FrameExtent extent_;
   std::optional<double> last_time_;

@@ -86,11 +86,13 @@ std::string Progress::line(Clock::time_point now) const {
   const double eta = left == 0            ? 0.0
                      : simulated_rate > 0 ? left / simulated_rate
                                           : std::numeric_limits<double>::infinity();
-  return fmt::format(
-      "step {}  t {:.5g}/{:.5g} s  bodies {}  contacts {}  residual {:.2e} m/s  iterations {}{}  "
-      "{:.3g} steps/s  ETA {}",
-      last_.step, last_.time, end_time_, last_.body_count, last_.contact_count, last_.residual_rms,
-      last_.iterations, last_.converged ? "" : " (cap)", rate, duration_text(eta));
+  const std::string contacts =
+      options_.has_contacts
+          ? fmt::format("contacts {}  residual {:.2e} m/s  iterations {}{}  ", last_.contact_count,
+                        last_.residual_rms, last_.iterations, last_.converged ? "" : " (cap)")
+          : "";
+  return fmt::format("step {}  t {:.5g}/{:.5g} s  bodies {}  {}{:.3g} steps/s  ETA {}", last_.step,
+                     last_.time, end_time_, last_.body_count, contacts, rate, duration_text(eta));
 }
 
 void Progress::show(Clock::time_point now) {

@@ -14,6 +14,7 @@ struct ProgressOptions {
   bool quiet = false;
   bool terminal = false;      ///< rewrite one line in place, at most five times a second
   double plain_interval = 5;  ///< not a terminal: wall time between lines [s]
+  bool has_contacts = true;   ///< lines tell of contacts and their residual
 };
 
 /// Options for the process: stderr, and whether it is a terminal.

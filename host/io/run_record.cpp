@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <ctime>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "host/io/atomic_file.h"
 #include "host/io/checkpoint.h"
@@ -13,29 +14,47 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json stage_times(const StageTimes& ms) {
-  return {{"collision", ms.collision},
-          {"setup", ms.setup},
-          {"solve", ms.solve},
-          {"integrate", ms.integrate},
-          {"total", ms.total}};
+Json stage_times(const RunTotals& totals) {
+  Json ms = Json::object();
+  for (const RunTotals::Stage& stage : totals.stages()) ms[stage.name] = stage.mean;
+  return ms;
+}
+
+/// Quantities of the last step that only this model has.
+void add_own(const RunTotals& totals, Json& json) {
+  for (const ReportColumn& column : totals.card().report) {
+    if (!std::holds_alternative<Own>(column.value) || totals.steps() == 0) continue;
+    with_value(column, totals.last(),
+               [&](auto value) { json[std::string("final_") + column.name] = value; });
+  }
 }
 
 Json totals_of(const RunTotals& totals) {
-  return {{"steps", totals.steps()},
-          {"steps_not_converged", totals.steps_not_converged()},
-          {"stopped_at_walls", totals.stopped()},
-          {"simulated_time_s", totals.simulated_time()},
-          {"mean_ms", stage_times(totals.mean_ms())},
-          {"mean_iterations", totals.mean_iterations()},
-          {"max_contacts", totals.max_contacts()},
-          {"max_residual_rms_m_per_s", totals.max_residual_rms()},
-          {"max_residual_relative", totals.max_residual_relative()},
-          {"max_penetration_m", totals.max_penetration()},
-          {"final_bodies", totals.last().body_count},
-          {"final_contacts", totals.last().contact_count},
-          {"final_residual_rms_m_per_s", totals.last().residual_rms},
-          {"final_kinetic_energy_J", totals.last().kinetic_energy}};
+  Json json;
+  json["steps"] = totals.steps();
+  const bool has_contacts = totals.card().has_contacts;
+  if (has_contacts) {
+    json["steps_not_converged"] = totals.steps_not_converged();
+    json["stopped_at_walls"] = totals.stopped();
+  }
+  json["simulated_time_s"] = totals.simulated_time();
+  json["mean_ms"] = stage_times(totals);
+  if (has_contacts) {
+    json["mean_iterations"] = totals.mean_iterations();
+    json["max_contacts"] = totals.max_contacts();
+    json["max_residual_rms_m_per_s"] = totals.max_residual_rms();
+    json["max_residual_relative"] = totals.max_residual_relative();
+    json["max_penetration_m"] = totals.max_penetration();
+  }
+  json["final_bodies"] = totals.last().body_count;
+  if (has_contacts) {
+    json["final_contacts"] = totals.last().contact_count;
+    json["final_residual_rms_m_per_s"] = totals.last().residual_rms;
+  }
+  if (totals.card().has_column("kinetic_energy_J"))
+    json["final_kinetic_energy_J"] = totals.last().kinetic_energy;
+  add_own(totals, json);
+  return json;
 }
 
 Json scene_of(const std::string& text) {
@@ -43,7 +62,14 @@ Json scene_of(const std::string& text) {
   return scene.is_discarded() ? Json(text) : scene;
 }
 
+bool is_stage(const ReportColumn& column) { return std::string_view(column.name).ends_with("_ms"); }
+
 }  // namespace
+
+RunTotals::RunTotals(const DynamicsCard& card) : card_(card) {
+  for (const ReportColumn& column : card_.report)
+    if (is_stage(column)) sum_ms_.push_back(0);
+}
 
 void RunTotals::add(const StepReport& report) {
   steps_ += 1;
@@ -51,11 +77,11 @@ void RunTotals::add(const StepReport& report) {
   stopped_ += report.stopped;
   iterations_ += report.iterations;
   simulated_time_ = report.time;
-  sum_ms_.collision += report.ms.collision;
-  sum_ms_.setup += report.ms.setup;
-  sum_ms_.solve += report.ms.solve;
-  sum_ms_.integrate += report.ms.integrate;
-  sum_ms_.total += report.ms.total;
+  std::size_t stage = 0;
+  for (const ReportColumn& column : card_.report)
+    if (is_stage(column))
+      with_value(column, report,
+                 [&](auto value) { sum_ms_[stage++] += static_cast<double>(value); });
   max_residual_rms_ = std::max(max_residual_rms_, report.residual_rms);
   max_residual_relative_ = std::max(max_residual_relative_, report.residual_relative);
   max_penetration_ = std::max(max_penetration_, report.max_penetration);
@@ -63,10 +89,15 @@ void RunTotals::add(const StepReport& report) {
   last_ = report;
 }
 
-StageTimes RunTotals::mean_ms() const {
+std::vector<RunTotals::Stage> RunTotals::stages() const {
   const double per_step = steps_ > 0 ? 1.0 / static_cast<double>(steps_) : 0.0;
-  return {sum_ms_.collision * per_step, sum_ms_.setup * per_step, sum_ms_.solve * per_step,
-          sum_ms_.integrate * per_step, sum_ms_.total * per_step};
+  std::vector<Stage> stages;
+  for (const ReportColumn& column : card_.report) {
+    if (!is_stage(column)) continue;
+    const std::string name(column.name);
+    stages.push_back({name.substr(0, name.size() - 3), sum_ms_[stages.size()] * per_step});
+  }
+  return stages;
 }
 
 double RunTotals::mean_iterations() const {

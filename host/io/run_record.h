@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dynamics/dynamics_card.h"
 #include "host/world.h"
 
 namespace scree {
@@ -14,6 +15,9 @@ namespace scree {
 /// Sums over the steps of a run, kept up step by step.
 class RunTotals {
  public:
+  /// @param card  of the model
+  explicit RunTotals(const DynamicsCard& card);
+
   void add(const StepReport& report);
 
   std::int64_t steps() const { return steps_; }
@@ -21,21 +25,28 @@ class RunTotals {
   /// How often a sphere was stopped at a box or mesh wall within a step.
   std::int64_t stopped() const { return stopped_; }
   double simulated_time() const { return simulated_time_; }  ///< at the end [s]
-  StageTimes mean_ms() const;                                ///< zero without steps
+  /// Times of a stage of the model [ms].
+  struct Stage {
+    std::string name;
+    double mean = 0;  ///< over the steps
+  };
+  std::vector<Stage> stages() const;
   double mean_iterations() const;
   double max_residual_rms() const { return max_residual_rms_; }  ///< [m/s]
   double max_residual_relative() const { return max_residual_relative_; }
   double max_penetration() const { return max_penetration_; }  ///< [m]
   int max_contacts() const { return max_contacts_; }
   const StepReport& last() const { return last_; }
+  const DynamicsCard& card() const { return card_; }
 
  private:
+  DynamicsCard card_;
   std::int64_t steps_ = 0;
   std::int64_t steps_not_converged_ = 0;
   std::int64_t stopped_ = 0;
   std::int64_t iterations_ = 0;
   double simulated_time_ = 0;
-  StageTimes sum_ms_;
+  std::vector<double> sum_ms_;  ///< of each stage
   double max_residual_rms_ = 0;
   double max_residual_relative_ = 0;
   double max_penetration_ = 0;
@@ -46,6 +57,8 @@ class RunTotals {
 enum class RunStatus { running, done, interrupted, failed };
 
 struct RunRecord {
+  explicit RunRecord(const DynamicsCard& card) : totals(card) {}
+
   std::string scene_name;
   std::string scene_file;  ///< as given
   std::string scene_text;  ///< resolved scene; stored as JSON when it is

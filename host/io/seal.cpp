@@ -66,7 +66,8 @@ bool has_seal(const std::filesystem::path& path, const std::string& kind) {
   return found == start;
 }
 
-std::string check_seal(const std::filesystem::path& path, const std::string& kind, int version) {
+std::string check_seal(const std::filesystem::path& path, const std::string& kind, int version,
+                       int first_version) {
   std::ifstream file(path, std::ios::binary);
   if (!file) return std::generic_category().message(errno);
   std::string seal(seal_bytes, '\0');
@@ -84,7 +85,8 @@ std::string check_seal(const std::filesystem::path& path, const std::string& kin
   std::uint64_t expected_bytes = 0;
   std::string expected_checksum;
   fields >> word >> found_version;
-  if (fields && found_version != version)
+  const int least_version = first_version > 0 ? first_version : version;
+  if (fields && (found_version < least_version || found_version > version))
     return fmt::format("it has format version {}", found_version);
   fields >> word >> expected_bytes >> word >> expected_checksum;
   if (!fields) return "its seal is damaged";
@@ -94,7 +96,7 @@ std::string check_seal(const std::filesystem::path& path, const std::string& kin
   if (bytes != expected_bytes)
     return fmt::format("it has {} bytes where {} should be", bytes + seal_bytes,
                        expected_bytes + seal_bytes);
-  if (seal != seal_text(kind, version, bytes, checksum))
+  if (seal != seal_text(kind, found_version, bytes, checksum))
     return fmt::format("it is damaged: its checksum is {:016x}, its seal says {}", checksum,
                        expected_checksum);
   return {};

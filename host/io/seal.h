@@ -20,8 +20,9 @@ void write_seal(const std::filesystem::path& path, const std::string& kind, int 
 /// Whether the file begins with the seal of a kind; whether it is whole is for check_seal to say.
 bool has_seal(const std::filesystem::path& path, const std::string& kind);
 
-/// What is wrong with the file, as half a sentence; empty when it is whole and of
-/// that kind and version.
-std::string check_seal(const std::filesystem::path& path, const std::string& kind, int version);
+/// What is wrong with the file, as half a sentence; empty when it is whole, of that kind and of
+/// that version, or of an earlier one from `first_version` on when that is given.
+std::string check_seal(const std::filesystem::path& path, const std::string& kind, int version,
+                       int first_version = 0);
 
 }  // namespace scree

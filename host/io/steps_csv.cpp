@@ -19,53 +19,29 @@
 namespace scree {
 namespace {
 
-/// Calls visit(column name with unit, field) for each column in order. Report: StepReport or const.
-template <class Report, class Visit>
-void for_each_column(Report& r, Visit visit) {
-  visit("step", r.step);
-  visit("time_s", r.time);
-  visit("bodies", r.body_count);
-  visit("contacts", r.contact_count);
-  visit("iterations", r.iterations);
-  visit("applications", r.applications);
-  visit("converged", r.converged);
-  visit("residual_rms_m_per_s", r.residual_rms);
-  visit("residual_max_m_per_s", r.residual_max);
-  visit("residual_max_body_a", r.residual_max_body_a);
-  visit("residual_max_body_b", r.residual_max_body_b);
-  visit("residual_relative", r.residual_relative);
-  visit("exact_residual_rms_m_per_s", r.exact_residual_rms);
-  visit("objective_J", r.objective);
-  visit("max_penetration_m", r.max_penetration);
-  visit("max_cone_violation_N_s", r.max_cone_violation);
-  visit("kinetic_energy_J", r.kinetic_energy);
-  visit("collision_ms", r.ms.collision);
-  visit("setup_ms", r.ms.setup);
-  visit("solve_ms", r.ms.solve);
-  visit("integrate_ms", r.ms.integrate);
-  visit("total_ms", r.ms.total);
-}
+using Columns = std::span<const ReportColumn>;
 
-std::string header() {
+std::string header(Columns columns) {
   std::string line;
-  StepReport report;
-  for_each_column(report, [&](const char* name, auto) {
+  for (const ReportColumn& column : columns) {
     if (!line.empty()) line += ',';
-    line += name;
-  });
+    line += column.name;
+  }
   return line + '\n';
 }
 
 /// Shortest text that reads back as the same number; true and false as 1 and 0.
-void append_line(std::string& out, const StepReport& report) {
+void append_line(std::string& out, Columns columns, const StepReport& report) {
   const char* separator = "";
-  for_each_column(report, [&](const char*, auto value) {
-    if constexpr (std::is_same_v<decltype(value), bool>)
-      fmt::format_to(std::back_inserter(out), "{}{}", separator, value ? 1 : 0);
-    else
-      fmt::format_to(std::back_inserter(out), "{}{}", separator, value);
+  for (const ReportColumn& column : columns) {
+    with_value(column, report, [&](auto value) {
+      if constexpr (std::is_same_v<decltype(value), bool>)
+        fmt::format_to(std::back_inserter(out), "{}{}", separator, value ? 1 : 0);
+      else
+        fmt::format_to(std::back_inserter(out), "{}{}", separator, value);
+    });
     separator = ",";
-  });
+  }
   out += '\n';
 }
 
@@ -103,10 +79,10 @@ bool parse(std::string_view text, T* value) {
 /// Calls visit(line number, offset of the next line, line) for each whole line but the header,
 /// until visit returns false.
 template <class Visit>
-void for_each_line(const std::filesystem::path& path, Visit visit) {
+void for_each_line(const std::filesystem::path& path, Columns columns, Visit visit) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("cannot read {}", path.string()));
-  std::string expected = header();
+  std::string expected = header(columns);
   expected.pop_back();
   std::string line;
   std::size_t line_number = 0;
@@ -124,23 +100,26 @@ void for_each_line(const std::filesystem::path& path, Visit visit) {
 
 }  // namespace
 
-StepsCsv::StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resume_step)
-    : path_(std::move(path)), last_flush_(std::chrono::steady_clock::now()) {
+StepsCsv::StepsCsv(std::filesystem::path path, Columns columns,
+                   std::optional<std::int64_t> resume_step)
+    : path_(std::move(path)), columns_(columns), last_flush_(std::chrono::steady_clock::now()) {
   std::uint64_t kept_bytes = 0;
   missing_steps_ = resume_step.value_or(0);
   if (resume_step && std::filesystem::exists(path_)) {
     std::int64_t last = 0;
-    for_each_line(path_, [&](std::size_t number, std::uint64_t end, std::string_view line) {
-      std::int64_t step = 0;
-      if (!parse(take_field(line), &step)) refuse(path_, number, "expected the number of a step");
-      if (step <= last)
-        refuse(path_, number, fmt::format("step {} comes after step {}", step, last));
-      if (step > *resume_step) return false;
-      last = step;
-      missing_steps_ -= 1;
-      kept_bytes = end;
-      return true;
-    });
+    for_each_line(path_, columns_,
+                  [&](std::size_t number, std::uint64_t end, std::string_view line) {
+                    std::int64_t step = 0;
+                    if (!parse(take_field(line), &step))
+                      refuse(path_, number, "expected the number of a step");
+                    if (step <= last)
+                      refuse(path_, number, fmt::format("step {} comes after step {}", step, last));
+                    if (step > *resume_step) return false;
+                    last = step;
+                    missing_steps_ -= 1;
+                    kept_bytes = end;
+                    return true;
+                  });
   }
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw RunError(io_message("cannot write", path_, errno));
@@ -150,7 +129,7 @@ StepsCsv::StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resum
     throw RunError(io_message("cannot shorten", path_, reason));
   }
   if (kept_bytes == 0) {
-    pending_ = header();
+    pending_ = header(columns_);
     try {
       flush();
     } catch (...) {
@@ -170,7 +149,7 @@ StepsCsv::~StepsCsv() {
 }
 
 void StepsCsv::append(const StepReport& report) {
-  append_line(pending_, report);
+  append_line(pending_, columns_, report);
   pending_lines_ += 1;
   if (pending_lines_ >= 100 ||
       std::chrono::steady_clock::now() - last_flush_ >= std::chrono::seconds(1))
@@ -203,15 +182,18 @@ void StepsCsv::write_line(std::string_view line) {
   }
 }
 
-std::vector<StepReport> read_steps_csv(const std::filesystem::path& path) {
+std::vector<StepReport> read_steps_csv(const std::filesystem::path& path, Columns columns) {
   std::vector<StepReport> reports;
-  for_each_line(path, [&](std::size_t number, std::uint64_t, std::string_view line) {
+  for_each_line(path, columns, [&](std::size_t number, std::uint64_t, std::string_view line) {
     StepReport report;
-    for_each_column(report, [&](const char* name, auto& value) {
+    for (const ReportColumn& column : columns) {
       const std::string_view field = take_field(line);
-      if (!parse(field, &value))
-        refuse(path, number, fmt::format("column {} holds \"{}\", expected a number", name, field));
-    });
+      with_value(column, report, [&](auto& value) {
+        if (!parse(field, &value))
+          refuse(path, number,
+                 fmt::format("column {} holds \"{}\", expected a number", column.name, field));
+      });
+    }
     if (!line.empty()) refuse(path, number, "there are more values than columns");
     reports.push_back(report);
     return true;

@@ -1,14 +1,16 @@
 #pragma once
-// steps.csv: one line per step with every field of StepReport.
+// steps.csv: one line per step with the quantities that the model of dynamics reports.
 
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "dynamics/dynamics_card.h"
 #include "host/world.h"
 
 namespace scree {
@@ -20,11 +22,13 @@ namespace scree {
 class StepsCsv {
  public:
   /// Starts a new file, or continues one after the given step.
+  /// @param columns      of the model; they outlive this object
   /// @param resume_step  number of steps done by the checkpoint: later lines, and a torn last one,
   ///                     are cut off. Not set, or no file there: a new file
   /// @throws InputError when the file to continue has other columns or its steps do not rise,
   /// @throws RunError when the file cannot be written
-  explicit StepsCsv(std::filesystem::path path, std::optional<std::int64_t> resume_step = {});
+  explicit StepsCsv(std::filesystem::path path, std::span<const ReportColumn> columns,
+                    std::optional<std::int64_t> resume_step = {});
   ~StepsCsv();  ///< flushes; errors are lost, call flush() to see them
   StepsCsv(const StepsCsv&) = delete;
   StepsCsv& operator=(const StepsCsv&) = delete;
@@ -45,6 +49,7 @@ class StepsCsv {
   void write_line(std::string_view line);
 
   std::filesystem::path path_;
+  std::span<const ReportColumn> columns_;
   int descriptor_ = -1;
   std::int64_t missing_steps_ = 0;
   std::string pending_;
@@ -54,6 +59,7 @@ class StepsCsv {
 
 /// Reads the lines of a steps.csv back; a torn last line is left out.
 /// @throws InputError naming the file, the line and what was expected
-std::vector<StepReport> read_steps_csv(const std::filesystem::path& path);
+std::vector<StepReport> read_steps_csv(const std::filesystem::path& path,
+                                       std::span<const ReportColumn> columns);
 
 }  // namespace scree

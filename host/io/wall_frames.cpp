@@ -186,8 +186,9 @@ std::vector<Vec3d> WallFrameWriter::corners(const BodyStates& states) const {
   std::vector<Vec3d> all;
   all.reserve(corner_count_);
   for (const WallSurface& wall : walls_) {
-    // Orientations of float runs are unit only to their rounding.
-    const Quatd turn = normalized(states.orientation.at(wall.body));
+    // Orientations of float runs are unit only to their rounding; models may have none.
+    const Quatd turn =
+        states.orientation.empty() ? Quatd{} : normalized(states.orientation.at(wall.body));
     for (const Vec3d& corner : wall.surface.vertices)
       all.push_back(states.position.at(wall.body) + rotate(turn, corner));
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "dynamics/dynamics_card.h"
 #include "host/error.h"
 #include "host/io/printable.h"
 #include "host/scene/bodies_by_id.h"
@@ -241,6 +242,23 @@ void check_solver_parameters(const ParameterValues& values) {
   for (const auto& [key, value] : values) check_one_of("solver.parameters", key, known);
 }
 
+void check_dynamics(const Scene& scene) {
+  const DynamicsSettings& dynamics = scene.dynamics;
+  check_one_of("dynamics.type", dynamics.type, dynamics_names());
+  const DynamicsCard& card = dynamics_card(dynamics.type);
+  std::vector<std::string> known;
+  for (const SolverParameter& parameter : card.parameters) {
+    known.emplace_back(parameter.key);
+    const double value = parameter.of(dynamics.parameters);
+    if (!parameter.allows(value))
+      refuse(fmt::format("dynamics.{}", parameter.key), parameter.text(value),
+             parameter.expected());
+  }
+  for (const auto& [key, value] : dynamics.parameters)
+    check_one_of("dynamics.parameters", key, known);
+  if (card.check != nullptr) card.check(scene);
+}
+
 void check_settings(const Scene& scene) {
   check_name(scene.name);
   check_one_of("backend", scene.backend, {"auto", "cpu", "cuda"});
@@ -474,6 +492,7 @@ void validate(const Scene& scene) {
   if (const auto fault = room_fault(scene)) refuse(fault->field, fault->value, fault->expected);
   check_pairs(scene);
   check_periodicity(scene);
+  check_dynamics(scene);
 }
 
 const TriangleMesh* mesh_of(const Scene& scene, const Shape& shape) {

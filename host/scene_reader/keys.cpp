@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "dynamics/dynamics_card.h"
 #include "shapes/shape_card.h"
 #include "solvers/solver_card.h"
 
@@ -26,6 +27,13 @@ std::vector<std::string> body_keys() {
   return keys;
 }
 
+std::vector<std::string> dynamics_keys() {
+  std::vector<std::string> keys{"type"};
+  for (const DynamicsCard& card : dynamics_cards())
+    for (const SolverParameter& parameter : card.parameters) keys.emplace_back(parameter.key);
+  return keys;
+}
+
 }  // namespace
 
 std::vector<std::string> shape_keys() {
@@ -40,8 +48,8 @@ const std::vector<KeyTable>& scene_key_tables() {
   static const std::vector<KeyTable> tables{
       {"scene",
        {"$schema", "name", "gravity", "seed", "backend", "precision", "time_step", "duration",
-        "materials", "material_pairs", "periodic", "bodies", "particles", "solver", "stepping",
-        "collision", "output"}},
+        "materials", "material_pairs", "periodic", "bodies", "particles", "dynamics", "solver",
+        "stepping", "collision", "output"}},
       {"material",
        {"friction", "restitution", "cohesion", "rolling_friction", "spinning_friction"}},
       {"material_pair",
@@ -59,6 +67,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"radius_normal", {"mean", "deviation", "min", "max"}},
       {"region", {"min", "max", "cylinder"}},
       {"cylinder", {"axis", "center", "radius", "length"}},
+      {"dynamics", dynamics_keys()},
       {"solver", solver_keys()},
       {"stepping", {"max_recovery_speed", "restitution_law", "restitution_threshold"}},
       {"collision", {"envelope", "skin"}},

@@ -5,6 +5,7 @@
 #include <limits>
 #include <tuple>
 
+#include "dynamics/dynamics_card.h"
 #include "host/scene_reader/parts.h"
 #include "solvers/solver_card.h"
 
@@ -55,6 +56,21 @@ void read_solver(const Node& node, SolverSettings& solver) {
   for (const auto& [parameter, solvers] : solver_parameters())
     if (const auto value = node.find(parameter.key))
       solver.parameters[parameter.key] = read_parameter(*value, parameter);
+}
+
+void read_dynamics(const Node& node, DynamicsSettings& dynamics) {
+  if (const auto type = node.find("type")) {
+    std::vector<std::pair<std::string, std::string>> names;
+    for (const std::string& each : dynamics_names()) names.emplace_back(each, each);
+    dynamics.type = type->choice(names);
+  }
+  KeyTable known{"dynamics", {"type"}};
+  const DynamicsCard& card = dynamics_card(dynamics.type);
+  for (const SolverParameter& parameter : card.parameters) known.keys.emplace_back(parameter.key);
+  node.check_keys(known);
+  for (const SolverParameter& parameter : card.parameters)
+    if (const auto value = node.find(parameter.key))
+      dynamics.parameters[parameter.key] = read_parameter(*value, parameter);
 }
 
 void read_camera(const Node& node, CameraSettings& camera) {
@@ -133,6 +149,7 @@ void read_settings(const Node& node, Scene& scene) {
   scene.stepping.duration =
       node.at("duration", "must be zero or positive [s]").number(kNonNegative, "s");
   if (const auto periodic = node.find("periodic")) read_periodicity(*periodic, scene.periodicity);
+  if (const auto dynamics = node.find("dynamics")) read_dynamics(*dynamics, scene.dynamics);
   if (const auto solver = node.find("solver")) read_solver(*solver, scene.solver);
   if (const auto stepping = node.find("stepping")) {
     stepping->check_keys(scene_keys("stepping"));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "dynamics/dynamics_card.h"
 #include "host/scene.h"
 #include "shapes/shape_card.h"
 #include "solvers/solver_card.h"
@@ -17,10 +18,18 @@ Json name_schema() {
       {"enum", solver_names()}, {"default", SolverSettings{}.name}, {"description", description}};
 }
 
-Json parameter_schema(const SharedParameter& shared) {
-  const SolverParameter& parameter = shared.parameter;
-  const std::string description =
-      fmt::format("{}: {}", fmt::join(shared.solvers, ", "), parameter.description);
+Json type_schema() {
+  std::string description = "What a step is.";
+  for (const DynamicsCard& card : dynamics_cards())
+    description += fmt::format(" {}: {}.", card.name, card.description);
+  return {{"enum", dynamics_names()},
+          {"default", DynamicsSettings{}.type},
+          {"description", description}};
+}
+
+/// @param owners  names of what takes it
+Json parameter_schema(const SolverParameter& parameter, const std::string& owners) {
+  const std::string description = fmt::format("{}: {}", owners, parameter.description);
   if (parameter.choices.empty())
     return {{"type", "number"},
             {"exclusiveMinimum", parameter.low},
@@ -112,10 +121,16 @@ void put_shapes(Json& body) {
 
 Json schema_with_cards(Json schema) {
   put_shapes(schema.at("$defs").at("body"));
-  Json& properties = schema.at("$defs").at("solver").at("properties");
-  properties["name"] = name_schema();
+  Json& dynamics = schema.at("$defs").at("dynamics").at("properties");
+  dynamics["type"] = type_schema();
+  for (const DynamicsCard& card : dynamics_cards())
+    for (const SolverParameter& parameter : card.parameters)
+      dynamics[parameter.key] = parameter_schema(parameter, card.name);
+  Json& solver = schema.at("$defs").at("solver").at("properties");
+  solver["name"] = name_schema();
   for (const SharedParameter& shared : solver_parameters())
-    properties[shared.parameter.key] = parameter_schema(shared);
+    solver[shared.parameter.key] =
+        parameter_schema(shared.parameter, fmt::format("{}", fmt::join(shared.solvers, ", ")));
   return schema;
 }
 

@@ -1,11 +1,12 @@
 #pragma once
-// The parts of scenes/schema.json that tell the solvers of steps and the shapes: what their cards say.
+// The parts of scenes/schema.json that tell the solvers of steps, the models of dynamics and the
+// shapes: what their cards say.
 
 #include "host/scene_reader/json_text.h"
 
 namespace scree::reader {
 
-/// The schema with the solvers of this program, their parameters and its shapes.
+/// The schema with the solvers and models of this program, their parameters, and its shapes.
 /// @param schema  the document of scenes/schema.json
 Json schema_with_cards(Json schema);
 

@@ -447,7 +447,7 @@ TEST_F(CliBadCheckpoint, AnotherVersion) {
   make_run();
   write_seal(checkpoint(), "scree checkpoint", checkpoint_format_version + 1);
   expect_refused({"format version " + std::to_string(checkpoint_format_version + 1),
-                  "expected a scree checkpoint of format version " +
+                  "expected a scree checkpoint of format version 1 to " +
                       std::to_string(checkpoint_format_version)});
 }
 

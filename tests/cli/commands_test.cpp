@@ -1,7 +1,7 @@
 // scree check, info, bench, help; and every scene of the scenes folder.
 
-#include "host/io/steps_csv.h"
 #include "tests/cli/program.h"
+#include "tests/steps_file.h"
 
 namespace scree::test {
 namespace {

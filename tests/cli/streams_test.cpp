@@ -3,8 +3,8 @@
 #include <cstring>
 
 #include "host/io/checkpoint.h"
-#include "host/io/steps_csv.h"
 #include "tests/cli/program.h"
+#include "tests/steps_file.h"
 
 namespace scree::test {
 namespace {

@@ -179,8 +179,10 @@ TEST_P(Limits, AVelocityThatIsNotFiniteNamesTheBody) {
     w.step();
     WorldState state = w.save();
     const int bad = 17;
-    for (std::size_t i = 0; i < state.id.size(); ++i)
-      if (state.id[i] == bad) state.velocity[i].y = std::numeric_limits<double>::quiet_NaN();
+    const auto& id = state.at<std::int32_t>("body/id");
+    for (std::size_t i = 0; i < id.size(); ++i)
+      if (id[i] == bad)
+        state.at<Vec3d>("body/velocity")[i].y = std::numeric_limits<double>::quiet_NaN();
     w.restore(state);
     try {
       w.step();

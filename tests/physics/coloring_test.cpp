@@ -1,5 +1,5 @@
 // Colors of the parallel Gauss-Seidel solver, carried from step to step through a settling bed.
-// They are read from checkpoints, where they are the solver's memory of each contact.
+// They are read from saved states, where they are the marks of the contacts.
 
 #include <gtest/gtest.h>
 
@@ -32,20 +32,20 @@ Scene settling_bed() {
   return scene;
 }
 
-/// A body's id and what it touches: the other body's id, or a wall feature above all ids.
+/// A body's id and what it touches: the other body's id, or a part of a wall above all ids.
 using Touch = std::pair<std::uint64_t, std::uint64_t>;
 
 std::map<Touch, int> colors_of(const WorldState& s) {
-  const std::size_t n = s.contact_key.size(), free_count = s.id.size();
-  EXPECT_EQ(s.solver_memory.size(), n);
+  const auto& body_a = s.at<std::int32_t>("contact/body_a");
+  const auto& body_b = s.at<std::int32_t>("contact/body_b");
+  const auto& feature = s.at<std::uint64_t>("contact/feature");
+  const auto& mark = s.at<std::int32_t>("contact/mark");
+  EXPECT_EQ(mark.size(), body_a.size());
   std::map<Touch, int> colors;
-  for (std::size_t c = 0; c < n; ++c) {
-    const auto a = static_cast<std::size_t>(s.contact_key[c] >> 32);
-    const std::uint64_t element = s.contact_key[c] & 0xffffffffu;
-    const auto id_a = static_cast<std::uint64_t>(s.id[a]);
-    const bool is_free = element < free_count;
-    const auto b = is_free ? static_cast<std::uint64_t>(s.id[element]) : element + (1u << 20);
-    colors[std::minmax(id_a, b)] = static_cast<int>(s.solver_memory[c]);
+  for (std::size_t c = 0; c < mark.size(); ++c) {
+    const auto a = static_cast<std::uint64_t>(body_a[c]);
+    const auto b = body_b[c] >= 0 ? static_cast<std::uint64_t>(body_b[c]) : feature[c] + (1u << 20);
+    colors[std::minmax(a, b)] = mark[c];
   }
   return colors;
 }
@@ -88,7 +88,7 @@ TEST(CarriedColors, StayValidFewAndMostlyTheSameInASettlingBed) {
     const bool compare = step % 8 == 7;
     if (compare) {
       WorldState state = world.save();
-      state.solver_memory.clear();
+      state.at<std::int32_t>("contact/mark").clear();
       fresh.restore(state);
       fresh_applications += fresh.step().applications;
       most_fresh = std::max(most_fresh, count_of(colors_of(fresh.save())));

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "dynamics/rigid/expected_memory.h"
 #include "host/cli/judged.h"
+#include "host/engine/expected_memory.h"
 #include "host/error.h"
 #include "host/io/streams.h"
 
@@ -99,7 +99,7 @@ void require_room(const BedBench& bench, const BedParams& bed) {
   BedParams small = bed;
   small.count = std::min(bed.count, kSmall);
   const WorldOptions& options = bench.world_options();
-  const double per_body = expected_bytes_per_body(bench.scene(small), options, false);
+  const double per_body = least_bytes_per_body(bench.scene(small), options);
   if (options.backend == BackendKind::cuda) {
     require_memory_for(bed.count, per_body, options);
     require_memory_for(bed.count, kPositions, WorldOptions{});

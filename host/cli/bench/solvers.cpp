@@ -47,7 +47,7 @@ class SameStep {
     scene.solver.max_iterations = most_iterations;
     scene.solver.warm_start = warm;
     WorldState state = state_;
-    if (!warm || solver != "apgd") state.solver_memory.clear();  // it is of APGD
+    if (!warm || solver != "apgd") state.at<double>("solver/memory").clear();  // it is of APGD
     OneStep step{{}, scene.solver, scene.stepping.time_step, 0};
     World world(std::move(scene), bench_->world_options());
     world.restore(state);

@@ -23,45 +23,51 @@ using test::contents;
 using test::ScratchDirectory;
 using testing::HasSubstr;
 
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() &&
-         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
 void expect_same_bits(const WorldState& a, const WorldState& b) {
+  EXPECT_EQ(a.dynamics, b.dynamics);
   EXPECT_EQ(a.step, b.step);
   EXPECT_EQ(std::memcmp(&a.time, &b.time, sizeof a.time), 0);
   EXPECT_EQ(a.insertions_done, b.insertions_done);
-  EXPECT_EQ(a.id, b.id);
-  EXPECT_TRUE(same_bits(a.position, b.position));
-  EXPECT_TRUE(same_bits(a.orientation, b.orientation));
-  EXPECT_TRUE(same_bits(a.velocity, b.velocity));
-  EXPECT_TRUE(same_bits(a.angular_velocity, b.angular_velocity));
-  EXPECT_EQ(a.contact_key, b.contact_key);
-  EXPECT_TRUE(same_bits(a.contact_impulse, b.contact_impulse));
-  EXPECT_TRUE(same_bits(a.solver_memory, b.solver_memory));
+  ASSERT_EQ(a.arrays.size(), b.arrays.size());
+  for (std::size_t k = 0; k < a.arrays.size(); ++k) {
+    ASSERT_EQ(a.arrays[k].name, b.arrays[k].name);
+    std::visit(
+        [&](const auto& rows) {
+          using Rows = std::decay_t<decltype(rows)>;
+          ASSERT_TRUE(std::holds_alternative<Rows>(b.arrays[k].values)) << a.arrays[k].name;
+          const Rows& others = std::get<Rows>(b.arrays[k].values);
+          ASSERT_EQ(rows.size(), others.size()) << a.arrays[k].name;
+          EXPECT_TRUE(rows.empty() ||
+                      std::memcmp(rows.data(), others.data(), rows.size() * sizeof rows[0]) == 0)
+              << a.arrays[k].name;
+        },
+        a.arrays[k].values);
+  }
 }
 
 /// Free bodies 3, 0 and 2 of scene_with(4, ...), with values that text formats tend to lose.
 WorldState state_with(int contacts, int vectors_per_contact) {
-  WorldState state;
+  WorldState state = test::empty_state();
   state.step = 123456789012;
   state.time = 0.1 + 0.2;
   state.insertions_done = 0xfedcba9876543210u;
-  state.id = {3, 0, 2};
+  state.at<std::int32_t>("body/id") = {3, 0, 2};
   for (int i = 0; i < 3; ++i) {
-    state.position.push_back({1.0 / 3, -0.0, std::numeric_limits<double>::denorm_min()});
-    state.orientation.push_back({std::sqrt(0.5), 0, std::sqrt(0.5), 1e-300});
-    state.velocity.push_back({i * M_PI, -1e15, static_cast<double>(0.1f)});
-    state.angular_velocity.push_back({std::nextafter(1.0, 2.0), i + 0.5, 0});
+    state.at<Vec3d>("body/position")
+        .push_back({1.0 / 3, -0.0, std::numeric_limits<double>::denorm_min()});
+    state.at<Quatd>("body/orientation").push_back({std::sqrt(0.5), 0, std::sqrt(0.5), 1e-300});
+    state.at<Vec3d>("body/velocity").push_back({i * M_PI, -1e15, static_cast<double>(0.1f)});
+    state.at<Vec3d>("body/angular_velocity").push_back({std::nextafter(1.0, 2.0), i + 0.5, 0});
   }
   for (int c = 0; c < contacts; ++c) {
-    state.contact_key.push_back(~0ull - static_cast<unsigned>(c));
+    state.at<std::int32_t>("contact/body_a").push_back(c);
+    state.at<std::int32_t>("contact/body_b").push_back(c % 2 == 0 ? -1 : c + 1);
+    state.at<std::uint64_t>("contact/feature").push_back(~0ull - static_cast<unsigned>(c));
     for (int v = 0; v < vectors_per_contact; ++v)
-      state.contact_impulse.push_back({c + 0.1, v + 0.2, -0.0});
+      state.at<Vec3d>("contact/impulse").push_back({c + 0.1, v + 0.2, -0.0});
+    if (vectors_per_contact == 1) state.at<std::int32_t>("contact/mark").push_back(c % 7);
   }
-  state.solver_memory = {1e-17, 42.0};
+  state.at<double>("solver/memory") = {1e-17, 42.0};
   return state;
 }
 
@@ -82,16 +88,18 @@ class CheckpointTest : public testing::Test {
     return {};
   }
   /// Writes a checkpoint that is whole as a file, with any contents.
-  void write_odd(const std::function<void(h5::Group&)>& fill) {
+  void write_odd(const std::function<void(h5::Group&)>& fill, int version = 2) {
     h5::File h5 = h5::File::create(file, seal_bytes);
     {
       h5::Group root = h5.root();
+      root.write_attribute<std::int32_t>("format_version", version);
+      if (version > 1) root.write_text_attribute("dynamics", "rigid");
       root.write_text_attribute("backend", "cpu");
       root.write_text_attribute("precision", "float");
       fill(root);
     }
     h5.close();
-    write_seal(file, "scree checkpoint", checkpoint_format_version);
+    write_seal(file, "scree checkpoint", version);
   }
 
   ScratchDirectory directory;
@@ -114,11 +122,11 @@ TEST_F(CheckpointTest, ComesBackBitForBit) {
 }
 
 TEST_F(CheckpointTest, HoldsARunWithoutBodiesAndLongTexts) {
-  write({}, "");
-  expect_same_bits(read_checkpoint(file).state, {});
+  write(test::empty_state(), "");
+  expect_same_bits(read_checkpoint(file).state, test::empty_state());
   EXPECT_EQ(read_checkpoint(file).scene_text, "");
   const std::string text(300000, 'x');  // larger than an HDF5 attribute may be
-  write({}, text);
+  write(test::empty_state(), text);
   EXPECT_EQ(read_checkpoint(file).scene_text, text);
 }
 
@@ -138,7 +146,8 @@ TEST_F(CheckpointTest, GivesSpheresInTheOrderOfIds) {
   for (std::size_t i = 0; i < ids.size(); ++i) {
     EXPECT_EQ(particles.radius[i], 0.1 + ids[i]);
     EXPECT_EQ(particles.mass[i], 2.0 + ids[i]);
-    EXPECT_EQ(particles.velocity[i], state.velocity[static_cast<std::size_t>(row[i])]);
+    EXPECT_EQ(particles.velocity[i],
+              state.at<Vec3d>("body/velocity")[static_cast<std::size_t>(row[i])]);
   }
 }
 
@@ -148,7 +157,7 @@ TEST_F(CheckpointTest, LeavesBodiesThatAreNoSpheresOutOfTheParticles) {
   write_checkpoint(file, state_with(0, 1), BodyConstants(scene), "", BackendKind::cpu,
                    Precision::single_precision);
   EXPECT_EQ(read_checkpoint_particles(file).position.size(), 2u);
-  write({});
+  write(test::empty_state());
   EXPECT_THROW(read_checkpoint_particles(file), InputError);
 }
 
@@ -159,7 +168,7 @@ TEST_F(CheckpointTest, RefusesFilesThatAreNotCheckpoints) {
   EXPECT_THAT(refusal(), HasSubstr("not a file"));
   std::filesystem::remove(file);
   test::put(file, "");
-  EXPECT_THAT(refusal(), HasSubstr("expected a scree checkpoint of format version 1"));
+  EXPECT_THAT(refusal(), HasSubstr("expected a scree checkpoint of format version 1 to 2"));
   test::put(file, "x,y,z\n1,2,3\n");
   EXPECT_THAT(refusal(), HasSubstr("a file of another kind"));
   h5::File::create(file).close();
@@ -170,7 +179,7 @@ TEST_F(CheckpointTest, RefusesAnotherFormatVersion) {
   write(state_with(2, 1));
   write_seal(file, "scree checkpoint", 7);
   EXPECT_THAT(refusal(),
-              HasSubstr("format version 7; expected a scree checkpoint of format version 1"));
+              HasSubstr("format version 7; expected a scree checkpoint of format version 1 to 2"));
 }
 
 TEST_F(CheckpointTest, RefusesATruncatedFileAtEveryLength) {
@@ -206,33 +215,73 @@ TEST_F(CheckpointTest, NamesTheChecksumOfADamagedArray) {
   EXPECT_THAT(refusal(), HasSubstr("checksum"));
 }
 
+/// Writes two bodies and two contacts; the array of the given name has a row too many.
+void write_arrays(h5::Group& root, const std::string& odd, int version) {
+  root.write_attribute<std::int64_t>("step", 1);
+  root.write_attribute<double>("time", 1);
+  root.write_attribute<std::uint64_t>("insertions_done", 0);
+  root.write_text("scene", "{}");
+  for (const char* group : {"body", "contact", "solver"}) root.create_group(group);
+  const auto rows = [&](const std::string& name) { return odd == name ? 3u : 2u; };
+  const auto doubles = [&](const char* name, std::uint64_t columns) {
+    const std::vector<double> zeros(rows(name) * std::max<std::uint64_t>(columns, 1));
+    root.write(name, std::span<const double>(zeros), columns);
+  };
+  const auto integers = [&](const char* name) {
+    const std::vector<std::int32_t> zeros(rows(name));
+    root.write(name, std::span<const std::int32_t>(zeros));
+  };
+  const auto keys = [&](const char* name) {
+    const std::vector<std::uint64_t> values(rows(name), 5);
+    root.write(name, std::span<const std::uint64_t>(values));
+  };
+  root.write("body/id", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 2}));
+  doubles("body/position", 3);
+  doubles("body/orientation", 4);
+  doubles("body/velocity", 3);
+  doubles("body/angular_velocity", 3);
+  doubles("body/radius", 0);
+  doubles("body/mass", 0);
+  integers("body/group");
+  if (version == 1) {
+    keys("contact/key");
+  } else {
+    integers("contact/body_a");
+    integers("contact/body_b");
+    keys("contact/feature");
+    integers("contact/mark");
+  }
+  doubles("contact/impulse", 3);
+  doubles("solver/memory", 0);
+}
+
 TEST_F(CheckpointTest, RefusesArraysThatDisagree) {
-  for (const char* name : {"body/position", "body/orientation", "body/radius", "contact/impulse"}) {
-    write_odd([&](h5::Group& root) {
-      root.write_attribute<std::int64_t>("step", 1);
-      root.write_attribute<double>("time", 1);
-      root.write_attribute<std::uint64_t>("insertions_done", 0);
-      root.write_text("scene", "{}");
-      for (const char* group : {"body", "contact", "solver"}) root.create_group(group);
-      const auto doubles = [&](const char* array, std::uint64_t columns) {
-        const std::uint64_t rows = array == std::string(name) ? 3 : 2;  // one has a row too many
-        const std::vector<double> zeros(rows * std::max<std::uint64_t>(columns, 1));
-        root.write(array, std::span<const double>(zeros), columns);
-      };
-      root.write("body/id", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 2}));
-      doubles("body/position", 3);
-      doubles("body/orientation", 4);
-      doubles("body/velocity", 3);
-      doubles("body/angular_velocity", 3);
-      doubles("body/radius", 0);
-      doubles("body/mass", 0);
-      root.write("body/group", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 0}));
-      root.write("contact/key", std::span<const std::uint64_t>(std::vector<std::uint64_t>{5, 6}));
-      doubles("contact/impulse", 3);
-    });
+  for (const char* name : {"body/position", "body/orientation", "body/radius", "contact/body_b",
+                           "contact/feature", "contact/impulse", "contact/mark"}) {
+    write_odd([&](h5::Group& root) { write_arrays(root, name, 2); });
     EXPECT_THAT(refusal(), HasSubstr(name));
     EXPECT_THAT(refusal(), HasSubstr("expected"));
   }
+}
+
+TEST_F(CheckpointTest, ReadsTheFirstVersion) {
+  write_odd([&](h5::Group& root) { write_arrays(root, "", 1); }, 1);
+  const Checkpoint checkpoint = read_checkpoint(file);
+  EXPECT_EQ(checkpoint.format_version, 1);
+  EXPECT_EQ(checkpoint.state.dynamics, "rigid");
+  EXPECT_EQ(checkpoint.state.at<std::int32_t>("body/id"), (std::vector<std::int32_t>{0, 2}));
+  EXPECT_EQ(checkpoint.state.at<std::uint64_t>("contact/key").size(), 2u);
+  EXPECT_FALSE(checkpoint.state.has("contact/body_a"));
+  write_odd([&](h5::Group& root) { write_arrays(root, "contact/impulse", 1); }, 1);
+  EXPECT_THAT(refusal(), HasSubstr("contact/impulse has 3 rows, expected 2 or 4"));
+}
+
+TEST_F(CheckpointTest, RefusesAModelThatIsNotThere) {
+  WorldState state = state_with(2, 1);
+  state.dynamics = "strings";
+  write(state);
+  EXPECT_THAT(refusal(),
+              HasSubstr("attribute dynamics is \"strings\", which this program does not have"));
 }
 
 TEST_F(CheckpointTest, RefusesNumbersThatNoRunWrites) {
@@ -248,15 +297,15 @@ TEST_F(CheckpointTest, RefusesNumbersThatNoRunWrites) {
               HasSubstr("attribute step is -9223372036854775808, expected 0 to"));
   EXPECT_THAT(refused_with([](WorldState& s) { s.step = INT64_MAX; }), HasSubstr("step"));
   EXPECT_THAT(refused_with([&](WorldState& s) { s.time = nan; }), HasSubstr("time is nan"));
-  EXPECT_THAT(refused_with([](WorldState& s) { s.contact_impulse.clear(); }),
-              HasSubstr("contact/impulse has 0 rows, expected 2, or 4"));
-  EXPECT_THAT(refused_with([](WorldState& s) { s.contact_impulse.resize(6); }),
+  EXPECT_THAT(refused_with([](WorldState& s) { s.at<Vec3d>("contact/impulse").clear(); }),
+              HasSubstr("contact/impulse has 0 rows, expected 2 or 4"));
+  EXPECT_THAT(refused_with([](WorldState& s) { s.at<Vec3d>("contact/impulse").resize(6); }),
               HasSubstr("contact/impulse has 6 rows"));
-  EXPECT_THAT(refused_with([&](WorldState& s) { s.position[1].y = infinite; }),
+  EXPECT_THAT(refused_with([&](WorldState& s) { s.at<Vec3d>("body/position")[1].y = infinite; }),
               HasSubstr("body/position holds inf"));
-  EXPECT_THAT(refused_with([](WorldState& s) { s.velocity[0].z = -1e27; }),
+  EXPECT_THAT(refused_with([](WorldState& s) { s.at<Vec3d>("body/velocity")[0].z = -1e27; }),
               HasSubstr("body/velocity holds -1e+27, expected finite numbers up to 1e+15"));
-  EXPECT_THAT(refused_with([&](WorldState& s) { s.solver_memory[0] = nan; }),
+  EXPECT_THAT(refused_with([&](WorldState& s) { s.at<double>("solver/memory")[0] = nan; }),
               HasSubstr("solver/memory holds nan"));
 }
 
@@ -288,7 +337,7 @@ TEST_F(CheckpointTest, KeepsThePreviousOneWhenTheDiskIsFull) {
 TEST_F(CheckpointTest, NamesTheReasonWhenTheDirectoryIsNotThere) {
   file = directory / "missing" / "checkpoint.h5";
   try {
-    write({});
+    write(test::empty_state());
     FAIL();
   } catch (const RunError& error) {
     EXPECT_THAT(error.what(), HasSubstr("No such file or directory"));

@@ -41,8 +41,8 @@ class OutputDirectoryTest : public testing::Test {
     put(path / "steps.csv", "step\n");
     put(path / "frames.vtkhdf", "frames");
     put(path / "picture_00001.png", "picture");
-    write_checkpoint(path / "checkpoint.h5", {}, BodyConstants(Scene{}), scene_text,
-                     BackendKind::cpu, Precision::single_precision);
+    write_checkpoint(path / "checkpoint.h5", test::empty_state(), BodyConstants(Scene{}),
+                     scene_text, BackendKind::cpu, Precision::single_precision);
   }
   ScratchDirectory scratch;
   fs::path out = scratch / "out";

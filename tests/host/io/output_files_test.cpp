@@ -117,7 +117,7 @@ TEST(H5Test, MessagesNameFileObjectAndReason) {
 
 TEST(RunRecordTest, HoldsWhatWasRun) {
   const ScratchDirectory scratch;
-  RunRecord record;
+  RunRecord record(dynamics_card("rigid"));
   record.scene_name = "bed";
   record.scene_text = "{ \"name\": \"bed\" /* comment */ }";
   record.command_line = {"scree", "run", "b\xff.json"};  // not UTF-8

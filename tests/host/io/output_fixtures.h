@@ -49,6 +49,24 @@ inline void put(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+/// The state of a run of rigid bodies that has none.
+inline WorldState empty_state() {
+  WorldState state;
+  state.dynamics = "rigid";
+  state.add<std::int32_t>("body/id", {});
+  state.add<Vec3d>("body/position", {});
+  state.add<Quatd>("body/orientation", {});
+  state.add<Vec3d>("body/velocity", {});
+  state.add<Vec3d>("body/angular_velocity", {});
+  state.add<std::int32_t>("contact/body_a", {});
+  state.add<std::int32_t>("contact/body_b", {});
+  state.add<std::uint64_t>("contact/feature", {});
+  state.add<Vec3d>("contact/impulse", {});
+  state.add<std::int32_t>("contact/mark", {});
+  state.add<double>("solver/memory", {});
+  return state;
+}
+
 /// Spheres present at the start, with a floor between them, and batches of spheres that join later.
 inline Scene scene_with(int first, int batches, int per_batch) {
   Scene scene;

@@ -9,6 +9,7 @@
 
 #include "host/error.h"
 #include "tests/host/io/output_fixtures.h"
+#include "tests/steps_file.h"
 
 namespace scree {
 namespace {
@@ -46,9 +47,10 @@ class StepsCsvTest : public testing::Test {
     return std::count(text.begin(), text.end(), '\n');
   }
   void write_steps(std::int64_t count) {
-    StepsCsv csv(file);
+    StepsCsv csv(file, columns);
     for (std::int64_t step = 1; step <= count; ++step) csv.append(report_of(step));
   }
+  std::span<const ReportColumn> columns = dynamics_card("rigid").report;
   ScratchDirectory directory;
   std::filesystem::path file = directory / "steps.csv";
 };
@@ -94,7 +96,7 @@ TEST_F(StepsCsvTest, HasAHeaderWithUnits) {
 }
 
 TEST_F(StepsCsvTest, HoldsLinesBackButNotForLong) {
-  StepsCsv csv(file);
+  StepsCsv csv(file, columns);
   for (std::int64_t step = 1; step <= 99; ++step) csv.append(report_of(step));
   const std::int64_t before = line_count();
   csv.append(report_of(100));
@@ -110,7 +112,7 @@ TEST_F(StepsCsvTest, ResumeCutsAtTheCheckpointAndGoesOn) {
   for (const std::int64_t step : {0, 1, 3, 5, 9}) {
     write_steps(5);
     {
-      StepsCsv csv(file, step);
+      StepsCsv csv(file, columns, step);
       csv.append(report_of(step + 1));
     }
     const std::vector<StepReport> reports = read_steps_csv(file);
@@ -127,20 +129,20 @@ TEST_F(StepsCsvTest, ResumeCutsATornLine) {
   std::ofstream(file, std::ios::app) << "4,0.4,17,1";
   EXPECT_EQ(read_steps_csv(file).size(), 3u);
   {
-    StepsCsv csv(file, 9);
+    StepsCsv csv(file, columns, 9);
     csv.append(report_of(4));
   }
   EXPECT_EQ(read_steps_csv(file).size(), 4u);
 }
 
 TEST_F(StepsCsvTest, ResumeWithoutAFileStartsOne) {
-  { StepsCsv csv(file, 5); }
+  { StepsCsv csv(file, columns, 5); }
   EXPECT_EQ(line_count(), 1);
 }
 
 TEST_F(StepsCsvTest, RefusesOtherColumnsAndValues) {
   test::put(file, "step,time\n1,2\n");
-  EXPECT_THROW(StepsCsv(file, 1), InputError);
+  EXPECT_THROW(StepsCsv(file, columns, 1), InputError);
   EXPECT_EQ(contents(file), "step,time\n1,2\n");
   write_steps(2);
   std::string text = contents(file);
@@ -158,7 +160,7 @@ TEST_F(StepsCsvTest, AKillLeavesWholeLines) {
   for (int round = 0; round < 10; ++round) {
     const pid_t child = ::fork();
     if (child == 0) {
-      StepsCsv csv(file);
+      StepsCsv csv(file, columns);
       for (std::int64_t step = 1;; ++step) csv.append(report_of(step));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5 + 3 * round));
@@ -171,7 +173,7 @@ TEST_F(StepsCsvTest, AKillLeavesWholeLines) {
     EXPECT_EQ(std::ssize(reports), line_count() - 1);
     for (std::size_t i = 0; i < reports.size(); ++i)
       ASSERT_EQ(reports[i].step, static_cast<std::int64_t>(i + 1));
-    StepsCsv resumed(file, std::ssize(reports));
+    StepsCsv resumed(file, columns, std::ssize(reports));
     EXPECT_EQ(contents(file).back(), '\n');
     std::filesystem::remove(file);
   }
@@ -180,7 +182,7 @@ TEST_F(StepsCsvTest, AKillLeavesWholeLines) {
 TEST_F(StepsCsvTest, AFullDiskLeavesWholeLines) {
   const int code = test::with_full_disk(10000, [&] {
     try {
-      StepsCsv csv(file);
+      StepsCsv csv(file, columns);
       for (std::int64_t step = 1; step < 1000; ++step) csv.append(report_of(step));
     } catch (const RunError& error) {
       return std::string(error.what()).find(file.string()) != std::string::npos ? 1 : 3;

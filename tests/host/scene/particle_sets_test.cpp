@@ -82,11 +82,12 @@ TEST(ParticleSets, OfMoreThanOneTransferChunkKeepTheirOrder) {
 
   world.step();  // sorts the bodies
   const WorldState saved = world.save();
-  EXPECT_FALSE(std::is_sorted(saved.id.begin(), saved.id.end()));
+  const auto& id = saved.at<std::int32_t>("body/id");
+  EXPECT_FALSE(std::is_sorted(id.begin(), id.end()));
   World other(scene, {});
   other.restore(saved);
   expect_same_states(other.states(), world.states());
-  EXPECT_EQ(other.save().id, saved.id);
+  EXPECT_EQ(other.save().at<std::int32_t>("body/id"), id);
   other.step();
   world.step();
   expect_same_states(other.states(), world.states());
@@ -97,9 +98,9 @@ TEST(ParticleSets, StatesOfOtherBodiesAreRefused) {
   scene.particles = {grid(3, 1, 0.5)};
   World world(scene, {});
   WorldState saved = world.save();
-  for (const int wrong : {-1, 0, 10, saved.id[1]}) {
+  for (const int wrong : {-1, 0, 10, saved.at<std::int32_t>("body/id")[1]}) {
     WorldState changed = saved;
-    changed.id[0] = wrong;
+    changed.at<std::int32_t>("body/id")[0] = wrong;
     EXPECT_THROW(world.restore(changed), InputError) << wrong;
   }
 }

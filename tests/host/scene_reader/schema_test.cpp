@@ -59,7 +59,7 @@ TEST(Schema, DescribesEveryKey) {
     }
 }
 
-TEST(Schema, TellsTheSolversAsTheirCardsDo) {
+TEST(Schema, TellsSolversAndModelsAsTheirCardsDo) {
   std::ifstream file(SCREE_SCENE_DIR "/schema.json");
   const auto published = reader::Json::parse(file);
   const auto complete = reader::schema_with_cards(published);

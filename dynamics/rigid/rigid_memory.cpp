@@ -1,14 +1,10 @@
-#include "dynamics/rigid/expected_memory.h"
-
-#include <fmt/format.h>
+#include "dynamics/rigid/rigid_memory.h"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 
+#include "dynamics/memory_room.h"
 #include "dynamics/rigid/contact_layout.h"
 #include "dynamics/rigid/shared_constants.h"
-#include "host/error.h"
 #include "host/scene/scene_summary.h"
 #include "solvers/coulomb.h"
 
@@ -143,71 +139,23 @@ double bytes_per_body(const Sizes& s, bool near_pairs) {
   return std::max({in_collision(s), in_warm_start(s, near_pairs), in_solver(s, near_pairs)});
 }
 
-double body_count(const SceneSummary& s) {
-  return static_cast<double>(s.free_capacity) + static_cast<double>(s.fixed_count);
-}
-
-/// Memory that a run may count on [bytes].
-struct Room {
-  explicit Room(const WorldOptions& options) {
-    const DeviceInfo device = device_info(options.backend, options.device);
-    all = static_cast<double>(device.memory_bytes);
-    free = static_cast<double>(device.free_bytes);
-    if (options.memory_limit == 0) return;
-    const auto limit = static_cast<double>(options.memory_limit);
-    all = std::min(all, limit);
-    is_limited = limit < free;
-    free = std::min(free, limit);
-  }
-  double all = 0;
-  double free = 0;
-  bool is_limited = false;
-};
-
-bool keeps_near_pairs(const Sizes& s, const WorldOptions& options) {
-  if (!(s.summary.skin > 0)) return false;
-  const Room room(options);
-  return body_count(s.summary) * bytes_per_body(s, true) <= std::min(0.5 * room.all, room.free);
-}
-
 }  // namespace
 
 bool keeps_near_pairs(const Scene& scene, const WorldOptions& options) {
-  return keeps_near_pairs(Sizes(scene, options), options);
-}
-
-double expected_bytes_per_body(const Scene& scene, const WorldOptions& options, bool near_pairs) {
-  return bytes_per_body(Sizes(scene, options), near_pairs);
-}
-
-std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
   const Sizes s(scene, options);
-  return static_cast<std::size_t>(body_count(s.summary) *
-                                  bytes_per_body(s, keeps_near_pairs(s, options)));
+  if (!(s.summary.skin > 0)) return false;
+  const MemoryRoom room(options);
+  const double bodies =
+      static_cast<double>(s.summary.free_capacity) + static_cast<double>(s.summary.fixed_count);
+  return bodies * bytes_per_body(s, true) <= std::min(0.5 * room.all, room.free);
 }
 
-void require_memory_for(double bodies, double bytes_per_body, const WorldOptions& options) {
-  const Room room(options);
-  const double needed = bodies * bytes_per_body, mib = 1024.0 * 1024.0;
-  if (needed <= room.free) return;
-  const char* where = options.backend == BackendKind::cuda ? "device" : "host";
-  const std::string there =
-      room.is_limited
-          ? fmt::format("the limit is {:.0f} MiB", room.free / mib)
-          : fmt::format("{:.0f} of {:.0f} MiB are free", room.free / mib, room.all / mib);
-  throw InputError(
-      fmt::format("{:.0f} bodies need about {:.0f} MiB of {} memory, {}: about {:.0f} "
-                  "bodies fit",
-                  bodies, needed / mib, where, there, std::floor(room.free / bytes_per_body)));
+double rigid_bytes_per_body(const Scene& scene, const WorldOptions& options) {
+  return bytes_per_body(Sizes(scene, options), keeps_near_pairs(scene, options));
 }
 
-void require_memory(const Scene& scene, const WorldOptions& options) {
-  const Sizes s(scene, options);
-  require_memory_for(body_count(s.summary), bytes_per_body(s, false), options);
-}
-
-double bodies_that_fit(const Scene& scene, const WorldOptions& options) {
-  return std::floor(Room(options).free / bytes_per_body(Sizes(scene, options), false));
+double least_rigid_bytes_per_body(const Scene& scene, const WorldOptions& options) {
+  return bytes_per_body(Sizes(scene, options), false);
 }
 
 }  // namespace scree

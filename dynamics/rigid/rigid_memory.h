@@ -1,5 +1,5 @@
 #pragma once
-// How a run is going to use backend memory.
+// How a run of rigid bodies is going to use backend memory.
 
 #include "host/world.h"
 
@@ -10,10 +10,8 @@ namespace scree {
 bool keeps_near_pairs(const Scene& scene, const WorldOptions& options);
 
 /// Expected memory of a body at the fullest, its contacts included [bytes].
-/// @param near_pairs  with the list of near pairs kept
-double expected_bytes_per_body(const Scene& scene, const WorldOptions& options, bool near_pairs);
-
-/// As require_memory(), for so many bodies of so many bytes.
-void require_memory_for(double bodies, double bytes_per_body, const WorldOptions& options);
+double rigid_bytes_per_body(const Scene& scene, const WorldOptions& options);
+/// The same without the list of near pairs.
+double least_rigid_bytes_per_body(const Scene& scene, const WorldOptions& options);
 
 }  // namespace scree

@@ -1,0 +1,18 @@
+#include "dynamics/memory_room.h"
+
+#include <algorithm>
+
+namespace scree {
+
+MemoryRoom::MemoryRoom(const WorldOptions& options) {
+  const DeviceInfo device = device_info(options.backend, options.device);
+  all = static_cast<double>(device.memory_bytes);
+  free = static_cast<double>(device.free_bytes);
+  if (options.memory_limit == 0) return;
+  const auto limit = static_cast<double>(options.memory_limit);
+  all = std::min(all, limit);
+  is_limited = limit < free;
+  free = std::min(free, limit);
+}
+
+}  // namespace scree

@@ -1,0 +1,159 @@
+// A model of dynamics from outside the list, of one file and one line of CMake, is known to every
+// part of the program: scene check, runs and their files, resuming, schema and help.
+
+#include <algorithm>
+
+#include "dynamics/dynamics_card.h"
+#include "host/io/h5.h"
+#include "tests/cli/program.h"
+
+namespace scree::test {
+namespace {
+
+using json = nlohmann::json;
+
+constexpr const char* kProgram = SCREE_PROGRAM_WITH_EXTRA_DYNAMICS;
+
+Result with_extra(const Scratch& scratch, const Arguments& arguments) {
+  return Program(scratch.path(), arguments, 0, {}, kProgram).wait();
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+json points() {
+  return json::parse(R"({
+    "name": "points", "time_step": 0.01, "duration": 0.4,
+    "dynamics": {"type": "point_masses", "gravity_factor": 0.5},
+    "output": {"frame_interval": 0.1, "picture": {"width": 64, "height": 48}},
+    "particles": [{"layout": "lattice", "count": 20, "radius": 0.1, "density": 1000, "velocity": [0, 0, 3],
+                   "region": {"min": [0, 0, 0], "max": [1, 1, 2]}}]})");
+}
+
+std::vector<std::string> lines_of(const fs::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Lines of steps.csv without the two columns of times.
+std::vector<std::string> untimed(const fs::path& file) {
+  std::vector<std::string> lines = lines_of(file);
+  for (std::string& line : lines)
+    for (int k = 0; k < 2; ++k) line.resize(line.rfind(','));
+  return lines;
+}
+
+TEST(CliExtraDynamics, IsUnknownToTheProgramWithoutIt) {
+  const Scratch scratch;
+  const Result refused = scree(scratch, {"check", put_scene(scratch, points()).string()});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_TRUE(holds(refused.err, "dynamics.type")) << refused.err;
+  EXPECT_TRUE(holds(refused.err, "\"rigid\"")) << refused.err;
+}
+
+TEST(CliExtraDynamics, ScenesWithItAreChecked) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, points()).string();
+  const Result check = with_extra(scratch, {"check", scene, "--json"});
+  ASSERT_EQ(check.code, 0) << check.err;
+  EXPECT_EQ(json::parse(check.out).at("dynamics"), "point_masses");
+  const Result text = with_extra(scratch, {"check", scene});
+  EXPECT_TRUE(holds(text.out, "point_masses: point masses in free flight")) << text.out;
+  EXPECT_FALSE(holds(text.out, "solver")) << text.out;
+  const Result range = with_extra(scratch, {"check", scene, "--set", "dynamics.gravity_factor=11"});
+  EXPECT_EQ(range.code, 2);
+  EXPECT_TRUE(holds(range.err, "dynamics.gravity_factor")) << range.err;
+  EXPECT_TRUE(holds(range.err, "must be between -10 and 10")) << range.err;
+  const Result rigid = with_extra(scratch, {"check", scene, "--set", "dynamics.type=rigid"});
+  EXPECT_EQ(rigid.code, 2) << "the parameter is not one of rigid bodies";
+  EXPECT_TRUE(holds(rigid.err, "gravity_factor")) << rigid.err;
+}
+
+TEST(CliExtraDynamics, RunsWriteWhatTheModelHas) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, points()).string();
+  const Result run = with_extra(scratch, run_arguments(scene, scratch / "a"));
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_FALSE(holds(run.err, "contacts")) << run.err;
+  EXPECT_FALSE(holds(run.err, "penetration")) << run.err;
+
+  const std::vector<std::string> steps = lines_of(scratch / "a" / "steps.csv");
+  ASSERT_EQ(steps.size(), 41u);
+  EXPECT_EQ(steps[0],
+            "step,time_s,bodies,kinetic_energy_J,upward_momentum_kg_m_per_s,flight_ms,total_ms");
+
+  const h5::File frames = h5::File::open(scratch / "a" / "frames.vtkhdf");
+  const h5::Group data = frames.root().open_group("VTKHDF/PointData");
+  EXPECT_EQ(data.shape("distance"), (h5::Shape{5 * 20, 0}));
+  EXPECT_EQ(data.shape("velocity"), (h5::Shape{5 * 20, 3}));
+  EXPECT_FALSE(data.has("orientation"));
+  EXPECT_FALSE(data.has("angular_velocity"));
+  const double v = 3 - 0.5 * 9.81 * 0.4;  // after the run
+  EXPECT_NEAR(data.read<float>("velocity").back(), v, 1e-5);
+  EXPECT_NEAR(data.read<float>("speed").back(), v, 1e-5);
+  EXPECT_TRUE(fs::exists(scratch / "a" / "picture_00000.png"));
+
+  const json totals = json_file(scratch / "a" / "run.json").at("totals");
+  EXPECT_EQ(totals.at("steps"), 40);
+  EXPECT_EQ(totals.count("max_contacts"), 0u);
+  EXPECT_EQ(totals.at("mean_ms").size(), 2u);
+  const double mass = 20 * 1000 * 4.0 / 3 * 3.14159265358979 * 1e-3;
+  EXPECT_NEAR(totals.at("final_upward_momentum_kg_m_per_s").get<double>(), mass * v,
+              1e-5 * mass * v);
+}
+
+TEST(CliExtraDynamics, ResumedRunsAreTheSame) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, points()).string();
+  ASSERT_EQ(with_extra(scratch, run_arguments(scene, scratch / "whole")).code, 0);
+  ASSERT_EQ(with_extra(scratch, run_arguments(scene, scratch / "a", {"--steps", "17"})).code, 0);
+  const Result resumed = with_extra(scratch, run_arguments(scene, scratch / "a", {"--resume"}));
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(untimed(scratch / "a" / "steps.csv"), untimed(scratch / "whole" / "steps.csv"));
+  const auto bytes = [&](const char* run) {
+    const h5::File file = h5::File::open(scratch / run / "checkpoint.h5");
+    return file.root().read<double>("body/position");
+  };
+  EXPECT_EQ(bytes("a"), bytes("whole"));
+
+  // The program without the model cannot go on.
+  const Result refused = scree(scratch, run_arguments(scene, scratch / "a", {"--resume"}));
+  EXPECT_EQ(refused.code, 2);
+}
+
+TEST(CliExtraDynamics, ACheckpointGivesItsBodiesToOtherScenes) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, points()).string();
+  ASSERT_EQ(with_extra(scratch, run_arguments(scene, scratch / "a")).code, 0);
+  json next = points();
+  next["dynamics"] = {{"type", "rigid"}};
+  next["particles"] =
+      json::array({{{"layout", "file"}, {"file", (scratch / "a" / "checkpoint.h5").string()}}});
+  const std::string path = put(scratch / "next.json", next.dump()).string();
+  const Result check = with_extra(scratch, {"check", path, "--json"});
+  ASSERT_EQ(check.code, 0) << check.err;
+  EXPECT_EQ(json::parse(check.out).at("free_bodies"), 20);
+}
+
+TEST(CliExtraDynamics, IsInTheSchemaAndInTheHelp) {
+  const Scratch scratch;
+  const Result result = with_extra(scratch, {"info", "--schema"});
+  ASSERT_EQ(result.code, 0) << result.err;
+  const json dynamics = json::parse(result.out).at("$defs").at("dynamics").at("properties");
+  EXPECT_EQ(dynamics.at("type").at("enum"), json({"rigid", "point_masses"}));
+  const json factor = {
+      {"type", "number"},
+      {"exclusiveMinimum", -10},
+      {"exclusiveMaximum", 10},
+      {"default", 1},
+      {"description", "point_masses: part of the gravity of the scene that acts [-]."}};
+  EXPECT_EQ(dynamics.at("gravity_factor"), factor);
+  const Result info = with_extra(scratch, {"info"});
+  EXPECT_TRUE(holds(info.out, "point masses in free flight")) << info.out;
+}
+
+}  // namespace
+}  // namespace scree::test

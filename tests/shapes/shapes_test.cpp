@@ -10,6 +10,7 @@
 
 #include "kernels/math/quat.h"
 #include "kernels/narrow_phase/pair_table.h"
+#include "shapes/capsule.h"
 #include "shapes/container.h"
 #include "shapes/shape_list.h"
 
@@ -21,12 +22,14 @@ using shapes::Sphere;
 
 /// A shape of each kind that is a solid of its own.
 std::vector<Shape> solids() {
-  Shape sphere, box;
+  Shape sphere, box, capsule;
   sphere.kind = Sphere::kind;
   sphere.radius = 0.7;
   box.kind = shapes::Box::kind;
   box.half_extents = {0.3, 0.5, 0.8};
-  return {sphere, box};
+  capsule.kind = shapes::Capsule::kind;
+  capsule.half_extents = {0.3, 0.3, 0.9};
+  return {sphere, box, capsule};
 }
 
 Vec3d random_direction(std::mt19937& random) {
@@ -114,7 +117,7 @@ TEST(Shapes, MassAndMomentsAreThoseOfASolid) {
     const double r = card.bounding_radius(shape, nullptr);
     std::uniform_real_distribution<double> coordinate(-r, r);
     std::vector<Vec3d> planes;
-    for (int k = 0; k < 400; ++k) planes.push_back(random_direction(random));
+    for (int k = 0; k < 3000; ++k) planes.push_back(random_direction(random));
     for (int axis = 0; axis < 3; ++axis) {
       Vec3d n;
       n[axis] = 1;

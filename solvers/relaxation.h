@@ -9,8 +9,6 @@
 
 namespace scree {
 
-inline constexpr std::array kRelaxationParameters{kRelaxation};
-
 /// Velocities; the metric of each contact.
 inline HeldBytes relaxation_memory(const SolverCase& c) { return {c.twist(), 3 * c.real}; }
 

@@ -160,13 +160,11 @@ constexpr Traffic schwarz_pass_traffic(double r) {
 static_assert(schwarz_pass_traffic(4).contact_least == 16 + 8 + 24 + 12);
 static_assert(schwarz_pass_traffic(4).body_least == 48 + 24);
 
-inline constexpr std::array kSchwarzParameters{kRelaxation};
-
 constexpr SolverCard schwarz_card() {
   return {.name = "schwarz",
           .description =
               "accelerated Schwarz over tiles of bodies: for a million like spheres on a GPU",
-          .parameters = kSchwarzParameters,
+          .parameters = kRelaxationParameters,
           .memory = schwarz_memory,
           .traffic = [](const SolverCase& c) { return schwarz_pass_traffic(c.real); }};
 }

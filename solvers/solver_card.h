@@ -78,7 +78,12 @@ struct SharedParameter {
   std::vector<std::string> solvers;
 };
 
-/// The parameters of all cards, each once.
+/// The parameters of cards, each once.
+/// @throws std::logic_error naming the key and two solvers when their parameters of that key differ
+///         in what they take or in the default: one check is made of a value for all of them
+std::vector<SharedParameter> shared_parameters(const std::vector<SolverCard>& cards);
+
+/// Those of solver_cards().
 const std::vector<SharedParameter>& solver_parameters();
 
 }  // namespace scree

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
+#include "kernels/joined.h"
 #include "solvers/solver.h"
 #include "solvers/solver_card.h"
 
@@ -12,6 +14,10 @@ std::string shortest(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%g", value);
   return text.data();
+}
+
+std::string described(const SolverParameter& p) {
+  return p.expected() + ", default " + p.text(p.standard);
 }
 
 }  // namespace
@@ -29,10 +35,15 @@ std::string SolverParameter::text(double value) const {
 std::string SolverParameter::expected() const {
   if (choices.empty())
     return "must be between " + shortest(low) + " and " + shortest(high) + ", both excluded";
-  std::string list;
-  for (const char* name : choices)
-    list += (list.empty() ? "\"" : ", \"") + std::string(name) + "\"";
-  return "must be one of " + list;
+  return "must be one of " + joined(choices, "\"");
+}
+
+bool SolverParameter::takes_as(const SolverParameter& other) const {
+  const auto same_name = [](const char* a, const char* b) { return std::string(a) == b; };
+  const auto same = [](double a, double b) { return !(a < b) && !(b < a); };
+  return same(standard, other.standard) && same(low, other.low) && same(high, other.high) &&
+         std::equal(choices.begin(), choices.end(), other.choices.begin(), other.choices.end(),
+                    same_name);
 }
 
 bool SolverCard::knows(ContactLayout layout) const {
@@ -45,12 +56,10 @@ std::string SolverCard::device_fault() const {
 }
 
 const SolverCard& solver_card(const std::string& name) {
-  std::string known;
-  for (const SolverCard& card : solver_cards()) {
+  for (const SolverCard& card : solver_cards())
     if (name == card.name) return card;
-    known += (known.empty() ? "" : ", ") + std::string(card.name);
-  }
-  throw InvalidParameter("solver.name \"" + name + "\" is unknown; known solvers: " + known);
+  throw InvalidParameter("solver.name \"" + name +
+                         "\" is unknown; known solvers: " + joined(solver_names()));
 }
 
 std::vector<std::string> solver_names(bool on_device) {
@@ -60,20 +69,29 @@ std::vector<std::string> solver_names(bool on_device) {
   return names;
 }
 
-const std::vector<SharedParameter>& solver_parameters() {
-  static const std::vector<SharedParameter> all = [] {
-    std::vector<SharedParameter> found;
-    for (const SolverCard& card : solver_cards()) {
-      for (const SolverParameter& parameter : card.parameters) {
-        const std::string key = parameter.key;
-        auto same = std::find_if(found.begin(), found.end(),
-                                 [&](const SharedParameter& f) { return key == f.parameter.key; });
-        if (same == found.end()) same = found.insert(same, {parameter, {}});
-        same->solvers.emplace_back(card.name);
+std::vector<SharedParameter> shared_parameters(const std::vector<SolverCard>& cards) {
+  std::vector<SharedParameter> found;
+  for (const SolverCard& card : cards) {
+    for (const SolverParameter& parameter : card.parameters) {
+      const std::string key = parameter.key;
+      auto same = std::find_if(found.begin(), found.end(),
+                               [&](const SharedParameter& f) { return key == f.parameter.key; });
+      if (same == found.end()) {
+        same = found.insert(same, {parameter, {}});
+      } else if (!same->parameter.takes_as(parameter)) {
+        throw std::logic_error("solvers \"" + same->solvers.front() + "\" and \"" + card.name +
+                               "\" have a parameter \"" + key +
+                               "\": " + described(same->parameter) + ", and " +
+                               described(parameter) + "; parameters of one key must be the same");
       }
+      same->solvers.emplace_back(card.name);
     }
-    return found;
-  }();
+  }
+  return found;
+}
+
+const std::vector<SharedParameter>& solver_parameters() {
+  static const std::vector<SharedParameter> all = shared_parameters(solver_cards());
   return all;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // A number or a choice that some solvers of steps take from a scene, beside what all of them take.
 
+#include <array>
 #include <map>
 #include <span>
 #include <string>
@@ -23,8 +24,9 @@ struct SolverParameter {
     return found == values.end() ? standard : found->second;
   }
   bool allows(double value) const;
-  std::string text(double value) const;  ///< the value as messages show it
-  std::string expected() const;          ///< "must be ...", for messages
+  bool takes_as(const SolverParameter& other) const;  ///< the same values, with the same default
+  std::string text(double value) const;               ///< the value as messages show it
+  std::string expected() const;                       ///< "must be ...", for messages
 };
 
 /// Parameter that several solvers have.
@@ -33,5 +35,7 @@ inline constexpr SolverParameter kRelaxation{.key = "relaxation",
                                              .standard = 1,
                                              .low = 0,
                                              .high = 2};
+/// Of those that have no other.
+inline constexpr std::array kRelaxationParameters{kRelaxation};
 
 }  // namespace scree

@@ -35,8 +35,8 @@ TEST(CliCommands, CheckPrintsTextAndJson) {
 
 TEST(CliCommands, ASceneThatDoesNotFitIsRefusedWithTheNumberOfBodiesThatDo) {
   const Scratch scratch;
-  const fs::path scene = put_scene(scratch, small_scene());  // 203 bodies of about 800 bytes
-  const Result check = scree(scratch, {"check", scene.string(), "--memory", "0.1", "--json"});
+  const fs::path scene = put_scene(scratch, small_scene());  // 203 bodies of about 430 bytes
+  const Result check = scree(scratch, {"check", scene.string(), "--memory", "0.06", "--json"});
   EXPECT_EQ(check.code, 0) << check.err;
   const nlohmann::json values = nlohmann::json::parse(check.out);
   EXPECT_EQ(values.at("fits"), false);
@@ -45,13 +45,13 @@ TEST(CliCommands, ASceneThatDoesNotFitIsRefusedWithTheNumberOfBodiesThatDo) {
   EXPECT_LT(fit, 203);
   EXPECT_LE(values.at("free_memory_bytes"), values.at("device_memory_bytes"));
   const std::string number = std::to_string(static_cast<int>(fit));
-  const Result text = scree(scratch, {"check", scene.string(), "--memory", "0.1"});
+  const Result text = scree(scratch, {"check", scene.string(), "--memory", "0.06"});
   EXPECT_NE(text.out.find("does not fit: about " + number + " bodies do"), std::string::npos)
       << text.out;
   for (const Arguments& command :
        {Arguments{"run"}, Arguments{"bench"}, Arguments{"bench", "scene"}}) {
     Arguments all = command;
-    all.insert(all.end(), {scene.string(), "--memory", "0.1"});
+    all.insert(all.end(), {scene.string(), "--memory", "0.06"});
     const Result refused = scree(scratch, all);
     EXPECT_EQ(refused.code, 2) << command.back();
     EXPECT_NE(refused.err.find("about " + number + " bodies fit"), std::string::npos)

@@ -1,0 +1,208 @@
+// The algebra of a joint against dense matrices: rows that do not act on each other, impulses and
+// velocities there and back, absent and redundant rows, bounds.
+#include <Eigen/Cholesky>
+#include <Eigen/Dense>
+#include <random>
+
+#include "kernels/contact/joint_row.h"
+#include "tests/backend_fixture.h"
+
+namespace scree {
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+constexpr unsigned kAll = 0b111111, kHinge = 0b011111, kBall = 0b000111;
+
+/// Element program: what a joint makes of one impulse and one velocity.
+template <class Real>
+struct TryJoint {
+  static constexpr const char* name = "try_joint";
+  Span<const JointRow<Real>> joint;
+  Span<const JointValues<Real>> given;
+  Span<JointValues<Real>> scaled_velocity;
+  Span<JointValues<Real>> velocity;
+  Span<JointValues<Real>> scaled_impulse;
+  Span<JointValues<Real>> impulse;
+  Span<JointValues<Real>> nearest;
+  SCREE_HD void operator()(Index k) const {
+    scaled_velocity[k] = joint[0].scaled_velocity(given[k]);
+    velocity[k] = joint[0].velocity(scaled_velocity[k]);
+    scaled_impulse[k] = joint[0].scaled_impulse(given[k]);
+    impulse[k] = joint[0].impulse(scaled_impulse[k]);
+    nearest[k] = joint[0].project(given[k]);
+  }
+};
+
+template <class Real>
+class JointRowTest : public BackendTest<Real> {
+ protected:
+  struct Results {
+    std::vector<Vector6> scaled_velocity, velocity, scaled_impulse, impulse, nearest;
+  };
+
+  /// Random symmetric positive definite block, its rows of sizes 1 to `spread`.
+  Matrix6 random_block(double spread) {
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Eigen::Matrix<double, 6, 8> j;
+    for (Eigen::Index i = 0; i < j.size(); ++i) j(i) = uniform(random_);
+    for (int i = 0; i < 6; ++i) j.row(i) *= std::pow(spread, 0.5 * (1 + uniform(random_)));
+    return j * j.transpose();
+  }
+  Vector6 random_vector() {
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Vector6 v;
+    for (int i = 0; i < 6; ++i) v(i) = uniform(random_);
+    return v;
+  }
+
+  static JointRow<Real> joint_of(const Matrix6& block, unsigned held) {
+    double triangle[kJointTriangle];
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j <= i; ++j) triangle[triangle_place(i, j)] = block(i, j);
+    JointRow<Real> joint;
+    factorize(joint, triangle, held);
+    joint.most = 1e30f;
+    joint.least = -joint.most;
+    return joint;
+  }
+
+  Results run(const JointRow<Real>& joint, const std::vector<Vector6>& given) {
+    TestBackend& b = this->backend();
+    const auto n = static_cast<Index>(given.size());
+    std::vector<JointValues<Real>> values;
+    for (const Vector6& v : given) {
+      JointValues<Real> x;
+      for (int i = 0; i < 6; ++i) x[i] = static_cast<Real>(v(i));
+      values.push_back(x);
+    }
+    Buffer<TestBackend, JointRow<Real>> joints(b);
+    Buffer<TestBackend, JointValues<Real>> in(b), out(b, 5 * static_cast<Offset>(n));
+    upload(b, std::vector<JointRow<Real>>{joint}, joints);
+    upload(b, values, in);
+    const auto part = [&](int k) {
+      return Span<JointValues<Real>>{out.data() + static_cast<Offset>(k) * n, n};
+    };
+    for_each(b, n,
+             TryJoint<Real>{joints.view(), in.view(), part(0), part(1), part(2), part(3), part(4)});
+    Results r;
+    std::vector<Vector6>* results[] = {&r.scaled_velocity, &r.velocity, &r.scaled_impulse,
+                                       &r.impulse, &r.nearest};
+    for (int k = 0; k < 5; ++k)
+      for (const JointValues<Real>& x : download(b, part(k))) {
+        Vector6 v;
+        for (int i = 0; i < 6; ++i) v(i) = x[i];
+        results[k]->push_back(v);
+      }
+    return r;
+  }
+
+  static constexpr double kTolerance = std::is_same_v<Real, double> ? 1e-11 : 2e-4;
+  std::mt19937 random_{11};
+};
+
+/// 0/1 diagonal of the rows that are held.
+Matrix6 picked(unsigned held) {
+  Matrix6 p = Matrix6::Zero();
+  for (int i = 0; i < 6; ++i) p(i, i) = held >> i & 1u;
+  return p;
+}
+
+TYPED_TEST_SUITE(JointRowTest, Reals);
+
+// u' = L^-1 u, and so L^-1 D L^-T = d: the map that the joint applies to the columns of D, twice,
+// leaves d times the identity on its rows.
+TYPED_TEST(JointRowTest, HeldRowsDoNotActOnEachOther) {
+  for (const unsigned held : {kAll, kHinge, kBall, 0b100111u, 0b110011u}) {
+    for (const double spread : {1.0, 30.0}) {
+      const Matrix6 block = this->random_block(spread);
+      const JointRow<TypeParam> joint = this->joint_of(block, held);
+      std::vector<Vector6> unit;
+      for (int k = 0; k < 6; ++k) unit.push_back(Vector6::Unit(k));
+      const auto r = this->run(joint, unit);
+      Matrix6 map;  // L^-1
+      for (int k = 0; k < 6; ++k) map.col(k) = r.scaled_velocity[static_cast<std::size_t>(k)];
+      const Matrix6 p = picked(held);
+      const Matrix6 held_block = p * block * p;
+      const double scale = held_block.trace() / p.trace();
+      EXPECT_NEAR(joint.scale / scale, 1, this->kTolerance);
+      EXPECT_LT((map * held_block * map.transpose() / scale - p).norm(), spread * this->kTolerance)
+          << "held " << held << " spread " << spread;
+    }
+  }
+}
+
+TYPED_TEST(JointRowTest, MapsPairAndInvert) {
+  for (const unsigned held : {kAll, kHinge, kBall}) {
+    const JointRow<TypeParam> joint = this->joint_of(this->random_block(10), held);
+    std::vector<Vector6> given;
+    for (int k = 0; k < 33; ++k) given.push_back(this->random_vector());
+    const auto r = this->run(joint, given);
+    const Matrix6 p = picked(held);
+    for (std::size_t k = 0; k < given.size(); ++k) {
+      const Vector6 g = p * given[k], u = p * given[(k + 1) % given.size()];
+      EXPECT_LT((r.velocity[k] - g).norm(), this->kTolerance * 10);
+      EXPECT_LT((r.impulse[k] - g).norm(), this->kTolerance * 10);
+      // The power of an impulse is the same in both coordinates.
+      EXPECT_NEAR(r.scaled_impulse[k].dot(r.scaled_velocity[(k + 1) % given.size()]), g.dot(u),
+                  this->kTolerance * 30);
+    }
+  }
+}
+
+// Two rows along the same direction and one that nothing can follow: the rest is held.
+TYPED_TEST(JointRowTest, LeavesOutRowsThatAreRedundant) {
+  Eigen::Matrix<double, 6, 8> j = Eigen::Matrix<double, 6, 8>::Zero();
+  for (int i = 0; i < 6; ++i) j(i, i) = i + 1;
+  j.row(4) = 2 * j.row(1);
+  j.row(2).setZero();
+  const JointRow<TypeParam> joint = this->joint_of(j * j.transpose(), kAll);
+  const auto r = this->run(joint, {this->random_vector()});
+  for (const int row : {2, 4}) {
+    EXPECT_EQ(r.scaled_velocity[0](row), 0);
+    EXPECT_EQ(r.impulse[0](row), 0);
+  }
+  for (const int row : {0, 1, 3, 5}) EXPECT_NE(r.impulse[0](row), 0);
+}
+
+TYPED_TEST(JointRowTest, JointOfBodiesThatCannotMoveHasNoRows) {
+  const JointRow<TypeParam> joint = this->joint_of(Matrix6::Zero(), kAll);
+  EXPECT_EQ(joint.scale, 0);
+  const auto r = this->run(joint, {this->random_vector()});
+  EXPECT_EQ(r.scaled_impulse[0].norm(), 0);
+  EXPECT_EQ(r.impulse[0].norm(), 0);
+}
+
+// A motor: the moment about the axis has bounds. The minimizer of 1/2 g D g + r g under them is one
+// step with 1/d, projected in the coordinates of solvers; by hand it is that of the other five rows
+// at the bound that the free minimizer breaks.
+TYPED_TEST(JointRowTest, OneStepSolvesAJointWithBounds) {
+  for (int trial = 0; trial < 20; ++trial) {
+    const Matrix6 block = this->random_block(5);
+    const Vector6 r = this->random_vector();
+    const double bound = 0.05 * (trial + 1) * std::abs(block.ldlt().solve(r)(5));
+    Vector6 expected = -block.ldlt().solve(r);
+    if (std::abs(expected(5)) > bound) {
+      expected(5) = std::copysign(bound, expected(5));
+      expected.head<5>() = -block.topLeftCorner<5, 5>().ldlt().solve(
+          r.head<5>() + block.topRightCorner<5, 1>() * expected(5));
+    }
+    JointRow<TypeParam> joint = this->joint_of(block, kAll);
+    JointValues<TypeParam> limit;
+    limit[5] = static_cast<TypeParam>(bound);
+    joint.most = joint.scaled_impulse(limit)[5];
+    joint.least = -joint.most;
+    const Vector6 step = -this->run(joint, {r}).scaled_velocity[0] / joint.scale;
+    const Vector6 nearest = this->run(joint, {step}).nearest[0];
+    JointValues<TypeParam> z;
+    for (int i = 0; i < 6; ++i) z[i] = static_cast<TypeParam>(nearest(i));
+    const JointValues<TypeParam> found = joint.impulse(z);
+    Vector6 g;
+    for (int i = 0; i < 6; ++i) g(i) = found[i];
+    EXPECT_LT((g - expected).norm() / expected.norm(), 100 * this->kTolerance) << trial;
+  }
+}
+
+}  // namespace
+}  // namespace scree

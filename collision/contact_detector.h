@@ -11,6 +11,7 @@
 #include "collision/numbering.h"
 #include "collision/obstacle_buffers.h"
 #include "collision/pair_candidates.h"
+#include "collision/pair_filter.h"
 #include "collision/persistent_contacts.h"
 #include "kernels/narrow_phase/contact_groups.h"
 #include "kernels/narrow_phase/contact_list.h"
@@ -30,6 +31,7 @@ struct CollisionSettings {
   double skin = 0;    ///< how far two bodies together may come nearer, about, until pairs of near
                       ///< bodies are listed again [m]; 0: for every listing of contacts
   bool keep_candidates = true;  ///< false: detect() frees the list of pairs at its end
+  std::vector<std::array<int, 2>> held_pairs = {};  ///< ids of bodies that never have contacts
 };
 
 template <class B, class Real>
@@ -167,6 +169,7 @@ class ContactDetector {
 
   CollisionSettings settings_;
   ObstacleBuffers<B, Real> obstacles_;
+  PairFilter<B> held_pairs_;
   PairCandidates<B, Real> candidates_;
   PersistentContacts<B, Real> memory_;
   ContactKeys keys_;
@@ -187,6 +190,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
                                           const ObstacleData<Real>& obstacles)
     : settings_(settings),
       obstacles_(b, obstacles, settings.period),
+      held_pairs_(b, settings.held_pairs),
       candidates_(b),
       memory_(b),
       needed_(b),
@@ -367,6 +371,9 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   } else {
     fill_contacts(std::false_type{});
   }
+  if (!held_pairs_.is_used()) return;
+  contact_count_ = held_pairs_.apply(b, bodies.id, contact_count_, body_a_, body_b_, key_, body_a_,
+                                     body_b_, normal_, gap_, arm_a_, arm_b_);
 }
 
 /// Brings the keys into groups; one host read.

@@ -25,6 +25,8 @@ class Dynamics {
   /// Contacts of the last step, and pairs that overlap now; none in models without contacts.
   virtual std::vector<ContactRecord> contacts() { return {}; }
   virtual std::vector<ContactRecord> overlaps() { return {}; }
+  /// Joints in the last step; none in models without them.
+  virtual std::vector<JointRecord> joints() { return {}; }
 
   virtual std::vector<ArrayInfo> arrays() = 0;
   virtual ArrayView array(const std::string& name) = 0;

@@ -62,6 +62,7 @@ struct StateField {
   const char* rows_of = nullptr;  ///< has as many rows as this array; null: any number
   int most_rows = 1;              ///< or a multiple of them up to this
   bool may_be_empty = false;      ///< or none
+  bool may_be_absent = false;     ///< a scene may have nothing of the kind
   double largest = 0;             ///< of its numbers; 0: not checked
   int first_version = 1;          ///< of the format of checkpoints that has it
   int last_version = 1 << 30;

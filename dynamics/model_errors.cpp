@@ -65,6 +65,17 @@ void throw_wrong_model(const std::string& found, const std::string& expected) {
       fmt::format("checkpoint: it is of dynamics \"{}\", the scene has \"{}\"", found, expected));
 }
 
+void require_joints(std::size_t found, std::size_t in_scene) {
+  if (found != 2 * in_scene)
+    throw InputError(
+        fmt::format("checkpoint: {} vectors of joint impulses, expected {} of {} joints", found,
+                    2 * in_scene, in_scene));
+}
+
+void throw_stored_joints() {
+  throw InputError("the contact problem of a scene with joints cannot be stored yet");
+}
+
 void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene) {
   throw InputError(
       fmt::format("checkpoint: {} insertions done, the scene has {}", found, in_scene));

@@ -44,4 +44,9 @@ void require_contact_rows(std::initializer_list<std::size_t> found, std::size_t 
 /// Keys of a checkpoint of version 1 name free bodies. @throws InputError
 void require_places(const std::vector<std::uint64_t>& keys, std::int64_t free_count);
 
+/// Checks that remembered impulses, two vectors a joint, are those of a scene. @throws InputError
+void require_joints(std::size_t found, std::size_t in_scene);
+/// Problems with joints have no file. @throws InputError
+[[noreturn]] void throw_stored_joints();
+
 }  // namespace scree

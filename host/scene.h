@@ -159,6 +159,25 @@ struct DynamicsSettings {
   std::map<std::string, double> parameters = {};
 };
 
+/// In place of a body of a joint: the world, which rests.
+inline constexpr int kWorldBody = -1;
+
+/// What a joint leaves free.
+enum class JointKind : std::uint8_t {
+  hinge,  ///< turning about its axis
+  ball,   ///< turning
+  fixed   ///< nothing
+};
+
+/// Holds two bodies together at a point, its anchor. They do not touch each other.
+struct Joint {
+  JointKind kind = JointKind::hinge;
+  /// Ids of two of Scene::bodies, of which one or both are free; or kWorldBody in place of one.
+  std::array<int, 2> bodies{kWorldBody, 0};
+  Vec3d anchor;         ///< point of both bodies at time zero, world [m]
+  Vec3d axis{0, 0, 1};  ///< hinge: unit, world, at time zero
+};
+
 /// When a solver stops. Levels are those of the theory page: relative to v* and to d/h.
 struct StopRule {
   enum class Level { quality, preview, absolute, fixed_iterations };
@@ -245,6 +264,7 @@ struct Scene {
   std::vector<BodyDescription> bodies;  ///< present at time zero, any kind and order
   std::vector<ParticleSet> particles;   ///< present at time zero
   std::vector<Insertion> insertions;    ///< increasing times
+  std::vector<Joint> joints;            ///< of `bodies`, from time zero
   Periodicity periodicity;
   DynamicsSettings dynamics;
   SteppingSettings stepping;

@@ -58,6 +58,9 @@ struct StepReport {
   double exact_residual_rms = 0;  ///< the same with the De Saxce velocity [m/s]
   double objective = 0;           ///< 1/2 gamma N gamma + r gamma [J]
   double max_penetration = 0;     ///< deepest overlap at the start of the step [m]
+  /// Farthest that anchors of a joint, or its axes at the size of a body, were apart at the start of
+  /// the step [m].
+  double max_joint_error = 0;
   double max_cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
   double kinetic_energy = 0;      ///< after the step [J]
   int stopped = 0;                ///< spheres that were stopped at a box or mesh wall
@@ -81,6 +84,14 @@ struct ContactRecord {
   Vec3d normal;    ///< unit, from A to B
   double gap = 0;  ///< at the start of the step [m]
   Vec3d impulse;   ///< world frame, acting on B [N s]
+};
+
+/// One joint in the last step.
+struct JointRecord {
+  int body_a = kWorldBody;  ///< ids, or kWorldBody, as in Joint::bodies
+  int body_b = kWorldBody;
+  Vec3d force;   ///< impulse at the anchor, world frame, acting on B [N s]
+  Vec3d moment;  ///< [N m s]
 };
 
 /// A picture, 8-bit RGB, rows from the top.
@@ -116,6 +127,8 @@ class World {
   /// Contacts of the last step; none after overlaps(), restore(), arrays_changed(Written::poses)
   /// and a step that failed.
   std::vector<ContactRecord> contacts() const;
+  /// What the joints of the scene carried in the last step, in its order.
+  std::vector<JointRecord> joints() const;
 
   /// Pairs of bodies that overlap where they are now, impulses left zero.
   std::vector<ContactRecord> overlaps() const;

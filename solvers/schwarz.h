@@ -165,6 +165,7 @@ constexpr SolverCard schwarz_card() {
           .description =
               "accelerated Schwarz over tiles of bodies: for a million like spheres on a GPU",
           .parameters = kRelaxationParameters,
+          .layouts = kContactLayouts,
           .memory = schwarz_memory,
           .traffic = [](const SolverCase& c) { return schwarz_pass_traffic(c.real); }};
 }

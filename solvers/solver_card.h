@@ -41,7 +41,12 @@ struct HeldBytes {
 };
 
 inline constexpr std::array kAllLayouts{ContactLayout::radial, ContactLayout::general,
-                                        ContactLayout::rolling, ContactLayout::mixed};
+                                        ContactLayout::rolling, ContactLayout::mixed,
+                                        ContactLayout::jointed};
+
+/// Those without joints.
+inline constexpr std::array kContactLayouts{ContactLayout::radial, ContactLayout::general,
+                                            ContactLayout::rolling, ContactLayout::mixed};
 
 struct SolverCard {
   const char* name;         ///< in scenes and on the command line: that of its file

@@ -28,6 +28,10 @@ inline CollisionSettings collision_settings(const Scene& scene, const SceneSumma
   settings.bounce_threshold = scene.stepping.restitution_threshold;
   settings.skin = summary.skin;
   settings.keep_candidates = near_pairs;
+  for (const Joint& joint : scene.joints) {
+    const bool has_world = std::count(joint.bodies.begin(), joint.bodies.end(), kWorldBody) > 0;
+    if (!has_world) settings.held_pairs.push_back(joint.bodies);
+  }
   for (const Material& pair : all_pair_values(scene)) {
     if (!scene.solver.exact_coulomb) settings.lift = std::max(settings.lift, pair.friction);
     if (scene.stepping.restitution_law == RestitutionLaw::poisson)

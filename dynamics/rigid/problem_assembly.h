@@ -93,7 +93,7 @@ class ProblemAssembly {
     p.layout = layout_;
     p.contact_count = contacts.count;
     p.free_count = bodies.free_count;
-    p.body_count = bodies.count;
+    p.body_count = bodies.count + (layout_ == ContactLayout::jointed ? 1 : 0);  // the world
     p.body_a = contacts.body_a;
     p.body_b = contacts.body_b;
     p.normal = contacts.normal;
@@ -116,7 +116,7 @@ class ProblemAssembly {
     if (bounces_by_bias_) p.bias.values = setup.bias = sized(step.bias, n);
     if (!has_uniform_friction_) p.friction.values = setup.friction = sized(step.friction, n);
     if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(step.adhesion, n);
-    if (layout_ == ContactLayout::rolling) p.rolling = setup.rolling = sized(step.rolling, n);
+    if (vectors_per_contact(layout_) == 2) p.rolling = setup.rolling = sized(step.rolling, n);
     if (has_vertices_ && layout_ != ContactLayout::radial) {
       const Index general = n - contacts.radial_count;
       const Span<Vec3<Real>> drift = sized(step.drift, general);
@@ -144,7 +144,7 @@ class ProblemAssembly {
       set_solid_spheres(bodies, p);
       return;
     }
-    const Span<Twist<Real>> free_velocity = sized(step.free_velocity, bodies.count);
+    const Span<Twist<Real>> free_velocity = sized(step.free_velocity, p.body_count);
     p.free_velocity = free_velocity;
     if (layout_ == ContactLayout::mixed) {
       Span<RadialInertia<Real>> radial;
@@ -162,9 +162,9 @@ class ProblemAssembly {
       p.radial_inertia = inertia;
       for_each(b, bodies.count, PredictRadial<Real>{bodies, gravity_step, free_velocity, inertia});
     } else {
-      const Span<GeneralInertia<Real>> inertia = sized(step.general_inertia, bodies.count);
+      const Span<GeneralInertia<Real>> inertia = sized(step.general_inertia, p.body_count);
       p.general_inertia = inertia;
-      for_each(b, bodies.count, PredictGeneral<Real>{bodies, gravity_step, free_velocity, inertia});
+      for_each(b, p.body_count, PredictGeneral<Real>{bodies, gravity_step, free_velocity, inertia});
     }
   }
 

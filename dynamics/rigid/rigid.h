@@ -10,6 +10,7 @@
 #include "dynamics/rigid/contact_layout.h"
 #include "dynamics/rigid/contact_records.h"
 #include "dynamics/rigid/impact_phase.h"
+#include "dynamics/rigid/joints.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
 #include "dynamics/rigid/prescribed_motion.h"
@@ -43,6 +44,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
         obstacles_(backend(), scene_, store_.fixed_begin()),
         detector_(backend(), collision_settings(scene_, summary_, near_pairs), obstacles_.data()),
         assembly_(backend(), scene_, summary_, obstacles_.shapes()),
+        joints_(backend(), scene_),
         impacts_(backend(), scene_, summary_.layout),
         integrate_sums_(backend(), 1),
         solver_(make_step_solver()),
@@ -72,15 +74,16 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const ContactView<Real> contacts = detector_.contacts();
     const Offset vectors =
         static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
-    Buffer<B, Vec3<Real>> impulse(b, vectors);
+    Buffer<B, Vec3<Real>> impulse(b, vectors + joints_.vectors());
     const Span<Vec3<Real>> gamma = impulse.view();
     if (scene_.solver.warm_start) {
-      detector_.match(b, vectors_per_contact(summary_.layout), gamma);
+      detector_.match(b, vectors_per_contact(summary_.layout), gamma.first(vectors));
     } else {
       fill(b, gamma, Vec3<Real>{});
+      joints_.forget(b);
     }
-    Buffer<B, Index> mark(b, solver_->keeps_marks() ? contacts.count : 0);
-    if (solver_->keeps_marks()) detector_.match_marks(b, mark.view());
+    Buffer<B, Index> mark(b, keeps_marks() ? contacts.count : 0);
+    if (keeps_marks()) detector_.match_marks(b, mark.view());
     detector_.forget();  // the last step, in favor of the solver's memory
     report.ms.collision = clock.lap();
 
@@ -101,10 +104,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
       sums.touching = impacts.before.touching;
     }
     problem.mark = mark.view();
+    if (joints_.count() > 0) {
+      joints_.join(b, bodies, scene_.stepping, periodic_box().length, assembled, gamma);
+      report.max_joint_error = joints_.largest_error(b);
+    }
     const double reference = reference_speed(loads_.is_used() ? &loads : nullptr,
                                              h * scene_.gravity, sums, store_.free_count());
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
+      if (joints_.count() > 0) throw_stored_joints();
       *stored = download_any_problem<B, Real>(b, problem, gamma, store_.ids(), bodies);
       stored->source = problem_source(reference);
       clock.lap();  // belongs to no stage
@@ -116,15 +124,16 @@ class RigidDynamics final : public ModelOn<B, Real> {
     stats.iterations += impacts.iterations;
     stats.applications += impacts.applications;
     stats.converged = stats.converged && impacts.converged;
-    if (stats.residual.bad_contact >= 0) report_bad_contact(contacts, stats.residual.bad_contact);
+    if (stats.residual.bad_contact >= 0) report_bad_contact(problem, stats.residual.bad_contact);
     report.ms.solve = impact_ms + clock.lap();
 
+    if (joints_.count() > 0) joints_.keep(b, bodies, gamma);
     const IntegrateSums moved = integrate(bodies);
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
     detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
-    if (solver_->keeps_marks()) detector_.keep_marks(std::move(mark));
+    if (keeps_marks()) detector_.keep_marks(std::move(mark));
     has_solved_contacts_ = true;
     this->count_step();
     motion_.set(store_, time(), steps_done() + 1);
@@ -132,7 +141,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
     report.step = steps_done();
     report.time = time();
-    fill_report(report, stats, sums, contacts, b, store_);
+    report.contact_count = contacts.count;
+    fill_report(report, stats, sums, problem, b, store_);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
     report.stopped = moved.stopped;
@@ -151,6 +161,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     add_impacts(backend(), impacts_.impulses(), vectors(), out);
     return out;
   }
+
+  std::vector<JointRecord> joints() override { return joints_.records(backend()); }
 
   std::vector<ContactRecord> overlaps() override {
     forget_solved_contacts();
@@ -172,6 +184,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const Index bad = fetch(b, first.data()).body;
     if (poses) {
       detector_.forget_places();
+      joints_.forget(b);
       solver_->restore_memory({});
       forget_solved_contacts();
     }
@@ -192,12 +205,17 @@ class RigidDynamics final : public ModelOn<B, Real> {
   void save_arrays(WorldState& s) override {
     s.insertions_done = loading_.insertions_done();
     save_state(backend(), store_, detector_, *solver_, s);
+    if (joints_.count() > 0) s.add("joint/impulse", joints_.save(backend()));
   }
 
   void restore_arrays(const WorldState& s) override {
     loading_.insert_first(s.insertions_done);
     forget_solved_contacts();
+    const std::vector<Vec3d> joint_impulse =
+        s.has("joint/impulse") ? s.at<Vec3d>("joint/impulse") : std::vector<Vec3d>{};
+    require_joints(joint_impulse.size(), static_cast<std::size_t>(joints_.count()));
     restore_state(backend(), s, vectors(), store_, detector_, *solver_);
+    joints_.restore(backend(), joint_impulse);
     motion_.set(store_, s.time, s.step + 1);
   }
 
@@ -211,6 +229,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   int vectors() const { return vectors_per_contact(summary_.layout); }
+  /// Marks belong to contacts, and solvers do without any as well.
+  bool keeps_marks() const { return solver_->keeps_marks() && joints_.count() == 0; }
 
   /// Impulses of the contacts that there are; empty when no step found them.
   Span<const Vec3<Real>> solved_impulses() const {
@@ -309,9 +329,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
                    Vec3d(fetch(backend(), view.velocity.data + storage)));
   }
 
-  [[noreturn]] void report_bad_contact(const ContactView<Real>& contacts, Index c) {
-    throw_bad_contact(steps_done() + 1, store_.id_of(fetch(backend(), contacts.body_a.data + c)),
-                      store_.id_of(fetch(backend(), contacts.body_b.data + c)));
+  [[noreturn]] void report_bad_contact(const ContactProblem<Real>& problem, Index c) {
+    const auto [a, second] = bodies_of(problem, c, backend(), store_);
+    throw_bad_contact(steps_done() + 1, a, second);
   }
 
   Scene scene_;  ///< without the descriptions already loaded
@@ -322,6 +342,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   Obstacles<B, Real> obstacles_;
   ContactDetector<B, Real> detector_;
   ProblemAssembly<B, Real> assembly_;
+  Joints<B, Real> joints_;
   ImpactPhase<B, Real> impacts_;
   Buffer<B, IntegrateSums> integrate_sums_;
   std::unique_ptr<Solver<B, Real>> solver_;

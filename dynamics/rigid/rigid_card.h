@@ -24,6 +24,7 @@ inline constexpr std::array kRigidReport{
     ReportColumn{"exact_residual_rms_m_per_s", &StepReport::exact_residual_rms},
     ReportColumn{"objective_J", &StepReport::objective},
     ReportColumn{"max_penetration_m", &StepReport::max_penetration},
+    ReportColumn{"max_joint_error_m", &StepReport::max_joint_error},
     ReportColumn{"max_cone_violation_N_s", &StepReport::max_cone_violation},
     ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy},
     ReportColumn{"collision_ms", &StageTimes::collision},
@@ -89,8 +90,12 @@ inline constexpr std::array kRigidState{
                .rows_of = "contact/body_a",
                .may_be_empty = true,
                .first_version = 2},
-    StateField{
-        .name = "solver/memory", .type = StateField::Type::number, .largest = kLargestFloat}};
+    StateField{.name = "solver/memory", .type = StateField::Type::number, .largest = kLargestFloat},
+    StateField{.name = "joint/impulse",
+               .type = StateField::Type::vector,
+               .may_be_absent = true,
+               .largest = kLargestFloat,
+               .first_version = 2}};
 
 constexpr DynamicsCard rigid_card() {
   return {.name = "rigid",

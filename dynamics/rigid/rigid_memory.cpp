@@ -106,9 +106,14 @@ HeldBytes problem(const Sizes& s) {
     bytes.contact += s.real;
   if (any([](const Material& m) { return m.cohesion > 0; })) bytes.contact += s.real;
   if (any([&](const Material& m) { return m.friction != friction; })) bytes.contact += s.real;
-  if (s.summary.layout == ContactLayout::rolling) bytes.contact += 3 * s.real;
+  if (vectors_per_contact(s.summary.layout) == 2) bytes.contact += 3 * s.real;
+  if (s.summary.layout == ContactLayout::jointed)
+    bytes.contact += 8 + s.vec;  // beside those of joints
   return bytes;
 }
+
+/// Frames, rows, ids and axis, sort keys, lists and impulses of a joint; those of the solver too.
+double joint(const Sizes& s) { return 128 + 46 * s.real + 8 + s.vec + 12 + 16 + 5 * s.impulse; }
 
 /// Velocities that a solver returns, and its working memory at the fullest.
 HeldBytes solver(const Sizes& s) {
@@ -136,7 +141,11 @@ double in_solver(const Sizes& s, bool near_pairs) {
 }
 
 double bytes_per_body(const Sizes& s, bool near_pairs) {
-  return std::max({in_collision(s), in_warm_start(s, near_pairs), in_solver(s, near_pairs)});
+  const auto bodies =
+      static_cast<double>(s.summary.free_capacity) + static_cast<double>(s.summary.fixed_count);
+  const double joints = static_cast<double>(s.scene.joints.size()) / bodies;
+  return std::max({in_collision(s), in_warm_start(s, near_pairs), in_solver(s, near_pairs)}) +
+         joints * joint(s);
 }
 
 }  // namespace

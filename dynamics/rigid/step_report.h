@@ -2,6 +2,8 @@
 // What a step of rigid bodies tells.
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "dynamics/rigid/body_store.h"
 #include "host/world.h"
@@ -11,12 +13,21 @@
 
 namespace scree {
 
+/// Ids of the bodies of a contact or joint, kWorldBody for the world.
+template <class B, class Real>
+std::pair<int, int> bodies_of(const ContactProblem<Real>& problem, Index c, B& b,
+                              BodyStore<B, Real>& store) {
+  const auto id_of = [&](Index body) {
+    return body < store.count() ? store.id_of(body) : kWorldBody;
+  };
+  return {id_of(fetch(b, problem.body_a.data + c)), id_of(fetch(b, problem.body_b.data + c))};
+}
+
 template <class B, class Real>
 void fill_report(StepReport& report, const SolveStats& stats, const SetupSums& sums,
-                 const ContactView<Real>& contacts, B& b, BodyStore<B, Real>& store) {
+                 const ContactProblem<Real>& problem, B& b, BodyStore<B, Real>& store) {
   const Residual& residual = stats.residual;
   report.body_count = store.free_count();
-  report.contact_count = contacts.count;
   report.iterations = stats.iterations;
   report.applications = stats.applications;
   report.converged = stats.converged;
@@ -26,10 +37,9 @@ void fill_report(StepReport& report, const SolveStats& stats, const SetupSums& s
   report.objective = residual.objective;
   report.max_cone_violation = residual.cone_violation;
   report.max_penetration = sums.max_penetration;
-  if (residual.max_contact >= 0) {
-    report.residual_max_body_a = store.id_of(fetch(b, contacts.body_a.data + residual.max_contact));
-    report.residual_max_body_b = store.id_of(fetch(b, contacts.body_b.data + residual.max_contact));
-  }
+  if (residual.max_contact >= 0)
+    std::tie(report.residual_max_body_a, report.residual_max_body_b) =
+        bodies_of(problem, residual.max_contact, b, store);
   const StageTimes& t = report.ms;
   report.ms.total = t.collision + t.setup + t.solve + t.integrate;
 }
@@ -42,6 +52,7 @@ inline void require_finite(const StepReport& r) {
                                                    {"exact residual", r.exact_residual_rms},
                                                    {"objective", r.objective},
                                                    {"penetration", r.max_penetration},
+                                                   {"joint error", r.max_joint_error},
                                                    {"cone violation", r.max_cone_violation},
                                                    {"kinetic energy", r.kinetic_energy}};
   for (const auto& [name, value] : values) {

@@ -58,12 +58,14 @@ int check_scene(const CheckOptions& options) {
   settings.stepping = scene.stepping;
   settings.solver = scene.solver;
   settings.output = scene.output;
+  const std::size_t joints = scene.joints.size();
   const Overlaps overlaps = find_overlaps(std::move(scene), world);
   if (options.target.json) {
     const nlohmann::json out = {{"scene", settings.name},
                                 {"valid", true},
                                 {"free_bodies", s.free_capacity},
                                 {"fixed_bodies", s.fixed_count},
+                                {"joints", joints},
                                 {"median_diameter_m", s.median_diameter},
                                 {"envelope_m", s.envelope},
                                 {"dynamics", settings.dynamics.type},
@@ -86,6 +88,7 @@ int check_scene(const CheckOptions& options) {
   fmt::print("scene       {}: valid\n", settings.name);
   fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
              s.fixed_count, s.median_diameter);
+  if (joints > 0) fmt::print("joints      {}\n", joints);
   const DynamicsCard& card = dynamics_card(settings.dynamics.type);
   fmt::print("dynamics    {}: {}\n", card.name, card.description);
   if (card.has_contacts)

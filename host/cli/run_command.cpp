@@ -149,6 +149,9 @@ class Run {
 
   /// @param first  steps done before the run
   void require_steps_to_dump(std::int64_t first) const {
+    if (!options_.dump_problem.empty() && !scene_.joints.empty())
+      throw InputError(
+          "--dump-problem: the contact problem of a scene with joints has no file yet");
     for (const std::int64_t step : options_.dump_problem)
       if (step <= first || step > target_)
         throw InputError(fmt::format("--dump-problem {}: this run makes the steps {} to {}", step,

@@ -93,6 +93,7 @@ int World::body_count() const { return dynamics_->body_count(); }
 BodyStates World::states() const { return OnDevice(*dynamics_)->states(); }
 const BodyConstants& World::constants() const { return dynamics_->constants(); }
 std::vector<ContactRecord> World::contacts() const { return OnDevice(*dynamics_)->contacts(); }
+std::vector<JointRecord> World::joints() const { return OnDevice(*dynamics_)->joints(); }
 std::vector<ContactRecord> World::overlaps() const { return OnDevice(*dynamics_)->overlaps(); }
 std::vector<ArrayInfo> World::arrays() const { return OnDevice(*dynamics_)->arrays(); }
 ArrayView World::array(const std::string& name) { return OnDevice(*dynamics_)->array(name); }

@@ -162,7 +162,8 @@ class Reader {
     const DynamicsCard& card = model_of(root, c.format_version);
     s.dynamics = card.name;
     for (const StateField& field : card.state)
-      if (field.first_version <= c.format_version && c.format_version <= field.last_version)
+      if (field.first_version <= c.format_version && c.format_version <= field.last_version &&
+          (!field.may_be_absent || root.has(field.name)))
         read_field(root, field, s);
     const std::uint64_t bodies = root.shape("body/id").rows;
     for (const char* name : {"body/radius", "body/mass", "body/group"})

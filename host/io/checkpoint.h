@@ -9,7 +9,8 @@
 // program holds them: IEEE doubles and integers.
 //
 // Arrays of rigid bodies: body/id, position, orientation (w, x, y, z), velocity, angular_velocity in
-// storage order; contact/body_a and body_b (ids; -1: a wall), feature, impulse, mark; solver/memory.
+// storage order; contact/body_a and body_b (ids; -1: a wall), feature, impulse, mark; joint/impulse
+// (force and moment by turns) where there are joints; solver/memory.
 // Version 1, which is still read, had no attribute dynamics, and contact/key, names of contacts in
 // places of storage, where body_a, body_b, feature and mark are now.
 

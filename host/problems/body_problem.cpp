@@ -174,6 +174,8 @@ const char* to_string(ContactLayout layout) {
       return "general";
     case ContactLayout::mixed:
       return "mixed";
+    case ContactLayout::jointed:
+      return "jointed";
     case ContactLayout::rolling:
       break;
   }

@@ -14,6 +14,15 @@ void require_solver(const std::string& where, const std::string& name, BackendKi
   if (backend == BackendKind::cuda && card.cpu_only != nullptr)
     throw InputError(where + ": " + card.device_fault());
   if (card.knows(layout)) return;
+  if (layout == ContactLayout::jointed) {
+    std::string others;
+    for (const SolverCard& other : solver_cards())
+      if (other.knows(layout))
+        others += fmt::format("{}\"{}\"", others.empty() ? "" : ", ", other.name);
+    throw InputError(fmt::format(
+        "{}: \"{}\" is not allowed: the scene has joints, which it does not know; these do: {}",
+        where, name, others));
+  }
   std::string known;
   for (const ContactLayout each : card.layouts)
     known += (known.empty() ? "" : ", ") + std::string(to_string(each));

@@ -493,6 +493,7 @@ void validate(const Scene& scene) {
   check_pairs(scene);
   check_periodicity(scene);
   check_dynamics(scene);
+  if (const auto fault = joints_fault(scene)) refuse(fault->field, fault->value, fault->expected);
 }
 
 const TriangleMesh* mesh_of(const Scene& scene, const Shape& shape) {

@@ -17,6 +17,12 @@ std::string fault_text(const std::string& path, const std::string& value,
 /// lists that its indices point into.
 std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body);
 
+/// First fault of one joint.
+std::optional<Fault> joint_fault(const Scene& scene, const Joint& joint);
+
+/// What of a scene with joints does not go with them; nothing where there are none.
+std::optional<Fault> joints_fault(const Scene& scene);
+
 /// What of a wall does not fit the scene's periodic domain.
 std::optional<Fault> periodic_wall_fault(const Scene& scene, const BodyDescription& body);
 

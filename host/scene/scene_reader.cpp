@@ -51,6 +51,8 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
     const std::vector<Node> entries = particles->elements();
     for (std::size_t i = 0; i < entries.size(); ++i) read_particles(entries[i], i, draft);
   }
+  if (const auto joints = root.find("joints"))
+    for (const Node& entry : joints->elements()) read_joint(entry, draft);
   draft.scene.insertions.reserve(draft.inserted.size());
   for (auto& [time, insertion] : draft.inserted) {
     insertion.time = time;

@@ -123,7 +123,9 @@ SceneSummary summarize(const Scene& scene) {
   s.envelope =
       scene.stepping.envelope >= 0 ? scene.stepping.envelope : kDefaultEnvelope * s.median_diameter;
   s.skin = scene.stepping.skin >= 0 ? scene.stepping.skin : kDefaultSkin * s.median_diameter;
-  if (has_rolling_friction(scene)) {
+  if (!scene.joints.empty()) {
+    s.layout = ContactLayout::jointed;
+  } else if (has_rolling_friction(scene)) {
     s.layout = ContactLayout::rolling;
   } else if (!radial) {
     s.layout = has_spheres ? ContactLayout::mixed : ContactLayout::general;

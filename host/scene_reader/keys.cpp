@@ -19,7 +19,7 @@ std::vector<std::string> solver_keys() {
 
 std::vector<std::string> body_keys() {
   std::vector<std::string> keys = shape_keys();
-  keys.insert(keys.begin(), {"shape", "kind"});
+  keys.insert(keys.begin(), {"name", "shape", "kind"});
   for (const char* key :
        {"position", "orientation", "rotation_deg", "velocity", "angular_velocity", "mass",
         "density", "inertia", "material", "group", "lock", "motion", "insert_at"})
@@ -48,8 +48,8 @@ const std::vector<KeyTable>& scene_key_tables() {
   static const std::vector<KeyTable> tables{
       {"scene",
        {"$schema", "name", "gravity", "seed", "backend", "precision", "time_step", "duration",
-        "materials", "material_pairs", "periodic", "bodies", "particles", "dynamics", "solver",
-        "stepping", "collision", "output"}},
+        "materials", "material_pairs", "periodic", "bodies", "particles", "joints", "dynamics",
+        "solver", "stepping", "collision", "output"}},
       {"material",
        {"friction", "restitution", "cohesion", "rolling_friction", "spinning_friction"}},
       {"material_pair",
@@ -60,6 +60,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"motion",
        {"type", "velocity", "axis", "center", "rate", "amplitude", "frequency", "phase", "start",
         "stop", "times", "positions", "orientations", "file"}},
+      {"joint", {"type", "bodies", "anchor", "axis"}},
       {"particles",
        {"layout", "count", "radius", "density", "material", "group", "velocity", "angular_velocity",
         "lock", "region", "spacing", "jitter", "layers", "rate", "start", "interval", "file"}},

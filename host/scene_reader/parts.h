@@ -18,7 +18,15 @@ struct Draft {
   std::map<std::string, int> meshes;     ///< file and options to index
   std::unordered_map<std::string, int> material_of_name;
   std::unordered_map<std::string, int> group_of_name;
+  /// Of each entry of `bodies`: index in Scene::bodies, or kInserted.
+  std::vector<int> body_of_entry;
+  std::map<std::string, std::size_t> entry_of_name;  ///< of the bodies that have one
 };
+
+/// In Draft::body_of_entry: a body that joins the run later.
+inline constexpr int kInserted = -2;
+/// What joints call the world: no body has this name.
+inline constexpr const char* kWorldName = "world";
 
 /// Material named by the key "material" of the node; without the key, the one called "default", or
 /// else the first.
@@ -32,6 +40,8 @@ std::uint8_t read_locks(const Node& node);
 
 /// @param index  position in the list `bodies`
 void read_body(const Node& node, std::size_t index, Draft& draft);
+/// An entry of `joints`; all bodies were read.
+void read_joint(const Node& node, Draft& draft);
 void read_motion(const Node& node, Motion& motion);
 /// @param index  position in the list `particles`, which selects the random sequence
 void read_particles(const Node& node, std::size_t index, Draft& draft);

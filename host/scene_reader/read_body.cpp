@@ -128,6 +128,17 @@ void read_pose(const Node& node, BodyDescription& body) {
   }
 }
 
+/// Keeps the name for joints.
+void read_name(const Node& node, std::size_t index, Draft& draft) {
+  const auto key = node.find("name");
+  if (!key) return;
+  const std::string name = key->text();
+  if (name.empty() || name == kWorldName)
+    key->refuse("must be a name, and not \"world\", which stands for what bodies are fixed to");
+  const auto [first, is_new] = draft.entry_of_name.emplace(name, index);
+  if (!is_new) key->refuse(fmt::format("bodies[{}] has this name", first->second));
+}
+
 void read_mass(const Node& node, BodyDescription& body) {
   const auto mass = node.find("mass");
   const auto density = node.find("density");
@@ -155,6 +166,7 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
   node.check_keys(scene_keys("body"));
   BodyDescription body;
   body.entry = static_cast<int>(index);
+  read_name(node, index, draft);
   read_shape(node, body, draft);
   read_kind(node, body);
   read_pose(node, body);
@@ -180,7 +192,9 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
   if (const auto fault = body_fault(draft.scene, body))
     Node(node.json(), node.path() + "." + fault->field, node.source())
         .fail(fault->value + " is not allowed: " + fault->expected);
-  if (const auto time = node.find("insert_at"))
+  const auto time = node.find("insert_at");
+  draft.body_of_entry.push_back(time ? kInserted : static_cast<int>(draft.scene.bodies.size()));
+  if (time)
     draft.inserted[time->number(kNonNegative, "s")].bodies.push_back(std::move(body));
   else
     draft.scene.bodies.push_back(std::move(body));

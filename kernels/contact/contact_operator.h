@@ -171,6 +171,12 @@ struct ContactResidual {
   SCREE_HD ResidualSums operator()(Index c) const {
     const auto u = R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);
     const auto g = R::load(gamma, c);
+    if constexpr (R::kHasJoints) {
+      if (R::is_joint(p, c)) {
+        const auto left = R::Joints::residual(p, c, g, u);
+        return sums_of(c, dot(left, left), dot(left, left), dot(g, u));
+      }
+    }
     const auto e = natural_map<R>(p, c, g, u);
     const Vec3<Real> n = p.normal[c];
     auto u_exact = u;
@@ -178,12 +184,18 @@ struct ContactResidual {
     const auto e_exact = natural_map<R>(p, c, g, u_exact);
     const Real g_n = dot(g.force, n);
 
-    ResidualSums s;
-    s.sum_squares = s.max_square = static_cast<double>(dot(e, e));
-    s.exact_squares = static_cast<double>(dot(e_exact, e_exact));
-    s.work = static_cast<double>(dot(g, u));
+    ResidualSums s = sums_of(c, dot(e, e), dot(e_exact, e_exact), dot(g, u));
     const double violation = norm(g.force - g_n * n) - p.friction[c] * (g_n + p.adhesion[c]);
     if (violation > 0) s.cone_violation = violation;
+    return s;
+  }
+
+ private:
+  static SCREE_HD ResidualSums sums_of(Index c, Real square, Real exact_square, Real work) {
+    ResidualSums s;
+    s.sum_squares = s.max_square = static_cast<double>(square);
+    s.exact_squares = static_cast<double>(exact_square);
+    s.work = static_cast<double>(work);
     s.max_contact = c;
     if (!(s.sum_squares < 1e300)) s.bad_contact = c;
     return s;
@@ -205,6 +217,9 @@ struct ImpulseEnergy {
 /// N <= blockdiag_c(k_a N_c,a + k_b N_c,b) (mass splitting).
 template <class R, class Real>
 SCREE_HD ContactMetric<Real> mass_split_metric(const ContactProblem<Real>& p, Index c) {
+  if constexpr (R::kHasJoints) {
+    if (R::is_joint(p, c)) return R::Joints::split_metric(p, c);
+  }
   ContactMetric<Real> sum{0, 0, 0};
   for (int side = 0; side < 2; ++side) {
     const Index i = side == 0 ? p.body_a[c] : p.body_b[c];

@@ -16,6 +16,7 @@
 
 #include "kernels/bodies/per_body.h"
 #include "kernels/contact/contact_view.h"
+#include "kernels/contact/joint_row.h"
 #include "kernels/math/scalar.h"
 #include "kernels/math/sym3.h"
 
@@ -151,7 +152,7 @@ struct ContactLists {
   }
 };
 
-/// Groups behind the first one: the general contacts of the mixed layout.
+/// Groups behind the first one: the general contacts of the mixed layout, or joints.
 inline constexpr int kLaterGroups = 1;
 
 template <class Real>
@@ -174,6 +175,10 @@ struct ContactProblem {
   Span<const Vec3<Real>> arm_a;
   Span<const Vec3<Real>> arm_b;
   Span<const RollingRow<Real>> rolling;  ///< rolling layout only
+  /// Jointed layout: contacts [joint_begin, contact_count) are joints, with these rows. They have
+  /// bodies and an axis in place of the normal, but no other field of a contact.
+  Index joint_begin = 0;
+  Span<const JointRow<Real>> joints;
   /// What turning bodies add to the velocity of each contact by the middle of the step [m/s], world
   /// frame [contact_count - radial_count]; empty in the radial layout and where no body needs it.
   Span<const Vec3<Real>> drift;

@@ -3,94 +3,9 @@
 // wrench, inverse mass and projection. Everything above is one template on one of these classes.
 
 #include "kernels/contact/cone.h"
-#include "kernels/contact/contact_problem.h"
+#include "kernels/contact/joint_rows.h"
 
 namespace scree {
-
-/// Force rows of one contact, world frame [N s]; as a velocity [m/s].
-template <class Real>
-struct ForceRows {
-  Vec3<Real> force;
-
-  friend SCREE_HD ForceRows operator+(const ForceRows& a, const ForceRows& b) {
-    return {a.force + b.force};
-  }
-  friend SCREE_HD ForceRows operator-(const ForceRows& a, const ForceRows& b) {
-    return {a.force - b.force};
-  }
-  friend SCREE_HD ForceRows operator*(Real s, const ForceRows& a) { return {s * a.force}; }
-  friend SCREE_HD Real dot(const ForceRows& a, const ForceRows& b) { return dot(a.force, b.force); }
-};
-
-/// Force and moment rows of one contact, world frame, moments divided by the contact's
-/// length [N s].
-template <class Real>
-struct ForceMomentRows {
-  Vec3<Real> force;
-  Vec3<Real> moment;
-
-  friend SCREE_HD ForceMomentRows operator+(const ForceMomentRows& a, const ForceMomentRows& b) {
-    return {a.force + b.force, a.moment + b.moment};
-  }
-  friend SCREE_HD ForceMomentRows operator-(const ForceMomentRows& a, const ForceMomentRows& b) {
-    return {a.force - b.force, a.moment - b.moment};
-  }
-  friend SCREE_HD ForceMomentRows operator*(Real s, const ForceMomentRows& a) {
-    return {s * a.force, s * a.moment};
-  }
-  friend SCREE_HD Real dot(const ForceMomentRows& a, const ForceMomentRows& b) {
-    return dot(a.force, b.force) + dot(a.moment, b.moment);
-  }
-};
-
-/// Rows directions that no body can follow (a locked axis) have weight zero; the step divides
-/// by weights, so they are raised to this share of the block's trace. A larger weight is
-/// still a bound from above.
-template <class Real>
-SCREE_HD ContactMetric<Real> floor_metric(const ContactMetric<Real>& m, Real trace) {
-  const Real least = trace > Real(0) ? Real(1e-5) * trace : Real(1);
-  return {m.normal > least ? m.normal : least, m.tangential > least ? m.tangential : least,
-          m.moment > least ? m.moment : least};
-}
-
-/// H^-1 x for the contact metric H = diag(normal, tangential, tangential[, moment]).
-template <class Real>
-SCREE_HD ForceRows<Real> solve_metric(const ContactMetric<Real>& m, const Vec3<Real>& n,
-                                      const ForceRows<Real>& x) {
-  const Real x_n = dot(n, x.force);
-  const Real inv_t = inverse(m.tangential);
-  return {inv_t * x.force + (x_n * (inverse(m.normal) - inv_t)) * n};
-}
-template <class Real>
-SCREE_HD ForceMomentRows<Real> solve_metric(const ContactMetric<Real>& m, const Vec3<Real>& n,
-                                            const ForceMomentRows<Real>& x) {
-  return {solve_metric(m, n, ForceRows<Real>{x.force}).force, inverse(m.moment) * x.moment};
-}
-
-/// x^T H y.
-template <class Real>
-SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
-                         const ForceRows<Real>& x, const ForceRows<Real>& y) {
-  return m.tangential * dot(x.force, y.force) +
-         (m.normal - m.tangential) * dot(n, x.force) * dot(n, y.force);
-}
-template <class Real>
-SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
-                         const ForceMomentRows<Real>& x, const ForceMomentRows<Real>& y) {
-  return metric_dot(m, n, ForceRows<Real>{x.force}, ForceRows<Real>{y.force}) +
-         m.moment * dot(x.moment, y.moment);
-}
-/// x^T H x.
-template <class Real, class Rows>
-SCREE_HD Real metric_norm2(const ContactMetric<Real>& m, const Vec3<Real>& n, const Rows& x) {
-  return metric_dot(m, n, x, x);
-}
-
-/// Euclidean weights: the metric of plain projected gradients.
-template <class Real>
-SCREE_HD ContactMetric<Real> euclidean_metric() {
-  return {1, 1, 1};
-}
 
 /// Part common to layouts with force rows only.
 template <class Real>
@@ -99,6 +14,7 @@ struct ForceRowsBase {
   static constexpr int kVectors = 1;
   static constexpr int kMetricValues = 2;  ///< reals a stored ContactMetric takes
   static constexpr bool kHasLaterGroups = false;
+  static constexpr bool kHasJoints = false;
 
   /// Impulse vectors of all contacts.
   static Offset vector_count(const ContactProblem<Real>& p) { return p.contact_count; }
@@ -293,6 +209,7 @@ struct RollingRows : LeverArms<Real> {
   static constexpr int kVectors = 2;
   static constexpr int kMetricValues = 3;
   static constexpr bool kHasLaterGroups = false;
+  static constexpr bool kHasJoints = false;
 
   static Offset vector_count(const ContactProblem<Real>& p) {
     return 2 * static_cast<Offset>(p.contact_count);
@@ -419,6 +336,58 @@ struct MixedRows : ForceRowsBase<Real> {
   }
 };
 
+/// Contacts with room for rolling friction, then joints.
+template <class Real>
+struct JointedRows : RollingRows<Real> {
+  using Rows = ForceMomentRows<Real>;
+  using Contacts = RollingRows<Real>;
+  using Joints = JointRows<Real>;
+  static constexpr bool kHasLaterGroups = true;
+  static constexpr bool kHasJoints = true;
+
+  static SCREE_HD bool is_joint(const ContactProblem<Real>& p, Index c) {
+    return c >= p.joint_begin;
+  }
+  static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
+                                const Twist<Real>& b) {
+    return is_joint(p, c) ? Joints::velocity(p, c, a, b) : Contacts::velocity(p, c, a, b);
+  }
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& g) {
+    return is_joint(p, c) ? Joints::wrench(p, c, side_b, g) : Contacts::wrench(p, c, side_b, g);
+  }
+  static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& y,
+                               const ContactMetric<Real>& m) {
+    return is_joint(p, c) ? Joints::project(p, c, y) : Contacts::project(p, c, y, m);
+  }
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
+    return is_joint(p, c) ? Joints::project(p, c, y) : Contacts::project_coulomb(p, c, y);
+  }
+  static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
+    if (is_joint(p, c)) return Joints::block_metric(p, c);
+    return has_moments(p, c) ? Contacts::block_metric(p, c)
+                             : forces_only(Contacts::force_metric(p, c));
+  }
+  static SCREE_HD Real block_trace(const ContactProblem<Real>& p, Index c) {
+    return is_joint(p, c) ? Joints::block_trace(p, c) : Contacts::block_trace(p, c);
+  }
+  static SCREE_HD ContactMetric<Real> body_metric(const ContactProblem<Real>& p, Index c,
+                                                  bool side_b, Index i) {
+    if (is_joint(p, c)) return Joints::block_metric(p, c);
+    return has_moments(p, c) ? Contacts::body_metric(p, c, side_b, i)
+                             : forces_only(LeverArms<Real>::body_metric(p, c, side_b, i));
+  }
+
+ private:
+  /// Without friction of that kind the moment rows stay zero, and force rows need no room for them.
+  static SCREE_HD bool has_moments(const ContactProblem<Real>& p, Index c) {
+    return p.rolling[c].rolling > Real(0) || p.rolling[c].spinning > Real(0);
+  }
+  static SCREE_HD ContactMetric<Real> forces_only(const ContactMetric<Real>& m) {
+    return {m.normal, m.tangential, m.tangential};
+  }
+};
+
 /// Calls f with the rows class of a layout of one group: one branch per solve, none per contact.
 template <class Real, class F>
 decltype(auto) with_rows_of_one_group(ContactLayout layout, F&& f) {
@@ -429,6 +398,7 @@ decltype(auto) with_rows_of_one_group(ContactLayout layout, F&& f) {
       return f(RollingRows<Real>{});
     case ContactLayout::general:
     case ContactLayout::mixed:
+    case ContactLayout::jointed:
       break;
   }
   return f(GeneralRows<Real>{});
@@ -438,6 +408,7 @@ decltype(auto) with_rows_of_one_group(ContactLayout layout, F&& f) {
 template <class Real, class F>
 decltype(auto) with_rows(ContactLayout layout, F&& f) {
   if (layout == ContactLayout::mixed) return f(MixedRows<Real>{});
+  if (layout == ContactLayout::jointed) return f(JointedRows<Real>{});
   return with_rows_of_one_group<Real>(layout, f);
 }
 

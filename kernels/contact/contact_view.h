@@ -11,11 +11,12 @@ namespace scree {
 ///   general  any shapes: two stored lever arms
 ///   rolling  general, with three more rows: rolling and spinning friction
 ///   mixed    two groups: radial contacts come first, general ones after them
-enum class ContactLayout : std::uint8_t { radial, general, rolling, mixed };
+///   jointed  two groups: contacts of the rolling layout come first, joints after them
+enum class ContactLayout : std::uint8_t { radial, general, rolling, mixed, jointed };
 
 /// Impulse vectors (Vec3) stored per contact: force rows, then moment rows.
 inline SCREE_HD int vectors_per_contact(ContactLayout layout) {
-  return layout == ContactLayout::rolling ? 2 : 1;
+  return layout == ContactLayout::rolling || layout == ContactLayout::jointed ? 2 : 1;
 }
 
 /// Contacts sorted by key = (group, body a, element), unique. Body a is always free; body b may be

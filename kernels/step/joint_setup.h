@@ -31,8 +31,8 @@ struct JointImpulse {
 };
 
 /// place[id] = storage index of the bodies that joints may name.
-struct PlaceBodies {
-  static constexpr const char* name = "place_bodies";
+struct FindPlaces {
+  static constexpr const char* name = "find_places";
   Span<const Index> id;  ///< [body storage]
   Span<Index> place;     ///< [ids that joints may name] out
   SCREE_HD void operator()(Index i) const {
@@ -97,6 +97,7 @@ struct JointSetup {
   double recovery_speed = 0;              ///< [m/s]
   Span<Index> body_a;                     ///< out, like the rest
   Span<Index> body_b;
+  Span<Vec3<Real>> normal;  ///< the axis: that of a contact has no meaning here
   Span<JointRow<Real>> row;
   Span<Vec3<Real>> gamma;  ///< two vectors a joint, in the coordinates of solvers [N s]
 
@@ -133,6 +134,7 @@ struct JointSetup {
     r.most = largest_number();
     r.least = -r.most;
     row[k] = r;
+    normal[k] = r.axes[2];
 
     const JointImpulse<Real>& last = before[j];
     const Real sign = turned ? Real(-1) : Real(1);

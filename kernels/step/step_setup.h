@@ -66,7 +66,7 @@ template <class Real>
 SCREE_HD Twist<Real> general_velocity(const BodyView<Real>& bodies, const Vec3<Real>& gravity_step,
                                       Index i) {
   if (i >= bodies.free_count) {
-    const bool exists = i >= bodies.fixed_begin;
+    const bool exists = i >= bodies.fixed_begin && i < bodies.count;  // else room, or the world
     return {exists ? bodies.velocity[i] : Vec3<Real>{},
             exists ? bodies.angular_velocity[i] : Vec3<Real>{}};
   }

@@ -67,6 +67,8 @@ WorldState state_with(int contacts, int vectors_per_contact) {
       state.at<Vec3d>("contact/impulse").push_back({c + 0.1, v + 0.2, -0.0});
     if (vectors_per_contact == 1) state.at<std::int32_t>("contact/mark").push_back(c % 7);
   }
+  if (contacts > 0)
+    state.add("joint/impulse", std::vector<Vec3d>{{1.0 / 7, -0.0, 3}, {0, 1e-30, -2}});
   state.at<double>("solver/memory") = {1e-17, 42.0};
   return state;
 }

@@ -1,0 +1,76 @@
+#pragma once
+// Joints as rows of a contact problem, in the coordinates of JointRow.
+
+#include "kernels/contact/contact_problem.h"
+#include "kernels/contact/row_values.h"
+
+namespace scree {
+
+/// The joints of a problem, behind its contacts. Their block is a multiple of the identity.
+template <class Real>
+struct JointRows {
+  using Rows = ForceMomentRows<Real>;
+
+  static SCREE_HD const JointRow<Real>& joint(const ContactProblem<Real>& p, Index c) {
+    return p.joints[c - p.joint_begin];
+  }
+  static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
+                                const Twist<Real>& b) {
+    const JointRow<Real>& j = joint(p, c);
+    const Vec3<Real> linear =
+        b.linear + cross(b.angular, j.arm_b) - a.linear - cross(a.angular, j.arm_a);
+    JointValues<Real> u = j.rows(linear, j.length * (b.angular - a.angular));
+    for (int k = 0; k < kJointRows; ++k) u[k] += j.bias[k];
+    return as_rows(j.scaled_velocity(u));
+  }
+  static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
+                                     const Rows& z) {
+    const JointRow<Real>& j = joint(p, c);
+    const JointValues<Real> g = j.impulse(as_values(z));
+    const Vec3<Real> force = j.world_force(g);
+    const Vec3<Real> moment = j.length * j.world_moment(g);
+    if (side_b) return {force, cross(j.arm_b, force) + moment};
+    return {-force, cross(force, j.arm_a) - moment};
+  }
+  static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& z) {
+    return as_rows(joint(p, c).project(as_values(z)));
+  }
+  static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
+    const Real d = joint(p, c).scale;
+    return {d, d, d};
+  }
+  /// Mass-split bound: k_a N_a + k_b N_b <= max(k_a, k_b) (N_a + N_b), with k contacts and joints on
+  /// a body.
+  static SCREE_HD ContactMetric<Real> split_metric(const ContactProblem<Real>& p, Index c) {
+    Index most = 1;
+    for (int side = 0; side < 2; ++side) {
+      const Index i = side == 0 ? p.body_a[c] : p.body_b[c];
+      const Index count = i < p.free_count ? p.count_contacts(i) : 0;
+      if (count > most) most = count;
+    }
+    const Real d = static_cast<Real>(most) * joint(p, c).scale;
+    return {d, d, d};
+  }
+  static SCREE_HD Real block_trace(const ContactProblem<Real>& p, Index c) {
+    return 3 * joint(p, c).scale;
+  }
+  /// Velocity that is left in the rows themselves, not in the coordinates of solvers [m/s]. Where
+  /// the axis has bounds, that of its natural map.
+  static SCREE_HD Rows residual(const ContactProblem<Real>& p, Index c, const Rows& z,
+                                const Rows& u) {
+    const JointRow<Real>& j = joint(p, c);
+    if (!(j.scale > Real(0))) return {};
+    const Rows moved = project(p, c, z - (Real(1) / j.scale) * u);
+    return as_rows(j.velocity(as_values(j.scale * (z - moved))));
+  }
+
+ private:
+  static SCREE_HD JointValues<Real> as_values(const Rows& x) {
+    return {{x.force.x, x.force.y, x.force.z, x.moment.x, x.moment.y, x.moment.z}};
+  }
+  static SCREE_HD Rows as_rows(const JointValues<Real>& x) {
+    return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+  }
+};
+
+}  // namespace scree

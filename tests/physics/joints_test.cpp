@@ -1,0 +1,131 @@
+// Ball joints and fixed joints: closed forms.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/physics/scene_builder.h"
+
+namespace scree::physics {
+namespace {
+
+// A ball on a string that goes round: g / (L cos) is the square of its rate.
+TEST(BallJoint, ConicalPendulumGoesRoundAtItsRate) {
+  const double tilt = radians(40), rate = std::sqrt(kGravity / std::cos(tilt));
+  constexpr double kRadius = 0.01;
+  Scene scene = empty_scene(1e-3, 0);
+  const Vec3d start{std::sin(tilt), 0, -std::cos(tilt)};
+  BodyDescription& bob = add_sphere(scene, start, kRadius, 1);
+  bob.angular_velocity = {0, 0, rate};
+  bob.velocity = cross(bob.angular_velocity, start);
+  scene.joints.push_back({JointKind::ball, {0, kWorldBody}, {}});
+  World world = reference_world(scene);
+  double turned = 0, before = 0, sag = 0;
+  for (int k = 0; k < 5000; ++k) {
+    world.step();
+    const Vec3d x = world.states().position[0];
+    const double azimuth = std::atan2(x.y, x.x);
+    turned += std::remainder(azimuth - before, 2 * kPi);
+    before = azimuth;
+    sag = std::max(sag, std::abs(x.z - start.z));
+    EXPECT_NEAR(norm(x), 1, 1e-7);
+  }
+  EXPECT_NEAR(turned / (5 * rate), 1, 1e-4);
+  EXPECT_LT(sag, 0.01);  // half a step of velocity
+  EXPECT_NEAR(norm(world.joints()[0].force) / 1e-3, kGravity / std::cos(tilt), 0.05);
+  EXPECT_EQ(norm(world.joints()[0].moment), 0);
+  EXPECT_LT(dot(world.joints()[0].force, start), 1);  // on the world, the second body: outward
+}
+
+struct TopErrors {
+  double angle = 0;  ///< of the precession after the run, relative
+  double tilt = 0;   ///< largest change of theta [rad]
+  double tip = 0;    ///< largest way of the tip [m]
+};
+
+/// A heavy symmetric top on a ball joint, in steady precession: the slow root of
+///   (I1 + m L^2) cos(theta) W^2 - I3 w3 W + m g L = 0.
+TopErrors precess(double h, double duration) {
+  constexpr double kMass = 1, kLength = 0.1, kI1 = 1e-3, kI3 = 2e-3, kTilt = kPi / 6, kSpin = 100;
+  const double a = (kI1 + kMass * kLength * kLength) * std::cos(kTilt), b = kI3 * kSpin;
+  const double rate = (b - std::sqrt(b * b - 4 * a * kMass * kGravity * kLength)) / (2 * a);
+  Scene scene = empty_scene(h, 0);
+  const Vec3d axis{std::sin(kTilt), 0, std::cos(kTilt)};
+  BodyDescription& top = add_box(scene, kLength * axis, {0.01, 0.01, kLength}, kMass);
+  top.inertia = {kI1, kI1, kI3};
+  top.orientation = exp_map(Vec3d{0, kTilt, 0});
+  top.angular_velocity = rate * Vec3d{0, 0, 1} + (kSpin - rate * std::cos(kTilt)) * axis;
+  top.velocity = cross(top.angular_velocity, kLength * axis);
+  scene.joints.push_back({JointKind::ball, {kWorldBody, 0}, {}});
+
+  World world = reference_world(scene);
+  TopErrors worst;
+  double turned = 0, before = 0;
+  for (int k = 0; k < steps_for(scene, duration); ++k) {
+    EXPECT_TRUE(world.step().converged);
+    const BodyStates s = world.states();
+    const Vec3d now = rotate(s.orientation[0], Vec3d{0, 0, 1});
+    const double azimuth = std::atan2(now.y, now.x);
+    turned += std::remainder(azimuth - before, 2 * kPi);
+    before = azimuth;
+    worst.tilt = std::max(worst.tilt, std::abs(std::acos(now.z) - kTilt));
+    worst.tip = std::max(worst.tip, norm(s.position[0] - kLength * now));
+  }
+  worst.angle = std::abs(turned / (rate * world.time()) - 1);
+  return worst;
+}
+
+TEST(BallJoint, TopPrecessesToSecondOrder) {
+  const TopErrors coarse = precess(1e-3, 2), fine = precess(5e-4, 2);
+  EXPECT_LT(coarse.angle, 0.01);
+  EXPECT_LT(coarse.tip, 1e-5);
+  EXPECT_GT(coarse.angle / fine.angle, 3.5);
+  EXPECT_GT(coarse.tip / fine.tip, 7);  // third order
+}
+
+// A beam built into the world: it carries the weight and its moment.
+TEST(FixedJoint, CantileverCarriesForceAndMoment) {
+  for (const std::string solver : {"apgd", "gauss_seidel", "gauss_seidel_colored", "jacobi"}) {
+    constexpr double kMass = 2, kHalf = 0.4;
+    Scene scene = empty_scene(1e-3, 0);
+    scene.solver.name = solver;
+    add_box(scene, {kHalf, 0, 0}, {kHalf, 0.05, 0.05}, kMass);
+    scene.joints.push_back({JointKind::fixed, {kWorldBody, 0}, {}});
+    World world = reference_world(scene);
+    for (int k = 0; k < 200; ++k) EXPECT_TRUE(world.step().converged);
+    const JointRecord joint = world.joints()[0];
+    const Vec3d force = 1e3 * joint.force, moment = 1e3 * joint.moment;
+    EXPECT_LT(norm(force - Vec3d{0, 0, kMass * kGravity}), 1e-6);
+    EXPECT_LT(norm(moment - Vec3d{0, -kMass * kGravity * kHalf, 0}), 1e-6);
+    EXPECT_LT(norm(world.states().position[0] - Vec3d{kHalf, 0, 0}), 1e-9);
+    EXPECT_LT(rotation_angle(world.states().orientation[0]), 1e-9);
+  }
+}
+
+// Two boxes that are one: they turn freely as the whole does, about the axis of its largest moment.
+TEST(FixedJoint, TwoBodiesTurnAsOne) {
+  constexpr double kRate = 5;
+  Scene scene = empty_scene(1e-3, 0);
+  scene.gravity = {};
+  for (const double x : {-0.2, 0.3}) {
+    BodyDescription& box = add_box(scene, {x, 0, 0}, {0.1, 0.05, 0.07}, x < 0 ? 3 : 2);
+    box.angular_velocity = {0, 0, kRate};
+    box.velocity = cross(box.angular_velocity, box.position);
+  }
+  scene.bodies[1].orientation = exp_map(Vec3d{0, 0, 0.4});
+  scene.joints.push_back({JointKind::fixed, {0, 1}, {0.1, 0.2, 0.3}});
+  World world = reference_world(scene);
+  for (int k = 0; k < 2000; ++k) world.step();
+  const BodyStates s = world.states();
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_LT(norm(s.angular_velocity[i] - Vec3d{0, 0, kRate}), 1e-4);
+    const Vec3d expected = rotate(exp_map(Vec3d{0, 0, 2 * kRate}), scene.bodies[i].position);
+    EXPECT_LT(norm(s.position[i] - expected), 1e-3) << i;
+  }
+  const Quatd relative = conjugate(s.orientation[0]) * s.orientation[1];
+  EXPECT_LT(norm(2.0 * relative.vec() - Vec3d{0, 0, 2 * std::sin(0.2)}), 1e-8);
+  EXPECT_NEAR(norm(s.position[1] - s.position[0]), 0.5, 1e-8);
+}
+
+}  // namespace
+}  // namespace scree::physics

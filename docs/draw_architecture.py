@@ -138,6 +138,8 @@ def draw_folders():
         p.parts.append(f'<rect x="{x}" y="710" width="104" height="36" rx="5" fill="#ffffff" stroke="{LINE}"/>')
         p.text(x + 52, 733, name, 12, weight="bold", anchor="middle")
         p.arrow((onto + 52, 710), (onto + 52, 682))
+    p.box(560, 702, 340, 50, "data", "shapes/", ["one file a shape; includes math, host/ and render include it"])
+    p.arrow((712, 682), (712, 702))
     p.text(40, 774, "An arrow means: may include that folder and all that it may include. Tuned CUDA twins (.cuh) lie beside "
            "their programs.", 12, SOFT)
     p.write("folders.svg", "Folders and what they may include")

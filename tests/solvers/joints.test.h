@@ -240,7 +240,7 @@ TYPED_TEST(JointsTest, SolvesJointsAsALinearSystem) {
     const Eigen::VectorXd start = oracle::free_velocity(sample.plain.data);
     const Eigen::VectorXd right = j * start + sample.bias();
     const Eigen::MatrixXd n = j * m * j.transpose();
-    const Eigen::VectorXd gamma = -n.completeOrthogonalDecomposition().solve(right);
+    const Eigen::VectorXd gamma = -oracle::least_norm(n, right);
     ASSERT_LT((n * gamma + right).norm(), 1e-10);
     const Eigen::VectorXd expected = start + m * j.transpose() * gamma;
     const double objective = 0.5 * gamma.dot(n * gamma) + right.dot(gamma);
@@ -263,11 +263,10 @@ TYPED_TEST(JointsTest, SolvesContactsAndJointsTogether) {
     const oracle::Problem& data = sample.plain.data;
     const Eigen::MatrixXd j = sample.jacobian(), m = oracle::inverse_mass(data);
     const Eigen::MatrixXd n = j * m * j.transpose();
-    const auto solve = n.completeOrthogonalDecomposition();
-    const Eigen::MatrixXd held = m - m * j.transpose() * solve.solve(j * m);
+    const Eigen::MatrixXd held = m - m * j.transpose() * oracle::least_norm(n, j * m);
     const Eigen::VectorXd start = oracle::free_velocity(data);
     const Eigen::VectorXd held_start =
-        start - m * j.transpose() * solve.solve(j * start + sample.bias());
+        start - m * j.transpose() * oracle::least_norm(n, j * start + sample.bias());
     const Eigen::MatrixXd contacts = oracle::jacobian(data);
     // Biases of contacts that the sample was made with: r = J v* + bias.
     const Eigen::VectorXd bias = oracle::right_side(data) - contacts * start;

@@ -11,6 +11,7 @@
 #include "host/error.h"
 #include "shapes/box.h"
 #include "shapes/mesh.h"
+#include "shapes/sphere.h"
 #include "tests/host/io/output_fixtures.h"
 #include "tests/host/io/vtkhdf_rows.h"
 
@@ -64,6 +65,7 @@ Scene scene_with_walls() {
   Scene scene;
   scene.groups = {"bodies", "walls"};
   scene.bodies.resize(3);
+  scene.bodies[0].shape.kind = shapes::Sphere::kind;
   scene.bodies[0].shape.radius = 0.1;
   scene.meshes.push_back({"m", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, false});
   scene.bodies[1].kind = BodyKind::fixed;

@@ -53,7 +53,7 @@ double distance_of_axes(const TestCapsule& a, const TestCapsule& b) {
 
 struct IsWithin {
   double reach;
-  bool operator()(const ContactGeometry& g) const { return g.gap <= reach; }
+  SCREE_HD bool operator()(const ContactGeometry& g) const { return g.gap <= reach; }
 };
 
 Manifold manifold(const TestCapsule& a, const TestCapsule& b, double reach) {

@@ -72,8 +72,9 @@ TEST(CliExtraSolver, ItsParameterIsChecked) {
   const std::string scene = put_scene(scratch, spheres()).string();
   const Result range = with_extra(scratch, {"check", scene, "--set", "solver.damping=1.5"});
   EXPECT_EQ(range.code, 2);
-  EXPECT_TRUE(holds(range.err,
-                    "solver.damping: 1.5 is not allowed: must be between 0 and 1, both excluded"))
+  EXPECT_TRUE(holds(
+      range.err,
+      "solver.damping (overridden): 1.5 is not allowed: must be between 0 and 1, both excluded"))
       << range.err;
   const Result name = with_extra(scratch, {"check", scene, "--set", "solver.name=damped_jacob"});
   EXPECT_EQ(name.code, 2);

@@ -184,6 +184,7 @@ TEST_F(WallFramesTest, ResumeRefusesOtherFiles) {
   EXPECT_EQ(refusal(scene), "");
   Scene other = scene;
   other.bodies[2].shape = {};
+  other.bodies[2].shape.kind = shapes::Sphere::kind;
   other.bodies[2].shape.radius = 1;
   EXPECT_THAT(refusal(other), HasSubstr("other walls"));
 }

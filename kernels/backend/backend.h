@@ -78,14 +78,6 @@ class Buffer {
     }
     return view();
   }
-  /// Makes room for `count` elements and keeps the first `keep` ones.
-  void reserve_keep(Offset count, Offset keep) {
-    if (count <= capacity_) return;
-    Buffer grown(*backend_, count);
-    copy(*backend_, Span<const T>{data_, keep}, grown.view(keep));
-    std::swap(data_, grown.data_);
-    std::swap(capacity_, grown.capacity_);
-  }
 
   /// Gives the memory back.
   void release() noexcept {

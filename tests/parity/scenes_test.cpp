@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "shapes/container.h"
-#include "shapes/mesh.h"
 #include "tests/parity/parity.h"
 
 namespace scree::parity {
@@ -41,21 +40,9 @@ Scene container() {
   return scene;
 }
 
-/// A square valley of four triangles that slope toward the middle.
 Scene mesh() {
   Scene scene = falling_spheres(0.01);
-  TriangleMesh valley;
-  valley.name = "valley";
-  valley.closed = false;
-  valley.vertices = {
-      {-0.1, -0.1, 0.01}, {0.1, -0.1, 0.01}, {0.1, 0.1, 0.01}, {-0.1, 0.1, 0.01}, {0, 0, 0}};
-  valley.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-  scene.meshes.push_back(valley);
-  BodyDescription body;
-  body.kind = BodyKind::fixed;
-  body.shape.kind = shapes::Mesh::kind;
-  body.shape.mesh = 0;
-  scene.bodies.push_back(body);
+  add_valley(scene);
   return scene;
 }
 

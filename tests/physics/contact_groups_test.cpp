@@ -10,7 +10,6 @@
 #include "host/problems/body_problem.h"
 #include "host/scene/scene_summary.h"
 #include "host/state_hash.h"
-#include "shapes/mesh.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -46,18 +45,7 @@ Scene paddle() {
 /// A mesh that turns about a slanted axis.
 Scene turning_mesh() {
   Scene scene = falling_spheres(0.012);
-  TriangleMesh valley;
-  valley.name = "valley";
-  valley.closed = false;
-  valley.vertices = {
-      {-0.1, -0.1, 0.01}, {0.1, -0.1, 0.01}, {0.1, 0.1, 0.01}, {-0.1, 0.1, 0.01}, {0, 0, 0}};
-  valley.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-  scene.meshes.push_back(valley);
-  BodyDescription body;
-  body.shape.kind = shapes::Mesh::kind;
-  body.shape.mesh = 0;
-  turn(body, {0.05, 0, 1}, 2);
-  scene.bodies.push_back(body);
+  turn(add_valley(scene), {0.05, 0, 1}, 2);
   return scene;
 }
 

@@ -11,6 +11,7 @@
 #include "host/world.h"
 #include "shapes/box.h"
 #include "shapes/half_space.h"
+#include "shapes/mesh.h"
 #include "shapes/sphere.h"
 
 namespace scree::physics {
@@ -99,6 +100,23 @@ inline BodyDescription& add_wall_box(Scene& scene, const Vec3d& position, const 
   body.shape.kind = shapes::Box::kind;
   body.shape.half_extents = half_extents;
   body.position = position;
+  scene.bodies.push_back(body);
+  return scene.bodies.back();
+}
+
+/// A fixed square valley of four triangles that slope toward the middle.
+inline BodyDescription& add_valley(Scene& scene) {
+  TriangleMesh valley;
+  valley.name = "valley";
+  valley.closed = false;
+  valley.vertices = {
+      {-0.1, -0.1, 0.01}, {0.1, -0.1, 0.01}, {0.1, 0.1, 0.01}, {-0.1, 0.1, 0.01}, {0, 0, 0}};
+  valley.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+  BodyDescription body;
+  body.kind = BodyKind::fixed;
+  body.shape.kind = shapes::Mesh::kind;
+  body.shape.mesh = static_cast<int>(scene.meshes.size());
+  scene.meshes.push_back(valley);
   scene.bodies.push_back(body);
   return scene.bodies.back();
 }

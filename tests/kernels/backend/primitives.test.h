@@ -74,14 +74,6 @@ TEST_F(PrimitivesTest, FillAndCopyKeepValues) {
   }
 }
 
-TEST_F(PrimitivesTest, ReserveKeepKeepsTheFirstElements) {
-  Buffer<TestBackend, double> buffer(backend(), 10);
-  fill(backend(), buffer.view(10), 1.5);
-  buffer.reserve_keep(1000, 10);
-  EXPECT_GE(buffer.capacity(), 1000);
-  for (double v : download(backend(), buffer.view(10))) EXPECT_EQ(v, 1.5);
-}
-
 TEST_F(PrimitivesTest, ReduceAddsAllElements) {
   for (Index n : kSizes) {
     const std::vector<double> values = random_values(n);

@@ -1,5 +1,6 @@
-#pragma once
 // Contacts of capsules against distances that are searched for along both axes.
+
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
@@ -7,7 +8,6 @@
 #include "kernels/narrow_phase/pairs/capsule_capsule.h"
 #include "kernels/narrow_phase/pairs/capsule_half_space.h"
 #include "kernels/narrow_phase/pairs/sphere_capsule.h"
-#include "tests/backend_fixture.h"
 
 namespace scree {
 namespace {

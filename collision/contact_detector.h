@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "collision/broad_phase.h"
+#include "collision/contact_elements.h"
 #include "collision/impact_margins.h"
 #include "collision/numbering.h"
 #include "collision/obstacle_buffers.h"
@@ -283,22 +284,19 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
 
 template <class B, class Real>
 const ContactKeys& ContactDetector<B, Real>::name_elements(const BodyView<Real>& bodies) {
-  keys_.feature_bits = obstacles_.feature_bits();
-  keys_.has_groups = settings_.layout == ContactLayout::mixed;
-  const std::uint64_t wall_begin = static_cast<std::uint64_t>(bodies.count) << keys_.feature_bits;
-  const std::uint64_t solid_begin =
-      wall_begin + static_cast<std::uint64_t>(obstacles_.plane_count()) * kPlaneSlots;
-  const std::uint64_t end = solid_begin + obstacles_.solid_elements();
-  if (end >= std::uint64_t{1} << 32) {
-    const std::string bits = std::to_string(keys_.feature_bits);
-    throw std::runtime_error(
-        std::to_string(bodies.count) + " bodies and " + std::to_string(end - wall_begin) +
-        " wall features do not fit the 32 bits of a contact element" +
-        (keys_.feature_bits > 0 ? ", " + bits + " of which tell the contacts of two bodies apart"
-                                : ""));
+  const ContactElements elements{
+      static_cast<std::uint64_t>(bodies.count), obstacles_.feature_bits(),
+      static_cast<std::uint64_t>(obstacles_.plane_count()), obstacles_.solid_elements()};
+  if (!elements.fit()) {
+    throw std::runtime_error(std::to_string(elements.end()) + " names of contacts, of " +
+                             std::to_string(bodies.count) + " bodies with " +
+                             std::to_string(elements.feature_bits) +
+                             " bits for features and of walls, do not fit 32 bits");
   }
-  keys_.wall_begin = static_cast<std::uint32_t>(wall_begin);
-  keys_.solid_begin = static_cast<std::uint32_t>(solid_begin);
+  keys_.feature_bits = elements.feature_bits;
+  keys_.has_groups = settings_.layout == ContactLayout::mixed;
+  keys_.wall_begin = static_cast<std::uint32_t>(elements.wall_begin());
+  keys_.solid_begin = static_cast<std::uint32_t>(elements.solid_begin());
   return keys_;
 }
 

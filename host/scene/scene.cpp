@@ -492,6 +492,8 @@ void validate(const Scene& scene) {
   if (const auto fault = room_fault(scene)) refuse(fault->field, fault->value, fault->expected);
   check_pairs(scene);
   check_periodicity(scene);
+  if (const auto fault = contact_elements_fault(scene))
+    refuse(fault->field, fault->value, fault->expected);
   check_dynamics(scene);
   if (const auto fault = joints_fault(scene)) refuse(fault->field, fault->value, fault->expected);
 }

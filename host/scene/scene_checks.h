@@ -32,6 +32,9 @@ const TriangleMesh* mesh_of(const Scene& scene, const Shape& shape);
 /// The first room that partly overlaps another. The field is the whole path.
 std::optional<Fault> room_fault(const Scene& scene);
 
+/// More bodies and walls than contacts have names for.
+std::optional<Fault> contact_elements_fault(const Scene& scene);
+
 /// First value of a body that runs cannot compute with: single precision ends at 3e38, and values
 /// are multiplied and squared on the way. Part of body_fault().
 std::optional<Fault> range_fault(const Scene& scene, const BodyDescription& body);

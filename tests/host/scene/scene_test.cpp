@@ -347,6 +347,35 @@ TEST(Validate, BoxesMayMeetAllButMeshes) {
                          "and contact between a box and a mesh"));
 }
 
+TEST(Validate, ContactsOfAllBodiesHaveNames) {
+  BodyDescription box = wall(shapes::Box::kind);
+  box.kind = BodyKind::free;
+  set_mass_from_density(box, 1000);
+  ParticleSet spheres;
+  spheres.radius = 0.1;
+  spheres.density = 1000.0;
+  const auto check = [&](std::vector<BodyDescription> bodies, std::size_t particles) {
+    Scene scene = scene_with(std::move(bodies));
+    spheres.position.resize(particles);
+    scene.particles = {spheres};
+    return refusal([&] { validate(scene); });
+  };
+  const std::size_t most = (std::size_t{1} << 23) - 1;  // two boxes touch by 9 bits of features
+  EXPECT_EQ(check({box, box}, most - 2), "no error");
+  EXPECT_EQ(
+      check({box, box}, most - 1),
+      "bodies: 8388608 bodies with 0 faces and 0 elements of solid walls is not allowed: one run "
+      "has 2^32 names of contacts; a body takes 512 (because free bodies that are no spheres "
+      "touch at several points), a face 8, a solid wall one for each triangle and each "
+      "periodic image");
+  EXPECT_EQ(check({box}, most - 1), "no error");
+  std::vector<BodyDescription> walled(11, wall(shapes::Container::kind));  // 66 faces, 528 names
+  walled.insert(walled.end(), {box, box});
+  EXPECT_THAT(check(walled, most - 13), StartsWith("bodies: 8388607 bodies with 66 faces"));
+  walled.pop_back();
+  EXPECT_EQ(check(walled, most - 12), "no error");
+}
+
 TEST(Validate, PeriodsHoldTwoOfTheLargestBodyAndTheEnvelope) {
   const auto period = [](double length) {
     return refused([&](Scene& s) {

@@ -1,0 +1,84 @@
+#include "collision/contact_elements.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "host/scene/bodies_by_id.h"
+#include "host/scene/scene_checks.h"
+#include "host/scene/scene_summary.h"
+#include "kernels/narrow_phase/pair_table.h"
+#include "kernels/narrow_phase/wall_images.h"
+
+namespace scree {
+
+namespace {
+
+int bits_of(ShapeKind a, ShapeKind b) {
+  const PairEntry* pair = find_pair(a, b);
+  return pair == nullptr ? 0 : pair->feature_bits;
+}
+
+/// Shapes of free bodies but for spheres, each with how many there are.
+std::map<ShapeKind, int> free_shapes(const Scene& scene) {
+  std::map<ShapeKind, int> count;
+  for_each_by_id(
+      scene,
+      [&](std::size_t, const BodyDescription& body) {
+        if (body.kind == BodyKind::free && !shape_card(body.shape.kind).is_ball)
+          ++count[body.shape.kind];
+      },
+      [](std::size_t, const ParticleSet&) {});
+  return count;
+}
+
+ContactElements count_elements(const Scene& scene) {
+  ContactElements elements;
+  elements.bodies = count_bodies(scene).all();
+  const std::map<ShapeKind, int> free = free_shapes(scene);
+  for (const auto& [a, count] : free)
+    for (const auto& [b, other] : free)
+      if (a != b || count > 1)
+        elements.feature_bits = std::max(elements.feature_bits, bits_of(a, b));
+  Vec3d period;
+  for (int k = 0; k < 3; ++k) period[k] = scene.periodicity.periodic[k] ? 1 : 0;
+  const auto images = static_cast<std::uint64_t>(image_count(period));
+  for (const BodyDescription& body : scene.bodies) {
+    const ShapeCard& card = shape_card(body.shape.kind);
+    if (body.kind == BodyKind::free || card.is_ball) continue;
+    if (card.faces != nullptr) {
+      elements.planes += card.faces(body.shape).size();
+      continue;
+    }
+    std::uint64_t slots = 1;
+    if (const TriangleMesh* mesh = mesh_of(scene, body.shape)) {
+      slots = mesh->triangles.size();
+    } else {
+      for (const auto& [a, count] : free)
+        slots = std::max(slots, std::uint64_t{1} << bits_of(a, body.shape.kind));
+    }
+    elements.solids += images * slots;
+  }
+  return elements;
+}
+
+}  // namespace
+
+std::optional<Fault> contact_elements_fault(const Scene& scene) {
+  const ContactElements elements = count_elements(scene);
+  if (elements.fit()) return {};
+  const std::string why =
+      elements.feature_bits == 0
+          ? ""
+          : " (because free bodies that are no spheres touch at several points)";
+  return Fault{
+      "bodies",
+      fmt::format("{} bodies with {} faces and {} elements of solid walls", elements.bodies,
+                  elements.planes, elements.solids),
+      fmt::format("one run has 2^32 names of contacts; a body takes {}{}, a face {}, a solid "
+                  "wall one for each triangle and each periodic image",
+                  1 << elements.feature_bits, why, kPlaneSlots)};
+}
+
+}  // namespace scree

@@ -22,12 +22,14 @@ constexpr bool is_fused() {
 /// RMS residual of impulses, evaluated like any solver's.
 template <class B, class Real>
 double residual_rms(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma) {
-  Buffer<B, Twist<Real>> velocity(b, p.body_count);
-  for_each(b, p.body_count, StartVelocity<Real>{p, velocity.view(p.body_count)});
-  for_each(b, p.free_count, BodyVelocity<RadialRows<Real>, Real>{p, gamma, velocity.view()});
+  Buffer<B, Twist<Real>> velocity(b, p.bodies.count);
+  for_each(b, p.bodies.count, StartVelocity<Real>{p, velocity.view(p.bodies.count)});
+  for_each(b, p.bodies.owned_count,
+           BodyVelocity<RadialRows<Real>, Real>{p, gamma, velocity.view()});
   ResidualEvaluator<B, Real> evaluator(b);
   return evaluator
-      .template evaluate<RadialRows<Real>>(b, p, gamma, std::as_const(velocity).view(p.body_count))
+      .template evaluate<RadialRows<Real>>(b, p, gamma,
+                                           std::as_const(velocity).view(p.bodies.count))
       .rms;
 }
 

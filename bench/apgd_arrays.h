@@ -26,14 +26,15 @@ class ApgdArrays {
     }
     for (Span<Twist<Real>>* view :
          {&velocity.of_iterate[0], &velocity.of_iterate[1], &velocity.of_extrapolated}) {
-      twists_.emplace_back(b, p.body_count);
-      *view = twists_.back().view(p.body_count);
-      for_each(b, p.body_count, StartVelocity<Real>{p, *view});
+      twists_.emplace_back(b, p.bodies.count);
+      *view = twists_.back().view(p.bodies.count);
+      for_each(b, p.bodies.count, StartVelocity<Real>{p, *view});
     }
     bed.random_impulses(b, 51, gamma.buffer[0]);
     for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma.buffer[0]});
     copy(b, Span<const Vec3<Real>>(gamma.buffer[0]), gamma.buffer[1]);
-    for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma.buffer[0], velocity.of_iterate[0]});
+    for_each(b, p.bodies.owned_count,
+             BodyVelocity<R, Real>{p, gamma.buffer[0], velocity.of_iterate[0]});
     if (kind == ApgdMetricKind::diagonal) {
       const Offset values =
           static_cast<Offset>(p.contact_count) * StoredMetric<R, Real>::per_contact(p);
@@ -68,7 +69,7 @@ class ApgdArrays {
   }
   /// Without acceptance.
   void body_pass(B& b, Span<Sums<1>> energy) {
-    reduce<Sums<1>>(b, problem_.free_count, passes().body_pass(),
+    reduce<Sums<1>>(b, problem_.bodies.owned_count, passes().body_pass(),
                     StoreResult<Sums<1>>{energy.data});
   }
   /// Trials of the line search, accepted or not, as a solve runs them.

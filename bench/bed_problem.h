@@ -45,25 +45,25 @@ class BedProblem {
 
     problem_.layout = ContactLayout::radial;
     problem_.contact_count = bed.contact_count();
-    problem_.free_count = bed.sphere_count();
-    problem_.body_count = bed.sphere_count() + 1;
-    free_velocity_.reserve_discard(problem_.body_count);
-    fill(b, free_velocity_.view(problem_.body_count), Twist<Real>{});
-    random_velocities(b, 11, free_velocity_.view(problem_.body_count));
+    const Index spheres = bed.sphere_count();
+    problem_.bodies = {spheres, spheres, spheres, spheres + 1};
+    free_velocity_.reserve_discard(problem_.bodies.count);
+    fill(b, free_velocity_.view(problem_.bodies.count), Twist<Real>{});
+    random_velocities(b, 11, free_velocity_.view(problem_.bodies.count));
     problem_.body_a = body_a_.view(problem_.contact_count);
     problem_.body_b = body_b_.view(problem_.contact_count);
     problem_.normal = normal_.view(problem_.contact_count);
     problem_.bias = bias_.view(problem_.contact_count);
     problem_.friction.uniform = static_cast<Real>(kFriction);
-    problem_.free_velocity = free_velocity_.view(problem_.body_count);
-    problem_.radial_inertia = inertia_.view(problem_.body_count);
+    problem_.free_velocity = free_velocity_.view(problem_.bodies.count);
+    problem_.radial_inertia = inertia_.view(problem_.bodies.count);
     problem_.radial_inertia.spin_ratio = Real(2.5);
     lists_.build(b, problem_);
   }
 
   const ContactProblem<Real>& problem() const { return problem_; }
   Index contact_count() const { return problem_.contact_count; }
-  Index free_count() const { return problem_.free_count; }
+  Index owned_count() const { return problem_.bodies.owned_count; }
 
   /// Impulses of the size of a sphere's weight, in all directions: inside, beside
   /// and under the cone.
@@ -73,7 +73,7 @@ class BedProblem {
   /// One step of free fall with about as much at random; the floor's entry is left alone.
   void random_velocities(B& b, std::uint64_t seed, Span<Twist<Real>> out) const {
     const Real fall = static_cast<Real>(kGravity * kTimeStep);
-    for_each(b, problem_.free_count, RandomTwists<Real>{seed, fall, {0, 0, -fall}, out});
+    for_each(b, problem_.bodies.owned_count, RandomTwists<Real>{seed, fall, {0, 0, -fall}, out});
   }
 
  private:

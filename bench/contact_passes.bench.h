@@ -72,7 +72,7 @@ void run_body_velocity(Suite<B>& suite, benchmark::State& state, Index spheres) 
   suite.poison(vectors_of(velocity));
   suite.measure(state, Suite<B>::contact_work(bed, body_velocity_traffic(sizeof(Real))), [&] {
     for_each(
-        b, bed.free_count(),
+        b, bed.owned_count(),
         BodyVelocity<RadialRows<Real>, Real>{bed.problem(), arrays.gamma.current(0), velocity});
   });
   Suite<B>::report_size(state, bed);
@@ -88,7 +88,7 @@ void run_body_contacts(Suite<B>& suite, benchmark::State& state, Index spheres) 
   suite.measure(state, Suite<B>::contact_work(bed, body_contacts_traffic()),
                 [&] { lists.build(b, p); });
   Suite<B>::report_size(state, bed);
-  if (fetch(b, p.a_start.data + p.free_count) != p.contact_count)
+  if (fetch(b, p.a_start.data + p.bodies.owned_count) != p.contact_count)
     state.SkipWithError("wrong lists");
 }
 

@@ -30,12 +30,12 @@ struct MatrixFreeBed {
       : bed(of),
         gamma(b, of.contact_count()),
         u(b, of.contact_count()),
-        velocity(b, of.problem().body_count) {
+        velocity(b, of.problem().bodies.count) {
     bed.random_impulses(b, 61, gamma.view());
-    for_each(b, bed.problem().body_count, StartVelocity<double>{bed.problem(), velocity.view()});
+    for_each(b, bed.problem().bodies.count, StartVelocity<double>{bed.problem(), velocity.view()});
   }
   void apply(B& b) {
-    for_each(b, bed.free_count(),
+    for_each(b, bed.owned_count(),
              BodyVelocity<RadialRows<double>, double>{
                  bed.problem(), std::as_const(gamma).view(gamma.capacity()), velocity.view()});
     for_each(b, bed.contact_count(),
@@ -65,10 +65,10 @@ void run_assembled(Suite<B>& suite, benchmark::State& state, Index spheres, bool
   MatrixFreeBed<B> reference(b, bed);
   reference.apply(b);
   const ContactProblem<double>& p = bed.problem();
-  std::vector<Index> ids(static_cast<std::size_t>(p.body_count));
+  std::vector<Index> ids(static_cast<std::size_t>(p.bodies.count));
   std::iota(ids.begin(), ids.end(), 0);
-  BodyProblem stored = download_problem<B, double>(
-      b, p, std::as_const(reference.gamma).view(p.contact_count), ids, p.free_count);
+  BodyProblem stored =
+      download_problem<B, double>(b, p, std::as_const(reference.gamma).view(p.contact_count), ids);
   stored.source.time_step = BedProblem<B, double>::kTimeStep;
   const AssembledProblem problem = assembled_form(local_form(stored));
 

@@ -128,14 +128,14 @@ class Suite {
   /// Work of a pass over a bed.
   template <class Real>
   static Work contact_work(const BedProblem<B, Real>& bed, const Traffic& traffic) {
-    const double contacts = bed.contact_count(), bodies = bed.free_count();
+    const double contacts = bed.contact_count(), bodies = bed.owned_count();
     return {contacts, "contact_iterations_per_s", traffic.least(contacts, bodies),
             traffic.requested(contacts, bodies)};
   }
   template <class Real>
   static void report_size(benchmark::State& state, const BedProblem<B, Real>& bed) {
     state.counters["contacts"] = bed.contact_count();
-    state.counters["bodies"] = bed.free_count();
+    state.counters["bodies"] = bed.owned_count();
   }
 
   /// Seconds that `runs` queued runs take to complete.

@@ -1,5 +1,5 @@
 #pragma once
-// The order of free bodies in storage: along the Morton curve, so that neighbors in space are
+// The order of owned bodies in storage: along the Morton curve, so that neighbors in space are
 // neighbors in memory. Bodies move, so the order is renewed now and then.
 
 #include <algorithm>

@@ -32,8 +32,8 @@ struct Bins {
 template <class B, class Real>
 Bins<B> sort_into_bins(B& b, const BodyBalls<Real>& balls) {
   const BodyView<Real>& bodies = balls.bodies;
-  const BinnedRange binned{bodies.free_count, bodies.fixed_begin, bodies.count};
-  const Index n = binned.size();
+  const BodyRanges& binned = bodies.ranges();
+  const Index n = binned.present_count();
   Bins<B> bins(b, n);
   Buffer<B, BodyExtent> extent(b, 1);
   Buffer<B, double> edge(b, 1);

@@ -108,9 +108,9 @@ class ContactDetector {
   void match_marks(B& b, Span<Index> mark) const { memory_.match_marks(b, contacts().key, mark); }
   void keep_marks(Buffer<B, Index>&& mark) { memory_.keep_marks(std::move(mark)); }
 
-  /// Follows a reordering of the free bodies. The contacts of the last detect() are void after it.
+  /// Follows a reordering of the owned bodies. The contacts of the last detect() are void after it.
   /// @param bodies      needed for the names of their contacts, which a restored detector lacks
-  /// @param new_of_old  [free_count] new storage index of each free body
+  /// @param new_of_old  [owned_count] new storage index of each owned body
   void remap(B& b, const BodyView<Real>& bodies, Span<const Index> new_of_old) {
     name_elements(bodies);
     candidates_.release();  // void, and its memory is about what the sort needs for the moment
@@ -222,7 +222,7 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   release_contacts();
   needed_.release();
   name_elements(bodies);
-  if (bodies.free_count == 0) return;
+  if (bodies.owned_count == 0) return;
   const ContactRange range = range_of(bodies, h, gravity_step, load_speed);
   obstacles_.refresh(b, bodies, range, keys_);
   list_with_margins(b, bodies, range);
@@ -259,7 +259,7 @@ void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bod
     if (k == 0 && !(largest_push > least)) return;
     range.margin = margins.spread(b, graph);
     // Margins that grew by less than calls for margins at all are not worth another detection.
-    if (k > 0 && !(margins.growth(b, bodies.free_count) > least)) return;
+    if (k > 0 && !(margins.growth(b, bodies.moving_count) > least)) return;
     list_within(b, bodies, range);
     if (contact_count_ == before) return;
   }

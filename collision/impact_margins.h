@@ -18,7 +18,7 @@ class ImpactMargins {
   /// @return  how far contacts push bodies off their course at most [m]
   double start(B& b, const ImpactGraph<Real>& graph) {
     std::swap(margin_, last_);
-    const Span<float> margin = margin_.resize_discard(graph.bodies.free_count);
+    const Span<float> margin = margin_.resize_discard(graph.bodies.moving_count);
     fill(b, margin, 0.0f);
     reduce<Largest<double>>(
         b, graph.contacts.count,
@@ -29,10 +29,10 @@ class ImpactMargins {
 
   /// Passes the margins on through the contacts.
   /// @param graph  that of start()
-  /// @return       [free_count] how far each body may be pushed [m]; valid until the start() after
+  /// @return       [moving_count] how far each body may be pushed [m]; valid until the start() after
   ///               the next
   Span<const float> spread(B& b, const ImpactGraph<Real>& graph) {
-    const Index n = graph.bodies.free_count;
+    const Index n = graph.bodies.moving_count;
     for (int round = 0; round < kRounds; ++round) {
       const Span<float> spread = spread_.resize_discard(n);
       copy(b, std::as_const(margin_).view(n), spread);
@@ -47,10 +47,10 @@ class ImpactMargins {
 
   /// How much the largest growth of a margin was from the start() before to this one [m];
   /// one host read.
-  double growth(B& b, Index free_count) {
-    reduce<Largest<double>>(b, free_count,
-                            MarginGrowth{std::as_const(last_).view(free_count),
-                                         std::as_const(margin_).view(free_count)},
+  double growth(B& b, Index moving_count) {
+    reduce<Largest<double>>(b, moving_count,
+                            MarginGrowth{std::as_const(last_).view(moving_count),
+                                         std::as_const(margin_).view(moving_count)},
                             StoreResult<Largest<double>>{largest_.data()});
     return fetch(b, largest_.data()).value;
   }

@@ -13,8 +13,8 @@ namespace scree {
 constexpr bool can_number(Offset count) { return count < std::numeric_limits<Index>::max(); }
 
 /// The same for the pairs of a list of near pairs and its pieces.
-inline bool can_number(Index free_count, Offset pairs) {
-  return can_number(pairs) && can_number(first_piece(free_count, pairs));
+inline bool can_number(Index owned_count, Offset pairs) {
+  return can_number(pairs) && can_number(first_piece(owned_count, pairs));
 }
 
 /// The count as an Index.

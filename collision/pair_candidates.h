@@ -12,7 +12,7 @@
 
 namespace scree {
 
-/// Memory: 16 bytes a binned body, 8 a free body and 4.25 a pair; 1 more a body once the list was
+/// Memory: 16 bytes a binned body, 8 an owned body and 4.25 a pair; 1 more a body once the list was
 /// extended. While it is: 9 bytes a body and 4 a pair, 8 with notes.
 template <class B, class Real>
 class PairCandidates {
@@ -35,17 +35,17 @@ class PairCandidates {
   /// but where bodies are now counts, so any range may come. One host read.
   /// Bytes per binned body: 60.
   bool covers(B& b, const BodyView<Real>& bodies, const ContactRange& range) {
-    const BinnedRange binned{bodies.free_count, bodies.fixed_begin, bodies.count};
+    const BodyRanges& binned = bodies.ranges();
     if (!is_kept_ || binned != binned_) {
       forget();
       has_passes_ = true;
       return false;
     }
-    reduce<LeftBodies>(b, binned.size(),
+    reduce<LeftBodies>(b, binned.present_count(),
                        CheckReach<Real>{{bodies, range, {}},
                                         binned,
                                         origin_,
-                                        record_.view(binned.size()),
+                                        record_.view(binned.present_count()),
                                         left_count_.data(),
                                         left_.view()},
                        StoreLeft{left_result_.data(), left_count_.data()});
@@ -81,16 +81,16 @@ class PairCandidates {
   void build(B& b, const BodyView<Real>& bodies, const ContactRange& range,
              const SpareReach& spare) {
     release();
-    const Index n = bodies.free_count;
+    const Index n = bodies.owned_count;
     const BodyBalls<Real> balls{bodies, range, spare};
     const Bins<B> bins = sort_into_bins(b, balls);
-    binned_ = {n, bodies.fixed_begin, bodies.count};
+    binned_ = bodies.ranges();
     origin_ = bins.view.lower;
-    for_each(b, binned_.size(),
+    for_each(b, binned_.present_count(),
              RecordReach<Real>{balls, binned_, origin_, bins.view.inflated,
-                               record_.resize_discard(binned_.size())});
+                               record_.resize_discard(binned_.present_count())});
 
-    const PairSearch<Real> search{balls, bodies.fixed_begin, bins.view};
+    const PairSearch<Real> search{balls, n, bins.view};
     const Index elements = search.size();
     Buffer<B, Index> slot(b, static_cast<Offset>(elements) * kPairSlots);
     const Index chunks = chunks_for(bins.view.slice_count);
@@ -112,7 +112,7 @@ class PairCandidates {
     for_each(b, chunks, WriteChunks{found, places});
     slot.release(), chunk.release(), chunk_body.release();
     put_into_order(b, n, places, counters.data() + n);
-    left_.resize_discard(most_renewed(binned_.size()));
+    left_.resize_discard(most_renewed(binned_.present_count()));
     is_kept_ = spare.skin > 0;
     age_ = extensions_ = 0;
     ++build_count_;
@@ -166,9 +166,9 @@ class PairCandidates {
   bool extend(B& b, const BodyView<Real>& bodies, const ContactRange& range,
               const SpareReach& spare, Buffer<B, float>& note) {
     const Span<const Index> left = std::as_const(left_).view(outside_);
-    const Span<const ReachRecord> record = std::as_const(record_).view(binned_.size());
+    const Span<const ReachRecord> record = std::as_const(record_).view(binned_.present_count());
     Buffer<B, ReachRecord> ball(b, outside_);
-    Buffer<B, std::uint8_t> has_left(b, binned_.size());
+    Buffer<B, std::uint8_t> has_left(b, binned_.present_count());
     Buffer<B, Index> counter(b, 3);
     const Offset room = most_added(static_cast<Index>(left_.capacity()));
     Buffer<B, BallHit> block_hit(b, room), group_hit(b, room);
@@ -181,7 +181,7 @@ class PairCandidates {
                               binned_,
                               origin_,
                               left,
-                              record_.view(binned_.size()),
+                              record_.view(binned_.present_count()),
                               ball.view(),
                               has_left.view(),
                               pair_count});
@@ -216,7 +216,7 @@ class PairCandidates {
   /// Puts pairs that are not in the list into it.
   /// @return  false when the list would get too long: it is as before
   bool insert(B& b, Span<std::uint64_t> pair, Buffer<B, float>& note) {
-    const Index n = binned_.free_count, more = static_cast<Index>(pair.size);
+    const Index n = binned_.owned_count, more = static_cast<Index>(pair.size);
     const CandidateView list = view();
     const auto listed = static_cast<Index>(list.other.size);
     if (!can_number(n, static_cast<Offset>(listed) + more)) return false;
@@ -253,18 +253,18 @@ class PairCandidates {
 
   /// The list, from pairs that are together for each lower body; one host read.
   /// @param long_elements  see order_lists()
-  void put_into_order(B& b, Index free_count, const PairPlaces& pairs, Index* long_elements) {
+  void put_into_order(B& b, Index owned_count, const PairPlaces& pairs, Index* long_elements) {
     const Offset total = pairs.lower.size;
-    cut(b, free_count, pairs.begin, total);
+    cut(b, owned_count, pairs.begin, total);
     const UnorderedLists<LowerBodyOf> lists{{pairs.lower}, pairs.other, pairs.begin};
     order_lists(b, static_cast<Index>(total), lists, other_.resize_discard(total), long_elements);
   }
 
-  /// Makes the pieces. @param begin  [free_count + 1] where the candidates of each body begin
-  void cut(B& b, Index free_count, Span<const Offset> begin, Offset total) {
-    const Offset pieces = first_piece(free_count, total);
-    for_each(b, free_count + 1,
-             CutPieces{free_count, begin, body_.resize_discard(pieces),
+  /// Makes the pieces. @param begin  [owned_count + 1] where the candidates of each body begin
+  void cut(B& b, Index owned_count, Span<const Offset> begin, Offset total) {
+    const Offset pieces = first_piece(owned_count, total);
+    for_each(b, owned_count + 1,
+             CutPieces{owned_count, begin, body_.resize_discard(pieces),
                        begin_.resize_discard(pieces + 1)});
   }
 
@@ -276,7 +276,7 @@ class PairCandidates {
   Buffer<B, Index> left_;
   Buffer<B, Index> left_count_;
   Buffer<B, LeftBodies> left_result_;
-  BinnedRange binned_;
+  BodyRanges binned_;
   Vec3<double> origin_;
   bool is_kept_ = false;
   bool has_passes_ = true;

@@ -61,9 +61,9 @@ class PersistentContacts {
     mark_count_ = count_;
   }
 
-  /// Follows a reordering of the free bodies: renames the bodies in the keys and sorts again. Rare,
+  /// Follows a reordering of the owned bodies: renames the bodies in the keys and sorts again. Rare,
   /// so it takes its working memory for the moment.
-  /// @param new_of_old  [free_count] new storage index of each free body
+  /// @param new_of_old  [owned_count] new storage index of each owned body
   void remap(B& b, const ContactKeys& names, Span<const Index> new_of_old) {
     SortSpace<B> sort(b);
     Buffer<B, Index> order(b, count_);

@@ -109,12 +109,12 @@ void require_contact_rows(std::initializer_list<std::size_t> found, std::size_t 
       throw InputError(fmt::format("checkpoint: {} rows of contacts, expected {}", rows, expected));
 }
 
-void require_places(const std::vector<std::uint64_t>& keys, std::int64_t free_count) {
+void require_places(const std::vector<std::uint64_t>& keys, std::int64_t owned_count) {
   for (std::size_t c = 0; c < keys.size(); ++c)
-    if (contact_body(keys[c]) >= free_count || contact_body(keys[c]) < 0)
+    if (contact_body(keys[c]) >= owned_count || contact_body(keys[c]) < 0)
       throw InputError(
           fmt::format("checkpoint: contact {} is of storage place {}, expected 0 to {}", c,
-                      contact_body(keys[c]), free_count - 1));
+                      contact_body(keys[c]), owned_count - 1));
 }
 
 }  // namespace scree

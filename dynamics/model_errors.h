@@ -41,8 +41,8 @@ namespace scree {
 void require_impulses(std::size_t found, std::size_t expected);
 /// Rows of arrays of contacts in a checkpoint. @throws InputError
 void require_contact_rows(std::initializer_list<std::size_t> found, std::size_t expected);
-/// Keys of a checkpoint of version 1 name free bodies. @throws InputError
-void require_places(const std::vector<std::uint64_t>& keys, std::int64_t free_count);
+/// Keys of a checkpoint of version 1 name owned bodies. @throws InputError
+void require_places(const std::vector<std::uint64_t>& keys, std::int64_t owned_count);
 
 /// Checks that remembered impulses, two vectors a joint, are those of a scene. @throws InputError
 void require_joints(std::size_t found, std::size_t in_scene);

@@ -142,7 +142,7 @@ class Apgd final : public Solver<B, Real> {
     if (p.contact_count == 0) return {0, 0, true, {}};
 
     const Offset vectors = R::vector_count(p);
-    Workspace w(b, vectors, p.body_count);
+    Workspace w(b, vectors, p.bodies.count);
     const ApgdImpulses<Real> impulses{{gamma, w.impulses.view()}};
     ApgdState* state = w.state.data();
     ApgdPasses<R, Real> passes{p,  impulses, {{velocity, w.iterate.view()}, {}},
@@ -155,13 +155,13 @@ class Apgd final : public Solver<B, Real> {
       passes.p.bias = ContactBias<Real>(w.bias.view(p.contact_count));
     }
     if (w.iteration.stores_extrapolated(passes)) {
-      w.extrapolated.reserve_discard(p.body_count);
+      w.extrapolated.reserve_discard(p.bodies.count);
       velocities.of_extrapolated = w.extrapolated.view();
     }
     // Bodies that do not move keep this velocity through the whole solve.
     const auto start_from_guess = [&] {
       copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[1]);
-      for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
       for (const Span<Twist<Real>>& view : {velocities.of_iterate[1], velocities.of_extrapolated}) {
         if (!view.empty()) copy(b, Span<const Twist<Real>>(velocity), view);
       }
@@ -283,7 +283,7 @@ class Apgd final : public Solver<B, Real> {
       stats.residual.objective -= w.residual.template impulse_energy<R>(b, p, velocity);
     } else {
       copy(b, Span<const Vec3<Real>>(w.best.view()), gamma);
-      for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
       stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     }
     return stats;

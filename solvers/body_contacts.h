@@ -20,9 +20,9 @@ class GroupContacts {
   /// Memory: 8 bytes a body and 4 a contact, and 12 a body and 4 a contact more while it works; see
   /// order_lists() for bodies with very many contacts.
   /// @param body_a, body_b  of the contacts of the group; body_a ascending
-  ContactLists build(B& b, Index free_count, Span<const Index> body_a, Span<const Index> body_b) {
+  ContactLists build(B& b, Index owned_count, Span<const Index> body_a, Span<const Index> body_b) {
     const auto n = static_cast<Index>(body_a.size);
-    const Index bodies = free_count;
+    const Index bodies = owned_count;
     a_start_.reserve_discard(bodies + 1);
     b_start_.reserve_discard(bodies + 1);
     b_contact_.reserve_discard(n);
@@ -60,14 +60,15 @@ class BodyContacts {
   void build(B& b, ContactProblem<Real>& p) {
     const bool is_mixed = p.layout == ContactLayout::mixed;
     const Index n = is_mixed ? p.radial_count : p.contact_count;
-    const ContactLists first = first_.build(b, p.free_count, p.body_a.first(n), p.body_b.first(n));
+    const ContactLists first =
+        first_.build(b, p.bodies.owned_count, p.body_a.first(n), p.body_b.first(n));
     p.a_start = first.a_start;
     p.b_start = first.b_start;
     p.b_contact = first.b_contact;
     if (!is_mixed) return;
     const Index general = p.contact_count - n;
-    p.later[0] =
-        general_.build(b, p.free_count, {p.body_a.data + n, general}, {p.body_b.data + n, general});
+    p.later[0] = general_.build(b, p.bodies.owned_count, {p.body_a.data + n, general},
+                                {p.body_b.data + n, general});
     p.later[0].first = n;
   }
 

@@ -87,19 +87,20 @@ class ContactColoring {
     const Offset n = 2 * static_cast<Offset>(count);
     keys_.reserve_discard(n);
     incident_.reserve_discard(n);
-    for (auto& s : state_) s.reserve_discard(p.free_count);
-    Span<BodyColors> now = state_[0].view(p.free_count), next = state_[1].view(p.free_count);
+    for (auto& s : state_) s.reserve_discard(p.bodies.owned_count);
+    Span<BodyColors> now = state_[0].view(p.bodies.owned_count),
+                     next = state_[1].view(p.bodies.owned_count);
     const Span<Index> incident = incident_.view(n);
-    for_each(
-        b, count,
-        ColoringEntries{p.body_a, p.body_b, p.free_count, listed, keys_.view(n), incident, color_});
-    const auto bodies = static_cast<std::uint64_t>(p.free_count) + 1;
+    for_each(b, count,
+             ColoringEntries{p.body_a, p.body_b, p.bodies.owned_count, listed, keys_.view(n),
+                             incident, color_});
+    const auto bodies = static_cast<std::uint64_t>(p.bodies.owned_count) + 1;
     sort_pairs(b, sort_, keys_.view(n), incident, bits_for(bodies) + kPriorityBits);
     fill(b, now, BodyColors{});
-    for_each(b, count, ColoringLists{keys_.view(n), p.free_count, now});
+    for_each(b, count, ColoringLists{keys_.view(n), p.bodies.owned_count, now});
 
     Span<const Index> active;  // empty: all free bodies
-    Index body_count = p.free_count;
+    Index body_count = p.bodies.owned_count;
     for (Index first_color = 0;; first_color += kColorsPerBatch) {
       ColoringBatch batch{{}, active, color_, incident, now, first_color, listed.empty()};
       for (int g = 0; g <= kLaterGroups; ++g) batch.lists[g] = p.lists(g);
@@ -116,8 +117,8 @@ class ContactColoring {
         const Index rounds = std::clamp(left.longest, kLeastRounds, Index{kColorsPerBatch});
         for (Index r = 0; r < rounds; ++r) {
           for_each(b, body_count,
-                   ColoringRound{p.body_a, p.body_b, p.free_count, active, incident, now, next,
-                                 color_, first_color});
+                   ColoringRound{p.body_a, p.body_b, p.bodies.owned_count, active, incident, now,
+                                 next, color_, first_color});
           std::swap(now, next);
         }
         left = reduce_work(b, body_count, ColoringLeft{active, now});

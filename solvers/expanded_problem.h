@@ -45,9 +45,10 @@ class ExpandedProblem {
                                   arm_a_.view(), arm_b_.view(), bias_.view(), friction_.view(),
                                   adhesion_.view(), drift_.view()});
     if (mixed.general_inertia.empty()) {
-      inertia_.reserve_discard(mixed.body_count);
-      for_each(b, mixed.body_count, ExpandInertia<Real>{mixed, inertia_.view(mixed.body_count)});
-      p.general_inertia = inertia_.view(mixed.body_count);
+      inertia_.reserve_discard(mixed.bodies.count);
+      for_each(b, mixed.bodies.count,
+               ExpandInertia<Real>{mixed, inertia_.view(mixed.bodies.count)});
+      p.general_inertia = inertia_.view(mixed.bodies.count);
     }
     lists_.build(b, p);
   }

@@ -44,7 +44,7 @@ class Jacobi final : public RelaxationSolver<B, Real> {
 
     bool is_current = false;  // V belongs to gamma
     const auto sweep = [&] {
-      if (!is_current) for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      if (!is_current) for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
       for_each(b, p.contact_count,
                JacobiPass<R, Real>{p, metric, velocity, gamma, this->relaxation()});
       is_current = false;

@@ -68,7 +68,7 @@ class LoadedBlock {
   template <class R>
   std::vector<Index> choose(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
                             double speed) {
-    const Span<std::uint8_t> loaded = loaded_.resize_discard(p.free_count);
+    const Span<std::uint8_t> loaded = loaded_.resize_discard(p.bodies.owned_count);
     const Span<Index> room = contact_.resize_discard(kMaxContacts + 1);
     fill(b, loaded, std::uint8_t(0));
     fill(b, room, Index(0));

@@ -50,7 +50,7 @@ class RelaxationSolver : public Solver<B, Real> {
     SolveStats stats;
     for (;;) {
       collect();
-      for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
       stats.residual = residual.template evaluate<R>(b, p, gamma, velocity);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.rms);
       stats.converged = stats.residual.rms <= tolerance;

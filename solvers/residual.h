@@ -38,7 +38,7 @@ class ResidualEvaluator {
   /// @param velocity  V = v* + M^-1 J^T gamma
   template <class R>
   double impulse_energy(B& b, const ContactProblem<Real>& p, Span<const Twist<Real>> velocity) {
-    reduce<Sums<1>>(b, p.free_count, ImpulseEnergy<R, Real>{p, velocity},
+    reduce<Sums<1>>(b, p.bodies.owned_count, ImpulseEnergy<R, Real>{p, velocity},
                     StoreResult<Sums<1>>{body_sums_.data()});
     return fetch(b, body_sums_.data()).value[0];
   }

@@ -61,7 +61,7 @@ class Schwarz final : public Solver<B, Real> {
     if (p.contact_count == 0) return {0, 0, true, {}};
 
     Buffer<B, Vec3<Real>> other_gamma(b, R::vector_count(p));
-    Buffer<B, Twist<Real>> other_velocity(b, p.body_count);
+    Buffer<B, Twist<Real>> other_velocity(b, p.bodies.count);
     Buffer<B, SchwarzState> state(b, 1);
     const SchwarzPasses<R, Real> passes{p,
                                         {gamma, other_gamma.view()},
@@ -117,7 +117,7 @@ class Schwarz final : public Solver<B, Real> {
     const Iterates<Vec3<Real>> impulses = passes.impulses(k);
     const Iterates<Twist<Real>> velocities = passes.velocities(k);
     const auto gather = [&](Span<const Vec3<Real>> from, Span<Twist<Real>> to) {
-      for_each(b, p.free_count, BodyVelocity<R, Real>{p, from, to});
+      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, from, to});
     };
     gather(impulses.current, passes.velocity[k % 2]);
     if (k == 0) {  // fixed bodies have their velocity in both

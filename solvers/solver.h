@@ -121,8 +121,8 @@ class Solver {
   /// Takes the memory of velocity(), set to v*.
   Span<Twist<Real>> start_velocity(B& b, const ContactProblem<Real>& p) {
     velocity_.reset();  // first gives back what it had
-    velocity_.emplace(b, p.body_count);
-    for_each(b, p.body_count, StartVelocity<Real>{p, velocity_->view()});
+    velocity_.emplace(b, p.bodies.count);
+    for_each(b, p.bodies.count, StartVelocity<Real>{p, velocity_->view()});
     return velocity_->view();
   }
 

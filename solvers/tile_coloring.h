@@ -39,11 +39,13 @@ class TileColoring {
   /// @param tile_bodies  bodies of a tile, a multiple of ConflictsOfPart::kBodies
   template <class Real>
   void compute(B& b, const ContactProblem<Real>& p, Index tile_bodies) {
-    tiles_ = {tile_bodies, p.free_count, p.body_a, p.body_b, p.a_start, p.b_start, p.b_contact};
+    tiles_ = {tile_bodies, p.bodies.owned_count, p.body_a, p.body_b, p.a_start,
+              p.b_start,   p.b_contact};
     conflicts_.find(b, tiles_);
     color_tiles(b);
-    first_.reserve_discard(p.free_count);
-    for_each(b, p.free_count, FirstTiles{tiles_, color(), first_.view(p.free_count)});
+    first_.reserve_discard(p.bodies.owned_count);
+    for_each(b, p.bodies.owned_count,
+             FirstTiles{tiles_, color(), first_.view(p.bodies.owned_count)});
     link_contacts(b, p.contact_count);
     for_each(b, tiles_.count(), TellNeighbors{conflicts_.lists(), color()});
   }
@@ -56,8 +58,8 @@ class TileColoring {
   Span<const Index> color() const { return color_[0].view(tiles_.count()); }
   /// Tiles in conflict with each tile, as TellNeighbors leaves them.
   TileLists neighbors() { return conflicts_.lists(); }
-  /// The first tile in the sequence that touches a body [free_count].
-  Span<const Index> first() const { return first_.view(tiles_.free_count); }
+  /// The first tile in the sequence that touches a body [owned_count].
+  Span<const Index> first() const { return first_.view(tiles_.owned_count); }
   /// See TileLinker [contacts], [contacts], [tiles].
   Span<const TileLink> link() const { return link_.view(tiles_.body_a.size); }
   Span<const Index> outside() const { return outside_.view(tiles_.body_a.size); }
@@ -95,12 +97,12 @@ class TileColoring {
     previous_.reserve_discard(contacts);
     outside_.reserve_discard(contacts);
     outside_colors_.reserve_discard(contacts);
-    inside_colors_.reserve_discard(tiles_.free_count);
+    inside_colors_.reserve_discard(tiles_.owned_count);
     link_.reserve_discard(contacts);
     shape_.reserve_discard(tiles_.count());
     for_each(b, contacts, TilePrevious{tiles_, previous_.view(contacts)});
     link_tiles(b, LinkTiles{tiles_, previous_.view(contacts), outside_.view(contacts),
-                            inside_colors_.view(tiles_.free_count), outside_colors_.view(contacts),
+                            inside_colors_.view(tiles_.owned_count), outside_colors_.view(contacts),
                             link_.view(contacts), shape_.view(tiles_.count())});
   }
 

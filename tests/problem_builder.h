@@ -71,8 +71,7 @@ class ProblemBuffers {
     ContactProblem<Real>& p = problem_;
     p.layout = plain_.layout;
     p.contact_count = plain_.contact_count();
-    p.free_count = d.free_count;
-    p.body_count = static_cast<Index>(d.bodies.size());
+    p.bodies = {d.free_count, d.free_count, d.free_count, static_cast<Index>(d.bodies.size())};
     p.radial_count = plain_.radial_count;
     upload_contacts();
     upload_bodies();

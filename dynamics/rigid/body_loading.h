@@ -40,7 +40,7 @@ class BodyLoading {
  private:
   /// Uploads bodies, which get the next ids, and frees the host's memory of them as it goes.
   void load(std::vector<BodyDescription>& bodies, std::vector<ParticleSet>& sets) {
-    typename BodyStore<B, Real>::Loader free(*store_, store_->free_count());
+    typename BodyStore<B, Real>::Loader free(*store_, store_->owned_count());
     typename BodyStore<B, Real>::Loader fixed(*store_, store_->fixed_begin());
     for (const BodyDescription& body : bodies) {
       auto& loader = body.kind == BodyKind::free ? free : fixed;
@@ -54,7 +54,7 @@ class BodyLoading {
       set = {};
     }
     sets = {};
-    store_->set_free_count(free.flush());
+    store_->set_owned_count(free.flush());
     fixed.flush();
   }
 

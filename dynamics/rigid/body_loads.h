@@ -35,7 +35,7 @@ class BodyLoads {
   /// Works out what the loads add to velocities in a step; one host read.
   /// @param gravity_step  h g [m/s]
   LoadSums start(B& b, const BodyView<Real>& bodies, const Vec3<Real>& gravity_step, double h) {
-    const Index n = bodies.free_count;
+    const Index n = bodies.owned_count;
     reduce<LoadSums>(
         b, n,
         LoadGains<Real>{bodies, force_.view(), torque_.view(), gravity_step, static_cast<Real>(h),
@@ -57,7 +57,7 @@ class BodyLoads {
     return with;
   }
 
-  /// [free_count] what loads add to velocities in the step [m/s]; empty when there are none.
+  /// [owned_count] what loads add to velocities in the step [m/s]; empty when there are none.
   Span<const Vec3<Real>> gains() { return linear_.view(); }
 
   /// Gives back what only a step needs.

@@ -43,8 +43,7 @@ class BodyStore {
         material_(backend, capacity, capacity + fixed_count,
                   converted<std::uint8_t>(shared.material), std::uint8_t(0)),
         group_(backend, capacity, capacity + fixed_count, shared.group, Index(0)),
-        fixed_begin_(capacity),
-        count_(capacity + fixed_count) {
+        ranges_{0, 0, capacity, capacity + fixed_count} {
     // Room for bodies that come later holds defined values: pictures and copies may pass over it.
     fill(backend, position_.view(), Vec3<double>{});
     fill(backend, orientation_.view(), Quat<Real>{});
@@ -54,15 +53,14 @@ class BodyStore {
     fill(backend, id_.view(), Index(-1));
   }
 
-  Index free_count() const { return free_count_; }
-  Index fixed_begin() const { return fixed_begin_; }
-  Index count() const { return count_; }
+  const BodyRanges& ranges() const { return ranges_; }
+  Index owned_count() const { return ranges_.owned_count; }
+  Index fixed_begin() const { return ranges_.fixed_begin; }
+  Index count() const { return ranges_.count; }
 
   BodyView<Real> view() {
     BodyView<Real> v;
-    v.free_count = free_count_;
-    v.fixed_begin = fixed_begin_;
-    v.count = count_;
+    static_cast<BodyRanges&>(v) = ranges_;
     v.position = position_.view();
     v.orientation = orientation_.view();
     v.velocity = velocity_.view();
@@ -145,44 +143,45 @@ class BodyStore {
     std::vector<std::uint8_t> locks_, material_;
   };
 
-  /// Takes the free bodies into the simulation that were loaded up to a storage index.
-  void set_free_count(Index count) { free_count_ = count; }
+  /// Takes the free bodies into the simulation that were loaded up to a storage index. No body is a
+  /// ghost after it.
+  void set_owned_count(Index count) { ranges_.owned_count = ranges_.moving_count = count; }
 
   /// Rewrites pose and velocity of body `fixed_begin + k` for each k.
   void set_fixed_motion(const std::vector<Vec3<double>>& position,
                         const std::vector<Quat<Real>>& orientation,
                         const std::vector<Vec3<Real>>& velocity,
                         const std::vector<Vec3<Real>>& angular_velocity) {
-    put(position_, fixed_begin_, position);
-    put(orientation_, fixed_begin_, orientation);
-    put(velocity_, fixed_begin_, velocity);
-    put(angular_velocity_, fixed_begin_, angular_velocity);
+    put(position_, ranges_.fixed_begin, position);
+    put(orientation_, ranges_.fixed_begin, orientation);
+    put(velocity_, ranges_.fixed_begin, velocity);
+    put(angular_velocity_, ranges_.fixed_begin, angular_velocity);
   }
 
-  std::vector<Index> ids() { return take(id_, 0, count_); }
+  std::vector<Index> ids() { return take(id_, 0, ranges_.count); }
   int id_of(Index storage) { return fetch(*b_, id_.data() + storage); }
 
-  /// Free bodies in storage order, as doubles (exact).
-  void save_free(WorldState& s) {
-    s.add("body/id", take(id_, 0, free_count_));
-    s.add("body/position", take_free<Vec3d>(position_));
-    s.add("body/orientation", take_free<Quatd>(orientation_));
-    s.add("body/velocity", take_free<Vec3d>(velocity_));
-    s.add("body/angular_velocity", take_free<Vec3d>(angular_velocity_));
+  /// Owned bodies in storage order, as doubles (exact).
+  void save_owned(WorldState& s) {
+    s.add("body/id", take(id_, 0, ranges_.owned_count));
+    s.add("body/position", take_owned<Vec3d>(position_));
+    s.add("body/orientation", take_owned<Quatd>(orientation_));
+    s.add("body/velocity", take_owned<Vec3d>(velocity_));
+    s.add("body/angular_velocity", take_owned<Vec3d>(angular_velocity_));
   }
-  /// Overwrites the state of the free bodies; their constants must be in place already,
+  /// Overwrites the state of the owned bodies; their constants must be in place already,
   /// in the order of its ids. @throws InputError when an array has not a row for each body
-  void restore_free(const WorldState& s) {
-    put_free(s.at<Vec3d>("body/position"), position_);
-    put_free(s.at<Quatd>("body/orientation"), orientation_);
-    put_free(s.at<Vec3d>("body/velocity"), velocity_);
-    put_free(s.at<Vec3d>("body/angular_velocity"), angular_velocity_);
+  void restore_owned(const WorldState& s) {
+    put_owned(s.at<Vec3d>("body/position"), position_);
+    put_owned(s.at<Quatd>("body/orientation"), orientation_);
+    put_owned(s.at<Vec3d>("body/velocity"), velocity_);
+    put_owned(s.at<Vec3d>("body/angular_velocity"), angular_velocity_);
   }
-  /// Brings the free bodies into the storage order of a saved state.
-  /// @param id  [free_count] ids in that order
-  /// @throws InputError when they are not those of the free bodies
+  /// Brings the owned bodies into the storage order of a saved state.
+  /// @param id  [owned_count] ids in that order
+  /// @throws InputError when they are not those of the owned bodies
   void arrange(const std::vector<int>& id) {
-    const std::vector<Index> now = take(id_, 0, free_count_);
+    const std::vector<Index> now = take(id_, 0, ranges_.owned_count);
     const Index id_end = now.empty() ? 0 : *std::max_element(now.begin(), now.end()) + 1;
     std::vector<Index> place(static_cast<std::size_t>(id_end), -1);  // in storage, by id
     for (std::size_t i = 0; i < now.size(); ++i)
@@ -196,19 +195,19 @@ class BodyStore {
     }
     Buffer<B, Index> on_backend(*b_);
     upload(*b_, order, on_backend);
+    const Index n = ranges_.owned_count;
     for_each_array([&](auto& array) {
-      std::remove_reference_t<decltype(array)> moved(*b_, free_count_);
+      std::remove_reference_t<decltype(array)> moved(*b_, n);
       using Value = std::remove_pointer_t<decltype(array.data())>;
-      for_each(*b_, free_count_,
-               Gather<Value>{on_backend.view(free_count_), std::as_const(array).view(free_count_),
-                             moved.view(free_count_)});
-      copy(*b_, std::as_const(moved).view(free_count_), array.view(free_count_));
+      for_each(*b_, n,
+               Gather<Value>{on_backend.view(n), std::as_const(array).view(n), moved.view(n)});
+      copy(*b_, std::as_const(moved).view(n), array.view(n));
     });
   }
 
   /// States of the bodies inserted so far, by id.
   BodyStates states() {
-    const auto n = static_cast<std::size_t>(free_count_ + count_ - fixed_begin_);
+    const auto n = static_cast<std::size_t>(ranges_.without_ghosts().present_count());
     BodyStates out;
     out.position.resize(n);
     out.orientation.resize(n);
@@ -221,12 +220,12 @@ class BodyStore {
       scatter(take(velocity_, begin, count), id, out.velocity);
       scatter(take(angular_velocity_, begin, count), id, out.angular_velocity);
     };
-    for_each_chunk(0, free_count_, scatter_chunk);
-    for_each_chunk(fixed_begin_, count_, scatter_chunk);
+    for_each_chunk(0, ranges_.owned_count, scatter_chunk);
+    for_each_chunk(ranges_.fixed_begin, ranges_.count, scatter_chunk);
     return out;
   }
 
-  /// Applies f(buffer) to every array of free bodies, for reordering.
+  /// Applies f(buffer) to every array of owned bodies, for reordering.
   template <class F>
   void for_each_array(F&& f) {
     f(position_), f(orientation_), f(velocity_), f(angular_velocity_), f(id_);
@@ -269,19 +268,19 @@ class BodyStore {
       f(i, std::min(kTransferChunk, end - i));
   }
   template <class D, class T>
-  std::vector<D> take_free(Buffer<B, T>& buffer) {
+  std::vector<D> take_owned(Buffer<B, T>& buffer) {
     std::vector<D> to;
-    to.reserve(static_cast<std::size_t>(free_count_));
-    for_each_chunk(0, free_count_, [&](Index begin, Index count) {
+    to.reserve(static_cast<std::size_t>(ranges_.owned_count));
+    for_each_chunk(0, ranges_.owned_count, [&](Index begin, Index count) {
       for (const T& value : take(buffer, begin, count)) to.emplace_back(value);
     });
     return to;
   }
   template <class T, class D>
-  void put_free(const std::vector<D>& from, Buffer<B, T>& buffer) {
-    if (from.size() != static_cast<std::size_t>(free_count_))
-      throw_wrong_body_count(from.size(), static_cast<std::size_t>(free_count_));
-    for_each_chunk(0, free_count_, [&](Index begin, Index count) {
+  void put_owned(const std::vector<D>& from, Buffer<B, T>& buffer) {
+    if (from.size() != static_cast<std::size_t>(ranges_.owned_count))
+      throw_wrong_body_count(from.size(), static_cast<std::size_t>(ranges_.owned_count));
+    for_each_chunk(0, ranges_.owned_count, [&](Index begin, Index count) {
       const auto first = from.begin() + begin;
       put(buffer, begin, std::vector<T>(first, first + count));
     });
@@ -305,9 +304,7 @@ class BodyStore {
   ConstantArray<B, std::uint8_t> locks_;
   ConstantArray<B, std::uint8_t> material_;
   ConstantArray<B, Index> group_;
-  Index free_count_ = 0;
-  Index fixed_begin_ = 0;
-  Index count_ = 0;
+  BodyRanges ranges_;
 };
 
 }  // namespace scree

@@ -9,7 +9,7 @@
 namespace scree {
 
 PlacedContacts keys_of(const NamedContacts& names, const ContactKeys& rule,
-                       const std::vector<Index>& id, Index free_count) {
+                       const std::vector<Index>& id, Index owned_count) {
   const Index id_end = id.empty() ? 0 : *std::max_element(id.begin(), id.end()) + 1;
   std::vector<Index> place(static_cast<std::size_t>(id_end), -1);
   for (std::size_t i = 0; i < id.size(); ++i)
@@ -27,7 +27,7 @@ PlacedContacts keys_of(const NamedContacts& names, const ContactKeys& rule,
     Index a = place_of(names.body_a[c]), b = place_of(names.body_b[c]);
     const std::uint64_t group = rule.has_groups ? names.feature[c] & kGeneralGroup : 0;
     const std::uint64_t number = names.feature[c] & ~kGeneralGroup;
-    const bool known = a >= 0 && a < free_count && (at_wall || (b >= 0 && b != a)) &&
+    const bool known = a >= 0 && a < owned_count && (at_wall || (b >= 0 && b != a)) &&
                        number < (at_wall ? part_end : feature_end);
     if (!known) throw_unknown_contact(c, names.body_a[c], names.body_b[c], number);
     const auto feature = static_cast<std::uint32_t>(number);

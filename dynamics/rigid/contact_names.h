@@ -10,7 +10,7 @@
 namespace scree {
 
 struct NamedContacts {
-  std::vector<std::int32_t> body_a;    ///< id of a free body
+  std::vector<std::int32_t> body_a;    ///< id of an owned body
   std::vector<std::int32_t> body_b;    ///< id of the other body; -1: a wall
   std::vector<std::uint64_t> feature;  ///< which contact of the two; at a wall: which part of the
       ///< walls, in the order of the scene. Highest bit: as in keys
@@ -34,7 +34,7 @@ inline NamedContacts names_of(const std::vector<std::uint64_t>& keys, const Cont
   return names;
 }
 
-/// Keys of contacts, and which of them have their bodies the other way round: key() names the free
+/// Keys of contacts, and which of them have their bodies the other way round: key() names the owned
 /// body with the lower place first.
 struct PlacedContacts {
   std::vector<std::uint64_t> key;
@@ -42,10 +42,10 @@ struct PlacedContacts {
 };
 
 /// @param id          [count] of all bodies, in storage order; -1 where none is
-/// @param free_count  of them at the front
+/// @param owned_count  of them at the front
 /// @throws InputError when a name is not one of a contact of these bodies
 PlacedContacts keys_of(const NamedContacts& names, const ContactKeys& rule,
-                       const std::vector<Index>& id, Index free_count);
+                       const std::vector<Index>& id, Index owned_count);
 
 /// The order in which keys ascend; empty when they do.
 std::vector<std::size_t> ascending_order(const std::vector<std::uint64_t>& key);

@@ -119,7 +119,7 @@ class ImpactPhase {
     Buffer<B, Index> takes_part(b, n);
     ImpactSums sums;
     {
-      Buffer<B, float> reached(b, test.bodies.free_count);
+      Buffer<B, float> reached(b, test.bodies.moving_count);
       fill(b, reached.view(), 0.0f);
       reduce<ImpactSums>(b, n,
                          FindImpacts<Real>{test, kReach + 1.0f, takes_part.view(), reached.view()},
@@ -145,8 +145,7 @@ class ImpactPhase {
     p.layout = layout_;
     p.contact_count = count;
     if (layout_ == ContactLayout::mixed) p.radial_count = radial;
-    p.free_count = test.bodies.free_count;
-    p.body_count = test.bodies.count;
+    p.bodies = test.bodies.ranges();
     p.body_a = r.body_a.view();
     p.body_b = r.body_b.view();
     p.normal = r.normal.view();
@@ -179,7 +178,7 @@ class ImpactPhase {
       p.adhesion.values = r.least.view();
       solve<R>(b, r, gamma, tolerance, stats);
     });
-    for_each(b, test.bodies.free_count, TakeVelocities<Real>{p, solver_->velocity(), test.bodies});
+    for_each(b, test.bodies.owned_count, TakeVelocities<Real>{p, solver_->velocity(), test.bodies});
     solver_->forget_velocity();
     impulses_.push_back(std::move(found));
     return true;

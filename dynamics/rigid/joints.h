@@ -123,7 +123,7 @@ class Joints {
     p.normal = normal_.view(total);
     p.joint_begin = contacts;
     p.joints = row_.view();
-    p.later[0] = lists_.build(b, p.free_count, setup.body_a, setup.body_b);
+    p.later[0] = lists_.build(b, p.bodies.owned_count, setup.body_a, setup.body_b);
     p.later[0].first = contacts;
   }
 

@@ -63,7 +63,7 @@ void for_each_named_array(B& b, BodyStore<B, Real>& store, BodyLoads<B, Real>& l
                           const ContactView<Real>& contacts, Span<const Vec3<Real>> impulses,
                           int vectors_per_contact, Visit visit) {
   const BodyView<Real> bodies = store.view();
-  const Index n = bodies.free_count;
+  const Index n = bodies.owned_count;
   const auto state = [&](const char* name, const char* unit, const char* meaning, auto span) {
     visit(ArrayInfo{name, unit, meaning, true}, [&] { return array_of(span.data, n); });
   };

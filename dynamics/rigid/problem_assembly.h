@@ -92,8 +92,8 @@ class ProblemAssembly {
     ContactProblem<Real>& p = step.problem;
     p.layout = layout_;
     p.contact_count = contacts.count;
-    p.free_count = bodies.free_count;
-    p.body_count = bodies.count + (layout_ == ContactLayout::jointed ? 1 : 0);  // the world
+    p.bodies = bodies.ranges();
+    if (layout_ == ContactLayout::jointed) ++p.bodies.count;  // the world
     p.body_a = contacts.body_a;
     p.body_b = contacts.body_b;
     p.normal = contacts.normal;
@@ -140,11 +140,11 @@ class ProblemAssembly {
       p.free_velocity.angular_velocity = bodies.angular_velocity;
       p.free_velocity.radius = bodies.radius;
       p.free_velocity.gravity_step = gravity_step;
-      p.free_velocity.free_count = bodies.free_count;
+      p.free_velocity.moving_count = bodies.moving_count;
       set_solid_spheres(bodies, p);
       return;
     }
-    const Span<Twist<Real>> free_velocity = sized(step.free_velocity, p.body_count);
+    const Span<Twist<Real>> free_velocity = sized(step.free_velocity, p.bodies.count);
     p.free_velocity = free_velocity;
     if (layout_ == ContactLayout::mixed) {
       Span<RadialInertia<Real>> radial;
@@ -162,9 +162,10 @@ class ProblemAssembly {
       p.radial_inertia = inertia;
       for_each(b, bodies.count, PredictRadial<Real>{bodies, gravity_step, free_velocity, inertia});
     } else {
-      const Span<GeneralInertia<Real>> inertia = sized(step.general_inertia, p.body_count);
+      const Span<GeneralInertia<Real>> inertia = sized(step.general_inertia, p.bodies.count);
       p.general_inertia = inertia;
-      for_each(b, p.body_count, PredictGeneral<Real>{bodies, gravity_step, free_velocity, inertia});
+      for_each(b, p.bodies.count,
+               PredictGeneral<Real>{bodies, gravity_step, free_velocity, inertia});
     }
   }
 

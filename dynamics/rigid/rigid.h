@@ -109,7 +109,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       report.max_joint_error = joints_.largest_error(b);
     }
     const double reference = reference_speed(loads_.is_used() ? &loads : nullptr,
-                                             h * scene_.gravity, sums, store_.free_count());
+                                             h * scene_.gravity, sums, store_.owned_count());
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
       if (joints_.count() > 0) throw_stored_joints();
@@ -150,9 +150,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return report;
   }
 
-  int body_count() const override {
-    return store_.free_count() + store_.count() - store_.fixed_begin();
-  }
+  int body_count() const override { return store_.ranges().without_ghosts().present_count(); }
   BodyStates states() override { return store_.states(); }
 
   std::vector<ContactRecord> contacts() override {
@@ -178,7 +176,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const BodyView<Real> bodies = store_.view();
     Buffer<B, FirstBad> first(b, 1);
     reduce<FirstBad>(
-        b, bodies.free_count,
+        b, bodies.owned_count,
         TakeWrittenState<Real>{bodies, scene_.stepping.time_step, periodic_box(), poses},
         StoreResult<FirstBad>{first.data()});
     const Index bad = fetch(b, first.data()).body;
@@ -259,15 +257,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
     Span<const Twist<Real>> solved = solver_->velocity();
     Buffer<B, Twist<Real>> plain(b);
     if (summary_.layout == ContactLayout::mixed) {
-      plain.reserve_discard(bodies.free_count);
-      for_each(b, bodies.free_count,
-               PlainRates<Real>{bodies, solved, plain.view(bodies.free_count)});
-      solved = plain.view(bodies.free_count);
+      plain.reserve_discard(bodies.owned_count);
+      for_each(b, bodies.owned_count,
+               PlainRates<Real>{bodies, solved, plain.view(bodies.owned_count)});
+      solved = plain.view(bodies.owned_count);
     }
     const auto along = [&](const auto& way) {
       using Way = std::decay_t<decltype(way)>;
       reduce<IntegrateSums>(
-          b, bodies.free_count,
+          b, bodies.owned_count,
           Integrate<Real, Way>{bodies, solved, summary_.layout == ContactLayout::radial, h, box,
                                way},
           StoreResult<IntegrateSums>{integrate_sums_.data()});
@@ -313,11 +311,11 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return s;
   }
 
-  /// Sorts the free bodies along the Morton curve and renames the kept contacts accordingly.
+  /// Sorts the owned bodies along the Morton curve and renames the kept contacts accordingly.
   void reorder() {
     B& b = backend();
     BodyOrder<B> order(b);
-    order.compute(b, store_.view().position.first(store_.free_count()));
+    order.compute(b, store_.view().position.first(store_.owned_count()));
     store_.for_each_array([&](auto& array) { order.apply(b, array.view()); });
     detector_.remap(b, store_.view(), order.new_of_old());
   }

@@ -17,7 +17,7 @@ void save_state(B& b, BodyStore<B, Real>& store, const ContactDetector<B, Real>&
   std::vector<std::uint64_t> key;
   std::vector<Vec3d> impulse;
   detector.save(b, key, impulse);  // first: needs room to convert
-  store.save_free(s);
+  store.save_owned(s);
   NamedContacts names = names_of(key, detector.keys(), store.ids());
   s.add("contact/body_a", std::move(names.body_a));
   s.add("contact/body_b", std::move(names.body_b));
@@ -48,14 +48,14 @@ struct RememberedContacts {
 /// @param id  [count] of all bodies, in storage order  @param vectors  of an impulse
 /// @throws InputError when they are not contacts of these bodies
 inline RememberedContacts remembered_contacts(const WorldState& s, const ContactKeys& rule,
-                                              const std::vector<Index>& id, Index free_count,
+                                              const std::vector<Index>& id, Index owned_count,
                                               std::size_t vectors) {
   RememberedContacts contacts;
   contacts.impulse = s.at<Vec3d>("contact/impulse");
   if (s.has("contact/key")) {  // a checkpoint of version 1: places of storage, which are the same
     contacts.key = s.at<std::uint64_t>("contact/key");
     require_impulses(contacts.impulse.size(), contacts.key.size() * vectors);
-    require_places(contacts.key, free_count);
+    require_places(contacts.key, owned_count);
     return contacts;
   }
   contacts.mark = s.at<std::int32_t>("contact/mark");
@@ -68,7 +68,7 @@ inline RememberedContacts remembered_contacts(const WorldState& s, const Contact
   require_contact_rows({names.body_b.size(), names.feature.size(),
                         contacts.mark.empty() ? names.body_a.size() : contacts.mark.size()},
                        names.body_a.size());
-  PlacedContacts placed = keys_of(names, rule, id, free_count);
+  PlacedContacts placed = keys_of(names, rule, id, owned_count);
   contacts.key = std::move(placed.key);
   for (std::size_t c = 0; c < contacts.key.size(); ++c) {
     if (placed.is_flipped[c] == 0) continue;
@@ -84,13 +84,13 @@ inline RememberedContacts remembered_contacts(const WorldState& s, const Contact
 template <class B, class Real>
 void restore_state(B& b, const WorldState& s, int vectors, BodyStore<B, Real>& store,
                    ContactDetector<B, Real>& detector, Solver<B, Real>& solver) {
-  const auto n = static_cast<std::size_t>(store.free_count());
+  const auto n = static_cast<std::size_t>(store.owned_count());
   const std::vector<std::int32_t>& id = s.at<std::int32_t>("body/id");
   if (id.size() != n) throw_wrong_body_count(id.size(), n);
   store.arrange(id);
-  store.restore_free(s);
+  store.restore_owned(s);
   const RememberedContacts contacts =
-      remembered_contacts(s, detector.name_elements(store.view()), store.ids(), store.free_count(),
+      remembered_contacts(s, detector.name_elements(store.view()), store.ids(), store.owned_count(),
                           static_cast<std::size_t>(vectors));
   detector.restore(b, contacts.key, contacts.impulse);
   // Marks of a checkpoint of version 1 are in the memory of the solver, and are lost.

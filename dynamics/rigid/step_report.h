@@ -27,7 +27,7 @@ template <class B, class Real>
 void fill_report(StepReport& report, const SolveStats& stats, const SetupSums& sums,
                  const ContactProblem<Real>& problem, B& b, BodyStore<B, Real>& store) {
   const Residual& residual = stats.residual;
-  report.body_count = store.free_count();
+  report.body_count = store.owned_count();
   report.iterations = stats.iterations;
   report.applications = stats.applications;
   report.converged = stats.converged;

@@ -15,9 +15,10 @@ namespace scree {
 /// @param loads         null: gravity alone
 /// @param gravity_step  h g [m/s]
 inline double reference_speed(const LoadSums* loads, const Vec3d& gravity_step,
-                              const SetupSums& sums, Index free_count) {
-  const double speed = loads != nullptr ? std::sqrt(loads->squares / std::max<Index>(free_count, 1))
-                                        : norm(gravity_step);
+                              const SetupSums& sums, Index owned_count) {
+  const double speed = loads != nullptr
+                           ? std::sqrt(loads->squares / std::max<Index>(owned_count, 1))
+                           : norm(gravity_step);
   if (speed > 0) return speed;
   return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
 }

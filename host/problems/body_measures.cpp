@@ -31,13 +31,13 @@ AssembledResidual measure(const BodyProblem& problem, AssembledModel model,
   const ContactProblem<double>& p = uploaded.problem();
   const Span<Vec3<double>> gamma = uploaded.impulses();
   upload(cpu, impulse.data(), gamma);
-  Buffer<Cpu, Twist<double>> velocity(cpu, p.body_count);
-  for_each(cpu, p.body_count, StartVelocity<double>{p, velocity.view()});
+  Buffer<Cpu, Twist<double>> velocity(cpu, p.bodies.count);
+  for_each(cpu, p.bodies.count, StartVelocity<double>{p, velocity.view()});
   AssembledResidual result;
   with_rows<double>(p.layout, [&](auto rows) {
     using R = decltype(rows);
     const double free = velocity_norm<R>(p, velocity.view());
-    for_each(cpu, p.free_count, BodyVelocity<R, double>{p, gamma, velocity.view()});
+    for_each(cpu, p.bodies.owned_count, BodyVelocity<R, double>{p, gamma, velocity.view()});
     ResidualEvaluator<Cpu, double> evaluator(cpu);
     const Residual r =
         evaluator.template evaluate_with_objective<R>(cpu, p, gamma, velocity.view());

@@ -15,16 +15,16 @@ Span<const T> host_view(const std::vector<T>& v) {
 
 /// Copies a problem as it is before the solve. Values that the problem works out where they are
 /// needed (bias, v*, inertia) are worked out here by the same functions; numbers of float problems
-/// become double, which is exact. Room of bodies that join later is left out.
-/// @param guess        impulses as matched with the last step, world frame
-/// @param body_id      ids in storage order
-/// @param fixed_begin  storage index of the first fixed body
+/// become double, which is exact. Room of bodies that join later is left out. Ghosts, which the
+/// problem keeps at their velocity, become bodies that do not move.
+/// @param guess    impulses as matched with the last step, world frame
+/// @param body_id  ids in storage order
 template <class B, class Real>
 BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> guess,
-                             const std::vector<Index>& body_id, Index fixed_begin) {
+                             const std::vector<Index>& body_id) {
   BodyProblem out;
   out.layout = p.layout;
-  out.free_count = p.free_count;
+  out.free_count = p.bodies.owned_count;
   const Index n = p.contact_count;
   const auto contact_values = [&](auto span) {
     return download(b, span.first(span.empty() ? 0 : n));
@@ -34,9 +34,6 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
   };
 
   // bodies
-  const Index room = fixed_begin - p.free_count;  // of bodies that join later
-  const Index bodies = p.body_count - room;
-  const auto storage = [&](Index i) { return i < p.free_count ? i : i + room; };
   const auto per_body = [&](auto constant, auto& memory) {
     memory = download(b, constant.values);
     constant.values = host_view(memory);
@@ -61,8 +58,9 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
     d.xx = m.xx, d.yy = m.yy, d.zz = m.zz, d.xy = m.xy, d.xz = m.xz, d.yz = m.yz;
     return d;
   };
-  for (Index i = 0; i < bodies; ++i) {
-    const Index k = storage(i);
+  for (Index i = 0; i < p.bodies.present_count(); ++i) {
+    const Index k = p.bodies.present(i);
+    const bool is_owned = p.bodies.is_owned(k);
     out.body_id.push_back(body_id[static_cast<std::size_t>(k)]);
     const Twist<Real> rate = free_velocity[k];
     Twist<double> twist;
@@ -70,13 +68,14 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
     twist.angular = Vec3d(rate.angular);
     out.free_velocity.push_back(twist);
     if (p.layout == ContactLayout::radial) {
-      const RadialInertia<Real> r = radial[k];
+      const RadialInertia<Real> r = is_owned ? radial[k] : RadialInertia<Real>{};
       RadialInertia<double> inertia;
       inertia.inv_mass = r.inv_mass;
       inertia.inv_spin = r.inv_spin;
       out.radial_inertia.push_back(inertia);
     } else {
-      const GeneralInertia<Real>& g = general[static_cast<std::size_t>(k)];
+      const GeneralInertia<Real> g =
+          is_owned ? general[static_cast<std::size_t>(k)] : GeneralInertia<Real>{};
       GeneralInertia<double> inertia;
       inertia.mass = g.mass;
       inertia.inv_mass = Vec3d(g.inv_mass);
@@ -89,8 +88,9 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
   // contacts
   out.body_a = contact_values(p.body_a);
   out.body_b = contact_values(p.body_b);
+  const Index room = p.bodies.fixed_begin - p.bodies.moving_count;
   for (Index& body : out.body_b)
-    if (body >= p.free_count) body -= room;
+    if (p.bodies.is_fixed(body)) body -= room;
   out.normal = vectors(contact_values(p.normal));
   out.arm_a = vectors(contact_values(p.arm_a));
   out.arm_b = vectors(contact_values(p.arm_b));
@@ -146,16 +146,14 @@ inline void divide_by_lengths(BodyProblem& p, const std::vector<double>& length)
 template <class B, class Real>
 BodyProblem download_any_problem(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> guess,
                                  const std::vector<Index>& body_id, const BodyView<Real>& bodies) {
-  if (p.layout != ContactLayout::mixed)
-    return download_problem<B, Real>(b, p, guess, body_id, bodies.fixed_begin);
+  if (p.layout != ContactLayout::mixed) return download_problem<B, Real>(b, p, guess, body_id);
   ExpandedProblem<B, Real> expanded(b, p);
   expanded.take_impulses(b, guess);
-  BodyProblem out = download_problem<B, Real>(b, expanded.problem(), expanded.impulses(), body_id,
-                                              bodies.fixed_begin);
+  BodyProblem out = download_problem<B, Real>(b, expanded.problem(), expanded.impulses(), body_id);
   Buffer<B, Real> lengths(b, bodies.count);
   for_each(b, bodies.count, RateLengths<Real>{bodies, lengths.view()});
   const std::vector<Real> all = download(b, lengths.view(bodies.count));
-  std::vector<double> length(all.begin(), all.begin() + bodies.free_count);
+  std::vector<double> length(all.begin(), all.begin() + bodies.moving_count);
   length.insert(length.end(), all.begin() + bodies.fixed_begin, all.end());
   divide_by_lengths(out, length);
   return out;

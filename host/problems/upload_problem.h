@@ -37,8 +37,7 @@ class UploadedProblem {
     const auto real = [](double x) { return static_cast<Real>(x); };
     problem_.layout = p.layout;
     problem_.contact_count = p.contact_count();
-    problem_.free_count = p.free_count;
-    problem_.body_count = p.body_count();
+    problem_.bodies = {p.free_count, p.free_count, p.free_count, p.body_count()};
     upload(b, p.body_a, body_a_);
     upload(b, p.body_b, body_b_);
     problem_.body_a = body_a_.view();

@@ -59,7 +59,7 @@ class Renderer {
   CameraSettings automatic_camera(B&, const BodyView<Real>&, const Extent&, const PictureSettings&);
   render::DrawList<Real> make_draw_list(B&, const BodyView<Real>&, Shapes, const MeshSetView<Real>&,
                                         const Vec3d& eye, const Vec3d& focus);
-  render::ColorRange color_range(B&, const render::ColorValue<Real>&, Index free_count,
+  render::ColorRange color_range(B&, const render::ColorValue<Real>&, Index owned_count,
                                  const PictureSettings&, double mean_radius);
   /// Fills the drawn rows of a view's buffer.
   template <class Sample>

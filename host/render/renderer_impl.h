@@ -38,8 +38,8 @@ render::BodyStatistics Renderer<B, Real>::measure(B& b, const BodyView<Real>& bo
 template <class B, class Real>
 render::Box Renderer<B, Real>::bulk(B& b, const BodyView<Real>& bodies) {
   constexpr Index kMaxPicked = 1 << 16;
-  const Index stride = bodies.free_count / kMaxPicked + 1;
-  const Index count = (bodies.free_count + stride - 1) / stride;
+  const Index stride = bodies.owned_count / kMaxPicked + 1;
+  const Index count = (bodies.owned_count + stride - 1) / stride;
   picked_.reserve_discard(count);
   for_each(b, count, render::PickPositions{bodies.position, stride, picked_.view(count)});
   return render::bulk_of(download(b, picked_.view(count)));
@@ -54,16 +54,16 @@ typename Renderer<B, Real>::Extent Renderer<B, Real>::find_extent(B& b,
     return render::Box{{s.lower[0], s.lower[1], s.lower[2]}, {s.upper[0], s.upper[1], s.upper[2]}};
   };
   Extent extent;
-  const render::Box fixed = box_of(measure(b, bodies, shapes, bodies.fixed_begin,
-                                           bodies.count - bodies.fixed_begin, extent.keep));
-  auto s = measure(b, bodies, shapes, 0, bodies.free_count, extent.keep);
+  const render::Box fixed =
+      box_of(measure(b, bodies, shapes, bodies.fixed_begin, bodies.fixed_count(), extent.keep));
+  auto s = measure(b, bodies, shapes, 0, bodies.owned_count, extent.keep);
   if (s.count == 0) {
     extent.walls = extent.framed = fixed;
     return extent;
   }
   // A few stray bodies must not shrink all others to a dot.
   extent.keep = render::keep_rule(bulk(b, bodies), s.sum_radius / s.count);
-  s = measure(b, bodies, shapes, 0, bodies.free_count, extent.keep);
+  s = measure(b, bodies, shapes, 0, bodies.owned_count, extent.keep);
   extent.mean_radius = s.sum_radius / s.count;
   extent.free = box_of(s);
   const Vec3d size = extent.free.upper - extent.free.lower;
@@ -83,7 +83,7 @@ CameraSettings Renderer<B, Real>::automatic_camera(B& b, const BodyView<Real>& b
   frame_sides_.reserve_discard(1);
   for (int pass = 1;; ++pass) {
     const render::MeasureFrame<Real> program{axes, bodies.position, bodies.radius, extent.keep};
-    reduce<render::FrameSides>(b, bodies.free_count, program,
+    reduce<render::FrameSides>(b, bodies.owned_count, program,
                                StoreResult<render::FrameSides>{frame_sides_.data()});
     render::FrameSides sides = fetch(b, frame_sides_.data());
     sides.combine(render::box_sides(axes, extent.walls));
@@ -100,9 +100,7 @@ render::DrawList<Real> Renderer<B, Real>::make_draw_list(B& b, const BodyView<Re
                                                          const MeshSetView<Real>& meshes,
                                                          const Vec3d& eye, const Vec3d& focus) {
   render::DrawList<Real> list;
-  list.free_count = bodies.free_count;
-  list.fixed_begin = bodies.fixed_begin;
-  list.count = bodies.count;
+  list.bodies = bodies.without_ghosts();
   list.position = bodies.position;
   list.orientation = bodies.orientation;
   list.radius = bodies.radius;
@@ -130,13 +128,14 @@ render::DrawList<Real> Renderer<B, Real>::make_draw_list(B& b, const BodyView<Re
 
 template <class B, class Real>
 render::ColorRange Renderer<B, Real>::color_range(B& b, const render::ColorValue<Real>& value,
-                                                  Index free_count, const PictureSettings& settings,
+                                                  Index owned_count,
+                                                  const PictureSettings& settings,
                                                   double mean_radius) {
   render::ColorRange range{settings.color_min, settings.color_max};
   const bool by_value = settings.color_by == ColorBy::speed || settings.color_by == ColorBy::size;
   if (by_value && range.low == range.high) {
     value_statistics_.reserve_discard(1);
-    reduce<render::ValueStatistics>(b, free_count, render::MeasureValues<Real>{value},
+    reduce<render::ValueStatistics>(b, owned_count, render::MeasureValues<Real>{value},
                                     StoreResult<render::ValueStatistics>{value_statistics_.data()});
     const auto s = fetch(b, value_statistics_.data());
     const double mean = s.count > 0 ? s.sum / s.count : 0;
@@ -208,14 +207,13 @@ Image Renderer<B, Real>::render(B& b, const BodyView<Real>& bodies,
   const render::ColorValue<Real> value{static_cast<render::ColorMode>(settings.color_by),
                                        bodies.velocity, bodies.radius};
   const render::ColorRange values =
-      color_range(b, value, bodies.free_count, settings, extent.mean_radius);
+      color_range(b, value, bodies.owned_count, settings, extent.mean_radius);
   if (range != nullptr) *range = values;
   color_.reserve_discard(bodies.count);
   for_each(b, bodies.count,
            render::ColorBodies<Real>{value, static_cast<float>(values.low),
-                                     static_cast<float>(values.high), bodies.free_count,
-                                     bodies.fixed_begin, bodies.group, bodies.id,
-                                     color_.view(bodies.count)});
+                                     static_cast<float>(values.high), bodies.without_ghosts(),
+                                     bodies.group, bodies.id, color_.view(bodies.count)});
 
   // A shadow sample is about as large as a sample of the picture when the scene fills it.
   const Vec3d to_light = render::key_light_direction(camera);

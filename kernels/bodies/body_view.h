@@ -1,6 +1,7 @@
 #pragma once
 // Bodies as structures of arrays, and records of the shapes that are not spheres.
 
+#include "kernels/bodies/body_ranges.h"
 #include "kernels/bodies/per_body.h"
 #include "kernels/math/quat.h"
 #include "shapes/shape_kind.h"
@@ -38,14 +39,9 @@ struct MeshSetView {
   Span<const MeshRange> ranges;  ///< [mesh_count]
 };
 
-/// Storage: free bodies in [0, free_count), in Morton order; then room for bodies not yet inserted;
-/// then fixed and kinematic bodies in [fixed_begin, count). A lower index than `fixed_begin`
-/// means movable.
+/// Bodies in storage, see BodyRanges; owned ones in Morton order. Free bodies are those that move.
 template <class Real>
-struct BodyView {
-  Index free_count = 0;
-  Index fixed_begin = 0;
-  Index count = 0;
+struct BodyView : BodyRanges {
   Span<Vec3<double>> position;        ///< center of mass, world [m]; always double
   Span<Quat<Real>> orientation;       ///< body to world, unit
   Span<Vec3<Real>> velocity;          ///< [m/s]

@@ -8,18 +8,6 @@
 
 namespace scree {
 
-/// Bodies that are binned: free ones, and fixed or kinematic spheres. Other bodies in
-/// [fixed_begin, count) are walls.
-struct BinnedRange {
-  Index free_count = 0;
-  Index fixed_begin = 0;
-  Index count = 0;
-
-  SCREE_HD Index size() const { return free_count + count - fixed_begin; }
-  SCREE_HD Index body(Index m) const { return m < free_count ? m : m - free_count + fixed_begin; }
-  bool operator==(const BinnedRange&) const = default;
-};
-
 /// How much farther bodies reach in a list of pairs than the present step needs, so that the list
 /// serves the steps to come as well.
 struct SpareReach {
@@ -75,7 +63,7 @@ struct BodyBalls {
   /// Zero for bodies that are not binned [m].
   SCREE_HD float radius(Index i) const {
     const bool is_sphere = bodies.shape[i] < 0;
-    if (i >= bodies.fixed_begin && !is_sphere) return 0;
+    if (bodies.is_fixed(i) && !is_sphere) return 0;
     const double own = bodies.radius[i];
     const double speed = norm(course_velocity(bodies, range, i));
     double radius = own + 0.5 * (range.envelope + spare.skin) + range.margin_of(i) +
@@ -92,16 +80,17 @@ struct BodyBalls {
   }
 };
 
-/// Radii of balls, and the extent these need. Bytes per body: 44 read, 4 written.
+/// Radii of balls, and the extent these need. Binned are free bodies and fixed or kinematic spheres;
+/// other fixed ones are walls, and have none. Bytes per body: 44 read, 4 written.
 template <class Real>
 struct MeasureBodies {
   static constexpr const char* name = "measure_bodies";
   BodyBalls<Real> balls;
-  BinnedRange binned;
-  Span<float> inflated;  ///< [binned.size()] out [m]
+  BodyRanges binned;
+  Span<float> inflated;  ///< [binned.present_count()] out [m]
 
   SCREE_HD BodyExtent operator()(Index m) const {
-    const Index i = binned.body(m);
+    const Index i = binned.present(m);
     const float r = balls.radius(i);
     inflated[m] = r;
     BodyExtent e;
@@ -139,11 +128,12 @@ template <class Real>
 struct BinBodies {
   static constexpr const char* name = "bin_bodies";
   BodyBalls<Real> balls;
-  BinnedRange binned;
+  BodyRanges binned;
   Span<const float> inflated;
   const BinGrid* grid;
-  Span<Index> cell;   ///< [binned.size()] out; the number of cells for bodies that are not binned
-  Span<Index> rank;   ///< [binned.size()] out
+  /// [binned.present_count()] out; the number of cells for bodies that are not binned
+  Span<Index> cell;
+  Span<Index> rank;   ///< [binned.present_count()] out
   Span<Index> count;  ///< [grid->cell_count + 1] in: zero; out: bodies of each cell
 
   SCREE_HD void operator()(Index m) const {
@@ -151,7 +141,7 @@ struct BinBodies {
     Index c = grid->cell_count;
     if (r > 0) {
       const BinLevel& l = grid->level[find_level(*grid, 2.0 * r)];
-      c = cell_of(l, wrapped(*grid, l, balls.center(binned.body(m))));
+      c = cell_of(l, wrapped(*grid, l, balls.center(binned.present(m))));
     }
     cell[m] = c;
     rank[m] = atomic_add(&count[c], 1);
@@ -170,18 +160,18 @@ template <class Real>
 struct PlaceBodies {
   static constexpr const char* name = "place_bodies";
   BodyBalls<Real> balls;
-  BinnedRange binned;
+  BodyRanges binned;
   Span<const float> inflated;
   const BinGrid* grid;
-  Span<const Index> cell;   ///< [binned.size()] by BinBodies
-  Span<const Index> rank;   ///< [binned.size()] by BinBodies
+  Span<const Index> cell;   ///< [binned.present_count()] by BinBodies
+  Span<const Index> rank;   ///< [binned.present_count()] by BinBodies
   Span<const Index> begin;  ///< [grid->cell_count + 2] scan of the counts
-  Span<Index> cell_at;      ///< [binned.size()] out: cell of each position
-  Span<Index> body;         ///< [binned.size()] out: storage index
-  Span<BinRecord> record;   ///< [binned.size()] out
+  Span<Index> cell_at;      ///< [binned.present_count()] out: cell of each position
+  Span<Index> body;         ///< [binned.present_count()] out: storage index
+  Span<BinRecord> record;   ///< [binned.present_count()] out
 
   SCREE_HD void operator()(Index m) const {
-    const Index c = cell[m], i = binned.body(m), p = begin[c] + rank[m];
+    const Index c = cell[m], i = binned.present(m), p = begin[c] + rank[m];
     BinRecord r;
     if (c < grid->cell_count) {
       const BinLevel& l = grid->level[level_of_cell(*grid, c)];

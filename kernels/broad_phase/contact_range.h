@@ -42,7 +42,7 @@ SCREE_HD Vec3<double> course_velocity(const BodyView<Real>& bodies, const Contac
                                       Index i) {
   const Vec3<double> v(bodies.velocity[i]);
   if (i < range.first_held) return v;
-  if (i >= bodies.fixed_begin) return v - range.gravity_step;
+  if (bodies.is_fixed(i)) return v - range.gravity_step;
   const unsigned free = free_linear_axes(bodies.locks[i]);
   if (free == 7u) return v;
   return on_axes(v + range.gravity_step, free) - range.gravity_step;
@@ -54,7 +54,7 @@ SCREE_HD Vec3<double> course_velocity(const BodyView<Real>& bodies, const Contac
 template <class Real>
 SCREE_HD float inflated_radius(const BodyView<Real>& bodies, const ContactRange& range, Index i) {
   const bool is_sphere = bodies.shape[i] < 0;
-  if (i >= bodies.fixed_begin && !is_sphere) return 0;
+  if (bodies.is_fixed(i) && !is_sphere) return 0;
   double speed = norm(course_velocity(bodies, range, i) + range.gravity_step);
   if (!is_sphere) {
     speed += static_cast<double>(bodies.radius[i]) * norm(Vec3<double>(bodies.angular_velocity[i]));

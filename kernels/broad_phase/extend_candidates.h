@@ -70,16 +70,17 @@ template <class Real>
 struct RenewReach {
   static constexpr const char* name = "renew_reach";
   BodyBalls<Real> balls;
-  BinnedRange binned;
+  BodyRanges binned;
   Vec3<double> origin;
   Span<const Index> left;
-  Span<ReachRecord> record;     ///< [binned.size()] in, out
+  Span<ReachRecord> record;     ///< [binned.present_count()] in, out
   Span<ReachRecord> left_ball;  ///< [left.size] out: the same, with room for rounding
-  Span<std::uint8_t> has_left;  ///< [binned.size()] in: zero; out: one for bodies that left
-  Index* pair_count;            ///< see FindMissingPairs
+  /// [binned.present_count()] in: zero; out: one for bodies that left
+  Span<std::uint8_t> has_left;
+  Index* pair_count;  ///< see FindMissingPairs
 
   SCREE_HD void operator()(Index k) const {
-    const Index i = binned.body(left[k]);
+    const Index i = binned.present(left[k]);
     ReachRecord ball;
     ball.reach = balls.radius(i);
     if (ball.reach > 0) {
@@ -185,12 +186,12 @@ struct HitGroups {
 struct FindMissingPairs {
   static constexpr const char* name = "find_missing_pairs";
   BallOverlap overlap;
-  BinnedRange binned;
+  BodyRanges binned;
   CandidateView list;
   Span<const ReachRecord> record;
   Span<const Index> left;
   Span<const ReachRecord> left_ball;
-  Span<const std::uint8_t> has_left;  ///< [binned.size()] by RenewReach
+  Span<const std::uint8_t> has_left;  ///< [binned.present_count()] by RenewReach
   BallHits blocks, groups;
   Index* pair_count;  ///< in: zero; out: how many there are, also when there is not room for all
   Span<std::uint64_t> pair;  ///< out: keys of both bodies, the lower one first, in any order
@@ -205,9 +206,9 @@ struct FindMissingPairs {
 
  private:
   SCREE_HD void found(Index m, Index other) const {
-    const Index i = binned.body(m), j = binned.body(other);
+    const Index i = binned.present(m), j = binned.present(other);
     const Index a = i < j ? i : j, b = i < j ? j : i;
-    if (a == b || a >= binned.free_count) return;
+    if (a == b || !binned.is_owned(a)) return;
     if (m > other && has_left[m] != 0) return;  // two that left find each other twice
     if (list.contains(a, b)) return;
     const Index at = atomic_add(pair_count, 1);
@@ -272,7 +273,7 @@ struct BeginExtended {
   static constexpr const char* name = "begin_extended";
   CandidateView list;
   Span<const std::uint64_t> added;  ///< keys, ascending
-  Span<Offset> begin;               ///< [free_count + 1] out
+  Span<Offset> begin;               ///< [owned_count + 1] out
   SCREE_HD void operator()(Index p) const {
     const Index a = list.body[p], more = static_cast<Index>(added.size);
     if (p == 0 || list.body[p - 1] != a)

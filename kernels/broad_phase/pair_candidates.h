@@ -14,9 +14,9 @@ namespace scree {
 /// Candidates of one piece at most: as many as an Index has bits for, see CountContacts.
 inline constexpr Index kPieceLength = 32;
 
-/// Pairs sorted by (body a, other body), a being the free body with the lower storage index. They
+/// Pairs sorted by (body a, other body), a being the owned body with the lower storage index. They
 /// are cut into pieces, so that one large body among many small ones does not hold up all others:
-/// where a body's candidates begin, and at each multiple of kPieceLength. Every free body has at
+/// where a body's candidates begin, and at each multiple of kPieceLength. Every owned body has at
 /// least one piece.
 struct CandidateView {
   Span<const Index> body;   ///< [piece count] body a
@@ -74,13 +74,13 @@ template <class Real>
 struct RecordReach {
   static constexpr const char* name = "record_reach";
   BodyBalls<Real> balls;
-  BinnedRange binned;
+  BodyRanges binned;
   Vec3<double> origin;
-  Span<const float> reach;   ///< [binned.size()]
-  Span<ReachRecord> record;  ///< [binned.size()] out
+  Span<const float> reach;   ///< [binned.present_count()]
+  Span<ReachRecord> record;  ///< [binned.present_count()] out
 
   SCREE_HD void operator()(Index m) const {
-    record[m] = {Vec3<float>(balls.center(binned.body(m)) - origin), reach[m]};
+    record[m] = {Vec3<float>(balls.center(binned.present(m)) - origin), reach[m]};
   }
 };
 
@@ -102,14 +102,14 @@ template <class Real>
 struct CheckReach {
   static constexpr const char* name = "check_reach";
   BodyBalls<Real> balls;  ///< of the present step
-  BinnedRange binned;
+  BodyRanges binned;
   Vec3<double> origin;
-  Span<const ReachRecord> record;  ///< [binned.size()]
+  Span<const ReachRecord> record;  ///< [binned.present_count()]
   Index* left_count;               ///< in: zero; out: bodies noted, or more
   Span<Index> left;                ///< out: number of each among binned bodies
 
   SCREE_HD LeftBodies operator()(Index m) const {
-    const Index passing = passes(binned.body(m)) ? 1 : 0;
+    const Index passing = passes(binned.present(m)) ? 1 : 0;
     if (is_within(m)) return {0, passing};
     if (atomic_read(left_count) >= left.size) return {1, passing};
     const Index at = atomic_add(left_count, 1);
@@ -123,7 +123,7 @@ struct CheckReach {
     return !(way <= (1 - 1e-6) * kMinTurningWay * own);
   }
   SCREE_HD bool is_within(Index m) const {
-    const Index i = binned.body(m);
+    const Index i = binned.present(m);
     const float inflated = balls.radius(i);
     const ReachRecord own = record[m];
     if (!(inflated > 0) || !(own.reach > 0)) return !(inflated > 0) && !(own.reach > 0);
@@ -179,7 +179,7 @@ struct CountCandidates {
   static constexpr const char* name = "count_candidates";
   static constexpr int kLeastBlocks = 4;
   PairSearch<Real> search;
-  Span<Index> count;  ///< [free_count] in: zero; out: pairs whose lower body it is
+  Span<Index> count;  ///< [owned_count] in: zero; out: pairs whose lower body it is
   FoundPairs found;   ///< out; in: chunk_count is zero
 
   SCREE_HD void operator()(Index e) const {
@@ -214,8 +214,8 @@ struct CountCandidates {
 
 /// Puts pairs among those of their lower body, in any order.
 struct PairPlaces {
-  Span<const Offset> begin;  ///< [free_count + 1] scan of count
-  Span<Index> count;         ///< [free_count] pairs still to come
+  Span<const Offset> begin;  ///< [owned_count + 1] scan of count
+  Span<Index> count;         ///< [owned_count] pairs still to come
   Span<Index> lower;         ///< out: the lower body
   Span<Index> other;         ///< out: the higher body
 
@@ -282,18 +282,18 @@ struct WriteChunks {
   }
 };
 
-/// Cuts the list into pieces; one more element than free bodies, for its end.
+/// Cuts the list into pieces; one more element than owned bodies, for its end.
 /// Bytes per body: 16 read, 8 written per piece.
 struct CutPieces {
   static constexpr const char* name = "cut_pieces";
-  Index free_count = 0;
-  Span<const Offset> begin;  ///< [free_count + 1]
+  Index owned_count = 0;
+  Span<const Offset> begin;  ///< [owned_count + 1]
   Span<Index> piece_body;    ///< out
   Span<Index> piece_begin;   ///< out, one more
 
   SCREE_HD void operator()(Index a) const {
     Offset piece = first_piece(a, begin[a]);
-    if (a == free_count) {
+    if (a == owned_count) {
       piece_begin[piece] = static_cast<Index>(begin[a]);
       return;
     }

@@ -10,10 +10,11 @@ struct BinView {
   const BinGrid* grid = nullptr;
   Vec3<double> lower;          ///< origin of the grid [m]
   Index slice_count = 0;       ///< as the grid has it
-  Span<const float> inflated;  ///< [binned.size()] by BinnedRange [m]
+  Span<const float> inflated;  ///< [binned.present_count()] [m]
   Span<const BinRecord> record;
-  Span<const Index> cell;   ///< [binned.size()] of each position; the number of cells: not binned
-  Span<const Index> body;   ///< [binned.size()] at each position
+  /// [binned.present_count()] of each position; the number of cells: not binned
+  Span<const Index> cell;
+  Span<const Index> body;   ///< [binned.present_count()] at each position
   Span<const Index> begin;  ///< [number of cells + 2] first position of each cell
 };
 
@@ -61,13 +62,13 @@ SCREE_HD inline float wrapped_difference(float d, float wrap, float inv_wrap) {
 }
 
 /// Finds the pairs of binned bodies whose balls overlap, or nearly so; at least one of the two is
-/// free. Its elements are all positions in cell order, and then the slices of those of coarser
+/// owned. Its elements are all positions in cell order, and then the slices of those of coarser
 /// levels: a body searches one layer of cells of one finer level in each. So large bodies, which
 /// have many neighbors, do not hold up small ones.
 template <class Real>
 struct PairSearch {
   BodyBalls<Real> balls;
-  Index fixed_begin = 0;
+  Index owned_count = 0;
   BinView bins;
 
   SCREE_HD Index size() const { return static_cast<Index>(bins.cell.size) + bins.slice_count; }
@@ -196,7 +197,7 @@ struct PairSearch {
             const float sum = radius + other.radius;
             if (norm2(d) > sum * sum * 1.00001f) continue;
             const Index j = bins.body[q];
-            if (i < fixed_begin || j < fixed_begin) emit(j);
+            if (i < owned_count || j < owned_count) emit(j);
           }
         }
       }

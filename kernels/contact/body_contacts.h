@@ -23,16 +23,16 @@ struct RunStarts {
   }
 };
 
-/// Counts the contacts of each free body as B. Bytes per contact: 4 read; counts are
+/// Counts the contacts of each owned body as B. Bytes per contact: 4 read; counts are
 /// added to in the caches.
 struct CountAsB {
   static constexpr const char* name = "count_as_b";
   Span<const Index> body_b;
-  Index free_count;
-  Span<Index> count;  ///< [free_count] in: zero; out
+  Index owned_count;
+  Span<Index> count;  ///< [owned_count] in: zero; out
   SCREE_HD void operator()(Index c) const {
     const Index b = body_b[c];
-    if (b < free_count) atomic_add(&count[b], 1);
+    if (b < owned_count) atomic_add(&count[b], 1);
   }
 };
 
@@ -40,13 +40,13 @@ struct CountAsB {
 struct PutAsB {
   static constexpr const char* name = "put_as_b";
   Span<const Index> body_b;
-  Index free_count;
-  Span<const Offset> start;  ///< [free_count + 1] scan of the counts
-  Span<Index> count;         ///< [free_count] out: zero
+  Index owned_count;
+  Span<const Offset> start;  ///< [owned_count + 1] scan of the counts
+  Span<Index> count;         ///< [owned_count] out: zero
   Span<Index> contact;       ///< out
   SCREE_HD void operator()(Index c) const {
     const Index b = body_b[c];
-    if (b < free_count) contact[start[b] + atomic_add(&count[b], -1) - 1] = c;
+    if (b < owned_count) contact[start[b] + atomic_add(&count[b], -1) - 1] = c;
   }
 };
 

@@ -3,7 +3,7 @@
 //
 //   key = group << 63 | a << 32 | element
 //   group: 0, or 1 for general contacts of the mixed layout
-//   a: the free body with the lower storage index
+//   a: the owned body with the lower storage index
 //   element, in 32 bits:
 //     [0, wall_begin)              body b << feature_bits | feature
 //     [wall_begin, solid_begin)    plane p of the walls, slot corner: wall_begin + 8 p + corner

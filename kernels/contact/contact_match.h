@@ -82,13 +82,13 @@ struct MatchMarks {
   }
 };
 
-/// Keys after free bodies have moved in storage. When the order of the two bodies flips, they
+/// Keys after owned bodies have moved in storage. When the order of the two bodies flips, they
 /// exchange their roles and the impulse, which acts on B, changes sign.
 template <class Real>
 struct RenameContacts {
   static constexpr const char* name = "rename_contacts";
   ContactKeys keys;
-  Span<const Index> new_of_old;  ///< [free_count] new storage index of a free body
+  Span<const Index> new_of_old;  ///< [owned_count] new storage index of an owned body
   int vectors = 1;
   Span<std::uint64_t> key;   ///< in and out
   Span<Vec3<Real>> impulse;  ///< in and out

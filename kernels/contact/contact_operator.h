@@ -36,7 +36,7 @@ SCREE_HD Twist<Real> gather_wrench(const ContactProblem<Real>& p, Span<const Vec
   return sum;
 }
 
-/// velocity[i] = v*_i + (M^-1 J^T gamma)_i, for free bodies.
+/// velocity[i] = v*_i + (M^-1 J^T gamma)_i, for owned bodies.
 /// Bytes per body (radial, float): 24 read + 24 written + 8; per contact 2 x (12 + 12)
 /// gathered + 4.
 template <class R, class Real>
@@ -223,7 +223,7 @@ SCREE_HD ContactMetric<Real> mass_split_metric(const ContactProblem<Real>& p, In
   ContactMetric<Real> sum{0, 0, 0};
   for (int side = 0; side < 2; ++side) {
     const Index i = side == 0 ? p.body_a[c] : p.body_b[c];
-    if (i >= p.free_count) continue;
+    if (!p.bodies.is_owned(i)) continue;
     const Real k =
         static_cast<Real>(R::kHasLaterGroups ? p.count_contacts(i) : p.lists(0).count(i));
     const ContactMetric<Real> m = R::body_metric(p, c, side == 1, i);

@@ -14,6 +14,7 @@
 // body A, with lists of its own for each body. Fields that not all groups have, as lever arms, are
 // stored from the first contact on that has them.
 
+#include "kernels/bodies/body_ranges.h"
 #include "kernels/bodies/per_body.h"
 #include "kernels/contact/contact_view.h"
 #include "kernels/contact/joint_row.h"
@@ -99,12 +100,12 @@ struct ContactBias {
 /// that do not turn.
 template <class Real>
 struct FreeVelocity {
-  Span<const Twist<Real>> values;           ///< [body_count], or empty:
-  Span<const Vec3<Real>> velocity;          ///< [body_count] [m/s]
-  Span<const Vec3<Real>> angular_velocity;  ///< [body_count] [rad/s]
+  Span<const Twist<Real>> values;           ///< [bodies.count], or empty:
+  Span<const Vec3<Real>> velocity;          ///< [bodies.count] [m/s]
+  Span<const Vec3<Real>> angular_velocity;  ///< [bodies.count] [rad/s]
   PerBody<Real> radius;                     ///< [m]
   Vec3<Real> gravity_step;                  ///< h g [m/s]
-  Index free_count = 0;
+  Index moving_count = 0;                   ///< bodies that get gravity_step
 
   FreeVelocity() = default;
   template <class U>
@@ -113,7 +114,7 @@ struct FreeVelocity {
       : values(all) {}
   SCREE_HD Twist<Real> operator[](Index i) const {
     if (!values.empty()) return values[i];
-    if (i >= free_count) return {velocity[i], {}};
+    if (i >= moving_count) return {velocity[i], {}};
     return {velocity[i] + gravity_step, radius[i] * angular_velocity[i]};
   }
 };
@@ -122,7 +123,7 @@ struct FreeVelocity {
 /// the same inv_spin / inv_mass.
 template <class Real>
 struct RadialInertias {
-  Span<const RadialInertia<Real>> values;  ///< [body_count], or empty:
+  Span<const RadialInertia<Real>> values;  ///< [bodies.count], or empty:
   PerBody<Real> inv_mass;                  ///< [1/kg]
   /// inv_spin / inv_mass where it is the same for all free bodies, else negative.
   Real spin_ratio = -1;
@@ -139,12 +140,12 @@ struct RadialInertias {
   }
 };
 
-/// The contacts of each free body in one group, numbered from the first one of the group: as A they
+/// The contacts of each owned body in one group, numbered from the first one of the group: as A they
 /// are the range [a_start[i], a_start[i + 1]), as B the listed ones.
 struct ContactLists {
   Index first = 0;              ///< contact of the group
-  Span<const Index> a_start;    ///< [free_count + 1]; empty: there is no such group
-  Span<const Index> b_start;    ///< [free_count + 1]
+  Span<const Index> a_start;    ///< [owned_count + 1]; empty: there is no such group
+  Span<const Index> b_start;    ///< [owned_count + 1]
   Span<const Index> b_contact;  ///< sorted by (body_b, contact)
 
   SCREE_HD Index count(Index i) const {
@@ -159,14 +160,17 @@ template <class Real>
 struct ContactProblem {
   ContactLayout layout = ContactLayout::radial;
   Index contact_count = 0;
-  Index free_count = 0;  ///< bodies [0, free_count) move
-  Index body_count = 0;  ///< storage size of body arrays; bodies >= free_count keep their velocity
+  /// Storage of the arrays of bodies; the world, where joints hold to it, counts as one more fixed
+  /// body. Solvers find velocities of owned bodies. Ghosts have v* and inertia too, but only their
+  /// owners know all of their contacts: here they keep the velocity that they have, as fixed ones
+  /// do.
+  BodyRanges bodies;
   /// Mixed layout: contacts [0, radial_count) are radial, the others general. 0 in other layouts.
   Index radial_count = 0;
 
   // contacts [contact_count], each group sorted by body_a
-  Span<const Index> body_a;       ///< always free, and less than body_b
-  Span<const Index> body_b;       ///< free or fixed
+  Span<const Index> body_a;       ///< owned, and less than body_b
+  Span<const Index> body_b;       ///< owned, ghost or fixed
   Span<const Vec3<Real>> normal;  ///< unit, from A to B
   ContactBias<Real> bias;         ///< [m/s]
   PerContact<Real> friction;      ///< mu [-]
@@ -187,16 +191,16 @@ struct ContactProblem {
   Span<Index> mark;
 
   // bodies
-  FreeVelocity<Real> free_velocity;  ///< v* = v + h M^-1 f_ext [body_count]
-  /// [body_count], radial and mixed layout; zero for bodies of the latter that are no radial ones
+  FreeVelocity<Real> free_velocity;  ///< v* = v + h M^-1 f_ext [bodies.count]
+  /// [bodies.count], radial and mixed layout; zero for bodies of the latter that are no radial ones
   RadialInertias<Real> radial_inertia;
-  /// [body_count], other layouts; of the mixed one empty when all free bodies are radial
+  /// [bodies.count], other layouts; of the mixed one empty when all free bodies are radial
   Span<const GeneralInertia<Real>> general_inertia;
 
   // contacts of a body in the first group: as A they are the range [a_start[i], a_start[i+1]), as B
   // the listed ones
-  Span<const Index> a_start;         ///< [free_count + 1]
-  Span<const Index> b_start;         ///< [free_count + 1]
+  Span<const Index> a_start;         ///< [owned_count + 1]
+  Span<const Index> b_start;         ///< [owned_count + 1]
   Span<const Index> b_contact;       ///< contact indices sorted by (body_b, contact)
   ContactLists later[kLaterGroups];  ///< of the groups behind it
 
@@ -204,7 +208,7 @@ struct ContactProblem {
   SCREE_HD ContactLists lists(int group) const {
     return group == 0 ? ContactLists{0, a_start, b_start, b_contact} : later[group - 1];
   }
-  /// Contacts of free body i, of all groups.
+  /// Contacts of owned body i, of all groups.
   SCREE_HD Index count_contacts(Index i) const {
     Index n = lists(0).count(i);
     for (const ContactLists& group : later) n += group.a_start.empty() ? 0 : group.count(i);

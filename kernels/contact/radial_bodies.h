@@ -12,7 +12,7 @@ namespace scree {
 /// and fixed and kinematic bodies that do not turn in this step.
 template <class Real>
 SCREE_HD bool is_radial_body(const BodyView<Real>& bodies, Index i) {
-  if (i >= bodies.fixed_begin) return is_zero(norm2(bodies.angular_velocity[i]));
+  if (bodies.is_fixed(i)) return is_zero(norm2(bodies.angular_velocity[i]));
   const unsigned locks = bodies.locks[i], turning = free_angular_axes(locks);
   return bodies.shape[i] < 0 && free_linear_axes(locks) == 7u && (turning == 7u || turning == 0u);
 }
@@ -23,17 +23,17 @@ template <class Real>
 SCREE_HD Real rate_length(ContactLayout layout, const BodyView<Real>& bodies, Index i) {
   if (layout == ContactLayout::radial) return bodies.radius[i];
   const bool is_scaled =
-      layout == ContactLayout::mixed && i < bodies.free_count && is_radial_body(bodies, i);
+      layout == ContactLayout::mixed && bodies.moves(i) && is_radial_body(bodies, i);
   return is_scaled ? bodies.radius[i] : Real(1);
 }
 
-/// Rates of free bodies from those of a problem of the mixed layout.
+/// Rates of owned bodies from those of a problem of the mixed layout.
 template <class Real>
 struct PlainRates {
   static constexpr const char* name = "plain_rates";
   BodyView<Real> bodies;
   Span<const Twist<Real>> solved;
-  Span<Twist<Real>> plain;  ///< [free_count] out
+  Span<Twist<Real>> plain;  ///< [owned_count] out
   SCREE_HD void operator()(Index i) const {
     const Real length = rate_length(ContactLayout::mixed, bodies, i);
     plain[i] = {solved[i].linear, (Real(1) / length) * solved[i].angular};

@@ -61,7 +61,7 @@ struct ImpactGraph {
   /// What course_velocity() adds to the velocity of a body [m/s].
   SCREE_HD Vec3<double> off_course(Index i) const {
     if (i < range.first_held) return {};
-    if (i >= bodies.fixed_begin) return -range.gravity_step;
+    if (bodies.is_fixed(i)) return -range.gravity_step;
     return course_velocity(bodies, range, i) - Vec3<double>(bodies.velocity[i]);
   }
 
@@ -87,7 +87,7 @@ template <class Real>
 struct StartMargins {
   static constexpr const char* name = "start_margins";
   ImpactGraph<Real> graph;
-  Span<float> margin;  ///< [free_count] in: zero; out [m]
+  Span<float> margin;  ///< [moving_count] in: zero; out [m]
   Span<double> room;   ///< [contacts.count] out [m]
 
   SCREE_HD Largest<double> operator()(Index c) const {
@@ -100,7 +100,7 @@ struct StartMargins {
     return {push};
   }
   SCREE_HD void raise(Index i, double push) const {
-    if (i < graph.bodies.free_count) atomic_max(&margin[i], graph.limited(i, push));
+    if (graph.bodies.moves(i)) atomic_max(&margin[i], graph.limited(i, push));
   }
 };
 
@@ -111,12 +111,12 @@ struct SpreadMargins {
   static constexpr const char* name = "spread_margins";
   ImpactGraph<Real> graph;
   Span<const double> room;   ///< [contacts.count] by StartMargins [m]
-  Span<const float> margin;  ///< [free_count]
-  Span<float> spread;        ///< [free_count] in: the same; out [m]
+  Span<const float> margin;  ///< [moving_count]
+  Span<float> spread;        ///< [moving_count] in: the same; out [m]
 
   SCREE_HD void operator()(Index c) const {
     const Index a = graph.contacts.body_a[c], b = graph.contacts.body_b[c];
-    if (b >= graph.bodies.free_count) return;
+    if (!graph.bodies.moves(b)) return;
     const float of_a = margin[a], of_b = margin[b];
     if (of_a == of_b) return;
     const Index pushed = of_a < of_b ? a : b;
@@ -128,8 +128,8 @@ struct SpreadMargins {
 /// How much larger margins are than before. Bytes per body: 8.
 struct MarginGrowth {
   static constexpr const char* name = "margin_growth";
-  Span<const float> before;  ///< [free_count]
-  Span<const float> margin;  ///< [free_count]
+  Span<const float> before;  ///< [moving_count]
+  Span<const float> margin;  ///< [moving_count]
   SCREE_HD Largest<double> operator()(Index i) const {
     return {static_cast<double>(margin[i]) - static_cast<double>(before[i])};
   }

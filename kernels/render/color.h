@@ -97,17 +97,16 @@ template <class Real>
 struct ColorBodies {
   static constexpr const char* name = "render_color_bodies";
   ColorValue<Real> value;
-  float low = 0;   ///< value at the dark end
-  float high = 1;  ///< value at the light end, > low
-  Index free_count = 0;
-  Index fixed_begin = 0;
+  float low = 0;      ///< value at the dark end
+  float high = 1;     ///< value at the light end, > low
+  BodyRanges bodies;  ///< without ghosts
   PerBody<Index> group;
   Span<const Index> id;
   Span<Vec3f> color;  ///< [count] out
   SCREE_HD void operator()(Index body) const {
-    if (body >= free_count && body < fixed_begin) return;
+    if (!bodies.exists(body)) return;
     Vec3f c;
-    if (body >= fixed_begin) {
+    if (bodies.is_fixed(body)) {
       // Walls keep out of the picture's colors unless the scene gave them a group of their own.
       c = value.mode == ColorMode::group && group[body] > 0 ? group_color(group[body])
                                                             : fixed_color();

@@ -19,11 +19,11 @@ struct EdgeSource {
   Span<std::uint8_t> marks;           ///< [view.sample_count()] in and out: 1 where an edge is seen
   float half_width = 1;               ///< [samples]
 
-  SCREE_HD Index primitive_count() const { return kBoxEdges * (list.count - list.fixed_begin); }
+  SCREE_HD Index primitive_count() const { return kBoxEdges * list.bodies.fixed_count(); }
 
   /// Ends of the visible part of an edge in view coordinates; false when there is nothing to draw.
   SCREE_HD bool segment(Index primitive, Vec3f& a, Vec3f& b) const {
-    const Index body = list.fixed_begin + primitive / kBoxEdges;
+    const Index body = list.bodies.fixed_begin + primitive / kBoxEdges;
     const Index shape = list.shape[body];
     if (shape < 0) return false;
     const ShapeRecord<Real>& record = list.shapes[shape];

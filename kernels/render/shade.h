@@ -47,7 +47,7 @@ struct ShadePixel {
   /// Factor of a body's color at a point of its surface.
   SCREE_HD float pattern(const Solid& solid, const Ray& ray, float depth,
                          const Vec3f& normal) const {
-    if (solid.body >= list.fixed_begin) return 1.0f;
+    if (list.bodies.is_fixed(solid.body)) return 1.0f;
     const float footprint = view.footprint(depth);
     float factor = 1.0f;
     ShapeList::visit(solid.kind, [&](auto shape) {
@@ -77,7 +77,7 @@ struct ShadePixel {
 
     const int sub = (i & 1) + 2 * (j & 1);
     const float facing_light = larger(dot(normal, to_light), 0.0f);
-    const bool is_movable = solid.body < list.fixed_begin;
+    const bool is_movable = !list.bodies.is_fixed(solid.body);
     float lit = 0.0f;
     if (facing_light > 0.0f) {
       lit = facing_light * (is_movable ? shadow(body_taps, sub, point, normal)
@@ -156,7 +156,7 @@ struct ShadePixel {
         c = shade(solid, depth_of(sample), i, j);
       }
       if (!edges.empty() && edges[at] != 0) {
-        const bool over_body = sample != kNothing && solid.body < list.fixed_begin;
+        const bool over_body = sample != kNothing && !list.bodies.is_fixed(solid.body);
         c = mix(c, Vec3f{0.20f, 0.22f, 0.25f}, over_body ? 0.30f : 0.45f);
       }
       sum += c;

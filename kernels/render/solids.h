@@ -27,9 +27,7 @@ SCREE_HD inline Index owner_of(Span<const Offset> begin, Offset item) {
 /// The fields of the bodies that decide how they look.
 template <class Real>
 struct DrawList {
-  Index free_count = 0;
-  Index fixed_begin = 0;
-  Index count = 0;
+  BodyRanges bodies;  ///< without ghosts
   Span<const Vec3<double>> position;
   Span<const Quat<Real>> orientation;
   PerBody<Real> radius;
@@ -42,14 +40,9 @@ struct DrawList {
   Vec3<double> eye;          ///< position of the camera [m]
   Vec3<double> focus;        ///< center of the free bodies [m]: walls between the two are not drawn
 
-  SCREE_HD Index body_count() const { return free_count + (count - fixed_begin); }
+  SCREE_HD Index body_count() const { return bodies.present_count(); }
   SCREE_HD Index primitive_count() const { return body_count() + triangle_count; }
-  SCREE_HD Index body_of_slot(Index slot) const {
-    return slot < free_count ? slot : fixed_begin + (slot - free_count);
-  }
-  SCREE_HD bool is_present(Index body) const {
-    return (body >= 0 && body < free_count) || (body >= fixed_begin && body < count);
-  }
+  SCREE_HD bool is_present(Index body) const { return body >= 0 && bodies.exists(body); }
 };
 
 /// Whether a shape is part of the background: it takes the color of that, casts no shadow and
@@ -125,7 +118,7 @@ struct Solid {
 template <class Real>
 SCREE_HD bool is_front_wall(const DrawList<Real>& list, Index body,
                             const ShapeRecord<Real>& record) {
-  if (body < list.fixed_begin || is_backdrop(record.kind)) return false;
+  if (!list.bodies.is_fixed(body) || is_backdrop(record.kind)) return false;
   const Vec3f h(record.half_extents);
   const int axis = h.x < h.y ? (h.x < h.z ? 0 : 2) : (h.y < h.z ? 1 : 2);
   const float width = smaller(h[(axis + 1) % 3], h[(axis + 2) % 3]);
@@ -145,7 +138,7 @@ SCREE_HD Solid resolve(const DrawList<Real>& list, const View& view, Index primi
                        bool solid_only) {
   Solid solid;
   if (primitive < list.body_count()) {
-    const Index body = list.body_of_slot(primitive);
+    const Index body = list.bodies.present(primitive);
     solid.body = body;
     const Index shape = list.shape[body];
     if (shape < 0) {
@@ -180,7 +173,7 @@ SCREE_HD Solid resolve(const DrawList<Real>& list, const View& view, Index primi
   const TriangleIndices& t = list.meshes.triangles[triangle];
   solid.kind = record.kind;
   solid.body = record.body;
-  solid.one_sided = record.body >= list.fixed_begin;
+  solid.one_sided = list.bodies.is_fixed(record.body);
   solid.vertex = Vec3f(list.meshes.vertices[t.v[0]]);
   solid.edge1 = Vec3f(list.meshes.vertices[t.v[1]]) - solid.vertex;
   solid.edge2 = Vec3f(list.meshes.vertices[t.v[2]]) - solid.vertex;

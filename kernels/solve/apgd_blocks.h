@@ -171,7 +171,7 @@ class ApgdIteration<Cpu> {
   template <template <class> class Rows, class Real>
   static void trial_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a) {
     step_in_blocks<Rows>(cpu, a);
-    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
+    reduce<Sums<1>>(cpu, a.p.bodies.owned_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
   }
   /// @tparam Rows  of the radial contacts
   template <template <class> class Rows, class R, class Real>
@@ -182,7 +182,7 @@ class ApgdIteration<Cpu> {
     reduce<Sums<2>>(cpu, a.p.contact_count - a.p.radial_count,
                     ApgdGeneralContacts<R, Real>{a.contact_pass()},
                     ApgdContactFinish{a.state, true});
-    reduce<Sums<1>>(cpu, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
+    reduce<Sums<1>>(cpu, a.p.bodies.owned_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
   }
   template <template <class> class Rows, class Real>
   static void step_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a) {

@@ -10,7 +10,7 @@ namespace scree {
 template <class B, class R, class Real>
 void apgd_trial(B& b, const ApgdPasses<R, Real>& a) {
   reduce<Sums<2>>(b, a.p.contact_count, a.contact_pass(), ApgdContactFinish{a.state});
-  reduce<Sums<1>>(b, a.p.free_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
+  reduce<Sums<1>>(b, a.p.bodies.owned_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
 }
 
 /// Trials of one solve after the other; each backend has its own class, with

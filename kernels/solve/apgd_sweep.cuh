@@ -185,14 +185,14 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       TileRange range;
       if (has_tile) {
         range.begin = t * kBodies;
-        range.count = min(kBodies, a.p.free_count - range.begin);
+        range.count = min(kBodies, a.p.bodies.owned_count - range.begin);
         range.first = here.a_start[0];
         range.last = here.a_start[range.count];
         step_contacts<kWeights, kLaw>(a, trial, range, here, memory.pull, sums);
         stepped.arrive();
       }
       const Index i = (t - blocks) * kBodies + local;
-      const bool is_before = round > 0 && local < kBodies && i < a.p.free_count;
+      const bool is_before = round > 0 && local < kBodies && i < a.p.bodies.owned_count;
       Twist<Real> extrapolated;
       if (is_before) extrapolated = other.extrapolated[local];
       BodyFetch<Real> fetch(a, trial, (t + blocks) * kBodies);
@@ -238,7 +238,7 @@ class ApgdIteration<Cuda> {
   template <class R, class Real>
   void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
     if constexpr (kIsSwept<R, Real>) {
-      tiles_ = (a.p.free_count + sweep::kBodies - 1) / sweep::kBodies;
+      tiles_ = (a.p.bodies.owned_count + sweep::kBodies - 1) / sweep::kBodies;
       if constexpr (sweep::kIsImpact<R, Real>) {
         kernel_ = kernel_of<sweep::Law::impact>(a.metric);
       } else {

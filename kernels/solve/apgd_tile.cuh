@@ -189,7 +189,7 @@ class BodyFetch {
   __device__ BodyFetch(const RadialPasses<Real>& a, const Trial<Real>& trial, Index begin)
       : trial_(trial), i_(begin + static_cast<Index>(threadIdx.x)) {
     const auto local = static_cast<Index>(threadIdx.x);
-    const Index count = min(kBodies, a.p.free_count - begin);
+    const Index count = min(kBodies, a.p.bodies.owned_count - begin);
     is_body_ = local < count;
     is_start_ = local <= count;
   }
@@ -227,7 +227,7 @@ class FirstFetch {
   __device__ FirstFetch(const RadialPasses<Real>& a, Index tile)
       : p_(a.p),
         i_(tile * kBodies + static_cast<Index>(threadIdx.x)),
-        count_(min(kBodies, a.p.free_count - tile * kBodies)) {}
+        count_(min(kBodies, a.p.bodies.owned_count - tile * kBodies)) {}
 
   __device__ void start(const Span<const Twist<Real>>& velocity,
                         const Span<const Twist<Real>>& previous, TileBodies<Real>* tiles) const {

@@ -1,5 +1,5 @@
 #pragma once
-// Element programs of contact coloring: contacts that share a free body get different colors.
+// Element programs of contact coloring: contacts that share an owned body get different colors.
 //
 // The coloring is the greedy one in priority order: every contact takes the smallest color that no
 // contact of higher priority on its two bodies has. That fixes the result, whatever runs first.
@@ -113,7 +113,7 @@ struct ColoringEntries {
   static constexpr const char* name = "coloring_entries";
   Span<const Index> body_a;
   Span<const Index> body_b;
-  Index free_count;
+  Index owned_count;
   Span<const Index> listed;
   Span<std::uint64_t> key;
   Span<Index> contact;
@@ -123,7 +123,7 @@ struct ColoringEntries {
     const std::uint32_t priority = contact_priority(c);
     for (int side = 0; side < 2; ++side) {
       const Index i = side == 0 ? body_a[c] : body_b[c];
-      const auto body = static_cast<std::uint64_t>(i < free_count ? i : free_count);
+      const auto body = static_cast<std::uint64_t>(i < owned_count ? i : owned_count);
       const Offset e = 2 * static_cast<Offset>(k) + side;
       key[e] = body << kPriorityBits | priority;
       contact[e] = c;
@@ -137,14 +137,14 @@ struct ColoringEntries {
 struct ColoringLists {
   static constexpr const char* name = "coloring_lists";
   Span<const std::uint64_t> key;
-  Index free_count;
+  Index owned_count;
   Span<BodyColors> state;
   SCREE_HD Index body(Offset e) const { return static_cast<Index>(key[e] >> kPriorityBits); }
   SCREE_HD void operator()(Index k) const {
     const Offset first = 2 * static_cast<Offset>(k);
     for (Offset e = first; e < first + 2; ++e) {
       const Index i = body(e);
-      if (i >= free_count) return;
+      if (i >= owned_count) return;
       if (e == 0 || body(e - 1) != i) state[i].begin = e;
       if (e + 1 == key.size || body(e + 1) != i) state[i].end = e + 1;
     }
@@ -205,7 +205,7 @@ struct ColoringRound {
   static constexpr const char* name = "coloring_round";
   Span<const Index> body_a;
   Span<const Index> body_b;
-  Index free_count;
+  Index owned_count;
   Span<const Index> active;
   Span<const Index> incident;
   Span<const BodyColors> from;
@@ -218,8 +218,8 @@ struct ColoringRound {
     if (s.head < s.end) {
       const Index c = incident[s.head];
       const Index other = body_a[c] == i ? body_b[c] : body_a[c];
-      const BodyColors o = other < free_count ? from[other] : BodyColors{};
-      const bool is_ready = other >= free_count || (o.head < o.end && incident[o.head] == c);
+      const BodyColors o = other < owned_count ? from[other] : BodyColors{};
+      const bool is_ready = other >= owned_count || (o.head < o.end && incident[o.head] == c);
       if (o.used == kAllColors) {
         ++s.head;  // the other body gives no more colors in this batch
       } else if (is_ready) {

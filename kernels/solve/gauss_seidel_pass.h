@@ -6,7 +6,7 @@
 namespace scree {
 
 /// Solves contact `first + k` against the velocities its bodies have now, and moves the two bodies
-/// at once. Contacts run concurrently only when no two of them share a free body; in sequence, in
+/// at once. Contacts run concurrently only when no two of them share an owned body; in sequence, in
 /// any order. Bytes per contact (radial, float): read normal and bias 16, ids 8, metric 12, impulse
 /// 12, two twists and inertias 64 gathered; written 12 and two twists 48.
 template <class R, class Real>
@@ -30,7 +30,7 @@ struct GaussSeidelPass {
     const auto move = next - old;
     R::store(gamma, c, next);
     velocity[a] = v_a + R::apply_inverse_mass(p, a, R::wrench(p, c, false, move));
-    if (b < p.free_count) {
+    if (p.bodies.is_owned(b)) {
       velocity[b] = v_b + R::apply_inverse_mass(p, b, R::wrench(p, c, true, move));
     }
   }

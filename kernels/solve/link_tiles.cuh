@@ -98,7 +98,7 @@ __global__ void __launch_bounds__(kLanes) link_tiles_kernel(const __grid_constan
     const bool is_there = c < n;
     const Index a = is_there ? g.tiles.body_a[first + c] - begin : 0;
     const Index body_b = is_there ? g.tiles.body_b[first + c] : 0;
-    const bool is_fixed = is_there && body_b >= g.tiles.free_count;
+    const bool is_fixed = is_there && body_b >= g.tiles.owned_count;
     const bool is_outside = is_there && !is_fixed && body_b - begin >= own;
     const bool is_new = is_outside && tile.previous[c] < 0;
     const unsigned news = __ballot_sync(kAll, is_new), fixes = __ballot_sync(kAll, is_fixed);
@@ -150,7 +150,7 @@ __global__ void __launch_bounds__(kLanes) link_tiles_kernel(const __grid_constan
   }
   __syncwarp();
   for (Index c = lane; has_links && c < n; c += kLanes) {
-    const bool is_fixed = g.tiles.body_b[first + c] >= g.tiles.free_count;
+    const bool is_fixed = g.tiles.body_b[first + c] >= g.tiles.owned_count;
     const Index color = tile.color[c];
     g.link[first + c] = {static_cast<std::uint16_t>(g.tiles.body_a[first + c] - begin),
                          static_cast<std::uint16_t>(tile.number[c] + (is_fixed ? free_bodies : 0)),

@@ -15,7 +15,7 @@ struct ContactContrast {
   ContactProblem<Real> p;
   SCREE_HD Largest<double> operator()(Index c) const {
     const Index a = p.body_a[c], b = p.body_b[c];
-    if (b >= p.free_count) return {};
+    if (!p.bodies.is_owned(b)) return {};
     const auto m_a = static_cast<double>(R::body_metric(p, c, false, a).normal);
     const auto m_b = static_cast<double>(R::body_metric(p, c, true, b).normal);
     if (!(m_a > 0 && m_b > 0)) return {};
@@ -31,13 +31,13 @@ struct MarkLoaded {
   ContactProblem<Real> p;
   Span<const Vec3<Real>> gamma;
   double speed;               ///< [m/s]
-  Span<std::uint8_t> loaded;  ///< [free_count] in: zero; out
+  Span<std::uint8_t> loaded;  ///< [owned_count] in: zero; out
 
   SCREE_HD void operator()(Index c) const {
     const Real impulse = norm(R::load(gamma, c).force);
     for (int side = 0; side < 2; ++side) {
       const Index i = side == 0 ? p.body_a[c] : p.body_b[c];
-      if (i >= p.free_count) continue;
+      if (!p.bodies.is_owned(i)) continue;
       const Real response = R::body_metric(p, c, side == 1, i).normal;
       if (static_cast<double>(response * impulse) >= speed) atomic_mark(&loaded[i]);
     }
@@ -55,7 +55,7 @@ struct PickLoaded {
 
   SCREE_HD void operator()(Index c) const {
     const Index a = p.body_a[c], b = p.body_b[c];
-    if (loaded[a] == 0 && (b >= p.free_count || loaded[b] == 0)) return;
+    if (loaded[a] == 0 && (!p.bodies.is_owned(b) || loaded[b] == 0)) return;
     const Index at = atomic_add(count, 1);
     if (at < contact.size) contact[at] = c;
   }
@@ -98,8 +98,8 @@ struct ReadBlock {
       store(Vec3<double>(axis[row]), out.axis[row]);
       for (int side = 0; side < 2; ++side) {
         const Index i = side == 0 ? p.body_a[c] : p.body_b[c];
-        out.body[side] = i < p.free_count ? i : -1;
-        if (i >= p.free_count) continue;
+        out.body[side] = p.bodies.is_owned(i) ? i : -1;
+        if (!p.bodies.is_owned(i)) continue;
         const Twist<Real> wrench = R::wrench(p, c, side == 1, unit);
         store(wrench, out.wrench[side][row]);
         store(R::apply_inverse_mass(p, i, wrench), out.motion[side][row]);

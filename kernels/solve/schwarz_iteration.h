@@ -35,7 +35,7 @@ class PlainSchwarz {
     const Span<const ContactMetric<Real>> metric = metric_.view(n);
     for_each(b, static_cast<Index>(vectors),
              Extrapolate<Vec3<Real>, Real>{gamma, a.state, k, start});
-    for_each(b, a.p.free_count, Extrapolate<Twist<Real>, Real>{velocity, a.state, k, {}});
+    for_each(b, a.p.bodies.owned_count, Extrapolate<Twist<Real>, Real>{velocity, a.state, k, {}});
     const GaussSeidelPass<R, Real> step{a.p, metric, velocity.next, gamma.next, a.relaxation};
     SweepTile<R, Real> sweep{tiles.tiles(), tiles.sequence(), order_.view(n), step, a.sweeps};
     for (Index color = 0; color < tiles.color_count(); ++color) {

@@ -95,7 +95,7 @@ struct TileProblem {
   __device__ Step<Real> step(const ContactProblem<Real>& whole, Index free_bodies,
                              Real relaxation) const {
     ContactProblem<Real> p = whole;
-    p.free_count = free_bodies;
+    p.bodies.owned_count = free_bodies;
     p.body_a = {body_a, room.contacts};
     p.body_b = {body_b, room.contacts};
     p.normal = {normal, room.contacts};

@@ -43,7 +43,7 @@ __global__ void __launch_bounds__(kLanes)
     add(tiles.of_contact(tiles.b_contact[e]));
   for (Index c = tiles.first_contact(t) + lane; c < tiles.first_contact(t + 1); c += kLanes) {
     const Index b = tiles.body_b[c];
-    if (b >= tiles.free_count || tiles.of_body(b) == t) continue;
+    if (b >= tiles.owned_count || tiles.of_body(b) == t) continue;
     add(tiles.of_body(b));
     for (Index e = tiles.b_start[b]; e < tiles.b_start[b + 1]; ++e)
       add(tiles.of_contact(tiles.b_contact[e]));

@@ -36,13 +36,13 @@ struct ConflictsOfPart {
   /// @return room needed; when there is less, tiles are missing
   SCREE_HD Largest<Index> operator()(Index part) const {
     const Index begin = part * kBodies;
-    const Index end = begin + kBodies < tiles.free_count ? begin + kBodies : tiles.free_count;
+    const Index end = begin + kBodies < tiles.owned_count ? begin + kBodies : tiles.owned_count;
     const Index t = tiles.of_body(begin);
     Index found = 0;
     for (Index i = begin; i < end; ++i) add_others(part, t, i, found);
     for (Index c = tiles.a_start[begin]; c < tiles.a_start[end]; ++c) {
       const Index b = tiles.body_b[c];
-      if (b >= tiles.free_count || tiles.of_body(b) == t) continue;
+      if (b >= tiles.owned_count || tiles.of_body(b) == t) continue;
       to.add(part, tiles.of_body(b), found);
       add_others(part, t, b, found);
     }
@@ -119,7 +119,7 @@ class PlainConflicts {
   /// @param tiles  of a multiple of ConflictsOfPart::kBodies bodies
   void find(B& b, const BodyTiles& tiles) {
     const Index parts =
-        (tiles.free_count + ConflictsOfPart::kBodies - 1) / ConflictsOfPart::kBodies;
+        (tiles.owned_count + ConflictsOfPart::kBodies - 1) / ConflictsOfPart::kBodies;
     of_part_.fill(b, parts, 16, [&](const TileLists& to, Largest<Index>* needed) {
       reduce<Largest<Index>>(b, parts, ConflictsOfPart{tiles, to},
                              StoreResult<Largest<Index>>{needed});

@@ -34,7 +34,7 @@ struct TilePrevious {
   SCREE_HD void operator()(Index c) const {
     previous[c] = -1;
     const Index b = tiles.body_b[c];
-    if (b >= tiles.free_count || tiles.of_body(b) == tiles.of_contact(c)) return;
+    if (b >= tiles.owned_count || tiles.of_body(b) == tiles.of_contact(c)) return;
     const Index first = tiles.first_contact(tiles.of_contact(c));
     Index before = -1;
     for (Index e = tiles.b_start[b]; tiles.b_contact[e] < c; ++e) before = tiles.b_contact[e];
@@ -49,7 +49,7 @@ struct TileLinker {
 
   Index begin;  ///< first body
   Index own;    ///< bodies
-  Index free_count;
+  Index owned_count;
   Span<const Index> body_a;  ///< [contacts]
   Span<const Index> body_b;
   Span<const Index> previous;
@@ -68,7 +68,7 @@ struct TileLinker {
     for (Index c = 0; c < contacts; ++c) {
       const Index a = body_a[c] - begin, b = body_b[c] - begin;
       Index number = b, slot = -1;
-      if (body_b[c] >= free_count) {
+      if (body_b[c] >= owned_count) {
         number = fixed;  // they come behind the free ones
         outside[contacts - 1 - fixed++] = body_b[c];
       } else if (b >= own && previous[c] < 0) {
@@ -123,7 +123,7 @@ struct TileLinker {
     }
     for (Index c = 0; c < body_a.size; ++c) {
       link[c].place = s.color_end[link[c].color]++;
-      if (body_b[c] >= free_count)
+      if (body_b[c] >= owned_count)
         link[c].b = static_cast<std::uint16_t>(s.free_bodies + link[c].b);
     }
   }
@@ -136,7 +136,7 @@ struct LinkTiles {
   BodyTiles tiles;
   Span<const Index> previous;          ///< [contacts]
   Span<Index> outside;                 ///< [contacts]
-  Span<std::uint32_t> inside_colors;   ///< [free_count]
+  Span<std::uint32_t> inside_colors;   ///< [owned_count]
   Span<std::uint32_t> outside_colors;  ///< [contacts]
   Span<TileLink> link;                 ///< [contacts]
   Span<TileShape> shape;               ///< [tiles]
@@ -146,7 +146,7 @@ struct LinkTiles {
     const Offset n = tiles.first_contact(t + 1) - first;
     TileLinker{begin,
                own,
-               tiles.free_count,
+               tiles.owned_count,
                {tiles.body_a.data + first, n},
                {tiles.body_b.data + first, n},
                {previous.data + first, n},

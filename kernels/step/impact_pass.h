@@ -19,7 +19,7 @@ struct ImpactTest {
   Real threshold = 0;                ///< approach speed below which contacts do not bounce [m/s]
   Real touching_gap = 0;             ///< largest gap of bodies that count as touching [m]
   Vec3<Real> gravity_step;           ///< h g [m/s]
-  Span<const Vec3<Real>> load_gain;  ///< what other loads add to free bodies [m/s]; empty: none
+  Span<const Vec3<Real>> load_gain;  ///< [owned_count] what other loads add [m/s]; empty: none
 
   SCREE_HD const PairLaw<Real>& pair(Index c) const {
     return law(bodies.material[contacts.body_a[c]], bodies.material[contacts.body_b[c]]);
@@ -39,9 +39,9 @@ struct ImpactTest {
 
  private:
   SCREE_HD Vec3<Real> load(Index i) const {
-    if (i >= bodies.free_count) return {};
+    if (!bodies.moves(i)) return {};
     const Vec3<Real> gained = on_axes(gravity_step, free_linear_axes(bodies.locks[i]));
-    return load_gain.empty() ? gained : gained + load_gain[i];
+    return i < load_gain.size ? gained + load_gain[i] : gained;
   }
 };
 
@@ -66,7 +66,7 @@ struct FindImpacts {
   ImpactTest<Real> test;
   float mark;              ///< of bodies of bouncing contacts
   Span<Index> takes_part;  ///< [contacts.count] out: 0 or 1
-  Span<float> reached;     ///< [free_count] in: zero; out: mark
+  Span<float> reached;     ///< [moving_count] in: zero; out: mark
 
   SCREE_HD ImpactSums operator()(Index c) const {
     const Real u_n = normal_velocity(test.bodies, test.contacts, c);
@@ -81,7 +81,7 @@ struct FindImpacts {
     s.approach_squares = static_cast<double>(u_n) * u_n;
     const Index b = test.contacts.body_b[c];
     atomic_max(&reached[test.contacts.body_a[c]], mark);
-    if (b < test.bodies.free_count) atomic_max(&reached[b], mark);
+    if (test.bodies.moves(b)) atomic_max(&reached[b], mark);
     return s;
   }
 };
@@ -99,7 +99,7 @@ struct SpreadImpacts {
   SCREE_HD void operator()(Index c) const {
     if (takes_part[c] != 0 || !test.touches(c)) return;
     const Index a = test.contacts.body_a[c], b = test.contacts.body_b[c];
-    const bool has_b = b < test.bodies.free_count;
+    const bool has_b = test.bodies.moves(b);
     if (!(reached[a] >= least) && !(has_b && reached[b] >= least)) return;
     takes_part[c] = 1;
     atomic_max(&reached[a], least - 1);

@@ -189,7 +189,7 @@ struct JointSetup {
     s.arm = rotate(q, s.arm);
     s.frame = q * s.frame;
     s.turning = Vec3<double>(bodies.angular_velocity[s.body]);
-    s.is_free = s.body < bodies.free_count;
+    s.is_free = bodies.moves(s.body);
     if (!s.is_free) return s;
     const unsigned axes = free_angular_axes(bodies.locks[s.body]);
     const GeneralInertia<Real>& own = inertia[s.body];

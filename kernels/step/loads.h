@@ -24,7 +24,7 @@ struct LoadSums {
   }
 };
 
-/// What loads add to the velocity of a free body in a step along its free axes: h f / m, h I^-1 t.
+/// What loads add to the velocity of an owned body in a step along its free axes: h f / m, h I^-1 t.
 /// Bytes per body (float): 4 + 24 + 28 read, 24 written; loads by id, so not in storage order.
 template <class Real>
 struct LoadGains {
@@ -34,8 +34,8 @@ struct LoadGains {
   Span<const Vec3<Real>> torque;  ///< by id, about the center of mass, world frame [N m]
   Vec3<Real> gravity_step;        ///< h g [m/s]
   Real time_step;                 ///< h [s]
-  Span<Vec3<Real>> linear;        ///< [free_count] out [m/s]
-  Span<Vec3<Real>> angular;       ///< [free_count] out [rad/s]
+  Span<Vec3<Real>> linear;        ///< [owned_count] out [m/s]
+  Span<Vec3<Real>> angular;       ///< [owned_count] out [rad/s]
 
   SCREE_HD LoadSums operator()(Index i) const {
     const Index id = bodies.id[i];
@@ -63,21 +63,21 @@ struct LoadGains {
   }
 };
 
-/// The velocities of all bodies with what loads add.
+/// The velocities of all bodies with what loads add; those of ghosts come with it.
 template <class Real>
 struct AddLoadGains {
   static constexpr const char* name = "add_load_gains";
   BodyView<Real> bodies;
-  Span<const Vec3<Real>> linear;      ///< [free_count] [m/s]
-  Span<const Vec3<Real>> angular;     ///< [free_count] [rad/s]
+  Span<const Vec3<Real>> linear;      ///< [owned_count] [m/s]
+  Span<const Vec3<Real>> angular;     ///< [owned_count] [rad/s]
   Span<Vec3<Real>> velocity;          ///< [count] out [m/s]
   Span<Vec3<Real>> angular_velocity;  ///< [count] out [rad/s]
 
   SCREE_HD void operator()(Index i) const {
-    const bool is_free = i < bodies.free_count;
-    velocity[i] = is_free ? bodies.velocity[i] + linear[i] : bodies.velocity[i];
+    const bool is_owned = bodies.is_owned(i);
+    velocity[i] = is_owned ? bodies.velocity[i] + linear[i] : bodies.velocity[i];
     angular_velocity[i] =
-        is_free ? bodies.angular_velocity[i] + angular[i] : bodies.angular_velocity[i];
+        is_owned ? bodies.angular_velocity[i] + angular[i] : bodies.angular_velocity[i];
   }
 };
 

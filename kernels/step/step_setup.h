@@ -49,8 +49,8 @@ struct PredictRadial {
 
   SCREE_HD void operator()(Index i) const {
     const Real r = bodies.radius[i];
-    if (i >= bodies.free_count) {  // the layout is chosen only when such bodies do not rotate
-      free_velocity[i] = {i >= bodies.fixed_begin ? bodies.velocity[i] : Vec3<Real>{}, {}};
+    if (!bodies.moves(i)) {  // the layout is chosen only when such bodies do not rotate
+      free_velocity[i] = {bodies.is_fixed(i) ? bodies.velocity[i] : Vec3<Real>{}, {}};
       inertia[i] = {};
       return;
     }
@@ -65,8 +65,8 @@ struct PredictRadial {
 template <class Real>
 SCREE_HD Twist<Real> general_velocity(const BodyView<Real>& bodies, const Vec3<Real>& gravity_step,
                                       Index i) {
-  if (i >= bodies.free_count) {
-    const bool exists = i >= bodies.fixed_begin && i < bodies.count;  // else room, or the world
+  if (!bodies.moves(i)) {
+    const bool exists = bodies.exists(i);  // else room, or the world
     return {exists ? bodies.velocity[i] : Vec3<Real>{},
             exists ? bodies.angular_velocity[i] : Vec3<Real>{}};
   }
@@ -97,7 +97,7 @@ struct PredictGeneral {
 
   SCREE_HD void operator()(Index i) const {
     free_velocity[i] = general_velocity(bodies, gravity_step, i);
-    inertia[i] = i < bodies.free_count ? general_inertia(bodies, i) : GeneralInertia<Real>{};
+    inertia[i] = bodies.moves(i) ? general_inertia(bodies, i) : GeneralInertia<Real>{};
   }
 };
 
@@ -114,7 +114,7 @@ struct PredictMixed {
   SCREE_HD void operator()(Index i) const {
     RadialInertia<Real> r;
     GeneralInertia<Real> g;
-    if (i < bodies.free_count && is_radial_body(bodies, i)) {
+    if (bodies.moves(i) && is_radial_body(bodies, i)) {
       r = radial_inertia(bodies, i);
       g = isotropic(r);
       free_velocity[i] = {
@@ -122,7 +122,7 @@ struct PredictMixed {
           bodies.locks[i] == 0 ? bodies.radius[i] * bodies.angular_velocity[i] : Vec3<Real>{}};
     } else {
       free_velocity[i] = general_velocity(bodies, gravity_step, i);
-      if (i < bodies.free_count) g = general_inertia(bodies, i);
+      if (bodies.moves(i)) g = general_inertia(bodies, i);
     }
     if (!radial.empty()) radial[i] = r;
     if (!general.empty()) general[i] = g;
@@ -171,7 +171,7 @@ SCREE_HD RollingRow<Real> rolling_row(const BodyView<Real>& bodies,
                                       const PairLaw<Real>& pair) {
   const Real arm_a = norm(contacts.arm_a[c]);
   const Real arm_b = norm(contacts.arm_b[c]);
-  const Real length = contacts.body_b[c] < bodies.free_count && arm_b < arm_a ? arm_b : arm_a;
+  const Real length = bodies.moves(contacts.body_b[c]) && arm_b < arm_a ? arm_b : arm_a;
   return {length, pair.rolling_friction / length, pair.spinning_friction / length};
 }
 
@@ -194,7 +194,7 @@ struct ContactDrift {
     // Vertices on walls. Where a sphere, or a rounded vertex, touches, the point of contact moves
     // over it.
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
-    if (bodies.shape[a] < 0 || b < bodies.fixed_begin || bodies.shape[b] < 0) return;
+    if (bodies.shape[a] < 0 || !bodies.is_fixed(b) || bodies.shape[b] < 0) return;
     const Vec3<Real> w = on_axes(bodies.angular_velocity[a], free_angular_axes(bodies.locks[a]));
     const Vec3<Real> r = contacts.arm_a[k] - shapes[bodies.shape[a]].rounding * contacts.normal[c];
     const GeneralInertia<Real>& body = inertia[a];

@@ -22,7 +22,7 @@ class BroadPhaseTest : public BackendTest<Real> {
     const auto at = static_cast<std::size_t>(i);
     Vec3<double> x = s.position[at];
     for (int k = 0; k < 3; ++k) {
-      const bool is_free = i < s.free_count;
+      const bool is_free = i < s.owned_count;
       const bool is_locked = at < s.locks.size() && (s.locks[at] >> k & 1) != 0;
       if (is_free && is_locked) continue;
       x[k] += s.h * (static_cast<double>(s.velocity[at][k]) + (is_free ? s.h * s.gravity[k] : 0));
@@ -36,7 +36,7 @@ class BroadPhaseTest : public BackendTest<Real> {
   static Pairs brute_force(const Scene& s, Meets&& meets) {
     Pairs pairs;
     const auto n = static_cast<Index>(s.position.size());
-    for (Index i = 0; i < s.free_count; ++i) {
+    for (Index i = 0; i < s.owned_count; ++i) {
       for (Index j = i + 1; j < n; ++j) {
         if (s.shape[j] >= 0) continue;
         Vec3<double> d = s.position[j] - s.position[i];

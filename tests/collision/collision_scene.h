@@ -23,7 +23,7 @@ struct CollisionScene {
   std::vector<Vec3<Real>> velocity, angular_velocity;
   std::vector<Real> radius;
   std::vector<Index> shape;
-  Index free_count = 0;
+  Index owned_count = 0;
   Index gap = 0;  ///< unused storage between free and fixed bodies
   ObstacleData<Real> obstacles;
   CollisionSettings settings;
@@ -42,7 +42,7 @@ struct CollisionScene {
   }
   /// Free spheres come before everything that does not move.
   Index add_free(Vec3<double> x, double r, Vec3<double> v = {}) {
-    ++free_count;
+    ++owned_count;
     return add(x, r, v);
   }
   /// The body added last gets a shape.
@@ -137,8 +137,7 @@ class CollisionRun {
   BodyView<Real> bodies() {
     BodyView<Real> v;
     const auto n = static_cast<Index>(scene_.position.size());
-    v.free_count = scene_.free_count;
-    v.fixed_begin = scene_.free_count;
+    v.owned_count = v.moving_count = v.fixed_begin = scene_.owned_count;
     v.count = n;
     v.position = position_.view(n);
     v.orientation = orientation_.view(n);
@@ -154,7 +153,7 @@ class CollisionRun {
   void reorder() {
     BodyOrder<B> order(*b_);
     const BodyView<Real> v = bodies();
-    order.compute(*b_, v.position.first(v.free_count));
+    order.compute(*b_, v.position.first(v.owned_count));
     order.apply(*b_, v.position);
     order.apply(*b_, radius_.view(v.count));
     detector_.remap(*b_, v, order.new_of_old());

@@ -65,14 +65,14 @@ TYPED_TEST(ImpactMarginTest, AllNeighborsOfAHitSphereAndOfItsNeighborsAreListed)
   const auto found = this->pairs(s);
   const auto near = [&](Index i) {
     std::vector<Index> out;
-    for (Index j = 0; j < s.free_count; ++j) {
+    for (Index j = 0; j < s.owned_count; ++j) {
       if (j != i && norm(s.position[j] - s.position[i]) < 1.06) out.push_back(j);
     }
     return out;
   };
   for (const Index i : near(hit)) {
     EXPECT_TRUE(found.contains(std::minmax(i, hit))) << i;
-    if (i == s.free_count - 1) continue;  // the one that hits
+    if (i == s.owned_count - 1) continue;  // the one that hits
     for (const Index j : near(i)) EXPECT_TRUE(found.contains(std::minmax(i, j))) << i << " " << j;
   }
   EXPECT_LT(found.size(), 60u) << "far from the impact nothing is added";

@@ -33,7 +33,7 @@ TYPED_TEST(MeshContactTest, FlatFloorIsOneContactASphere) {
   const Index wall = s.add_mesh_wall({0, 0, 0}, flat_floor(16, 0.25));
   auto c = this->contacts(s);
   const auto to_wall = [&] {
-    std::vector<Index> count(static_cast<std::size_t>(s.free_count));
+    std::vector<Index> count(static_cast<std::size_t>(s.owned_count));
     for (const auto& contact : c) {
       if (contact.b != wall) continue;
       ++count[contact.a];
@@ -44,9 +44,9 @@ TYPED_TEST(MeshContactTest, FlatFloorIsOneContactASphere) {
   };
   for (const Index n : to_wall()) EXPECT_EQ(n, 1);
   // The same from below: an open mesh has two sides.
-  for (Index i = 0; i < s.free_count; ++i) s.position[i].z = -0.3;
+  for (Index i = 0; i < s.owned_count; ++i) s.position[i].z = -0.3;
   c = this->contacts(s);
-  std::vector<Index> count(static_cast<std::size_t>(s.free_count));
+  std::vector<Index> count(static_cast<std::size_t>(s.owned_count));
   for (const auto& contact : c) {
     if (contact.b == wall) {
       ++count[contact.a];

@@ -41,7 +41,7 @@ TYPED_TEST(PairCandidatesTest, FreeBox) {
   s.add_free_box({0.5, 0.5, 0.15}, {0.15, 0.1, 0.05});
   s.add_half_space({0, 0, 0}, {0, 0, 1});
   this->expect_reuse(s, 1, 40, [](auto& scene, int k) {
-    auto& turn = scene.angular_velocity[static_cast<std::size_t>(scene.free_count - 1)];
+    auto& turn = scene.angular_velocity[static_cast<std::size_t>(scene.owned_count - 1)];
     turn = {0, static_cast<TypeParam>(k % 3), 1};
   });
 }
@@ -62,7 +62,7 @@ TYPED_TEST(PairCandidatesTest, MovingFixedSpheres) {
     s.add(Vec3<double>{0.5, 0.5, 0.15} + 0.5 * this->random_vector(random), 0.06, {0, 2, 0});
   }
   this->expect_reuse(s, 1, 40, [](auto& scene, int) {
-    for (auto i = static_cast<std::size_t>(scene.free_count); i < scene.position.size(); ++i)
+    for (auto i = static_cast<std::size_t>(scene.owned_count); i < scene.position.size(); ++i)
       scene.position[i].y += scene.h * 2;
   });
 }
@@ -104,7 +104,7 @@ TYPED_TEST(PairCandidatesTest, FastAndSpinningBodiesMeetAllThatALongListHas) {
     s.add_half_space({0, 0, 0}, {0, 0, 1});
     if (seed % 2 == 1) s.settings.period = {1, 1.1, 0};
     std::exponential_distribution<double> speed(1.0);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(s.free_count); ++i) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(s.owned_count); ++i) {
       s.velocity[i] = Vec3<TypeParam>(20 * speed(random) * this->random_vector(random));
       s.angular_velocity[i] = Vec3<TypeParam>(200 * speed(random) * this->random_vector(random));
     }
@@ -113,7 +113,7 @@ TYPED_TEST(PairCandidatesTest, FastAndSpinningBodiesMeetAllThatALongListHas) {
       s.settings.skin = 10;  // all pairs
       const auto all = this->fresh_contacts(s);
       EXPECT_GT(std::count_if(all.begin(), all.end(),
-                              [&](const HostContact& c) { return c.b == s.free_count - 1; }),
+                              [&](const HostContact& c) { return c.b == s.owned_count - 1; }),
                 20)
           << "of the box";
       for (const double skin : {0.0, 1e-3, 0.02}) {
@@ -162,7 +162,7 @@ TYPED_TEST(PairCandidatesTest, AsManyBodiesButFewerOfThemFree) {
   auto s = this->bed(1000, 0.06, 0.06, 13);
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
   const auto all = run.detect();
-  run.scene().free_count = s.free_count = 500;
+  run.scene().owned_count = s.owned_count = 500;
   EXPECT_EQ(run.detect(), this->fresh_contacts(s));
   EXPECT_LT(run.detect().size(), all.size());
 }
@@ -293,7 +293,7 @@ TYPED_TEST(PairCandidatesTest, FastBodyMeetsNoneUnseen) {
   // Ten times its diameter a step, through all the others.
   s.add_free({-2, 0.4, 0.15}, 0.025, {0.5, 0.02, 0});
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
-  const auto last = static_cast<std::size_t>(s.free_count - 1);
+  const auto last = static_cast<std::size_t>(s.owned_count - 1);
   std::size_t met = 0;
   for (int k = 0; k < 8; ++k) {
     s.position[last] =
@@ -303,14 +303,14 @@ TYPED_TEST(PairCandidatesTest, FastBodyMeetsNoneUnseen) {
     const auto found = run.detect();
     ASSERT_EQ(found, this->fresh_contacts(s)) << "step " << k;
     const Vec3<double> v(s.velocity[last]);
-    for (Index i = 0; i < s.free_count - 1; ++i) {
+    for (Index i = 0; i < s.owned_count - 1; ++i) {
       const Vec3<double> d = s.position[last] - s.position[static_cast<std::size_t>(i)];
       const double gap = norm(d) - 0.05;
       if (!(gap + std::min(0.0, dot(d, v) / norm(d)) < 0.9 * s.settings.envelope)) continue;
       ++met;
       EXPECT_TRUE(
           std::any_of(found.begin(), found.end(),
-                      [&](const HostContact& c) { return c.a == i && c.b == s.free_count - 1; }))
+                      [&](const HostContact& c) { return c.a == i && c.b == s.owned_count - 1; }))
           << "step " << k << ", body " << i;
     }
   }

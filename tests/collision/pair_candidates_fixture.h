@@ -45,7 +45,7 @@ class NearPairsTest : public BackendTest<Real> {
 
   /// Moves the free bodies by h v and turns their velocities a little.
   static void drift(Scene& s, double speed, std::mt19937& random) {
-    for (Index i = 0; i < s.free_count; ++i) {
+    for (Index i = 0; i < s.owned_count; ++i) {
       auto& v = s.velocity[static_cast<std::size_t>(i)];
       s.position[static_cast<std::size_t>(i)] += s.h * Vec3<double>(v);
       v = Vec3<Real>(0.7 * Vec3<double>(v) + speed * random_vector(random));

@@ -111,7 +111,7 @@ TYPED_TEST(PersistentContactsTest, ReorderedBodiesKeepTheirImpulses) {
   const auto before = run.detect();
   // An impulse that acts on the body of the pair with the larger x is positive.
   const auto toward = [&](const HostContact& c, const std::vector<Vec3<double>>& x) {
-    return c.b >= run.scene().free_count || x[c.b].x > x[c.a].x ? 1.0 : -1.0;
+    return c.b >= run.scene().owned_count || x[c.b].x > x[c.a].x ? 1.0 : -1.0;
   };
   std::vector<Vec3<TypeParam>> impulses;
   std::map<std::pair<double, double>, double> expected;  // by the places of the two bodies

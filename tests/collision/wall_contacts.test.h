@@ -249,13 +249,13 @@ TYPED_TEST(WallTest, BodiesOutsideTheCountAreNotSeen) {
   CollisionScene<TypeParam> s;
   s.add_free({0, 0, 0.4}, 0.5);
   s.add_half_space({0, 0, 0}, {0, 0, 1});
-  s.free_count = 0;
+  s.owned_count = 0;
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
   auto view = run.bodies();
   view.fixed_begin = 1;
   run.detector().detect(this->backend(), view, 1e-3, {});
   EXPECT_EQ(run.detector().contacts().count, 0);
-  view.free_count = 1;
+  view.owned_count = view.moving_count = 1;
   run.detector().detect(this->backend(), view, 1e-3, {});
   EXPECT_EQ(run.detector().contacts().count, 1);
 }

@@ -33,9 +33,9 @@ class Arrays {
     }
     ApgdVelocities<Real>& v = passes_.velocity;
     for (Span<Twist<Real>>* view : {&v.of_iterate[0], &v.of_iterate[1], &v.of_extrapolated}) {
-      twists_.emplace_back(b, p.body_count);
+      twists_.emplace_back(b, p.bodies.count);
       *view = twists_.back().view();
-      for_each(b, p.body_count, StartVelocity<Real>{p, *view});
+      for_each(b, p.bodies.count, StartVelocity<Real>{p, *view});
     }
     if (kind == ApgdMetricKind::diagonal)
       passes_.metric = StoredMetric<R, Real>::on(p, metric_.view());

@@ -155,7 +155,7 @@ class JointedBuffers {
     p.normal = normal_.view();
     p.joint_begin = before;
     p.joints = row_.view();
-    p.later[0] = lists_.build(b, p.free_count, {body_a_.data() + before, count},
+    p.later[0] = lists_.build(b, p.bodies.owned_count, {body_a_.data() + before, count},
                               {body_b_.data() + before, count});
     p.later[0].first = before;
     gamma_.reserve_discard(2 * static_cast<Offset>(p.contact_count));

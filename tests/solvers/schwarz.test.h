@@ -62,11 +62,11 @@ class Run {
       : b_(b), tiles_(b), state_(b, 1), passes_{p, {}, {}, state_.data(), 1, 2} {
     for (int k = 0; k < 2; ++k) {
       impulses_.emplace_back(b, p.contact_count);
-      twists_.emplace_back(b, p.body_count);
+      twists_.emplace_back(b, p.bodies.count);
       passes_.gamma[k] = impulses_[k].view();
       passes_.velocity[k] = twists_[k].view();
       fill(b, passes_.gamma[k], Vec3<Real>{});
-      for_each(b, p.body_count, StartVelocity<Real>{p, passes_.velocity[k]});
+      for_each(b, p.bodies.count, StartVelocity<Real>{p, passes_.velocity[k]});
     }
     fill(b, state_.view(), SchwarzState{});
     tiles_.compute(b, p, 48);

@@ -144,7 +144,7 @@ class PointMasses final : public ModelOn<B, Real> {
 
   typename ModelOn<B, Real>::Drawn drawn() override {
     BodyView<Real> v;
-    v.free_count = v.fixed_begin = v.count = count_;
+    v.owned_count = v.moving_count = v.fixed_begin = v.count = count_;
     v.position = position_.view();
     v.orientation = orientation_.view();
     v.velocity = velocity_.view();

@@ -25,12 +25,12 @@ class StoredProblemTest : public BackendTest<Real> {
     TestBackend& b = this->backend();
     UploadedProblem<TestBackend, Real> uploaded(b, stored);
     const ContactProblem<Real>& p = uploaded.problem();
-    Buffer<TestBackend, Twist<Real>> v(b, p.body_count);
+    Buffer<TestBackend, Twist<Real>> v(b, p.bodies.count);
     Buffer<TestBackend, Vec3<Real>> u(b, uploaded.impulses().size);
     with_rows<Real>(p.layout, [&](auto rows) {
       using R = decltype(rows);
-      for_each(b, p.body_count, StartVelocity<Real>{p, v.view()});
-      for_each(b, p.free_count, BodyVelocity<R, Real>{p, uploaded.impulses(), v.view()});
+      for_each(b, p.bodies.count, StartVelocity<Real>{p, v.view()});
+      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, uploaded.impulses(), v.view()});
       for_each(b, p.contact_count, ContactVelocity<R, Real>{p, v.view(), u.view()});
     });
     const std::vector<Vec3<Real>> host = download(b, u.view());
@@ -111,8 +111,8 @@ TYPED_TEST(StoredProblemTest, DownloadUndoesUpload) {
        {ContactLayout::radial, ContactLayout::general, ContactLayout::rolling}) {
     const BodyProblem stored = random_body_problem({.layout = layout, .has_adhesion = true});
     UploadedProblem<TestBackend, Real> uploaded(b, stored);
-    BodyProblem back = download_problem<TestBackend, Real>(
-        b, uploaded.problem(), uploaded.impulses(), stored.body_id, stored.free_count);
+    BodyProblem back = download_problem<TestBackend, Real>(b, uploaded.problem(),
+                                                           uploaded.impulses(), stored.body_id);
     EXPECT_EQ(back.layout, layout);
     EXPECT_EQ(back.free_count, stored.free_count);
     EXPECT_EQ(back.body_id, stored.body_id);

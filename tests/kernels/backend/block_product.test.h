@@ -95,10 +95,10 @@ TEST_F(BlockProductTest, IsThatOfTheMatrixFreeOperator) {
       {.layout = ContactLayout::general, .free_count = 200, .contact_count = 600, .seed = 5});
   UploadedProblem<TestBackend, double> uploaded(b, stored);
   const ContactProblem<double>& p = uploaded.problem();
-  Buffer<TestBackend, Twist<double>> v(b, p.body_count);
+  Buffer<TestBackend, Twist<double>> v(b, p.bodies.count);
   Buffer<TestBackend, Vec3<double>> u(b, p.contact_count);
-  for_each(b, p.body_count, StartVelocity<double>{p, v.view()});
-  for_each(b, p.free_count,
+  for_each(b, p.bodies.count, StartVelocity<double>{p, v.view()});
+  for_each(b, p.bodies.owned_count,
            BodyVelocity<GeneralRows<double>, double>{p, uploaded.impulses(), v.view()});
   for_each(b, p.contact_count, ContactVelocity<GeneralRows<double>, double>{p, v.view(), u.view()});
   const std::vector<Vec3d> matrix_free = download(b, u.view());

@@ -29,16 +29,16 @@ class OrderedListsTest : public BackendTest<float> {
     return least;
   }
 
-  /// The lists of bodies B, [free_count + 1] starts and then the contacts.
+  /// The lists of bodies B, [owned_count + 1] starts and then the contacts.
   std::vector<Index> lists_as_b(const std::vector<Index>& body_a, const std::vector<Index>& body_b,
-                                Index free_count, double* seconds = nullptr) {
+                                Index owned_count, double* seconds = nullptr) {
     TestBackend& b = backend();
     Buffer<TestBackend, Index> of_a(b), of_b(b);
     upload(b, body_a, of_a);
     upload(b, body_b, of_b);
     ContactProblem<float> p;
     p.contact_count = static_cast<Index>(body_a.size());
-    p.free_count = free_count;
+    p.bodies.owned_count = owned_count;
     p.body_a = of_a.view();
     p.body_b = of_b.view();
     BodyContacts<TestBackend> lists(b);
@@ -51,10 +51,10 @@ class OrderedListsTest : public BackendTest<float> {
   }
 
   /// The same by a plain sort.
-  static std::vector<Index> sorted_as_b(const std::vector<Index>& body_b, Index free_count) {
-    std::vector<std::vector<Index>> of_body(static_cast<std::size_t>(free_count));
+  static std::vector<Index> sorted_as_b(const std::vector<Index>& body_b, Index owned_count) {
+    std::vector<std::vector<Index>> of_body(static_cast<std::size_t>(owned_count));
     for (std::size_t c = 0; c < body_b.size(); ++c) {
-      if (body_b[c] < free_count)
+      if (body_b[c] < owned_count)
         of_body[static_cast<std::size_t>(body_b[c])].push_back(static_cast<Index>(c));
     }
     std::vector<Index> lists{0}, contacts;
@@ -84,10 +84,10 @@ class OrderedListsTest : public BackendTest<float> {
 
 TEST_F(OrderedListsTest, MixedLengthsAreInTheOrderOfAPlainSort) {
   std::mt19937 random(1);
-  const Index free_count = 300;
+  const Index owned_count = 300;
   std::vector<Index> body_a, body_b;
-  for (Index a = 0; a < free_count - 10; ++a) {
-    for (const Index b : {free_count - 1, free_count - 2, free_count + 1}) {
+  for (Index a = 0; a < owned_count - 10; ++a) {
+    for (const Index b : {owned_count - 1, owned_count - 2, owned_count + 1}) {
       for (int k = 0; k < 4; ++k) body_a.push_back(a), body_b.push_back(b);
     }
     for (int k = 0; k < 5; ++k) {
@@ -95,8 +95,8 @@ TEST_F(OrderedListsTest, MixedLengthsAreInTheOrderOfAPlainSort) {
       body_b.push_back(a + 1 + static_cast<Index>(random() % 9));
     }
   }
-  const auto found = lists_as_b(body_a, body_b, free_count);
-  EXPECT_EQ(found, sorted_as_b(body_b, free_count));
+  const auto found = lists_as_b(body_a, body_b, owned_count);
+  EXPECT_EQ(found, sorted_as_b(body_b, owned_count));
 }
 
 /// Lengths about the one where the way to sort changes.

@@ -65,11 +65,11 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
         static_cast<std::size_t>(p.contact_count) * vectors_per_contact(layout), 4));
     const std::vector<Vec3<Real>> gamma = download(b, buffers.gamma());
     Buffer<TestBackend, Vec3<Real>> u(b, buffers.gamma().size);
-    Buffer<TestBackend, Twist<Real>> wrench(b, p.free_count);
+    Buffer<TestBackend, Twist<Real>> wrench(b, p.bodies.owned_count);
     with_rows<Real>(layout, [&](auto rows) {
       using R = decltype(rows);
       for_each(b, p.contact_count, ContactVelocity<R, Real>{p, p.free_velocity.values, u.view()});
-      for_each(b, p.free_count, StoreWrench<R, Real>{p, buffers.gamma(), wrench.view()});
+      for_each(b, p.bodies.owned_count, StoreWrench<R, Real>{p, buffers.gamma(), wrench.view()});
     });
     double left = 0, right = 0, size = 0;
     const std::vector<Vec3<Real>> velocities = download(b, u.view());
@@ -80,7 +80,7 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
     }
     const std::vector<Twist<Real>> twists = download(b, p.free_velocity.values),
                                    wrenches = download(b, wrench.view());
-    for (Index i = 0; i < p.free_count; ++i) {
+    for (Index i = 0; i < p.bodies.owned_count; ++i) {
       right += dot(Vec3<double>(twists[i].linear), Vec3<double>(wrenches[i].linear)) +
                dot(Vec3<double>(twists[i].angular), Vec3<double>(wrenches[i].angular));
     }
@@ -102,13 +102,13 @@ TYPED_TEST(ContactOperatorTest, VelocitiesAndResidualsMatchDenseMatrices) {
     buffers.set_impulses(vectors);
     const Eigen::VectorXd gamma = oracle::rows_from_world(plain.data, vectors);
 
-    Buffer<TestBackend, Twist<Real>> v(b, p.body_count);
+    Buffer<TestBackend, Twist<Real>> v(b, p.bodies.count);
     copy(b, p.free_velocity.values, v.view());
     ResidualEvaluator<TestBackend, Real> evaluator(b);
     Residual residual;
     with_rows<Real>(layout, [&](auto rows) {
       using R = decltype(rows);
-      for_each(b, p.free_count, BodyVelocity<R, Real>{p, buffers.gamma(), v.view()});
+      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, buffers.gamma(), v.view()});
       residual = evaluator.template evaluate_with_objective<R>(b, p, buffers.gamma(), v.view());
     });
 

@@ -32,7 +32,7 @@ struct PictureScene {
   std::vector<Vec3<Real>> vertices;
   std::vector<TriangleIndices> triangles;
   std::vector<MeshRange> ranges;
-  Index free_count = 0;  ///< set by free_done()
+  Index owned_count = 0;  ///< set by free_done()
   Index fixed_begin = 0;
 
   void sphere(const Vec3d& center, double r, Index group_of = 0) {
@@ -55,8 +55,8 @@ struct PictureScene {
   }
   /// Bodies so far are free, the next `gap` are not yet inserted, later ones are fixed.
   void free_done(Index gap = 0) {
-    free_count = static_cast<Index>(position.size());
-    fixed_begin = free_count + gap;
+    owned_count = static_cast<Index>(position.size());
+    fixed_begin = owned_count + gap;
   }
 };
 
@@ -87,7 +87,7 @@ Image take_picture(TestBackend& b, const PictureScene<Real>& scene, const Pictur
   upload(b, scene.triangles, triangles);
   upload(b, scene.ranges, ranges);
   BodyView<Real> view;
-  view.free_count = scene.free_count;
+  view.owned_count = view.moving_count = scene.owned_count;
   view.fixed_begin = scene.fixed_begin;
   view.count = static_cast<Index>(scene.position.size());
   view.position = position.view();

@@ -30,7 +30,7 @@ class DampedJacobi final : public RelaxationSolver<B, Real> {
     for_each(b, p.contact_count, StoreMassSplitMetric<R, Real>{p, metric});
     const auto sweep = [&] {
       for_each(b, p.contact_count, JacobiPass<R, Real>{p, metric, velocity, gamma, step_});
-      for_each(b, p.free_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
     };
     return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, [] {});
   }

@@ -14,6 +14,7 @@
 #include "collision/pair_candidates.h"
 #include "collision/pair_filter.h"
 #include "collision/persistent_contacts.h"
+#include "collision/solid_contacts.h"
 #include "kernels/narrow_phase/contact_groups.h"
 #include "kernels/narrow_phase/contact_list.h"
 
@@ -62,7 +63,7 @@ class ContactDetector {
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
   /// one more to extend the list and three more for a new one; up to five more for each
-  /// detection with margins.
+  /// detection with margins. Where there are solid walls, one more, and one for each detection.
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each,
   /// every array counted once: check 60, candidates 56 + 12 m, scan 12, keys 24 + 12 k,
@@ -160,7 +161,23 @@ class ContactDetector {
 
   void list_with_margins(B& b, const BodyView<Real>& bodies, ContactRange range);
   template <ShapeMix kMix>
-  void list_contacts(B& b, const BodyView<Real>& bodies, const ContactRange& range);
+  void list_contacts(B& b, const ContactTest<kMix, Real>& test);
+  template <ShapeMix kMix>
+  ContactTest<kMix, Real> test_of(const BodyView<Real>& bodies, const ContactRange& range) const {
+    return {bodies, obstacles_.shapes(), candidates_.view(), obstacles_.walls(), range, keys_};
+  }
+  /// Calls f with what the run holds.
+  template <class F>
+  void with_mix(F&& f) const {
+    switch (obstacles_.mix()) {
+      case ShapeMix::spheres_and_planes:
+        return f(std::integral_constant<ShapeMix, ShapeMix::spheres_and_planes>{});
+      case ShapeMix::spheres:
+        return f(std::integral_constant<ShapeMix, ShapeMix::spheres>{});
+      case ShapeMix::any:
+        return f(std::integral_constant<ShapeMix, ShapeMix::any>{});
+    }
+  }
   template <ShapeMix kMix>
   void count_contacts(B& b, const ContactTest<kMix, Real>& test, Span<Index> count,
                       Span<std::uint32_t> touching);
@@ -172,6 +189,7 @@ class ContactDetector {
   ObstacleBuffers<B, Real> obstacles_;
   PairFilter<B> held_pairs_;
   PairCandidates<B, Real> candidates_;
+  SolidContacts<B, Real> solids_;
   PersistentContacts<B, Real> memory_;
   ContactKeys keys_;
   Index contact_count_ = 0;
@@ -193,6 +211,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
       obstacles_(b, obstacles, settings.period),
       held_pairs_(b, settings.held_pairs),
       candidates_(b),
+      solids_(b),
       memory_(b),
       needed_(b),
       key_(b),
@@ -225,7 +244,12 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   if (bodies.owned_count == 0) return;
   const ContactRange range = range_of(bodies, h, gravity_step, load_speed);
   obstacles_.refresh(b, bodies, range, keys_);
+  with_mix([&]<ShapeMix kMix>(std::integral_constant<ShapeMix, kMix>) {
+    if constexpr (kMix != ShapeMix::spheres_and_planes)
+      solids_.start(b, test_of<kMix>(bodies, range));
+  });
   list_with_margins(b, bodies, range);
+  solids_.release();
   needed_.release();
   if (!settings_.keep_candidates) candidates_.release();
 }
@@ -272,14 +296,9 @@ void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
     release_contacts();
     candidates_.renew(b, bodies, range, {settings_.skin}, needed_);
   }
-  switch (obstacles_.mix()) {
-    case ShapeMix::spheres_and_planes:
-      return list_contacts<ShapeMix::spheres_and_planes>(b, bodies, range);
-    case ShapeMix::spheres:
-      return list_contacts<ShapeMix::spheres>(b, bodies, range);
-    case ShapeMix::any:
-      return list_contacts<ShapeMix::any>(b, bodies, range);
-  }
+  with_mix([&]<ShapeMix kMix>(std::integral_constant<ShapeMix, kMix>) {
+    list_contacts(b, test_of<kMix>(bodies, range));
+  });
 }
 
 template <class B, class Real>
@@ -329,16 +348,15 @@ void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real
 
 template <class B, class Real>
 template <ShapeMix kMix>
-void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
-                                             const ContactRange& range) {
-  const WallView<Real> walls = obstacles_.walls();
-  const ContactTest<kMix, Real> test{bodies, obstacles_.shapes(), candidates_.view(), walls, range,
-                                     keys_};
+void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>& test) {
   const Index pieces = test.candidates.piece_count();
   Buffer<B, Index> count(b, pieces);
   Buffer<B, std::uint32_t> touching(b, pieces);
   Buffer<B, Offset> begin(b, static_cast<Offset>(pieces) + 1);
   count_contacts(b, test, count.view(), touching.view());
+  if constexpr (kMix != ShapeMix::spheres_and_planes) {
+    if (solids_.is_used()) solids_.find(b, test, count.view());
+  }
   exclusive_scan(b, Span<const Index>(count.view()), begin.view());
   const Offset total = fetch(b, begin.data() + pieces);
   contact_count_ = checked_index(total, can_number(total), "contacts");
@@ -349,29 +367,37 @@ void ContactDetector<B, Real>::list_contacts(B& b, const BodyView<Real>& bodies,
   } else {
     for_each(b, pieces, WriteContactKeys<kMix, Real>{test, begin.view(), touching.view(), key});
   }
+  if (solids_.is_used()) solids_.write_keys(b, test.candidates, begin.view(), key);
 
   radial_count_ = settings_.layout == ContactLayout::radial ? contact_count_ : 0;
   if (settings_.layout == ContactLayout::mixed) {
-    group_keys(b, bodies, key);
+    group_keys(b, test.bodies, key);
     key = key_.view(total);
   }
   const Offset arms = total - radial_count_;
+  const ContactArrays<Real> out{body_a_.resize_discard(total),
+                                body_b_.resize_discard(total),
+                                normal_.resize_discard(total),
+                                gap_.resize_discard(total),
+                                radial_count_,
+                                arm_a_.resize_discard(arms),
+                                arm_b_.resize_discard(arms)};
   const auto fill_contacts = [&]<bool kPasses>(std::bool_constant<kPasses>) {
     for_each(b, contact_count_,
-             FillContacts<kMix, kPasses, Real>{
-                 bodies, obstacles_.shapes(), walls, range, keys_, key,
-                 body_a_.resize_discard(total), body_b_.resize_discard(total),
-                 normal_.resize_discard(total), gap_.resize_discard(total), radial_count_,
-                 arm_a_.resize_discard(arms), arm_b_.resize_discard(arms)});
+             FillContacts<kMix, kPasses, Real>{test.bodies, test.shapes, test.walls.planes,
+                                               test.range, keys_, key, out});
   };
   if (candidates_.has_passes()) {
     fill_contacts(std::true_type{});
   } else {
     fill_contacts(std::false_type{});
   }
+  if constexpr (kMix != ShapeMix::spheres_and_planes) {
+    if (solids_.is_used()) solids_.fill(b, test, key, out);
+  }
   if (!held_pairs_.is_used()) return;
-  contact_count_ = held_pairs_.apply(b, bodies.id, contact_count_, body_a_, body_b_, key_, body_a_,
-                                     body_b_, normal_, gap_, arm_a_, arm_b_);
+  contact_count_ = held_pairs_.apply(b, test.bodies.id, contact_count_, body_a_, body_b_, key_,
+                                     body_a_, body_b_, normal_, gap_, arm_a_, arm_b_);
 }
 
 /// Brings the keys into groups; one host read.

@@ -9,7 +9,7 @@
 #include "collision/obstacles.h"
 #include "kernels/backend/backend.h"
 #include "kernels/narrow_phase/pair_table.h"
-#include "kernels/narrow_phase/wall_contacts.h"
+#include "kernels/narrow_phase/solid_walls.h"
 #include "shapes/shape_card.h"
 
 namespace scree {

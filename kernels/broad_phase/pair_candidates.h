@@ -27,6 +27,9 @@ struct CandidateView {
   SCREE_HD bool is_last_of_body(Index p) const {
     return p + 1 == body.size || body[p + 1] != body[p];
   }
+  SCREE_HD Index last_piece(Index a) const {
+    return first_not_below(body, 0, piece_count(), a + 1) - 1;
+  }
   /// Whether the pair is in the list; a < b.
   SCREE_HD bool contains(Index a, Index b) const {
     const Index k = place(a, b);

@@ -1,9 +1,10 @@
 #pragma once
-// Element programs that list contacts: which candidates and walls a body touches, their keys in
-// order, and their geometry.
+// Element programs that list contacts: which candidates and planes a body touches, their keys in
+// order, and their geometry. Contacts with solid walls have passes of their own, see solid_contacts.h.
 
 #include "kernels/broad_phase/pair_candidates.h"
 #include "kernels/contact/contact_view.h"
+#include "kernels/math/periodic.h"
 #include "kernels/narrow_phase/wall_contacts.h"
 
 namespace scree {
@@ -57,12 +58,13 @@ struct ContactTest {
     return range.fall > 0 ? range.fall_of(radius_a) + range.fall_of(radius_b) : 0;
   }
 
-  /// Calls emit(element) for each contact of body a with the walls, elements ascending.
+  /// Calls emit(element) for each contact of body a with planes, elements ascending.
   template <class Emit>
-  SCREE_HD void with_walls(Index a, const BodySample& body, Emit&& emit) const {
+  SCREE_HD void with_planes(Index a, const BodySample& body, Emit&& emit) const {
     const float inflated = inflated_radius(bodies, range, a);
     if (!(inflated > 0)) return;
-    visit_walls<kMix>(walls, range, keys, body, wall_envelope(range, a, body), inflated, emit);
+    visit_planes<kMix>(walls.planes, range, keys, body, wall_envelope(range, a, body), inflated,
+                       emit);
   }
 };
 
@@ -77,14 +79,14 @@ SCREE_HD inline bool note_decides(float note, double envelope) {
   return std::abs(noted - envelope) > 1.2e-7 * std::abs(noted);
 }
 
-/// Counts the contacts of each piece of the candidates, those with walls in the last piece of a
+/// Counts the contacts of each piece of the candidates, those with planes in the last piece of a
 /// body, and notes which candidates they are, and what envelopes it would take. Spheres only.
 /// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
 /// written, and 4 per candidate.
 template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
-  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 4 : 1;
+  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? 4 : 1;
   ContactTest<kMix, Real> test;
   Span<Index> count;             ///< [piece count] out
   Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
@@ -107,7 +109,7 @@ struct CountContacts {
       if (!needed.empty()) needed[k] = note_needed(least);
       if (least <= test.envelope(a, j)) add(k);
     }
-    if (list.is_last_of_body(p)) test.with_walls(a, body, [&](std::uint32_t) { ++n; });
+    if (list.is_last_of_body(p)) test.with_planes(a, body, [&](std::uint32_t) { ++n; });
     count[p] = n;
     touching[p] = found;
   }
@@ -119,7 +121,7 @@ struct CountContacts {
 template <ShapeMix kMix, class Real>
 struct RecountContacts {
   static constexpr const char* name = "recount_contacts";
-  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 4 : 1;
+  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? 4 : 1;
   ContactTest<kMix, Real> test;
   Span<float> needed;  ///< [candidates] by CountContacts; in: kNotNoted, out: noted, where added
   Span<Index> count;
@@ -137,7 +139,7 @@ struct RecountContacts {
       ++n;
     }
     if (list.is_last_of_body(p)) {
-      test.with_walls(a, test.load(a), [&](std::uint32_t) { ++n; });
+      test.with_planes(a, test.load(a), [&](std::uint32_t) { ++n; });
     }
     count[p] = n;
     touching[p] = found;
@@ -160,7 +162,7 @@ struct RecountContacts {
 template <ShapeMix kMix, class Real>
 struct WriteContactKeys {
   static constexpr const char* name = "write_contact_keys";
-  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? 5 : 1;
+  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? 5 : 1;
   ContactTest<kMix, Real> test;
   Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
   Span<const std::uint32_t> touching;
@@ -179,9 +181,9 @@ struct WriteContactKeys {
       key[next++] = make_key(a, test.keys.body_element(j, 0));
     }
     if (next == end) return;
-    // What is left are walls, whose elements are above those of all bodies.
-    test.with_walls(a, test.load(a),
-                    [&](std::uint32_t element) { key[next++] = make_key(a, element); });
+    // What is left are planes, whose elements are above those of all bodies, or solid walls.
+    test.with_planes(a, test.load(a),
+                     [&](std::uint32_t element) { key[next++] = make_key(a, element); });
   }
 };
 
@@ -222,39 +224,57 @@ struct ListMixedContacts {
         add(test.keys.body_element(j, feature));
       });
     }
-    // Walls come last: their elements are above those of all bodies.
-    if (list.is_last_of_body(p)) test.with_walls(a, body, add);
+    // Planes come after them: their elements are above those of all bodies.
+    if (list.is_last_of_body(p)) test.with_planes(a, body, add);
     if (is_counted) return;
     count[p] = n;
     touching[p] = found;
   }
 };
 
-/// Turns keys into contacts: bodies, normal, gap, lever arms.
+/// Where contacts are stored.
+template <class Real>
+struct ContactArrays {
+  Span<Index> body_a;
+  Span<Index> body_b;
+  Span<Vec3<Real>> normal;
+  Span<Real> gap;          ///< [m]
+  Index radial_count = 0;  ///< the first ones have no stored arms
+  Span<Vec3<Real>> arm_a;  ///< from contact radial_count on [m]
+  Span<Vec3<Real>> arm_b;  ///< from contact radial_count on [m]
+
+  SCREE_HD void store(Index c, Index a, Index b, const ContactGeometry& g) const {
+    body_a[c] = a;
+    body_b[c] = b;
+    normal[c] = Vec3<Real>(g.normal);
+    gap[c] = static_cast<Real>(g.gap);
+    if (c >= radial_count) {
+      arm_a[c - radial_count] = Vec3<Real>(g.arm_a);
+      arm_b[c - radial_count] = Vec3<Real>(g.arm_b);
+    }
+  }
+};
+
+/// Turns keys of contacts with bodies and planes into contacts: bodies, normal, gap, lever arms.
 /// Bytes per contact (float, radial), besides bodies from the caches: 8 read, 24 written.
 /// @tparam kPasses  whether spheres may pass each other within the step, see spheres_on_way(): a
 ///                  program of its own, since that takes half as many registers again
 template <ShapeMix kMix, bool kPasses, class Real>
 struct FillContacts {
   static constexpr const char* name = "fill_contacts";
-  static constexpr int kLeastBlocks = kMix == ShapeMix::spheres_and_planes ? (kPasses ? 3 : 4) : 1;
+  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? (kPasses ? 3 : 4) : 1;
   BodyView<Real> bodies;
   Span<const ShapeRecord<Real>> shapes;
-  WallView<Real> walls;
+  Span<const WallPlane> planes;
   ContactRange range;
   ContactKeys keys;
   Span<const std::uint64_t> key;
-  Span<Index> body_a;       ///< out
-  Span<Index> body_b;       ///< out
-  Span<Vec3<Real>> normal;  ///< out
-  Span<Real> gap;           ///< out [m]
-  Index radial_count;       ///< the first ones have no stored arms
-  Span<Vec3<Real>> arm_a;   ///< out, from contact radial_count on [m]
-  Span<Vec3<Real>> arm_b;   ///< out, from contact radial_count on [m]
+  ContactArrays<Real> out;
 
   SCREE_HD void operator()(Index c) const {
     const Index a = contact_body(key[c]);
     const std::uint32_t element = key_element(key[c]);
+    if (kMix != ShapeMix::spheres_and_planes && element >= keys.solid_begin) return;
     const BodySample body = load_body<kMix>(bodies, shapes, range, a);
     ContactGeometry g;
     Index b;
@@ -269,16 +289,9 @@ struct FillContacts {
         g = spheres_on_way(g, d, way, body.radius, other.radius);
       }
     } else {
-      g = wall_contact<kMix>(walls, range, keys, body, wall_envelope(range, a, body), element, b);
+      g = plane_contact<kMix>(planes, keys, body, element, b);
     }
-    body_a[c] = a;
-    body_b[c] = b;
-    normal[c] = Vec3<Real>(g.normal);
-    gap[c] = static_cast<Real>(g.gap);
-    if (c >= radial_count) {
-      arm_a[c - radial_count] = Vec3<Real>(g.arm_a);
-      arm_b[c - radial_count] = Vec3<Real>(g.arm_b);
-    }
+    out.store(c, a, b, g);
   }
 };
 

@@ -9,6 +9,7 @@
 // touches that part, and slides along it for the rest of the step. Its velocity stays, and is for
 // the contacts of the next step.
 
+#include "kernels/narrow_phase/mesh_way.h"
 #include "kernels/narrow_phase/wall_contacts.h"
 #include "shapes/shape_list.h"
 

@@ -43,6 +43,39 @@ TYPED_TEST(WallTest, SphereOnHalfSpace) {
   this->expect_near(c[0].arm_b, {3, 4, 0});
 }
 
+TYPED_TEST(WallTest, SphereTouchesAsManyBoxesAsThereAre) {
+  CollisionScene<TypeParam> s;
+  s.settings.envelope = 0.01;
+  s.add_free({0, 0, 0}, 0.5);
+  s.add_free({5, 0, 0}, 0.5);  // touches none
+  s.add_free({0.999, 0, 0}, 0.5);
+  constexpr int kBoxes = 14;
+  std::vector<Index> walls;
+  std::vector<Vec3<double>> toward;
+  for (int k = 0; k < kBoxes; ++k) {  // their corners and faces around the first one
+    const double z = 0.9 - 1.8 * k / (kBoxes - 1), ring = std::sqrt(1 - z * z);
+    toward.push_back({-ring * std::abs(std::cos(2.4 * k)), ring * std::sin(2.4 * k), z});
+    const Vec3<double> touched = 0.505 * toward.back();
+    Vec3<double> half{0.05, 0.05, 0.05}, center = touched;
+    for (int axis = 0; axis < 3; ++axis)
+      center[axis] += toward.back()[axis] < 0 ? -half[axis] : half[axis];
+    walls.push_back(s.add_box_wall(center, half));
+  }
+  const auto c = this->contacts(s);
+  ASSERT_EQ(c.size(), std::size_t{1 + kBoxes});
+  std::size_t found = 0;
+  for (const HostContact& contact : c) {
+    EXPECT_EQ(contact.a, 0);
+    if (contact.b == 2) continue;
+    ASSERT_LT(found, walls.size());
+    EXPECT_EQ(contact.b, walls[found]);
+    EXPECT_NEAR(contact.gap, 0.005, this->kEps);
+    this->expect_near(contact.normal, toward[found]);
+    this->expect_near(contact.arm_a, 0.5 * toward[found]);
+    ++found;
+  }
+}
+
 TYPED_TEST(WallTest, FastSphereIsListedAheadOfTheWall) {
   CollisionScene<TypeParam> s;
   s.h = 0.1;

@@ -171,7 +171,7 @@ SCREE_HD void visit_sphere_mesh(const MeshView<Real>& mesh, const MeshInfo& info
   }
 }
 
-/// Walls have passes of their own for these, see SolidContacts.
+/// Walls have passes of their own for these, see SphereOnSolid.
 struct SphereMesh {
   using A = shapes::Sphere;
   using B = shapes::Mesh;

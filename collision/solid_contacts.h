@@ -1,0 +1,87 @@
+#pragma once
+// Contacts with solid walls, such as boxes and meshes, of the bodies that are near one. Its memory, while detect() works:
+// 4 bytes for each of these and 36 for each contact that one of them may have, the same for all.
+
+#include <algorithm>
+
+#include "kernels/narrow_phase/solid_contacts.h"
+
+namespace scree {
+
+template <class B, class Real>
+class SolidContacts {
+ public:
+  explicit SolidContacts(B& b) : near_(b), count_(b), element_(b), way_plane_(b), most_(b, 1) {}
+
+  /// Whether a body is near a solid wall.
+  bool is_used() const { return near_count_ > 0; }
+
+  /// Lists the bodies near solid walls; one host read.
+  /// @param test  of any margins, which do not matter; its candidates are not needed
+  template <ShapeMix kMix>
+  void start(B& b, const ContactTest<kMix, Real>& test) {
+    const Index n = test.bodies.owned_count;
+    Buffer<B, Index> flag(b, n);
+    Buffer<B, Offset> before(b, static_cast<Offset>(n) + 1);
+    for_each(b, n, FlagNearSolids<kMix, Real>{test, flag.view()});
+    exclusive_scan(b, Span<const Index>(flag.view()), before.view());
+    near_count_ = static_cast<Index>(fetch(b, before.data() + n));
+    for_each(b, n, ListFlagged{flag.view(), before.view(), near_.resize_discard(near_count_)});
+  }
+
+  /// Finds their contacts, and adds the numbers of these to `count`; one host read, or two where a body has
+  /// more contacts than any before.
+  /// @param count  [piece count] contacts of each piece
+  template <ShapeMix kMix>
+  void find(B& b, const ContactTest<kMix, Real>& test, Span<Index> count) {
+    for (;;) {
+      reduce<Largest<Index>>(b, near_count_, FindSolidContacts<kMix, Real>{test, room(slots_)},
+                             StoreResult<Largest<Index>>{most_.data()});
+      const Index most = fetch(b, most_.data()).value;
+      if (most <= slots_) break;
+      slots_ = most;
+    }
+    for_each(b, near_count_, AddSolidContacts{notes(), test.candidates, count});
+  }
+
+  /// @param begin  [piece count + 1] scan of the counts
+  void write_keys(B& b, const CandidateView& candidates, Span<const Offset> begin,
+                  Span<std::uint64_t> key) {
+    for_each(b, near_count_, WriteSolidKeys{notes(), candidates, begin, key});
+  }
+
+  /// @param key  of all contacts
+  template <ShapeMix kMix>
+  void fill(B& b, const ContactTest<kMix, Real>& test, Span<const std::uint64_t> key,
+            const ContactArrays<Real>& out) {
+    for_each(b, static_cast<Index>(key.size),
+             FillSolidContacts<kMix, Real>{test, notes(), key, out});
+  }
+
+  void release() {
+    near_count_ = 0;
+    near_.release(), count_.release(), element_.release(), way_plane_.release();
+  }
+
+ private:
+  SolidNotes room(Index slots) {
+    const Offset places = static_cast<Offset>(slots) * near_count_;
+    count_.resize_discard(near_count_), element_.resize_discard(places);
+    way_plane_.resize_discard(places);
+    return notes();
+  }
+  SolidNotes notes() {
+    return {std::as_const(near_).view(near_count_), count_.view(), slots_, element_.view(),
+            way_plane_.view()};
+  }
+
+  Index near_count_ = 0;
+  Index slots_ = 6;  ///< a body rarely has more; grows with need
+  Buffer<B, Index> near_;
+  Buffer<B, Index> count_;
+  Buffer<B, std::uint32_t> element_;
+  Buffer<B, HoldingPlane> way_plane_;
+  Buffer<B, Largest<Index>> most_;
+};
+
+}  // namespace scree

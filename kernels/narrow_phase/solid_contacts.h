@@ -1,0 +1,146 @@
+#pragma once
+// Element programs of contacts with solid walls. Few bodies are near one, and those that are take long, so they have
+// passes of their own, which find contacts once and note what others need of them.
+
+#include "kernels/backend/ordered_lists.h"
+#include "kernels/narrow_phase/contact_list.h"
+#include "kernels/narrow_phase/solid_walls.h"
+
+namespace scree {
+
+/// Contacts with solid walls of the bodies near one.
+struct SolidNotes {
+  Span<const Index> body;        ///< [near bodies] ascending
+  Span<Index> count;             ///< [near bodies] contacts of each
+  Index slots = 0;               ///< contacts of a body there is room for
+  Span<std::uint32_t> element;   ///< [slots * near bodies] of each body, ascending
+  Span<HoldingPlane> way_plane;  ///< the same, of contacts met on the way; others have no normal
+
+  /// Of contact `element` of body a; null: none.
+  SCREE_HD const HoldingPlane* way(Index a, std::uint32_t wanted) const {
+    const Index k = first_not_below(body, 0, static_cast<Index>(body.size), a);
+    const Offset first = static_cast<Offset>(k) * slots;
+    for (Offset place = first; place < first + count[k]; ++place) {
+      if (element[place] != wanted) continue;
+      return norm2(way_plane[place].normal) > 0 ? &way_plane[place] : nullptr;
+    }
+    return nullptr;
+  }
+};
+
+/// Marks free bodies that may touch a solid wall, whatever their margins.
+/// Bytes per body, besides walls from the caches: 40 read, 4 written.
+template <ShapeMix kMix, class Real>
+struct FlagNearSolids {
+  static constexpr const char* name = "flag_near_solids";
+  ContactTest<kMix, Real> test;
+  Span<Index> flag;  ///< [owned_count] out: 0 or 1
+
+  SCREE_HD void operator()(Index a) const {
+    const BodySample body = test.load(a);
+    const ContactRange& range = test.range;
+    // Margins are stored in float.
+    const double margin = 2.000001 * range.margin_limit * body.radius;
+    const bool is_there = inflated_radius(test.bodies, range, a) > 0;
+    flag[a] = is_there && is_near_solids<kMix>(test.walls, range, body,
+                                               wall_envelope(range, a, body) + margin)
+                  ? 1
+                  : 0;
+  }
+};
+
+/// out[before[i]] = i for those that are marked.
+struct ListFlagged {
+  static constexpr const char* name = "list_flagged";
+  Span<const Index> flag;
+  Span<const Offset> before;  ///< running sum of the flags
+  Span<Index> out;
+  SCREE_HD void operator()(Index i) const {
+    if (flag[i] != 0) out[before[i]] = i;
+  }
+};
+
+/// Finds the contacts of the bodies near solid walls, and returns how many one has at most: if there is no
+/// room for as many, it has to be done again.
+template <ShapeMix kMix, class Real>
+struct FindSolidContacts {
+  static constexpr const char* name = "find_solid_contacts";
+  ContactTest<kMix, Real> test;
+  SolidNotes notes;
+
+  SCREE_HD Largest<Index> operator()(Index k) const {
+    const Index a = notes.body[k];
+    const BodySample body = test.load(a);
+    Note note{notes, static_cast<Offset>(k) * notes.slots};
+    visit_solids<kMix>(test.walls, test.range, body, wall_envelope(test.range, a, body), note);
+    notes.count[k] = note.count;
+    return {note.count};
+  }
+
+ private:
+  struct Note {
+    const SolidNotes& notes;
+    Offset first;
+    Index count = 0;
+    SCREE_HD void operator()(std::uint32_t element) { way(element, {}); }
+    SCREE_HD void way(std::uint32_t element, const HoldingPlane& plane) {
+      if (count < notes.slots) {
+        notes.element[first + count] = element;
+        notes.way_plane[first + count] = plane;
+      }
+      ++count;
+    }
+  };
+};
+
+/// Adds them to the contacts of the last piece of each body.
+struct AddSolidContacts {
+  static constexpr const char* name = "add_solid_contacts";
+  SolidNotes notes;
+  CandidateView candidates;
+  Span<Index> count;  ///< [piece count] in, out
+
+  SCREE_HD void operator()(Index k) const {
+    count[candidates.last_piece(notes.body[k])] += notes.count[k];
+  }
+};
+
+/// Writes their keys, which come last among those of each body.
+struct WriteSolidKeys {
+  static constexpr const char* name = "write_solid_keys";
+  SolidNotes notes;
+  CandidateView candidates;
+  Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
+  Span<std::uint64_t> key;   ///< [contact count] out
+
+  SCREE_HD void operator()(Index k) const {
+    const Index a = notes.body[k], count = notes.count[k];
+    const Offset first = begin[candidates.last_piece(a) + 1] - count;
+    const Offset noted = static_cast<Offset>(k) * notes.slots;
+    for (Index j = 0; j < count; ++j) key[first + j] = make_key(a, notes.element[noted + j]);
+  }
+};
+
+/// Turns their keys into contacts. Bytes per contact of any kind: 8 read.
+template <ShapeMix kMix, class Real>
+struct FillSolidContacts {
+  static constexpr const char* name = "fill_solid_contacts";
+  ContactTest<kMix, Real> test;
+  SolidNotes notes;
+  Span<const std::uint64_t> key;
+  ContactArrays<Real> out;
+
+  SCREE_HD void operator()(Index c) const {
+    const std::uint32_t element = key_element(key[c]);
+    if (element < test.keys.solid_begin) return;
+    const Index a = contact_body(key[c]);
+    const BodySample body = test.load(a);
+    const WallSolid& solid = solid_of(test.walls, element);
+    out.store(
+        c, a, solid.body,
+        solid_contact<kMix>(test.walls, test.range, solid, body, wall_envelope(test.range, a, body),
+                            element, notes.way(a, element)));
+  }
+};
+
+}  // namespace scree

@@ -27,8 +27,12 @@
 // is nearly as busy as in a copy (bench/results/h200). The first-level cache is short:
 // a stack of 32 bytes a thread, for registers that were spilled, cost a tenth of the time,
 // and shared memory is dear too.
+// Few bodies make smaller tiles, one for each multiprocessor: what a tile does one after the other is what a pass takes then.
+// That is another program, since the size of whole tiles, when it is not a constant, costs 1.5 % of the time.
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
+
+#include <algorithm>
 
 #include "kernels/backend/device_counter.cuh"
 #include "kernels/backend/split_barrier.cuh"
@@ -46,7 +50,18 @@ struct Shared {
   unsigned* arrived;            ///< blocks at the end of a trial, over all trials
   Sums<3>* partial;             ///< [blocks]
   const PackedContact* packed;  ///< [contacts]
+  Index tile_bodies;            ///< see bodies_of_tile()
 };
+
+/// Bodies of a tile at least: smaller ones cost more in meetings than they save.
+inline constexpr Index kLeastBodies = 32;
+
+/// Bodies of a tile: so few that each multiprocessor gets one, where there are no more.
+/// @param blocks  that the device holds at once
+inline Index bodies_of_tile(Index bodies, unsigned blocks) {
+  const auto processors = static_cast<Index>(std::max(blocks / kBlocks, 1u));
+  return std::clamp((bodies + processors - 1) / processors, kLeastBodies, Index{kBodies});
+}
 
 /// Body pass of the thread's body of a tile: what other tiles exert, then its new velocity. A body
 /// with many contacts is summed up by its warp.
@@ -131,7 +146,8 @@ __device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums
   __syncthreads();
 }
 
-template <int kWeights, Law kLaw, bool kIsMixed, class Real>
+/// @tparam kIsWhole  tiles of kBodies, whose number the compiler knows
+template <int kWeights, Law kLaw, bool kIsMixed, bool kIsWhole, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                int count, double enough) {
@@ -144,6 +160,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   __shared__ unsigned trials;       // before this launch: no block arrives before all know
   const auto blocks = static_cast<Index>(gridDim.x);
   const auto local = static_cast<Index>(threadIdx.x);
+  const Index tile_bodies = kIsWhole ? Index{kBodies} : shared.tile_bodies;
   const bool is_speaker = local == kThreads - 32;
   if (local == 0) {
     ready.init(kThreads);
@@ -153,7 +170,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     trials = *shared.arrived / gridDim.x;
   }
   __syncthreads();
-  const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x));
+  const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x), tile_bodies);
   {
     const Trial<Real> trial(a, state, shared.packed);
     first.start(trial.velocity, trial.previous_velocity, memory.bodies);
@@ -184,18 +201,18 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       __syncwarp();
       TileRange range;
       if (has_tile) {
-        range.begin = t * kBodies;
-        range.count = min(kBodies, a.p.bodies.owned_count - range.begin);
+        range.begin = t * tile_bodies;
+        range.count = min(tile_bodies, a.p.bodies.owned_count - range.begin);
         range.first = here.a_start[0];
         range.last = here.a_start[range.count];
         step_contacts<kWeights, kLaw>(a, trial, range, here, memory.pull, sums);
         stepped.arrive();
       }
-      const Index i = (t - blocks) * kBodies + local;
-      const bool is_before = round > 0 && local < kBodies && i < a.p.bodies.owned_count;
+      const Index i = (t - blocks) * tile_bodies + local;
+      const bool is_before = round > 0 && local < tile_bodies && i < a.p.bodies.owned_count;
       Twist<Real> extrapolated;
       if (is_before) extrapolated = other.extrapolated[local];
-      BodyFetch<Real> fetch(a, trial, (t + blocks) * kBodies);
+      BodyFetch<Real> fetch(a, trial, t + blocks, tile_bodies);
       const bool has_next = t + blocks < tiles;
       if (has_next) fetch.start(a, other);
       if (is_speaker && has_tile) {
@@ -238,13 +255,10 @@ class ApgdIteration<Cuda> {
   template <class R, class Real>
   void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
     if constexpr (kIsSwept<R, Real>) {
-      tiles_ = (a.p.bodies.owned_count + sweep::kBodies - 1) / sweep::kBodies;
-      if constexpr (sweep::kIsImpact<R, Real>) {
-        kernel_ = kernel_of<sweep::Law::impact>(a.metric);
-      } else {
-        kernel_ = a.exact ? kernel_of<sweep::Law::coulomb>(a.metric)
-                          : kernel_of<sweep::Law::convex>(a.metric);
-      }
+      kernel_ = kernel_of<true>(a);
+      const Index size = sweep::bodies_of_tile(a.p.bodies.owned_count, resident_blocks(cuda));
+      if (size < sweep::kBodies) kernel_ = kernel_of<false>(a);
+      tiles_ = (a.p.bodies.owned_count + size - 1) / size;
       blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
       const Offset counters = Offset{tiles_} / blocks_ + 2;
       counters_.reserve_discard(counters);
@@ -252,8 +266,9 @@ class ApgdIteration<Cuda> {
       fill(cuda, counters_.view(counters), 0u);
       const Index radial = R::kHasLaterGroups ? a.p.radial_count : a.p.contact_count;
       packed_.reserve_discard(radial);
-      for_each(cuda, radial, sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(radial)});
-      shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data()};
+      for_each(cuda, radial,
+               sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
+      shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data(), size};
     }
   }
 
@@ -290,14 +305,23 @@ class ApgdIteration<Cuda> {
                                     sweep::kIsImpact<R, Real>);
   static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
 
+  template <bool kIsWhole, class R>
+  static const void* kernel_of(const ApgdPasses<R, float>& a) {
+    if constexpr (sweep::kIsImpact<R, float>) {
+      return kernel_of<kIsWhole, sweep::Law::impact>(a.metric);
+    } else {
+      return a.exact ? kernel_of<kIsWhole, sweep::Law::coulomb>(a.metric)
+                     : kernel_of<kIsWhole, sweep::Law::convex>(a.metric);
+    }
+  }
   /// Loads behind a branch would start late, so there is a program for each way to store weights.
-  template <sweep::Law kLaw, class R>
+  template <bool kIsWhole, sweep::Law kLaw, class R>
   static const void* kernel_of(const StoredMetric<R, float>& metric) {
     const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
     constexpr bool kIsMixed = R::kHasLaterGroups;
-    if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, kIsMixed, float>);
-    return metric.one_each ? of(&sweep::run_trials<1, kLaw, kIsMixed, float>)
-                           : of(&sweep::run_trials<2, kLaw, kIsMixed, float>);
+    if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, kIsMixed, kIsWhole, float>);
+    return metric.one_each ? of(&sweep::run_trials<1, kLaw, kIsMixed, kIsWhole, float>)
+                           : of(&sweep::run_trials<2, kLaw, kIsMixed, kIsWhole, float>);
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {

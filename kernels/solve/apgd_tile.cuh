@@ -13,7 +13,7 @@ namespace sweep {
 
 inline constexpr int kThreads = Cuda::kBlock;  ///< of a block
 inline constexpr int kWarps = kThreads / 32;
-inline constexpr int kBodies = 240;  ///< of a tile
+inline constexpr int kBodies = 240;  ///< of a tile, at most
 static_assert(kBodies < kThreads, "a thread for each start of a list");
 static_assert(kBodies <= 256, "a packed contact names a body of its tile by a byte");
 inline constexpr int kStaged = 904;     ///< contacts of a tile kept in shared memory
@@ -109,9 +109,10 @@ struct PackContacts {
   static constexpr const char* name = "apgd_pack_contacts";
   ContactProblem<Real> p;
   StoredMetric<R, Real> metric;
+  Index tile_bodies;
   Span<PackedContact> packed;
   __device__ void operator()(Index c) const {
-    const auto local = static_cast<std::uint32_t>(p.body_a[c] % kBodies);
+    const auto local = static_cast<std::uint32_t>(p.body_a[c] % tile_bodies);
     packed[c] = {p.normal[c], metric.load(c).normal, local};
   }
 };
@@ -186,10 +187,11 @@ __device__ void fetch_starts(const ContactProblem<Real>& p, Index body, TileBodi
 template <class Real>
 class BodyFetch {
  public:
-  __device__ BodyFetch(const RadialPasses<Real>& a, const Trial<Real>& trial, Index begin)
-      : trial_(trial), i_(begin + static_cast<Index>(threadIdx.x)) {
+  __device__ BodyFetch(const RadialPasses<Real>& a, const Trial<Real>& trial, Index tile,
+                       Index tile_bodies)
+      : trial_(trial), i_(tile * tile_bodies + static_cast<Index>(threadIdx.x)) {
     const auto local = static_cast<Index>(threadIdx.x);
-    const Index count = min(kBodies, a.p.bodies.owned_count - begin);
+    const Index count = min(tile_bodies, a.p.bodies.owned_count - tile * tile_bodies);
     is_body_ = local < count;
     is_start_ = local <= count;
   }
@@ -224,10 +226,10 @@ class BodyFetch {
 template <class Real>
 class FirstFetch {
  public:
-  __device__ FirstFetch(const RadialPasses<Real>& a, Index tile)
+  __device__ FirstFetch(const RadialPasses<Real>& a, Index tile, Index tile_bodies)
       : p_(a.p),
-        i_(tile * kBodies + static_cast<Index>(threadIdx.x)),
-        count_(min(kBodies, a.p.bodies.owned_count - tile * kBodies)) {}
+        i_(tile * tile_bodies + static_cast<Index>(threadIdx.x)),
+        count_(min(tile_bodies, a.p.bodies.owned_count - tile * tile_bodies)) {}
 
   __device__ void start(const Span<const Twist<Real>>& velocity,
                         const Span<const Twist<Real>>& previous, TileBodies<Real>* tiles) const {

@@ -10,6 +10,7 @@
 #include "dynamics/rigid/contact_layout.h"
 #include "dynamics/rigid/contact_records.h"
 #include "dynamics/rigid/impact_phase.h"
+#include "dynamics/rigid/integration.h"
 #include "dynamics/rigid/joints.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
@@ -21,7 +22,6 @@
 #include "dynamics/rigid/tolerance.h"
 #include "host/problems/download_problem.h"
 #include "host/version.h"
-#include "kernels/step/integrate.h"
 #include "kernels/step/written_state.h"
 #include "solvers/coulomb.h"
 #include "solvers/solver.h"
@@ -46,7 +46,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
         assembly_(backend(), scene_, summary_, obstacles_.shapes()),
         joints_(backend(), scene_),
         impacts_(backend(), scene_, summary_.layout),
-        integrate_sums_(backend(), 1),
+        integration_(backend()),
         solver_(make_step_solver()),
         loading_(scene_, store_, obstacles_) {
     loading_.load_first();
@@ -128,7 +128,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     report.ms.solve = impact_ms + clock.lap();
 
     if (joints_.count() > 0) joints_.keep(b, bodies, gamma);
-    const IntegrateSums moved = integrate(bodies);
+    const IntegrateSums moved = integration_.run(b, bodies, solver_->velocity(), summary_.layout, h,
+                                                 periodic_box(), detector_.walls());
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
@@ -250,35 +251,6 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return loads;
   }
 
-  IntegrateSums integrate(const BodyView<Real>& bodies) {
-    B& b = backend();
-    const double h = scene_.stepping.time_step;
-    const PeriodicBox box = periodic_box();
-    Span<const Twist<Real>> solved = solver_->velocity();
-    Buffer<B, Twist<Real>> plain(b);
-    if (summary_.layout == ContactLayout::mixed) {
-      plain.reserve_discard(bodies.owned_count);
-      for_each(b, bodies.owned_count,
-               PlainRates<Real>{bodies, solved, plain.view(bodies.owned_count)});
-      solved = plain.view(bodies.owned_count);
-    }
-    const auto along = [&](const auto& way) {
-      using Way = std::decay_t<decltype(way)>;
-      reduce<IntegrateSums>(
-          b, bodies.owned_count,
-          Integrate<Real, Way>{bodies, solved, summary_.layout == ContactLayout::radial, h, box,
-                               way},
-          StoreResult<IntegrateSums>{integrate_sums_.data()});
-    };
-    const WallView<Real> walls = detector_.walls();
-    if (walls.solids.size > 0) {
-      along(GuardedWay<Real>{bodies, walls, box.length, h});
-    } else {
-      along(StraightWay<Real>{bodies, h});
-    }
-    return fetch(b, integrate_sums_.data());
-  }
-
   std::unique_ptr<Solver<B, Real>> make_step_solver() const {
     SolverParams params;
     params.max_iterations = scene_.solver.max_iterations;
@@ -342,7 +314,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   ProblemAssembly<B, Real> assembly_;
   Joints<B, Real> joints_;
   ImpactPhase<B, Real> impacts_;
-  Buffer<B, IntegrateSums> integrate_sums_;
+  Integration<B, Real> integration_;
   std::unique_ptr<Solver<B, Real>> solver_;
   BodyLoading<B, Real> loading_;
   bool has_solved_contacts_ = false;  ///< the detector has those of the last step

@@ -15,7 +15,7 @@
 
 namespace scree {
 
-/// Bodies and obstacles on the host, in storage order: free bodies first.
+/// Bodies and obstacles on the host, in storage order: owned bodies, ghosts, room, fixed bodies.
 template <class Real>
 struct CollisionScene {
   std::vector<Vec3<double>> position;
@@ -24,7 +24,8 @@ struct CollisionScene {
   std::vector<Real> radius;
   std::vector<Index> shape;
   Index owned_count = 0;
-  Index gap = 0;  ///< unused storage between free and fixed bodies
+  Index ghost_count = 0;
+  Index room = 0;  ///< unused storage between ghosts and fixed bodies
   ObstacleData<Real> obstacles;
   CollisionSettings settings;
   double h = 1e-3;
@@ -137,7 +138,9 @@ class CollisionRun {
   BodyView<Real> bodies() {
     BodyView<Real> v;
     const auto n = static_cast<Index>(scene_.position.size());
-    v.owned_count = v.moving_count = v.fixed_begin = scene_.owned_count;
+    v.owned_count = scene_.owned_count;
+    v.moving_count = v.owned_count + scene_.ghost_count;
+    v.fixed_begin = v.moving_count + scene_.room;
     v.count = n;
     v.position = position_.view(n);
     v.orientation = orientation_.view(n);

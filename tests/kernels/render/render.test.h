@@ -33,6 +33,7 @@ struct PictureScene {
   std::vector<TriangleIndices> triangles;
   std::vector<MeshRange> ranges;
   Index owned_count = 0;  ///< set by free_done()
+  Index ghost_count = 0;
   Index fixed_begin = 0;
 
   void sphere(const Vec3d& center, double r, Index group_of = 0) {
@@ -87,7 +88,8 @@ Image take_picture(TestBackend& b, const PictureScene<Real>& scene, const Pictur
   upload(b, scene.triangles, triangles);
   upload(b, scene.ranges, ranges);
   BodyView<Real> view;
-  view.owned_count = view.moving_count = scene.owned_count;
+  view.owned_count = scene.owned_count;
+  view.moving_count = scene.owned_count + scene.ghost_count;
   view.fixed_begin = scene.fixed_begin;
   view.count = static_cast<Index>(scene.position.size());
   view.position = position.view();
@@ -380,6 +382,8 @@ TYPED_TEST(RenderTest, OutOfSightBodiesLeaveNoTrace) {
   scene.free_done(2);
   scene.sphere({0, 0, 0}, 0.5);  // not inserted yet
   scene.sphere({0, 0, 0.5}, 0.5);
+  EXPECT_EQ(empty.rgb, take_picture(this->backend(), scene, settings).rgb);
+  scene.ghost_count = 2;  // or drawn by the world that owns them
   EXPECT_EQ(empty.rgb, take_picture(this->backend(), scene, settings).rgb);
 }
 

@@ -7,7 +7,6 @@
 #include <type_traits>
 
 #include "collision/broad_phase.h"
-#include "collision/contact_elements.h"
 #include "collision/impact_margins.h"
 #include "collision/numbering.h"
 #include "collision/obstacle_buffers.h"
@@ -15,6 +14,7 @@
 #include "collision/pair_filter.h"
 #include "collision/persistent_contacts.h"
 #include "collision/solid_contacts.h"
+#include "kernels/contact/contact_elements.h"
 #include "kernels/narrow_phase/contact_groups.h"
 #include "kernels/narrow_phase/contact_list.h"
 
@@ -245,8 +245,9 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   const ContactRange range = range_of(bodies, h, gravity_step, load_speed);
   obstacles_.refresh(b, bodies, range, keys_);
   with_mix([&]<ShapeMix kMix>(std::integral_constant<ShapeMix, kMix>) {
-    if constexpr (kMix != ShapeMix::spheres_and_planes)
-      solids_.start(b, test_of<kMix>(bodies, range));
+    if constexpr (kMix != ShapeMix::spheres_and_planes) {
+      if (obstacles_.walls().solids.size > 0) solids_.start(b, test_of<kMix>(bodies, range));
+    }
   });
   list_with_margins(b, bodies, range);
   solids_.release();
@@ -396,6 +397,7 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
     if (solids_.is_used()) solids_.fill(b, test, key, out);
   }
   if (!held_pairs_.is_used()) return;
+  if (radial_count_ > 0) throw std::logic_error("bodies that joints hold have contacts with arms");
   contact_count_ = held_pairs_.apply(b, test.bodies.id, contact_count_, body_a_, body_b_, key_,
                                      body_a_, body_b_, normal_, gap_, arm_a_, arm_b_);
 }

@@ -1,6 +1,6 @@
 #pragma once
 // Contacts with solid walls, such as boxes and meshes, of the bodies that are near one. Its memory, while detect() works:
-// 4 bytes for each of these and 36 for each contact that one of them may have, the same for all.
+// 232 bytes for each of these, or 24 and 36 a contact where one has more than six.
 
 #include <algorithm>
 
@@ -11,7 +11,14 @@ namespace scree {
 template <class B, class Real>
 class SolidContacts {
  public:
-  explicit SolidContacts(B& b) : near_(b), count_(b), element_(b), way_plane_(b), most_(b, 1) {}
+  explicit SolidContacts(B& b)
+      : near_(b),
+        begin_(b),
+        envelope_(b),
+        count_(b),
+        element_(b),
+        way_plane_(b),
+        lacks_room_(b, 1) {}
 
   /// Whether a body is near a solid wall.
   bool is_used() const { return near_count_ > 0; }
@@ -26,20 +33,22 @@ class SolidContacts {
     for_each(b, n, FlagNearSolids<kMix, Real>{test, flag.view()});
     exclusive_scan(b, Span<const Index>(flag.view()), before.view());
     near_count_ = static_cast<Index>(fetch(b, before.data() + n));
+    envelope_.resize_discard(near_count_), count_.resize_discard(near_count_);
+    begin_.release();
+    has_notes_ = false;
     for_each(b, n, ListFlagged{flag.view(), before.view(), near_.resize_discard(near_count_)});
   }
 
-  /// Finds their contacts, and adds the numbers of these to `count`; one host read, or two where a body has
-  /// more contacts than any before.
+  /// Finds their contacts, and adds the numbers of these to `count`; one host read, or three where a
+  /// body has more contacts than there was room for.
   /// @param count  [piece count] contacts of each piece
   template <ShapeMix kMix>
   void find(B& b, const ContactTest<kMix, Real>& test, Span<Index> count) {
-    for (;;) {
-      reduce<Largest<Index>>(b, near_count_, FindSolidContacts<kMix, Real>{test, room(slots_)},
-                             StoreResult<Largest<Index>>{most_.data()});
-      const Index most = fetch(b, most_.data()).value;
-      if (most <= slots_) break;
-      slots_ = most;
+    if (!has_notes_) make_room(SolidNotes::kSlots * static_cast<Offset>(near_count_));
+    while (!is_found(b, test)) {
+      exclusive_scan(b, Span<const Index>(count_.view()),
+                     begin_.resize_discard(static_cast<Offset>(near_count_) + 1));
+      make_room(fetch(b, begin_.data() + near_count_));
     }
     for_each(b, near_count_, AddSolidContacts{notes(), test.candidates, count});
   }
@@ -60,28 +69,40 @@ class SolidContacts {
 
   void release() {
     near_count_ = 0;
-    near_.release(), count_.release(), element_.release(), way_plane_.release();
+    near_.release(), begin_.release(), envelope_.release(), count_.release();
+    element_.release(), way_plane_.release();
   }
 
  private:
-  SolidNotes room(Index slots) {
-    const Offset places = static_cast<Offset>(slots) * near_count_;
-    count_.resize_discard(near_count_), element_.resize_discard(places);
-    way_plane_.resize_discard(places);
-    return notes();
+  void make_room(Offset places) {
+    element_.resize_discard(places), way_plane_.resize_discard(places);
+    has_notes_ = false;
+  }
+  template <ShapeMix kMix>
+  bool is_found(B& b, const ContactTest<kMix, Real>& test) {
+    reduce<Largest<Index>>(b, near_count_, FindSolidContacts<kMix, Real>{test, notes(), has_notes_},
+                           StoreResult<Largest<Index>>{lacks_room_.data()});
+    has_notes_ = fetch(b, lacks_room_.data()).value == 0;
+    return has_notes_;
   }
   SolidNotes notes() {
-    return {std::as_const(near_).view(near_count_), count_.view(), slots_, element_.view(),
+    return {std::as_const(near_).view(near_count_),
+            begin_.view(begin_.capacity()),
+            envelope_.view(),
+            count_.view(),
+            element_.view(),
             way_plane_.view()};
   }
 
   Index near_count_ = 0;
-  Index slots_ = 6;  ///< a body rarely has more; grows with need
+  bool has_notes_ = false;  ///< of a listing of this step
   Buffer<B, Index> near_;
+  Buffer<B, Offset> begin_;
+  Buffer<B, double> envelope_;
   Buffer<B, Index> count_;
   Buffer<B, std::uint32_t> element_;
   Buffer<B, HoldingPlane> way_plane_;
-  Buffer<B, Largest<Index>> most_;
+  Buffer<B, Largest<Index>> lacks_room_;
 };
 
 }  // namespace scree

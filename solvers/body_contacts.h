@@ -28,7 +28,11 @@ class GroupContacts {
     b_contact_.reserve_discard(n);
     const Span<Index> a_start = a_start_.view(bodies + 1), b_start = b_start_.view(bodies + 1);
     const Span<Index> contact = b_contact_.view(n);
-    for_each(b, n + 1, RunStarts<Index>{body_a, n, bodies, a_start});
+    if (n < bodies / 4) {
+      for_each(b, bodies + 1, SearchStarts<Index>{body_a, n, a_start});
+    } else {
+      for_each(b, n + 1, RunStarts<Index>{body_a, n, bodies, a_start});
+    }
 
     Buffer<B, Index> counters(b, bodies + 1), unordered(b, n);
     const Span<Index> count = counters.view(bodies);

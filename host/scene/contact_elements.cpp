@@ -1,4 +1,4 @@
-#include "collision/contact_elements.h"
+#include "kernels/contact/contact_elements.h"
 
 #include <fmt/format.h>
 

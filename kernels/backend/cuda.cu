@@ -54,9 +54,9 @@ void Cuda::deallocate(void* p, std::size_t bytes) noexcept {
   allocated_ -= bytes;
 }
 
-unsigned Cuda::reduce_blocks(const void* kernel, const char* name) {
+unsigned Cuda::reduce_blocks(const void* kernel, const char* name, int threads) {
   unsigned& blocks = reduce_blocks_[kernel];  // zero when new
-  if (blocks == 0) blocks = resident_blocks(kernel, name);
+  if (blocks == 0) blocks = resident_blocks(kernel, name, 0, threads);
   return blocks;
 }
 

@@ -74,7 +74,7 @@ class Cuda {
 
   /// Blocks of a reduction that the device runs at a time. It is asked for at each launch, so it is
   /// remembered; here and not beside the kernel, because it is a property of the device.
-  unsigned reduce_blocks(const void* kernel, const char* name);
+  unsigned reduce_blocks(const void* kernel, const char* name, int threads);
 
   /// Reports a failed launch under the kernel's name; with SCREE_CHECK_SYNC also waits for it.
   void check_launch(const char* name) {
@@ -107,8 +107,22 @@ constexpr int least_blocks() {
   }
 }
 
+/// Threads of a block: programs that take long for few elements name a smaller number, so that these are spread
+/// over more multiprocessors.
 template <class F>
-__global__ void __launch_bounds__(Cuda::kBlock, least_blocks<F>()) for_each_kernel(Index n, F f) {
+constexpr int block_threads() {
+  if constexpr (requires { F::kBlockThreads; }) {
+    return F::kBlockThreads;
+  } else {
+    return Cuda::kBlock;
+  }
+}
+
+// A program is read where the launch left it: without __grid_constant__ a function that is not inlined would get a copy
+// of it in each thread.
+template <class F>
+__global__ void __launch_bounds__(block_threads<F>(), least_blocks<F>())
+    for_each_kernel(Index n, const __grid_constant__ F f) {
   const Offset stride = static_cast<Offset>(gridDim.x) * blockDim.x;
   for (Offset i = static_cast<Offset>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) {
     f(static_cast<Index>(i));
@@ -118,20 +132,20 @@ __global__ void __launch_bounds__(Cuda::kBlock, least_blocks<F>()) for_each_kern
 template <class F>
 void for_each(Cuda& cuda, Index n, F f) {
   if (n <= 0) return;  // an empty launch is an error
-  const auto blocks =
-      static_cast<unsigned>((static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock);
-  for_each_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(n, f);
+  constexpr int kThreads = block_threads<F>();
+  const auto blocks = static_cast<unsigned>((static_cast<Offset>(n) + kThreads - 1) / kThreads);
+  for_each_kernel<<<blocks, kThreads, 0, cuda.stream()>>>(n, f);
   cuda.check_launch(F::name);
 }
 
 /// Combines one record per thread into thread 0's, by a fixed tree.
-template <class R>
+template <int kThreads, class R>
 __device__ R block_combine(R mine) {
-  __shared__ alignas(R) unsigned char storage[sizeof(R) * Cuda::kBlock];
+  __shared__ alignas(R) unsigned char storage[sizeof(R) * kThreads];
   R* shared = reinterpret_cast<R*>(storage);
   shared[threadIdx.x] = mine;
   __syncthreads();
-  for (int half = Cuda::kBlock / 2; half > 0; half /= 2) {
+  for (int half = kThreads / 2; half > 0; half /= 2) {
     if (threadIdx.x < half) shared[threadIdx.x].combine(shared[threadIdx.x + half]);
     __syncthreads();
   }
@@ -142,14 +156,14 @@ __device__ R block_combine(R mine) {
 /// in block order and runs `finish`. The ticket is an integer, so its order of arrival
 /// does not touch the sums.
 template <class R, class F, class G>
-__global__ void __launch_bounds__(Cuda::kBlock)
-    reduce_kernel(Index n, F f, G finish, R* partials, unsigned* ticket) {
+__global__ void __launch_bounds__(block_threads<F>())
+    reduce_kernel(Index n, const __grid_constant__ F f, G finish, R* partials, unsigned* ticket) {
   R mine;
   const Offset stride = static_cast<Offset>(gridDim.x) * blockDim.x;
   for (Offset i = static_cast<Offset>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) {
     mine.combine(f(static_cast<Index>(i)));
   }
-  const R block_total = block_combine(mine);
+  const R block_total = block_combine<block_threads<F>()>(mine);
   __shared__ bool is_last;
   if (threadIdx.x == 0) {
     partials[blockIdx.x] = block_total;
@@ -162,7 +176,7 @@ __global__ void __launch_bounds__(Cuda::kBlock)
   R rest;
   for (unsigned k = threadIdx.x; k < gridDim.x; k += blockDim.x) rest.combine(partials[k]);
   __syncthreads();
-  const R total = block_combine(rest);
+  const R total = block_combine<block_threads<F>()>(rest);
   if (threadIdx.x == 0) finish(total);
 }
 
@@ -171,11 +185,12 @@ __global__ void __launch_bounds__(Cuda::kBlock)
 template <class R, class F, class G = NoFinish>
 void reduce(Cuda& cuda, Index n, F f, G finish = {}) {
   static_assert(sizeof(R) <= Cuda::kMaxReduceRecord);
+  constexpr int kThreads = block_threads<F>();
   const unsigned resident =
-      cuda.reduce_blocks(reinterpret_cast<const void*>(&reduce_kernel<R, F, G>), F::name);
-  const Offset wanted = (static_cast<Offset>(n) + Cuda::kBlock - 1) / Cuda::kBlock;
+      cuda.reduce_blocks(reinterpret_cast<const void*>(&reduce_kernel<R, F, G>), F::name, kThreads);
+  const Offset wanted = (static_cast<Offset>(n) + kThreads - 1) / kThreads;
   const auto blocks = static_cast<unsigned>(std::clamp<Offset>(wanted, 1, resident));
-  reduce_kernel<<<blocks, Cuda::kBlock, 0, cuda.stream()>>>(
+  reduce_kernel<<<blocks, kThreads, 0, cuda.stream()>>>(
       n, f, finish, static_cast<R*>(cuda.partials()), cuda.ticket());
   cuda.check_launch(F::name);
 }

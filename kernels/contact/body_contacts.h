@@ -1,7 +1,7 @@
 #pragma once
 // Element programs that build the body-to-contact lists a gather needs.
 
-#include "kernels/backend/atomic.h"
+#include "kernels/backend/ordered_lists.h"
 
 namespace scree {
 
@@ -20,6 +20,18 @@ struct RunStarts {
     const Offset from = position == 0 ? 0 : static_cast<Offset>(sorted[position - 1]) + 1;
     const Offset to = position == count ? value_count : static_cast<Offset>(sorted[position]);
     for (Offset v = from; v <= to && v <= value_count; ++v) start[v] = position;
+  }
+};
+
+/// The same, run over the values: for few elements, which leave long gaps between runs.
+template <class Value>
+struct SearchStarts {
+  static constexpr const char* name = "search_starts";
+  Span<const Value> sorted;  ///< [count], ascending
+  Index count;
+  Span<Index> start;  ///< out
+  SCREE_HD void operator()(Index v) const {
+    start[v] = first_not_below(sorted, 0, count, static_cast<Value>(v));
   }
 };
 

@@ -27,7 +27,7 @@ struct ContactView {
   /// Contacts [0, radial_count) have no stored arms: all of the radial layout, the first ones of
   /// the mixed layout.
   Index radial_count = 0;
-  Span<const std::uint64_t> key;  ///< high half: a; low half: the body or wall feature it touches
+  Span<const std::uint64_t> key;  ///< see contact_key.h
   Span<const Index> body_a;       ///< storage index
   Span<const Index> body_b;       ///< storage index
   Span<const Vec3<Real>> normal;  ///< unit, world frame, from body A to body B

@@ -10,17 +10,25 @@ namespace scree {
 
 /// Contacts with solid walls of the bodies near one.
 struct SolidNotes {
+  /// Contacts of a body there is room for at first.
+  static constexpr Index kSlots = 6;
+
   Span<const Index> body;        ///< [near bodies] ascending
+  Span<const Offset> begin;      ///< [near bodies + 1] places of each, exactly; empty: kSlots each
+  Span<double> envelope;         ///< [near bodies] gap up to which they were found [m]
   Span<Index> count;             ///< [near bodies] contacts of each
-  Index slots = 0;               ///< contacts of a body there is room for
-  Span<std::uint32_t> element;   ///< [slots * near bodies] of each body, ascending
-  Span<HoldingPlane> way_plane;  ///< the same, of contacts met on the way; others have no normal
+  Span<std::uint32_t> element;   ///< [places] of each body, ascending
+  Span<HoldingPlane> way_plane;  ///< [places] of contacts met on the way; others have no normal
+
+  SCREE_HD Offset first(Index k) const {
+    return begin.empty() ? static_cast<Offset>(k) * kSlots : begin[k];
+  }
+  SCREE_HD Index room(Index k) const { return static_cast<Index>(first(k + 1) - first(k)); }
 
   /// Of contact `element` of body a; null: none.
   SCREE_HD const HoldingPlane* way(Index a, std::uint32_t wanted) const {
     const Index k = first_not_below(body, 0, static_cast<Index>(body.size), a);
-    const Offset first = static_cast<Offset>(k) * slots;
-    for (Offset place = first; place < first + count[k]; ++place) {
+    for (Offset place = first(k); place < first(k) + count[k]; ++place) {
       if (element[place] != wanted) continue;
       return norm2(way_plane[place].normal) > 0 ? &way_plane[place] : nullptr;
     }
@@ -60,31 +68,38 @@ struct ListFlagged {
   }
 };
 
-/// Finds the contacts of the bodies near solid walls, and returns how many one has at most: if there is no
-/// room for as many, it has to be done again.
+/// Finds the contacts of the bodies near solid walls, and returns whether there was no room for all of them: then they
+/// are counted, and it has to be done again. Where the margin of a body is that of the listing before, its contacts are
+/// too.
 template <ShapeMix kMix, class Real>
 struct FindSolidContacts {
   static constexpr const char* name = "find_solid_contacts";
+  static constexpr int kBlockThreads = 8;  // of a warp: they take different ways through meshes
   ContactTest<kMix, Real> test;
   SolidNotes notes;
+  bool is_again;  ///< the notes are those of another listing of the step
 
   SCREE_HD Largest<Index> operator()(Index k) const {
     const Index a = notes.body[k];
     const BodySample body = test.load(a);
-    Note note{notes, static_cast<Offset>(k) * notes.slots};
-    visit_solids<kMix>(test.walls, test.range, body, wall_envelope(test.range, a, body), note);
+    const double envelope = wall_envelope(test.range, a, body);
+    if (is_again && notes.envelope[k] == envelope) return {};
+    Note note{notes, notes.first(k), notes.room(k)};
+    visit_solids<kMix>(test.walls, test.range, body, envelope, note);
+    notes.envelope[k] = envelope;
     notes.count[k] = note.count;
-    return {note.count};
+    return {note.count > note.room ? 1 : 0};
   }
 
  private:
   struct Note {
     const SolidNotes& notes;
     Offset first;
+    Index room;
     Index count = 0;
     SCREE_HD void operator()(std::uint32_t element) { way(element, {}); }
     SCREE_HD void way(std::uint32_t element, const HoldingPlane& plane) {
-      if (count < notes.slots) {
+      if (count < room) {
         notes.element[first + count] = element;
         notes.way_plane[first + count] = plane;
       }
@@ -116,7 +131,7 @@ struct WriteSolidKeys {
   SCREE_HD void operator()(Index k) const {
     const Index a = notes.body[k], count = notes.count[k];
     const Offset first = begin[candidates.last_piece(a) + 1] - count;
-    const Offset noted = static_cast<Offset>(k) * notes.slots;
+    const Offset noted = notes.first(k);
     for (Index j = 0; j < count; ++j) key[first + j] = make_key(a, notes.element[noted + j]);
   }
 };
@@ -138,8 +153,7 @@ struct FillSolidContacts {
     const WallSolid& solid = solid_of(test.walls, element);
     out.store(
         c, a, solid.body,
-        solid_contact<kMix>(test.walls, test.range, solid, body, wall_envelope(test.range, a, body),
-                            element, notes.way(a, element)));
+        solid_contact<kMix>(test.walls, test.range, solid, body, element, notes.way(a, element)));
   }
 };
 

@@ -364,12 +364,12 @@ SCREE_HD bool is_near_solids(const WallView<Real>& walls, const ContactRange& ra
 /// @param way  see SphereOnSolid::geometry()
 template <ShapeMix kMix, class Real>
 SCREE_HD ContactGeometry solid_contact(const WallView<Real>& walls, const ContactRange& range,
-                                       const WallSolid& solid, const BodySample& a, double envelope,
+                                       const WallSolid& solid, const BodySample& a,
                                        std::uint32_t element, const HoldingPlane* way) {
   if constexpr (kMix == ShapeMix::any) {
     if (is_by_pair_function(a, solid)) return PairOnSolid{solid, range, a}.geometry(element);
   }
-  return SphereOnSolid<Real>{walls.meshes, solid, range, a, envelope}.geometry(element, way);
+  return SphereOnSolid<Real>{walls.meshes, solid, range, a, 0}.geometry(element, way);
 }
 
 }  // namespace scree

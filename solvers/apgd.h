@@ -140,6 +140,8 @@ class Apgd final : public Solver<B, Real> {
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contact_count == 0) return {0, 0, true, {}};
+    if (R::kHasJoints && params_.law != ApgdLaw::convex)
+      throw std::logic_error("exact friction does not know joints");
 
     const Offset vectors = R::vector_count(p);
     Workspace w(b, vectors, p.bodies.count);
@@ -331,6 +333,7 @@ constexpr SolverCard apgd_card() {
   return {.name = "apgd",
           .description = "accelerated projected gradient descent: for everything",
           .parameters = kApgdParameters,
+          .layouts = kAllLayouts,
           .steps_to_coulomb = true,
           .memory = apgd_memory,
           .traffic = [](const SolverCase& c) {

@@ -53,6 +53,8 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   /// `converged` is judged on the exact residual; both residuals are of the original problem.
   SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
                    double tolerance) override {
+    if (p.layout == ContactLayout::jointed)
+      throw std::logic_error("exact friction does not know joints");
     SolveStats first;
     if (!direct_.empty()) {
       first = solve_directly(b, p, gamma, tolerance);

@@ -6,7 +6,7 @@
 
 namespace scree {
 
-/// Owns the arrays that differ: 32 bytes and two lists a body, 60 a contact in float.
+/// Owns the arrays that differ: 64 bytes and two lists a body, 60 a contact in float.
 template <class B, class Real>
 class ExpandedProblem {
  public:

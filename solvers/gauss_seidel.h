@@ -54,6 +54,7 @@ constexpr SolverCard gauss_seidel_card() {
   return {.name = "gauss_seidel",
           .description = "block Gauss-Seidel, one contact after the other: for small scenes",
           .parameters = kRelaxationParameters,
+          .layouts = kAllLayouts,
           .cpu_only = "it is sequential; use \"gauss_seidel_colored\"",
           .memory = relaxation_memory,
           .traffic = [](const SolverCase& c) { return gauss_seidel_sweep_traffic(c.real); }};

@@ -165,7 +165,7 @@ std::unique_ptr<Solver<B, Real>> make_gauss_seidel_colored(const SolverParams& p
 /// of their coloring.
 inline HeldBytes gauss_seidel_colored_memory(const SolverCase& c) {
   const double arms = c.layout == ContactLayout::radial ? 0 : 2 * c.vec();
-  const double ordered = c.is_mixed() ? 0 : 8 + c.vec() + c.real + arms + c.impulse();
+  const double ordered = c.has_groups() ? 0 : 8 + c.vec() + c.real + arms + c.impulse();
   return relaxation_memory(c) + HeldBytes{72, ordered + 36};
 }
 
@@ -173,6 +173,7 @@ constexpr SolverCard gauss_seidel_colored_card() {
   return {.name = "gauss_seidel_colored",
           .description = "block Gauss-Seidel, contacts of one color at once: for low accuracy",
           .parameters = kRelaxationParameters,
+          .layouts = kAllLayouts,
           .keeps_marks = true,
           .memory = gauss_seidel_colored_memory,
           .traffic = [](const SolverCase& c) { return gauss_seidel_sweep_traffic(c.real); }};

@@ -64,6 +64,7 @@ constexpr SolverCard jacobi_card() {
   return {.name = "jacobi",
           .description = "projected Jacobi, every contact at once: for comparisons",
           .parameters = kRelaxationParameters,
+          .layouts = kAllLayouts,
           .memory = relaxation_memory,
           .traffic = [](const SolverCase& c) { return jacobi_iteration_traffic(c.real); }};
 }

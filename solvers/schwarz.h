@@ -145,7 +145,8 @@ inline HeldBytes expanded_memory(const SolverCase& c) {
 /// extrapolated point and the weights.
 inline HeldBytes schwarz_memory(const SolverCase& c) {
   const double plain = 4 + c.impulse() + 3 * c.real;
-  const HeldBytes own{2 * c.twist() + 14, c.impulse() + 20 + (c.is_tuned() ? 0 : plain)};
+  const bool is_tuned = c.on_device && c.is_radial();
+  const HeldBytes own{2 * c.twist() + 14, c.impulse() + 20 + (is_tuned ? 0 : plain)};
   return c.is_mixed() ? own + expanded_memory(c) : own;
 }
 

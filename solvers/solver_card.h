@@ -27,8 +27,7 @@ struct SolverCase {
   double impulse() const { return vectors_per_contact(layout) * vec(); }
   bool is_radial() const { return layout == ContactLayout::radial; }
   bool is_mixed() const { return layout == ContactLayout::mixed; }
-  /// Tuned device programs are for spheres.
-  bool is_tuned() const { return on_device && is_radial(); }
+  bool has_groups() const { return is_mixed() || layout == ContactLayout::jointed; }
 };
 
 /// Bytes for each body and for each contact.
@@ -44,6 +43,10 @@ inline constexpr std::array kAllLayouts{ContactLayout::radial, ContactLayout::ge
                                         ContactLayout::rolling, ContactLayout::mixed,
                                         ContactLayout::jointed};
 
+/// Those of one group.
+inline constexpr std::array kPlainLayouts{ContactLayout::radial, ContactLayout::general,
+                                          ContactLayout::rolling};
+
 /// Those without joints.
 inline constexpr std::array kContactLayouts{ContactLayout::radial, ContactLayout::general,
                                             ContactLayout::rolling, ContactLayout::mixed};
@@ -51,8 +54,8 @@ inline constexpr std::array kContactLayouts{ContactLayout::radial, ContactLayout
 struct SolverCard {
   const char* name;         ///< in scenes and on the command line: that of its file
   const char* description;  ///< what it is, in one line
-  std::span<const SolverParameter> parameters = {};      ///< beside those that all solvers have
-  std::span<const ContactLayout> layouts = kAllLayouts;  ///< contacts that it knows
+  std::span<const SolverParameter> parameters = {};        ///< beside those that all solvers have
+  std::span<const ContactLayout> layouts = kPlainLayouts;  ///< contacts that it knows
   /// Why it does not run on a device, and what does; null: it does.
   const char* cpu_only = nullptr;
   /// Takes all of ApgdLaw: exact friction begins with its own steps.

@@ -105,7 +105,7 @@ class ImpactPhase {
           shifted(b, contacts),
           restitution(b, contacts),
           least(b, contacts),
-          rolling(b, layout == ContactLayout::rolling ? contacts : 0) {}
+          rolling(b, vectors_per_contact(layout) == 2 ? contacts : 0) {}
     StepProblem<B, Real> bodies;
     Buffer<B, Index> body_a, body_b;
     Buffer<B, Vec3<Real>> normal, arm_a, arm_b;

@@ -91,7 +91,7 @@ class Joints {
             const Vec3d& period, StepProblem<B, Real>& step, Span<Vec3<Real>> gamma) {
     ContactProblem<Real>& p = step.problem;
     const Index contacts = p.contact_count, total = contacts + count_;
-    for_each(b, bodies.count, FindPlaces{bodies.id, place_.view()});
+    for_each(b, bodies.count, FindPlaces{bodies.ranges(), bodies.id, place_.view()});
     const JointPlaces places{frames_.view(), place_.view(), bodies.count};
     for_each(b, count_, JointKeys{places, key_.view(), order_.view()});
     const auto place_bits = bits_for(static_cast<std::uint64_t>(bodies.count) + 1);

@@ -178,7 +178,7 @@ struct ContactProblem {
   /// [contact_count - radial_count] over the length of the body, none in the radial layout
   Span<const Vec3<Real>> arm_a;
   Span<const Vec3<Real>> arm_b;
-  Span<const RollingRow<Real>> rolling;  ///< rolling layout only
+  Span<const RollingRow<Real>> rolling;  ///< rolling and jointed layouts only
   /// Jointed layout: contacts [joint_begin, contact_count) are joints, with these rows. They have
   /// bodies and an axis in place of the normal, but no other field of a contact.
   Index joint_begin = 0;
@@ -221,7 +221,7 @@ template <class Real>
 struct ContactMetric {
   Real normal = 1;      ///< [1/kg]
   Real tangential = 1;  ///< [1/kg]
-  Real moment = 1;      ///< [1/kg], rolling layout
+  Real moment = 1;      ///< [1/kg], layouts with moment rows
 };
 
 }  // namespace scree

@@ -2,6 +2,8 @@
 // What differs between contact layouts, as static functions on plain values: contact velocity,
 // wrench, inverse mass and projection. Everything above is one template on one of these classes.
 
+#include <stdexcept>
+
 #include "kernels/contact/cone.h"
 #include "kernels/contact/joint_rows.h"
 
@@ -397,11 +399,12 @@ decltype(auto) with_rows_of_one_group(ContactLayout layout, F&& f) {
     case ContactLayout::rolling:
       return f(RollingRows<Real>{});
     case ContactLayout::general:
+      return f(GeneralRows<Real>{});
     case ContactLayout::mixed:
     case ContactLayout::jointed:
       break;
   }
-  return f(GeneralRows<Real>{});
+  throw std::logic_error("a layout of several groups where one group is expected");
 }
 
 /// The same for all layouts.

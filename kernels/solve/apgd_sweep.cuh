@@ -264,7 +264,7 @@ class ApgdIteration<Cuda> {
       counters_.reserve_discard(counters);
       partial_.reserve_discard(blocks_);
       fill(cuda, counters_.view(counters), 0u);
-      const Index radial = R::kHasLaterGroups ? a.p.radial_count : a.p.contact_count;
+      const Index radial = sweep::kIsMixed<R, Real> ? a.p.radial_count : a.p.contact_count;
       packed_.reserve_discard(radial);
       for_each(cuda, radial,
                sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
@@ -318,7 +318,7 @@ class ApgdIteration<Cuda> {
   template <bool kIsWhole, sweep::Law kLaw, class R>
   static const void* kernel_of(const StoredMetric<R, float>& metric) {
     const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
-    constexpr bool kIsMixed = R::kHasLaterGroups;
+    constexpr bool kIsMixed = sweep::kIsMixed<R, float>;
     if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, kIsMixed, kIsWhole, float>);
     return metric.one_each ? of(&sweep::run_trials<1, kLaw, kIsMixed, kIsWhole, float>)
                            : of(&sweep::run_trials<2, kLaw, kIsMixed, kIsWhole, float>);

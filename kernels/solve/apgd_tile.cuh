@@ -34,6 +34,11 @@ template <class R, class Real>
 inline constexpr bool kIsImpact = std::is_same_v<R, ImpactRows<RadialRows<Real>>> ||
                                   std::is_same_v<R, ImpactRows<MixedRows<Real>>>;
 
+/// Whether there are general contacts beside the radial ones.
+template <class R, class Real>
+inline constexpr bool kIsMixed =
+    std::is_same_v<R, MixedRows<Real>> || std::is_same_v<R, ImpactRows<MixedRows<Real>>>;
+
 /// What a contact exerts on its bodies: B's force, and the torque on both.
 template <class Real>
 struct Pull {

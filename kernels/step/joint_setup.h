@@ -33,10 +33,11 @@ struct JointImpulse {
 /// place[id] = storage index of the bodies that joints may name.
 struct FindPlaces {
   static constexpr const char* name = "find_places";
+  BodyRanges bodies;
   Span<const Index> id;  ///< [body storage]
   Span<Index> place;     ///< [ids that joints may name] out
   SCREE_HD void operator()(Index i) const {
-    if (id[i] >= 0 && id[i] < place.size) place[id[i]] = i;
+    if (bodies.exists(i) && id[i] < place.size) place[id[i]] = i;
   }
 };
 

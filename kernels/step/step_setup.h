@@ -233,7 +233,7 @@ struct ContactSetup {
   Span<Real> bias;                   ///< out [m/s], empty when no pair bounces
   Span<Real> friction;               ///< out, empty when uniform
   Span<Real> adhesion;               ///< out [N s], empty when no pair has cohesion
-  Span<RollingRow<Real>> rolling;    ///< out, empty unless the layout is rolling
+  Span<RollingRow<Real>> rolling;    ///< out, empty unless contacts have moment rows
 
   SCREE_HD SetupSums operator()(Index c) const {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];

@@ -44,10 +44,22 @@ class OrderedListsTest : public BackendTest<float> {
     BodyContacts<TestBackend> lists(b);
     lists.build(b, p);
     if (seconds != nullptr) *seconds = quickest([&] { lists.build(b, p); });
+    expect_starts(download(b, p.a_start), body_a, owned_count);
     std::vector<Index> found = download(b, p.b_start);
     const std::vector<Index> contacts = download(b, p.b_contact.first(found.back()));
     found.insert(found.end(), contacts.begin(), contacts.end());
     return found;
+  }
+
+  /// Where the contacts of each body as A start.
+  static void expect_starts(const std::vector<Index>& start, const std::vector<Index>& body_a,
+                            Index owned_count) {
+    ASSERT_EQ(start.size(), static_cast<std::size_t>(owned_count) + 1);
+    for (Index i = 0; i <= owned_count; ++i) {
+      const auto below =
+          std::count_if(body_a.begin(), body_a.end(), [i](Index a) { return a < i; });
+      ASSERT_EQ(start[static_cast<std::size_t>(i)], below) << "body " << i;
+    }
   }
 
   /// The same by a plain sort.
@@ -97,6 +109,17 @@ TEST_F(OrderedListsTest, MixedLengthsAreInTheOrderOfAPlainSort) {
   }
   const auto found = lists_as_b(body_a, body_b, owned_count);
   EXPECT_EQ(found, sorted_as_b(body_b, owned_count));
+}
+
+TEST_F(OrderedListsTest, FewContactsAmongManyBodies) {
+  for (const Index first : {0, 1, 700}) {
+    std::vector<Index> body_a, body_b;
+    for (Index a = first; a < 1000; a += a % 3 == 0 ? 40 : 1 + 100 * (a % 2)) {
+      for (int k = 0; k < 2; ++k) body_a.push_back(a), body_b.push_back(a + 5 + 3 * k);
+    }
+    EXPECT_LT(body_a.size(), 250u);
+    EXPECT_EQ(lists_as_b(body_a, body_b, 1000), sorted_as_b(body_b, 1000)) << first;
+  }
 }
 
 /// Lengths about the one where the way to sort changes.

@@ -4,7 +4,9 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "dynamics/dynamics_card.h"
 #include "host/cli/options.h"
@@ -17,6 +19,30 @@
 
 namespace scree {
 namespace {
+
+struct CudaDevice {
+  DeviceInfo info;
+  std::string fault;  ///< why it cannot be used; empty: it can
+};
+
+/// All of the machine, as `--device` counts them: one that cannot be used hides no other.
+std::vector<CudaDevice> cuda_devices() {
+  std::vector<CudaDevice> devices;
+  for (int device = 0; device < device_count(BackendKind::cuda); ++device) {
+    CudaDevice& each = devices.emplace_back();
+    each.info = device_info(BackendKind::cuda, device);
+    backend_available(BackendKind::cuda, &each.fault, device);
+  }
+  return devices;
+}
+
+nlohmann::json to_json(const CudaDevice& device) {
+  nlohmann::json out = {{"name", device.info.name},
+                        {"multiprocessors", device.info.threads},
+                        {"memory_bytes", device.info.memory_bytes}};
+  if (!device.fault.empty()) out["unavailable"] = device.fault;
+  return out;
+}
 
 int print_schema() {
   const std::filesystem::path path = scene_folder() / "schema.json";
@@ -43,11 +69,9 @@ CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
 int print_info(const InfoOptions& options) {
   if (options.schema) return print_schema();
   const DeviceInfo cpu = device_info(BackendKind::cpu);
+  const std::vector<CudaDevice> devices = cuda_devices();
   std::string reason;
-  const bool has_cuda = backend_available(BackendKind::cuda, &reason);
-  std::vector<DeviceInfo> devices;
-  for (int device = 0; has_cuda && device < device_count(BackendKind::cuda); ++device)
-    devices.push_back(device_info(BackendKind::cuda, device));
+  if (devices.empty()) backend_available(BackendKind::cuda, &reason);
 #ifdef SCREE_HAS_CUDA
   const bool built_with_cuda = true;
 #else
@@ -71,12 +95,9 @@ int print_info(const InfoOptions& options) {
         {"problem_solvers", problem_solvers},
         {"cpu",
          {{"name", cpu.name}, {"threads", cpu.threads}, {"memory_bytes", cpu.memory_bytes}}}};
-    if (has_cuda) {
+    if (!devices.empty()) {
       nlohmann::json list = nlohmann::json::array();
-      for (const DeviceInfo& device : devices)
-        list.push_back({{"name", device.name},
-                        {"multiprocessors", device.threads},
-                        {"memory_bytes", device.memory_bytes}});
+      for (const CudaDevice& device : devices) list.push_back(to_json(device));
       out["cuda"] = list.front();
       out["cuda_devices"] = list;
     } else {
@@ -98,12 +119,13 @@ int print_info(const InfoOptions& options) {
   fmt::print("            for scree solve: {}\n", fmt::join(problem_solvers, ", "));
   fmt::print("cpu         {}, {} threads, {:.1f} GiB\n", cpu.name, cpu.threads,
              static_cast<double>(cpu.memory_bytes) / gib);
-  for (std::size_t device = 0; device < devices.size(); ++device)
-    fmt::print("cuda {:<6} {}, {} multiprocessors, {:.1f} GiB\n", device, devices[device].name,
-               devices[device].threads, static_cast<double>(devices[device].memory_bytes) / gib);
-  if (!has_cuda) {
-    fmt::print("cuda        not available: {}\n", reason);
+  for (std::size_t number = 0; number < devices.size(); ++number) {
+    const auto& [device, fault] = devices[number];
+    fmt::print("cuda {:<6} {}, {} multiprocessors, {:.1f} GiB{}{}\n", number, device.name,
+               device.threads, static_cast<double>(device.memory_bytes) / gib,
+               fault.empty() ? "" : "; cannot be used: ", fault);
   }
+  if (devices.empty()) fmt::print("cuda        not available: {}\n", reason);
   return 0;
 }
 

@@ -87,24 +87,29 @@ class Run {
       return 0;
     }
     require_steps_to_dump(checkpoint ? checkpoint->state.step : 0);
+    if (checkpoint) check_steps_csv(directory_.steps_csv(), card_.report, checkpoint->state.step);
     require_solver(scene_, world_options_);
     require_memory(scene_, world_options_);
-    directory_.prepare();
-    if (!notice_.empty() && !options_.quiet) say(notice_);
     start_clock_ = std::chrono::steady_clock::now();
+    std::optional<World> made;
     std::optional<std::int64_t> resumed_step;
     std::optional<double> resumed_time;
-    if (checkpoint) {
+    if (checkpoint) {  // a state that does not fit is refused before any file changes
+      made.emplace(scene_, world_options_);
+      restore_from(directory_.checkpoint_file(), *checkpoint, *made);
       resumed_step = checkpoint->state.step;
       resumed_time = checkpoint->state.time;
+      checkpoint.reset();  // it is as large as the world
     }
+    directory_.prepare();
+    if (!notice_.empty() && !options_.quiet) say(notice_);
     FrameWriter frames(directory_.frames(), scene_, world_options_.precision, resumed_time);
     WallFrameWriter wall_frames(directory_.wall_frames(), scene_, resumed_time);
-    if (!checkpoint) write_walls(directory_.walls(), scene_);
+    if (!made) write_walls(directory_.walls(), scene_);
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
-    World world(std::move(loaded), world_options_);
-    if (checkpoint) world.restore(checkpoint->state);
-    checkpoint.reset();  // it is as large as the world
+    if (!made) made.emplace(std::move(loaded), world_options_);
+    loaded = {};
+    World& world = *made;
     record_.body_count = static_cast<int>(world.constants().size());
     const SignalGuard signals;
     start_record(resumed_step);

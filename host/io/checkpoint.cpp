@@ -282,6 +282,14 @@ void write_all(h5::Group root, const Contents& c) {
 
 }  // namespace
 
+void restore_from(const std::filesystem::path& path, const Checkpoint& checkpoint, World& world) {
+  try {
+    world.restore(checkpoint.state);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
 const char* to_string(BackendKind backend) { return backend == BackendKind::cuda ? "cuda" : "cpu"; }
 
 const char* to_string(Precision precision) {

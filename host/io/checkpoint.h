@@ -46,6 +46,11 @@ void write_checkpoint(const std::filesystem::path& path, const WorldState& state
 ///         disagree, or contents that do not match their checksum
 Checkpoint read_checkpoint(const std::filesystem::path& path);
 
+/// Takes a world to the state of a checkpoint.
+/// @param path  of the file, for messages
+/// @throws InputError naming the file when the state does not fit the world
+void restore_from(const std::filesystem::path& path, const Checkpoint& checkpoint, World& world);
+
 /// "cpu" or "cuda", "float" or "double": the words of files and the command line.
 const char* to_string(BackendKind backend);
 const char* to_string(Precision precision);

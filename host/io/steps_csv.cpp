@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <fstream>
@@ -76,59 +77,105 @@ bool parse(std::string_view text, T* value) {
   throw InputError(fmt::format("{} line {}: {}", path.string(), line_number, what));
 }
 
+/// The columns that a header names: a file of an earlier version may lack some.
+/// @throws InputError when one is not known or comes twice, or the first is not the number of the step
+std::vector<ReportColumn> named_columns(const std::filesystem::path& path, std::string_view line,
+                                        Columns known) {
+  std::vector<ReportColumn> named;
+  const auto refuse_all = [&] {
+    std::string expected = header(known);
+    expected.pop_back();
+    refuse(path, 1,
+           fmt::format(
+               "found the columns \"{}\", expected \"{}\", or the first and some of the others",
+               line, expected));
+  };
+  const auto of_name = [](std::string_view name) {
+    return [name](const ReportColumn& column) { return column.name == name; };
+  };
+  for (std::string_view rest = line; !rest.empty();) {
+    const std::string_view name = take_field(rest);
+    const auto column = std::find_if(known.begin(), known.end(), of_name(name));
+    const bool is_new = std::none_of(named.begin(), named.end(), of_name(name));
+    const bool is_step = column == known.begin();
+    if (column == known.end() || !is_new || is_step != named.empty()) refuse_all();
+    named.push_back(*column);
+  }
+  if (named.empty() || line.ends_with(',')) refuse_all();
+  return named;
+}
+
 /// Calls visit(line number, offset of the next line, line) for each whole line but the header,
 /// until visit returns false.
+/// @return  the columns of the file; those that are known where it has no whole header
 template <class Visit>
-void for_each_line(const std::filesystem::path& path, Columns columns, Visit visit) {
+std::vector<ReportColumn> for_each_line(const std::filesystem::path& path, Columns known,
+                                        Visit visit) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("cannot read {}", path.string()));
-  std::string expected = header(columns);
-  expected.pop_back();
+  std::vector<ReportColumn> columns(known.begin(), known.end());
   std::string line;
   std::size_t line_number = 0;
   std::uint64_t offset = 0;
   while (std::getline(in, line) && !in.eof()) {  // a line without its end was torn by a kill
     offset += line.size() + 1;
     line_number += 1;
-    if (line_number > 1) {
-      if (!visit(line_number, offset, std::string_view(line))) return;
-    } else if (line != expected) {
-      refuse(path, 1, fmt::format("found the columns \"{}\", expected \"{}\"", line, expected));
-    }
+    if (line_number == 1)
+      columns = named_columns(path, line, known);
+    else if (!visit(Columns(columns), line_number, offset, std::string_view(line)))
+      break;
   }
+  return columns;
+}
+
+/// How a file goes on after a step.
+struct Continuation {
+  std::vector<ReportColumn> columns;
+  std::uint64_t kept_bytes = 0;
+  std::int64_t missing_steps = 0;
+};
+
+/// @throws InputError when it cannot
+Continuation continuation(const std::filesystem::path& path, Columns known,
+                          std::optional<std::int64_t> resume_step) {
+  Continuation out{{known.begin(), known.end()}, 0, resume_step.value_or(0)};
+  if (!resume_step || !std::filesystem::exists(path)) return out;
+  std::int64_t last = 0;
+  const auto keep = [&](Columns, std::size_t number, std::uint64_t end, std::string_view line) {
+    std::int64_t step = 0;
+    if (!parse(take_field(line), &step)) refuse(path, number, "expected the number of a step");
+    if (step <= last) refuse(path, number, fmt::format("step {} comes after step {}", step, last));
+    if (step > *resume_step) return false;
+    last = step;
+    out.missing_steps -= 1;
+    out.kept_bytes = end;
+    return true;
+  };
+  std::vector<ReportColumn> columns = for_each_line(path, known, keep);
+  if (out.kept_bytes > 0) out.columns = std::move(columns);  // else it starts with a new header
+  return out;
 }
 
 }  // namespace
 
+void check_steps_csv(const std::filesystem::path& path, Columns columns, std::int64_t resume_step) {
+  continuation(path, columns, resume_step);
+}
+
 StepsCsv::StepsCsv(std::filesystem::path path, Columns columns,
                    std::optional<std::int64_t> resume_step)
-    : path_(std::move(path)), columns_(columns), last_flush_(std::chrono::steady_clock::now()) {
-  std::uint64_t kept_bytes = 0;
-  missing_steps_ = resume_step.value_or(0);
-  if (resume_step && std::filesystem::exists(path_)) {
-    std::int64_t last = 0;
-    for_each_line(path_, columns_,
-                  [&](std::size_t number, std::uint64_t end, std::string_view line) {
-                    std::int64_t step = 0;
-                    if (!parse(take_field(line), &step))
-                      refuse(path_, number, "expected the number of a step");
-                    if (step <= last)
-                      refuse(path_, number, fmt::format("step {} comes after step {}", step, last));
-                    if (step > *resume_step) return false;
-                    last = step;
-                    missing_steps_ -= 1;
-                    kept_bytes = end;
-                    return true;
-                  });
-  }
+    : path_(std::move(path)), last_flush_(std::chrono::steady_clock::now()) {
+  Continuation start = continuation(path_, columns, resume_step);
+  columns_ = std::move(start.columns);
+  missing_steps_ = start.missing_steps;
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw RunError(io_message("cannot write", path_, errno));
-  if (::ftruncate(descriptor_, static_cast<off_t>(kept_bytes)) != 0) {
+  if (::ftruncate(descriptor_, static_cast<off_t>(start.kept_bytes)) != 0) {
     const int reason = errno;
     ::close(descriptor_);
     throw RunError(io_message("cannot shorten", path_, reason));
   }
-  if (kept_bytes == 0) {
+  if (start.kept_bytes == 0) {
     pending_ = header(columns_);
     try {
       flush();
@@ -184,9 +231,9 @@ void StepsCsv::write_line(std::string_view line) {
 
 std::vector<StepReport> read_steps_csv(const std::filesystem::path& path, Columns columns) {
   std::vector<StepReport> reports;
-  for_each_line(path, columns, [&](std::size_t number, std::uint64_t, std::string_view line) {
+  const auto read = [&](Columns found, std::size_t number, std::uint64_t, std::string_view line) {
     StepReport report;
-    for (const ReportColumn& column : columns) {
+    for (const ReportColumn& column : found) {
       const std::string_view field = take_field(line);
       with_value(column, report, [&](auto& value) {
         if (!parse(field, &value))
@@ -197,7 +244,8 @@ std::vector<StepReport> read_steps_csv(const std::filesystem::path& path, Column
     if (!line.empty()) refuse(path, number, "there are more values than columns");
     reports.push_back(report);
     return true;
-  });
+  };
+  for_each_line(path, columns, read);
   return reports;
 }
 

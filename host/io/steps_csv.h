@@ -22,10 +22,12 @@ namespace scree {
 class StepsCsv {
  public:
   /// Starts a new file, or continues one after the given step.
-  /// @param columns      of the model; they outlive this object
+  /// @param columns      of the model. A file that goes on keeps its own, which may be fewer: those of
+  ///                     an earlier version
   /// @param resume_step  number of steps done by the checkpoint: later lines, and a torn last one,
   ///                     are cut off. Not set, or no file there: a new file
-  /// @throws InputError when the file to continue has other columns or its steps do not rise,
+  /// @throws InputError when the file to continue has columns that are not known, or its steps do not
+  ///         rise,
   /// @throws RunError when the file cannot be written
   explicit StepsCsv(std::filesystem::path path, std::span<const ReportColumn> columns,
                     std::optional<std::int64_t> resume_step = {});
@@ -49,7 +51,7 @@ class StepsCsv {
   void write_line(std::string_view line);
 
   std::filesystem::path path_;
-  std::span<const ReportColumn> columns_;
+  std::vector<ReportColumn> columns_;
   int descriptor_ = -1;
   std::int64_t missing_steps_ = 0;
   std::string pending_;
@@ -57,7 +59,12 @@ class StepsCsv {
   std::chrono::steady_clock::time_point last_flush_;
 };
 
-/// Reads the lines of a steps.csv back; a torn last line is left out.
+/// Changes nothing. @throws InputError as StepsCsv does of a file to continue
+void check_steps_csv(const std::filesystem::path& path, std::span<const ReportColumn> columns,
+                     std::int64_t resume_step);
+
+/// Reads the lines of a steps.csv back; a torn last line is left out. Quantities that it has no column
+/// of are those of an empty report.
 /// @throws InputError naming the file, the line and what was expected
 std::vector<StepReport> read_steps_csv(const std::filesystem::path& path,
                                        std::span<const ReportColumn> columns);

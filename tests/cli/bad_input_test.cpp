@@ -8,6 +8,7 @@
 #include "host/io/checkpoint.h"
 #include "host/io/h5.h"
 #include "host/io/seal.h"
+#include "host/scene_reader.h"
 #include "tests/cli/program.h"
 
 namespace scree::test {
@@ -456,6 +457,35 @@ TEST_F(CliBadCheckpoint, Gone) {
   fs::remove(checkpoint());
   expect_refusal(run(scratch / "a", {"--resume"}),
                  {(scratch / "a").string(), "checkpoint.h5", "--force"});
+}
+
+TEST_F(CliBadCheckpoint, OfBodiesThatTheSceneDoesNotHave) {
+  make_run();
+  Checkpoint forged = read_checkpoint(checkpoint());
+  forged.state.at<std::int32_t>("body/id").front() = 0;  // the container
+  forged.state.step = 1;
+  forged.state.time = 1e-3;
+  write_checkpoint(checkpoint(), forged.state, BodyConstants(read_scene(scene)), forged.scene_text,
+                   forged.backend, forged.precision);
+  expect_refused({"body 0 is not a free body of the scene"});
+}
+
+TEST_F(CliBadCheckpoint, OfAnotherSceneInABenchmark) {
+  make_run();
+  expect_refusal(scree(scratch, {"bench", "scene", scene.string(), "--set", "particles.0.count=20",
+                                 "--backend", "cpu", "--from", checkpoint().string()}),
+                 {checkpoint().string(), "free bodies"});
+}
+
+TEST_F(CliBadOutput, ResumeOfATableThatIsNotOne) {
+  make_run();
+  const fs::path table = scratch / "a/steps.csv";
+  std::string text = contents(table);
+  put(table, text.replace(text.find("bodies"), 6, "badies"));
+  const auto before = files();
+  expect_refusal(run(scratch / "a", {"--resume", "--steps", "5"}),
+                 {table.string(), "line 1", "badies", "bodies"});
+  EXPECT_EQ(files(), before);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <sstream>
 
 #include "host/io/checkpoint.h"
 #include "host/io/h5.h"
@@ -405,6 +406,37 @@ TEST_F(CliRun, FullDiskFailsCleanly) {
   const nlohmann::json record = json_file(out / "run.json");
   EXPECT_EQ(record.at("status"), "failed");
   EXPECT_NE(result.err.find(record.at("message").get<std::string>()), std::string::npos);
+}
+
+/// The lines of a table without one of its columns.
+std::string without_column(const std::string& table, const std::string& name) {
+  std::istringstream in(table);
+  std::string out;
+  std::ptrdiff_t place = -1;
+  for (std::string line; std::getline(in, line);) {
+    std::vector<std::string> fields;
+    std::istringstream values(line);
+    for (std::string field; std::getline(values, field, ',');) fields.push_back(field);
+    if (place < 0) place = std::find(fields.begin(), fields.end(), name) - fields.begin();
+    fields.erase(fields.begin() + place);
+    for (std::size_t k = 0; k < fields.size(); ++k) out += (k > 0 ? "," : "") + fields[k];
+    out += '\n';
+  }
+  return out;
+}
+
+TEST_F(CliRun, ResumeKeepsTheColumnsOfAnEarlierVersion) {
+  must_run("whole", {"--steps", "12"});
+  must_run("a", {"--steps", "8"});
+  const fs::path table = scratch / "a/steps.csv";
+  put(table, without_column(contents(table), "max_joint_error_m"));
+  must_run("a", {"--steps", "12", "--resume"});
+  put(scratch / "whole/steps.csv",
+      without_column(contents(scratch / "whole/steps.csv"), "max_joint_error_m"));
+  EXPECT_EQ(contents(table).find("max_joint_error_m"), std::string::npos);
+  EXPECT_EQ(read_steps_csv(table).size(), 12u);
+  EXPECT_EQ(json_file(scratch / "a/run.json").count("message"), 0u);
+  expect_same_run(scratch / "whole", scratch / "a");
 }
 
 }  // namespace

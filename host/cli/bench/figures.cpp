@@ -53,26 +53,32 @@ StepFigures figures_of(const std::vector<StepReport>& reports, double time_step,
   return f;
 }
 
-Json to_json(const StepFigures& f) {
+Json to_json(const StepFigures& f, bool has_contacts) {
   Json ms;
   for (const StageSpread& stage : f.stages) {
     const Spread& t = stage.ms;
     ms[stage.name] = {{"min", t.min}, {"median", t.median}, {"mean", t.mean}, {"max", t.max}};
   }
-  return {{"bodies", f.bodies},
-          {"contacts", f.contacts},
-          {"iterations", f.iterations},
-          {"applications", f.applications},
-          {"residual_rms_m_per_s", f.residual_rms},
-          {"residual_relative", f.residual_relative},
-          {"steps", f.steps},
-          {"steps_not_converged", f.not_converged},
-          {"converged", f.not_converged == 0},
-          {"ms", ms},
-          {"contact_iterations_per_s", f.contact_iterations_per_s},
-          {"body_seconds_per_s", f.body_seconds_per_s},
-          {"peak_memory_bytes", f.peak_memory},
-          {"memory_bytes_per_body", f.bytes_per_body()}};
+  Json out = {{"bodies", f.bodies},
+              {"contacts", f.contacts},
+              {"iterations", f.iterations},
+              {"applications", f.applications},
+              {"residual_rms_m_per_s", f.residual_rms},
+              {"residual_relative", f.residual_relative},
+              {"steps", f.steps},
+              {"steps_not_converged", f.not_converged},
+              {"converged", f.not_converged == 0},
+              {"ms", ms},
+              {"contact_iterations_per_s", f.contact_iterations_per_s},
+              {"body_seconds_per_s", f.body_seconds_per_s},
+              {"peak_memory_bytes", f.peak_memory},
+              {"memory_bytes_per_body", f.bytes_per_body()}};
+  if (has_contacts) return out;
+  for (const char* key :
+       {"contacts", "iterations", "applications", "residual_rms_m_per_s", "residual_relative",
+        "steps_not_converged", "converged", "contact_iterations_per_s"})
+    out.erase(key);
+  return out;
 }
 
 }  // namespace scree

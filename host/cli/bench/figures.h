@@ -42,6 +42,7 @@ struct StepFigures {
 StepFigures figures_of(const std::vector<StepReport>& reports, double time_step,
                        std::size_t peak_memory);
 
-Json to_json(const StepFigures& figures);
+/// @param has_contacts  else without what a solver of contacts did
+Json to_json(const StepFigures& figures, bool has_contacts = true);
 
 }  // namespace scree

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dynamics/dynamics_card.h"
 #include "host/cli/bench/figures.h"
 #include "host/cli/bench/modes.h"
 #include "host/error.h"
@@ -35,7 +36,7 @@ int bench_scene(const SceneBenchOptions& options) {
   scene.bodies = {};  // the world has its own
   scene.particles = {};
   scene.insertions = {};
-  if (!options.from.empty()) world.restore(read_checkpoint(options.from).state);
+  if (!options.from.empty()) restore_from(options.from, read_checkpoint(options.from), world);
   if (!notice.empty() && !prints_json) say(notice);
   for (int k = 0; k < options.warmup; ++k) world.step();
   std::vector<StepReport> reports;
@@ -43,8 +44,10 @@ int bench_scene(const SceneBenchOptions& options) {
   for (int k = 0; k < options.steps; ++k) reports.push_back(world.step());
 
   const StepFigures f = figures_of(reports, scene.stepping.time_step, world.peak_memory());
-  Json result = {{"scene", scene.name}, {"solver", scene.solver.name}};
-  result.update(to_json(f));
+  const bool has_contacts = dynamics_card(scene.dynamics.type).has_contacts;
+  Json result = {{"scene", scene.name}};
+  if (has_contacts) result["solver"] = scene.solver.name;
+  result.update(to_json(f, has_contacts));
   record.add(result);
   if (prints_json) {
     Json out = header;
@@ -53,21 +56,24 @@ int bench_scene(const SceneBenchOptions& options) {
     return 0;
   }
   fmt::print("{}: {}\n", scene.name, bench_title(header));
-  fmt::print("{} bodies, {:.0f} contacts; {}: {:.1f} iterations, {:.1f} applications a step\n",
-             f.bodies, f.contacts, scene.solver.name, f.iterations, f.applications);
-  fmt::print("residual at most {:.3g} m/s RMS ({:.3g} v*); {} of {} steps at the iteration cap\n",
-             f.residual_rms, f.residual_relative, f.not_converged, f.steps);
+  if (has_contacts) {
+    fmt::print("{} bodies, {:.0f} contacts; {}: {:.1f} iterations, {:.1f} applications a step\n",
+               f.bodies, f.contacts, scene.solver.name, f.iterations, f.applications);
+    fmt::print("residual at most {:.3g} m/s RMS ({:.3g} v*); {} of {} steps at the iteration cap\n",
+               f.residual_rms, f.residual_relative, f.not_converged, f.steps);
+  } else {
+    fmt::print("{} bodies\n", f.bodies);
+  }
   fmt::print("{:<10} {:>10} {:>10} {:>10} {:>10}\n", "ms a step", "min", "median", "mean", "max");
   for (const StageSpread& stage : f.stages) {
     const Spread& t = stage.ms;
     fmt::print("{:<10} {:>10.3f} {:>10.3f} {:>10.3f} {:>10.3f}\n", stage.name, t.min, t.median,
                t.mean, t.max);
   }
-  fmt::print(
-      "{:.3g} contact-iterations/s in the solver; {:.3g} body-seconds simulated a second; {:.1f} "
-      "MiB\n",
-      f.contact_iterations_per_s, f.body_seconds_per_s,
-      static_cast<double>(f.peak_memory) / (1 << 20));
+  if (has_contacts)
+    fmt::print("{:.3g} contact-iterations/s in the solver; ", f.contact_iterations_per_s);
+  fmt::print("{:.3g} body-seconds simulated a second; {:.1f} MiB\n", f.body_seconds_per_s,
+             static_cast<double>(f.peak_memory) / (1 << 20));
   return 0;
 }
 

@@ -158,6 +158,22 @@ TEST_F(StepsCsvTest, RefusesOtherColumnsAndValues) {
   }
 }
 
+TEST_F(StepsCsvTest, AFileOfAnEarlierVersionKeepsItsColumns) {
+  test::put(file, "step,bodies\n1,17\n2,17\n3,17\n");
+  check_steps_csv(file, columns, 2);
+  EXPECT_EQ(line_count(), 4) << "the check changes nothing";
+  {
+    StepsCsv csv(file, columns, 2);
+    csv.append(report_of(3));
+  }
+  EXPECT_EQ(contents(file), "step,bodies\n1,17\n2,17\n3,17\n");
+  EXPECT_EQ(read_steps_csv(file).back().body_count, 17);
+  for (const char* header : {"", "bodies,step", "step,step", "step,", "step,bodies,bodies"}) {
+    test::put(file, std::string(header) + "\n1,1\n");
+    EXPECT_THROW(check_steps_csv(file, columns, 1), InputError) << header;
+  }
+}
+
 TEST_F(StepsCsvTest, AKillLeavesWholeLines) {
   for (int round = 0; round < 10; ++round) {
     const pid_t child = ::fork();

@@ -91,6 +91,8 @@ class ContactDetector {
   ContactView<Real> contacts() const;
   /// The walls as the last detect() found them.
   WallView<Real> walls() const { return obstacles_.walls(); }
+  /// Bodies that never have contacts with each other.
+  IgnoredPairs held_pairs() const { return held_pairs_.pairs(); }
 
   /// Warm start of the present contacts. @param impulse [vectors * contacts().count] out [N s]
   void match(B& b, int vectors, Span<Vec3<Real>> impulse) const {

@@ -25,6 +25,7 @@ class PairFilter {
   }
 
   bool is_used() const { return pair_.capacity() > 0; }
+  IgnoredPairs pairs() const { return {pair_.view(pair_.capacity())}; }
 
   /// Takes contacts of the pairs out of all arrays of a list, whose order stays. One host read.
   /// @param id      of bodies by storage index
@@ -35,12 +36,7 @@ class PairFilter {
               const Buffer<B, Index>& body_b, Buffer<B, T>&... arrays) const {
     Buffer<B, Index> keep(b, count);
     Buffer<B, Offset> place(b, static_cast<Offset>(count) + 1);
-    for_each(b, count,
-             MarkKept{body_a.view(count),
-                      body_b.view(count),
-                      id,
-                      {pair_.view(pair_.capacity())},
-                      keep.view()});
+    for_each(b, count, MarkKept{body_a.view(count), body_b.view(count), id, pairs(), keep.view()});
     exclusive_scan(b, Span<const Index>(keep.view()), place.view());
     const Offset left = fetch(b, place.data() + count);
     if (left == count) return count;

@@ -75,6 +75,7 @@ struct DynamicsCard {
   /// Bodies meet in contacts that a solver of steps solves: it is asked whether it serves the
   /// scene, and progress, totals and benchmarks tell of contacts and residuals.
   bool has_contacts = false;
+  bool has_joints = false;               ///< joints hold bodies together; else scenes have none
   std::span<const ReportColumn> report;  ///< steps.csv; the first is the number of the step
   std::span<const FrameField> frame;
   std::span<const StateField> state;

@@ -28,7 +28,7 @@ struct WorldOptions {
   /// kept between steps; 0: what is free.
   std::size_t memory_limit = 0;
   /// Whether contacts of spheres are kept apart from those that need lever arms, where a scene has
-  /// both. Results are the same within the solver's tolerance; false is for comparisons.
+  /// both. Results are the same within the solver's tolerance; false is for comparisons, and set by programs only.
   bool contact_groups = true;
 };
 
@@ -115,7 +115,7 @@ class World {
 
   /// Advances by one time step. @throws RunError naming the body when a state is not finite
   StepReport step();
-  /// The same, and hands out the contact problem that the step solves, its warm start included.
+  /// The same, and hands out the contact problem that the step solves, its warm start included. @throws InputError in scenes with joints
   StepReport step(BodyProblem& problem);
 
   std::int64_t steps_done() const;

@@ -16,9 +16,10 @@ class Integration {
   /// owners to move. One host read.
   /// @param solved  of the problem of the step [bodies.count]
   /// @param walls   that spheres may not pass
+  /// @param held    bodies that do not touch each other
   IntegrateSums run(B& b, const BodyView<Real>& bodies, Span<const Twist<Real>> solved,
                     ContactLayout layout, double h, const PeriodicBox& box,
-                    const WallView<Real>& walls) {
+                    const WallView<Real>& walls, const IgnoredPairs& held = {}) {
     const Index n = bodies.owned_count;
     Buffer<B, Twist<Real>> plain(b);
     if (layout == ContactLayout::mixed) {
@@ -33,7 +34,7 @@ class Integration {
                             StoreResult<IntegrateSums>{sums_.data()});
     };
     if (walls.solids.size > 0) {
-      along(GuardedWay<Real>{bodies, walls, box.length, h});
+      along(GuardedWay<Real>{bodies, walls, box.length, h, held});
     } else {
       along(StraightWay<Real>{bodies, h});
     }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/problem_assembly.h"
 #include "host/scene/motion.h"
 #include "host/world.h"
@@ -32,9 +33,11 @@ inline Quatd rotation_to(const Vec3d& axis) {
   return normalized(Quatd{1 + axis.z, -axis.y, axis.x, 0});
 }
 
-/// The joint in the frames of its bodies, from their poses at time zero.
+/// The joint in the frames of its bodies, from their poses at time zero. Where space repeats, the
+/// anchor of a body is the image nearest to it.
 inline JointFrames joint_frames(const Scene& scene, const Joint& joint) {
   JointFrames out;
+  const Vec3d period = periodic_box(scene.periodicity).length;
   const Quatd axes = joint.kind == JointKind::hinge ? rotation_to(joint.axis) : Quatd{1, 0, 0, 0};
   for (int k = 0; k < 2; ++k) {
     const int id = joint.bodies[static_cast<std::size_t>(k)];
@@ -46,7 +49,7 @@ inline JointFrames joint_frames(const Scene& scene, const Joint& joint) {
     const Pose pose =
         body.kind == BodyKind::kinematic ? pose_at(body, 0) : Pose{body.position, body.orientation};
     const Quatd q = normalized(pose.orientation);
-    out.anchor[k] = rotate_back(q, joint.anchor - pose.position);
+    out.anchor[k] = rotate_back(q, minimum_image(joint.anchor - pose.position, period));
     out.frame[k] = conjugate(q) * axes;
   }
   out.held = held_rows(joint.kind);

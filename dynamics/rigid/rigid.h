@@ -7,7 +7,6 @@
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/collision_settings.h"
-#include "dynamics/rigid/contact_layout.h"
 #include "dynamics/rigid/contact_records.h"
 #include "dynamics/rigid/impact_phase.h"
 #include "dynamics/rigid/integration.h"
@@ -21,6 +20,7 @@
 #include "dynamics/rigid/step_report.h"
 #include "dynamics/rigid/tolerance.h"
 #include "host/problems/download_problem.h"
+#include "host/scene/run_summary.h"
 #include "host/version.h"
 #include "kernels/step/written_state.h"
 #include "solvers/coulomb.h"
@@ -58,6 +58,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   using ModelOn<B, Real>::time;
 
   StepReport step(BodyProblem* stored) override {
+    if (stored != nullptr && joints_.count() > 0) throw_stored_joints();  // nothing is lost by it
     B& b = backend();
     const double h = scene_.stepping.time_step;
     StageClock<B> clock(b);
@@ -112,7 +113,6 @@ class RigidDynamics final : public ModelOn<B, Real> {
                                              h * scene_.gravity, sums, store_.owned_count());
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
-      if (joints_.count() > 0) throw_stored_joints();
       *stored = download_any_problem<B, Real>(b, problem, gamma, store_.ids(), bodies);
       stored->source = problem_source(reference);
       clock.lap();  // belongs to no stage
@@ -128,8 +128,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     report.ms.solve = impact_ms + clock.lap();
 
     if (joints_.count() > 0) joints_.keep(b, bodies, gamma);
-    const IntegrateSums moved = integration_.run(b, bodies, solver_->velocity(), summary_.layout, h,
-                                                 periodic_box(), detector_.walls());
+    const IntegrateSums moved =
+        integration_.run(b, bodies, solver_->velocity(), summary_.layout, h, periodic_box(),
+                         detector_.walls(), detector_.held_pairs());
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
@@ -195,7 +196,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
  private:
-  /// Steps between two checks of the order of the bodies; a function of the step number only, so
+  /// Steps between two sorts of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
 

@@ -101,6 +101,7 @@ constexpr DynamicsCard rigid_card() {
   return {.name = "rigid",
           .description = "rigid bodies in hard contact with friction, one cone program a step",
           .has_contacts = true,
+          .has_joints = true,
           .report = kRigidReport,
           .frame = kRigidFrame,
           .state = kRigidState,

@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "dynamics/memory_room.h"
-#include "dynamics/rigid/contact_layout.h"
 #include "dynamics/rigid/shared_constants.h"
-#include "host/scene/scene_summary.h"
+#include "host/scene/run_summary.h"
 #include "solvers/coulomb.h"
 
 namespace scree {

@@ -9,7 +9,7 @@
 #include "dynamics/dynamics_card.h"
 #include "host/problems/body_problem.h"
 #include "host/scene/overlaps.h"
-#include "host/scene/scene_summary.h"
+#include "host/scene/run_summary.h"
 #include "host/scene_reader.h"
 
 namespace scree {
@@ -43,7 +43,7 @@ int check_scene(const CheckOptions& options) {
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
   const WorldOptions world = resolve_options(options.target, scene);
   require_solver(scene, world);
-  const SceneSummary s = summarize(scene);
+  const SceneSummary s = summarize_run(scene, world);
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
   const std::size_t memory = expected_memory(scene, world);
   const DeviceInfo device = device_info(world.backend, world.device);
@@ -58,30 +58,33 @@ int check_scene(const CheckOptions& options) {
   settings.stepping = scene.stepping;
   settings.solver = scene.solver;
   settings.output = scene.output;
+  const DynamicsCard& card = dynamics_card(settings.dynamics.type);
   const std::size_t joints = scene.joints.size();
   const Overlaps overlaps = find_overlaps(std::move(scene), world);
   if (options.target.json) {
-    const nlohmann::json out = {{"scene", settings.name},
-                                {"valid", true},
-                                {"free_bodies", s.free_capacity},
-                                {"fixed_bodies", s.fixed_count},
-                                {"joints", joints},
-                                {"median_diameter_m", s.median_diameter},
-                                {"envelope_m", s.envelope},
-                                {"dynamics", settings.dynamics.type},
-                                {"contact_layout", to_string(s.layout)},
-                                {"time_step_s", settings.stepping.time_step},
-                                {"steps", steps},
-                                {"solver", settings.solver.name},
-                                {"backend", backend},
-                                {"precision", precision},
-                                {"device", device.name},
-                                {"device_memory_bytes", device.memory_bytes},
-                                {"free_memory_bytes", device.free_bytes},
-                                {"expected_memory_bytes", memory},
-                                {"fits", fits},
-                                {"bodies_that_fit", fit},
-                                {"overlaps", overlaps_json(overlaps, bodies)}};
+    nlohmann::json out = {{"scene", settings.name},
+                          {"valid", true},
+                          {"free_bodies", s.free_capacity},
+                          {"fixed_bodies", s.fixed_count},
+                          {"joints", joints},
+                          {"median_diameter_m", s.median_diameter},
+                          {"envelope_m", s.envelope},
+                          {"dynamics", settings.dynamics.type},
+                          {"time_step_s", settings.stepping.time_step},
+                          {"steps", steps},
+                          {"backend", backend},
+                          {"precision", precision},
+                          {"device", device.name},
+                          {"device_memory_bytes", device.memory_bytes},
+                          {"free_memory_bytes", device.free_bytes},
+                          {"expected_memory_bytes", memory},
+                          {"fits", fits},
+                          {"bodies_that_fit", fit},
+                          {"overlaps", overlaps_json(overlaps, bodies)}};
+    if (card.has_contacts) {
+      out["contact_layout"] = to_string(s.layout);
+      out["solver"] = settings.solver.name;
+    }
     fmt::print("{}\n", out.dump(2));
     return 0;
   }
@@ -89,7 +92,6 @@ int check_scene(const CheckOptions& options) {
   fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
              s.fixed_count, s.median_diameter);
   if (joints > 0) fmt::print("joints      {}\n", joints);
-  const DynamicsCard& card = dynamics_card(settings.dynamics.type);
   fmt::print("dynamics    {}: {}\n", card.name, card.description);
   if (card.has_contacts)
     fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", to_string(s.layout),

@@ -9,6 +9,7 @@
 // touches that part, and slides along it for the rest of the step. Its velocity stays, and is for
 // the contacts of the next step.
 
+#include "kernels/narrow_phase/ignored_pairs.h"
 #include "kernels/narrow_phase/mesh_way.h"
 #include "kernels/narrow_phase/wall_contacts.h"
 #include "shapes/shape_list.h"
@@ -45,8 +46,9 @@ template <class Real>
 struct GuardedWay {
   BodyView<Real> bodies;
   WallView<Real> walls;
-  Vec3d period;      ///< [m]; zero: not periodic
-  double time_step;  ///< h [s]
+  Vec3d period;       ///< [m]; zero: not periodic
+  double time_step;   ///< h [s]
+  IgnoredPairs held;  ///< bodies that do not touch each other
 
   /// Where sphere i is after the step.
   /// @param v        its velocity [m/s]
@@ -61,7 +63,8 @@ struct GuardedWay {
     HoldingPlanes planes;
     for (int k = 0; k < kMostLegs; ++k) {
       Hit hit;
-      for (Index s = 0; s < static_cast<Index>(walls.solids.size); ++s) find(leg, s, radius, hit);
+      for (Index s = 0; s < static_cast<Index>(walls.solids.size); ++s)
+        find(i, leg, s, radius, hit);
       if (hit.time > 1) break;
       stopped = true;
       if (!is_same(leg.frame, hit.frame, radius)) planes = HoldingPlanes();
@@ -129,13 +132,14 @@ struct GuardedWay {
   }
 
   /// Takes what the leg meets of one wall if it is earlier.
-  SCREE_HD void find(const Leg& leg, Index s, double radius, Hit& hit) const {
+  SCREE_HD void find(Index i, const Leg& leg, Index s, double radius, Hit& hit) const {
     const WallSolid& solid = walls.solids[s];
     const Vec3d wall_way = time_step * Vec3d(bodies.velocity[solid.body]);
     const Vec3d wall_turn = time_step * Vec3d(bodies.angular_velocity[solid.body]);
     const double rest = 1 - leg.from;
     const double most = rest * most_way(leg, solid, wall_way, wall_turn);
     if (!(most > kUnguardedWay * radius)) return;
+    if (held.pair.size > 0 && held.contains(bodies.id[i], bodies.id[solid.body])) return;
     const Frame frame{s, {}, wall_way, wall_turn, solid.orientation};
     find_near(leg, solid, frame, radius, radius + most, hit);
   }

@@ -155,5 +155,46 @@ TEST(CliExtraDynamics, IsInTheSchemaAndInTheHelp) {
   EXPECT_TRUE(holds(info.out, "point masses in free flight")) << info.out;
 }
 
+TEST(CliExtraDynamics, JointsAreRefusedWhereBodiesCannotBeJoined) {
+  const Scratch scratch;
+  json scene = points();
+  for (const char* name : {"a", "b"})
+    scene["bodies"].push_back({{"name", name},
+                               {"shape", "sphere"},
+                               {"radius", 0.1},
+                               {"density", 1000},
+                               {"position", {*name == 'a' ? 2 : 3, 0, 0}}});
+  scene["joints"] =
+      json::array({{{"type", "ball"}, {"bodies", {"a", "b"}}, {"anchor", {2.5, 0, 0}}}});
+  const std::string path = put_scene(scratch, scene).string();
+  for (const char* command : {"check", "run"}) {
+    const Result refused = with_extra(scratch, {command, path});
+    EXPECT_EQ(refused.code, 2) << command;
+    EXPECT_TRUE(holds(refused.err, "joints: a list of 1 is not allowed")) << refused.err;
+    EXPECT_TRUE(holds(refused.err, "point_masses")) << refused.err;
+  }
+}
+
+TEST(CliExtraDynamics, NothingTellsOfContactsThatTheModelDoesNotHave) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, points()).string();
+  const json check = json::parse(with_extra(scratch, {"check", scene, "--json"}).out);
+  EXPECT_FALSE(check.contains("solver")) << check;
+  EXPECT_FALSE(check.contains("contact_layout")) << check;
+  const Arguments bench{"bench", "scene", scene, "--backend", "cpu", "--steps", "2"};
+  const Result text = with_extra(scratch, bench);
+  ASSERT_EQ(text.code, 0) << text.err;
+  EXPECT_TRUE(holds(text.out, "20 bodies")) << text.out;
+  for (const char* word : {"contact", "iterations", "residual", "apgd"})
+    EXPECT_FALSE(holds(text.out, word)) << text.out;
+  Arguments with_json = bench;
+  with_json.insert(with_json.end(), {"--json", "bench.json"});
+  ASSERT_EQ(with_extra(scratch, with_json).code, 0);
+  const json result = json_file(scratch / "bench.json").at("results").at(0);
+  EXPECT_EQ(result.at("bodies"), 20);
+  for (const char* key : {"contacts", "solver", "iterations", "converged"})
+    EXPECT_FALSE(result.contains(key)) << result;
+}
+
 }  // namespace
 }  // namespace scree::test

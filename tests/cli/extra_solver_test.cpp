@@ -150,5 +150,21 @@ TEST(CliExtraSolver, ItsMemoryIsPredicted) {
   }
 }
 
+TEST(CliExtraSolver, ContactsOfTwoGroupsAreOneForASolverThatKnowsNoGroups) {
+  const Scratch scratch;
+  json scene = small_scene();  // with a wall that turns
+  const std::string path = put_scene(scratch, scene).string();
+  const Result groups = scree(scratch, {"check", path, "--json"});
+  ASSERT_EQ(groups.code, 0) << groups.err;
+  ASSERT_EQ(json::parse(groups.out).at("contact_layout"), "mixed");
+  scene["solver"] = {{"name", "damped_jacobi"}, {"max_iterations", 60}};
+  put_scene(scratch, scene);
+  const Result check = with_extra(scratch, {"check", path, "--json"});
+  ASSERT_EQ(check.code, 0) << check.err;
+  EXPECT_EQ(json::parse(check.out).at("contact_layout"), "general");
+  const Result run = with_extra(scratch, run_arguments(path, scratch / "a", {"--steps", "5"}));
+  EXPECT_EQ(run.code, 0) << run.err;
+}
+
 }  // namespace
 }  // namespace scree::test

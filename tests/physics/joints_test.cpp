@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "host/error.h"
+#include "host/problems/body_problem.h"
+#include "host/state_hash.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -125,6 +128,88 @@ TEST(FixedJoint, TwoBodiesTurnAsOne) {
   const Quatd relative = conjugate(s.orientation[0]) * s.orientation[1];
   EXPECT_LT(norm(2.0 * relative.vec() - Vec3d{0, 0, 2 * std::sin(0.2)}), 1e-8);
   EXPECT_NEAR(norm(s.position[1] - s.position[0]), 0.5, 1e-8);
+}
+
+/// A bob on an arm of 1 m that falls from the side.
+Scene falling_bob() {
+  Scene scene = empty_scene(2e-3, 0.5);
+  add_sphere(scene, {1, 0, 0}, 0.005, 1);
+  return scene;
+}
+
+// At the bottom it makes more than its radius a step, so walls on its way are searched for.
+TEST(BallJoint, BodiesPassThroughWallsThatTheyAreJoinedTo) {
+  Scene free = falling_bob(), post = falling_bob();
+  free.joints.push_back({JointKind::ball, {0, kWorldBody}, {}});
+  add_wall_box(post, {0, 0, -0.5}, {0.02, 0.02, 0.6});
+  post.joints.push_back({JointKind::ball, {1, 0}, {}});
+  World world = reference_world(post), expected = reference_world(free);
+  for (int k = 0; k < 400; ++k) {
+    EXPECT_EQ(world.step().stopped, 0) << k;
+    expected.step();
+    ASSERT_LT(norm(world.states().position[0] - expected.states().position[0]), 1e-8) << k;
+  }
+  EXPECT_LT(world.states().position[0].x, -0.5) << "it came to the other side";
+}
+
+TEST(BallJoint, AnotherWallStillStopsTheBody) {
+  Scene scene = falling_bob();
+  add_wall_box(scene, {0, 0, -0.5}, {0.02, 0.02, 0.6});
+  scene.joints.push_back({JointKind::ball, {0, kWorldBody}, {}});
+  World world = reference_world(scene);
+  for (int k = 0; k < 400; ++k) world.step();
+  EXPECT_GT(world.states().position[0].x, 0.02);
+}
+
+// Two spheres that swing about their joint, across the side where space repeats and away from it.
+TEST(BallJoint, HoldsAcrossAPeriodicSide) {
+  const auto pair_about = [](double x) {
+    Scene scene = empty_scene(1e-3, 0);
+    scene.gravity = {};
+    scene.periodicity.periodic[0] = true;
+    scene.periodicity.lower = {0, -1, -1};
+    scene.periodicity.upper = {1, 1, 1};
+    for (const double side : {-0.05, 0.05}) {
+      BodyDescription& ball = add_sphere(scene, {x + side, 0, 0}, 0.02, 1);
+      if (ball.position.x > 1) ball.position.x -= 1;
+      ball.angular_velocity = {0, 0, 20 * side};
+      ball.velocity = cross(ball.angular_velocity, Vec3d{side, 0, 0});
+    }
+    scene.bodies[1].velocity.y += 0.3;
+    scene.joints.push_back({JointKind::ball, {0, 1}, {x, 0, 0}});
+    return scene;
+  };
+  World inside = reference_world(pair_about(0.5)), across = reference_world(pair_about(1));
+  for (int k = 0; k < 200; ++k) {
+    inside.step();
+    EXPECT_LT(across.step().max_joint_error, 1e-6) << k;
+  }
+  const BodyStates a = inside.states(), b = across.states();
+  for (std::size_t i = 0; i < 2; ++i) {
+    Vec3d apart = b.position[i] - a.position[i] - Vec3d{0.5, 0, 0};
+    apart.x -= std::round(apart.x);
+    EXPECT_LT(norm(apart), 1e-9) << i;
+    EXPECT_LT(norm(b.velocity[i] - a.velocity[i]), 1e-8) << i;
+  }
+}
+
+// A problem that cannot be stored is refused before the step has changed anything.
+TEST(BallJoint, AProblemThatCannotBeStoredCostsNothing) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  scene.solver.stop = StopRule();
+  add_plane(scene);
+  for (int k = 0; k < 4; ++k) add_sphere(scene, {0.001 * k, 0, 0.01 + 0.0199 * k}, 0.01, 1);
+  scene.joints.push_back({JointKind::ball, {3, 4}, {0.002, 0, 0.06}});
+  World world = reference_world(scene), other = reference_world(scene);
+  for (int k = 0; k < 20; ++k) {
+    world.step();
+    other.step();
+  }
+  BodyProblem problem;
+  EXPECT_THROW(other.step(problem), InputError);
+  EXPECT_EQ(other.contacts().size(), world.contacts().size());
+  EXPECT_EQ(other.step().iterations, world.step().iterations);
+  EXPECT_EQ(state_hash(other.states()), state_hash(world.states()));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 // A solver of steps that is not in the list of solvers/: Jacobi steps of one size, the safe one or
-// a part of it, for spheres. tests/cli/extra_solver_test.cpp shows that the program knows it.
+// a part of it, without moments and without groups of contacts. tests/cli/extra_solver_test.cpp shows that the program knows it.
 
 #include "kernels/solve/jacobi_pass.h"
 #include "solvers/relaxation.h"
@@ -22,7 +22,13 @@ class DampedJacobi final : public RelaxationSolver<B, Real> {
 
   SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
                    double tolerance) override {
-    using R = RadialRows<Real>;
+    if (p.layout == ContactLayout::radial) return run<RadialRows<Real>>(b, p, gamma, tolerance);
+    return run<GeneralRows<Real>>(b, p, gamma, tolerance);
+  }
+
+ private:
+  template <class R>
+  SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
     if (p.contact_count == 0) return {0, 0, true, {}};
     Buffer<B, ContactMetric<Real>> weights(b, p.contact_count);
@@ -35,7 +41,6 @@ class DampedJacobi final : public RelaxationSolver<B, Real> {
     return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, [] {});
   }
 
- private:
   Real step_;
 };
 
@@ -45,7 +50,7 @@ std::unique_ptr<Solver<B, Real>> make_damped_jacobi(const SolverParams& params) 
 }
 
 inline constexpr std::array kDampedJacobiParameters{kDamping};
-inline constexpr std::array kDampedJacobiLayouts{ContactLayout::radial};
+inline constexpr std::array kDampedJacobiLayouts{ContactLayout::radial, ContactLayout::general};
 
 constexpr SolverCard damped_jacobi_card() {
   return {

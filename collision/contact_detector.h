@@ -102,7 +102,7 @@ class ContactDetector {
   void forget() { memory_.forget(); }
   /// Remembers the impulses of the present contacts for the next step, and takes their memory over.
   void keep(int vectors, Buffer<B, Vec3<Real>>&& impulse) {
-    memory_.keep(std::move(key_), contact_count_, vectors, std::move(impulse));
+    memory_.keep(std::move(found_.key), contact_count_, vectors, std::move(impulse));
   }
   /// What keep() was given.
   Span<const Vec3<Real>> impulses() const { return memory_.impulses(); }
@@ -197,13 +197,7 @@ class ContactDetector {
   Index contact_count_ = 0;
   Index radial_count_ = 0;   ///< of those, without stored arms
   Buffer<B, float> needed_;  ///< envelopes that contacts of the candidates take; empty: not known
-  Buffer<B, std::uint64_t> key_;
-  Buffer<B, Index> body_a_;
-  Buffer<B, Index> body_b_;
-  Buffer<B, Vec3<Real>> normal_;
-  Buffer<B, Real> gap_;
-  Buffer<B, Vec3<Real>> arm_a_;
-  Buffer<B, Vec3<Real>> arm_b_;
+  FoundContacts<B, Real> found_;
 };
 
 template <class B, class Real>
@@ -216,13 +210,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
       solids_(b),
       memory_(b),
       needed_(b),
-      key_(b),
-      body_a_(b),
-      body_b_(b),
-      normal_(b),
-      gap_(b),
-      arm_a_(b),
-      arm_b_(b) {
+      found_(b) {
   const auto check = [](double value, const char* what, const char* unit = " m") {
     if (!(value >= 0 && value < 1e30)) {
       throw std::runtime_error(std::string(what) + " must be finite and not negative, got " +
@@ -326,8 +314,7 @@ const ContactKeys& ContactDetector<B, Real>::name_elements(const BodyView<Real>&
 template <class B, class Real>
 void ContactDetector<B, Real>::release_contacts() {
   contact_count_ = radial_count_ = 0;
-  key_.release(), body_a_.release(), body_b_.release();
-  normal_.release(), gap_.release(), arm_a_.release(), arm_b_.release();
+  found_.release();
 }
 
 /// Reads bodies once for each list: margins change which candidates are contacts,
@@ -363,7 +350,7 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
   exclusive_scan(b, Span<const Index>(count.view()), begin.view());
   const Offset total = fetch(b, begin.data() + pieces);
   contact_count_ = checked_index(total, can_number(total), "contacts");
-  Span<std::uint64_t> key = key_.resize_discard(total);
+  Span<std::uint64_t> key = found_.key.resize_discard(total);
   if constexpr (kMix == ShapeMix::any) {
     for_each(b, pieces,
              ListMixedContacts<Real>{test, count.view(), touching.view(), begin.view(), key});
@@ -375,16 +362,10 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
   radial_count_ = settings_.layout == ContactLayout::radial ? contact_count_ : 0;
   if (settings_.layout == ContactLayout::mixed) {
     group_keys(b, test.bodies, key);
-    key = key_.view(total);
+    key = found_.key.view(total);
   }
-  const Offset arms = total - radial_count_;
-  const ContactArrays<Real> out{body_a_.resize_discard(total),
-                                body_b_.resize_discard(total),
-                                normal_.resize_discard(total),
-                                gap_.resize_discard(total),
-                                radial_count_,
-                                arm_a_.resize_discard(arms),
-                                arm_b_.resize_discard(arms)};
+  found_.resize_discard(ContactParts(settings_.layout), total, radial_count_);  // keeps the keys
+  const ContactArrays<Real> out{found_.spans(), radial_count_};
   const auto fill_contacts = [&]<bool kPasses>(std::bool_constant<kPasses>) {
     for_each(b, contact_count_,
              FillContacts<kMix, kPasses, Real>{test.bodies, test.shapes, test.walls.planes,
@@ -400,8 +381,7 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
   }
   if (!held_pairs_.is_used()) return;
   if (radial_count_ > 0) throw std::logic_error("bodies that joints hold have contacts with arms");
-  contact_count_ = held_pairs_.apply(b, test.bodies.id, contact_count_, body_a_, body_b_, key_,
-                                     body_a_, body_b_, normal_, gap_, arm_a_, arm_b_);
+  contact_count_ = held_pairs_.apply(b, test.bodies.id, contact_count_, found_);
 }
 
 /// Brings the keys into groups; one host read.
@@ -416,21 +396,23 @@ void ContactDetector<B, Real>::group_keys(B& b, const BodyView<Real>& bodies,
   exclusive_scan(b, Span<const Index>(flag.view()), before.view());
   radial_count_ = n - static_cast<Index>(fetch(b, before.data() + n));
   for_each(b, n, GroupKeys{key, flag.view(), before.view(), radial_count_, grouped.view(n)});
-  swap(key_, grouped);
+  swap(found_.key, grouped);
 }
 
 template <class B, class Real>
 ContactView<Real> ContactDetector<B, Real>::contacts() const {
-  const Index n = contact_count_, arms = n - radial_count_;
-  return {n,
-          radial_count_,
-          key_.capacity() < n ? memory_.keys() : key_.view(n),  // after keep() the memory has them
-          body_a_.view(n),
-          body_b_.view(n),
-          normal_.view(n),
-          gap_.view(n),
-          arm_a_.view(arms),
-          arm_b_.view(arms)};
+  ContactView<Real> view;
+  view.count = contact_count_;
+  view.radial_count = radial_count_;
+  const ContactParts parts(settings_.layout);
+  view.visit(
+      [&](const ContactField& field, auto& values, const auto& array) {
+        const Offset size = field.size(parts, contact_count_, radial_count_);
+        if (size <= array.capacity()) values = array.view(size);
+      },
+      view, found_);
+  if (view.key.size < contact_count_) view.key = memory_.keys();  // it has them after keep()
+  return view;
 }
 
 }  // namespace scree

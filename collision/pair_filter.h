@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "kernels/contact/field_buffers.h"
 #include "kernels/narrow_phase/ignored_pairs.h"
 
 namespace scree {
@@ -27,20 +28,22 @@ class PairFilter {
   bool is_used() const { return pair_.capacity() > 0; }
   IgnoredPairs pairs() const { return {pair_.view(pair_.capacity())}; }
 
-  /// Takes contacts of the pairs out of all arrays of a list, whose order stays. One host read.
-  /// @param id      of bodies by storage index
-  /// @param arrays  buffers of `count` elements, or empty
-  /// @return  number of contacts that are left
-  template <class... T>
-  Index apply(B& b, Span<const Index> id, Index count, const Buffer<B, Index>& body_a,
-              const Buffer<B, Index>& body_b, Buffer<B, T>&... arrays) const {
+  /// Takes contacts of the pairs out of a list, whose order stays. One host read.
+  /// @param id  of bodies by storage index
+  /// @return    number of contacts that are left
+  template <class Real>
+  Index apply(B& b, Span<const Index> id, Index count, FoundContacts<B, Real>& contacts) const {
     Buffer<B, Index> keep(b, count);
     Buffer<B, Offset> place(b, static_cast<Offset>(count) + 1);
-    for_each(b, count, MarkKept{body_a.view(count), body_b.view(count), id, pairs(), keep.view()});
+    for_each(b, count,
+             MarkKept{contacts.body_a.view(count), contacts.body_b.view(count), id, pairs(),
+                      keep.view()});
     exclusive_scan(b, Span<const Index>(keep.view()), place.view());
     const Offset left = fetch(b, place.data() + count);
     if (left == count) return count;
-    (close_gaps(b, keep.view(), place.view(), left, arrays), ...);
+    contacts.visit([&](const ContactField&,
+                       auto& array) { close_gaps(b, keep.view(), place.view(), left, array); },
+                   contacts);
     return static_cast<Index>(left);
   }
 

@@ -2,6 +2,7 @@
 // A problem of the mixed layout as one of the general layout.
 
 #include "kernels/contact/expand_mixed.h"
+#include "kernels/contact/field_buffers.h"
 #include "solvers/body_contacts.h"
 
 namespace scree {
@@ -14,36 +15,20 @@ class ExpandedProblem {
   ExpandedProblem(B& b, const ContactProblem<Real>& mixed)
       : mixed_(mixed),
         problem_(mixed),
-        body_a_(b, mixed.contact_count),
-        body_b_(b, mixed.contact_count),
-        normal_(b, mixed.contact_count),
-        arm_a_(b, mixed.contact_count),
-        arm_b_(b, mixed.contact_count),
-        drift_(b, mixed.drift.empty() ? 0 : mixed.contact_count),
-        bias_(b, mixed.contact_count),
-        friction_(b, mixed.friction.values.empty() ? 0 : mixed.contact_count),
-        adhesion_(b, mixed.adhesion.values.empty() ? 0 : mixed.contact_count),
+        contacts_(b),
         inertia_(b),
         impulse_(b, mixed.contact_count),
         lists_(b) {
     ContactProblem<Real>& p = problem_;
     p.layout = ContactLayout::general;
     p.radial_count = 0;
-    p.body_a = body_a_.view();
-    p.body_b = body_b_.view();
-    p.normal = normal_.view();
-    p.arm_a = arm_a_.view();
-    p.arm_b = arm_b_.view();
-    p.drift = drift_.view();
-    p.bias = ContactBias<Real>(bias_.view());
-    p.friction.values = friction_.view();
-    p.adhesion.values = adhesion_.view();
     p.mark = {};
     p.later[0] = {};
-    for_each(b, mixed.contact_count,
-             ExpandContacts<Real>{mixed, body_a_.view(), body_b_.view(), normal_.view(),
-                                  arm_a_.view(), arm_b_.view(), bias_.view(), friction_.view(),
-                                  adhesion_.view(), drift_.view()});
+    ContactParts parts = parts_of(mixed);
+    parts.arms = true;
+    contacts_.resize_discard(parts, mixed.contact_count);
+    for_each(b, mixed.contact_count, ExpandContacts<Real>{mixed, contacts_.spans()});
+    point_to(p, contacts_);
     if (mixed.general_inertia.empty()) {
       inertia_.reserve_discard(mixed.bodies.count);
       for_each(b, mixed.bodies.count,
@@ -74,9 +59,7 @@ class ExpandedProblem {
  private:
   const ContactProblem<Real>& mixed_;
   ContactProblem<Real> problem_;
-  Buffer<B, Index> body_a_, body_b_;
-  Buffer<B, Vec3<Real>> normal_, arm_a_, arm_b_, drift_;
-  Buffer<B, Real> bias_, friction_, adhesion_;
+  ProblemContacts<B, Real> contacts_;
   Buffer<B, GeneralInertia<Real>> inertia_;
   Buffer<B, Vec3<Real>> impulse_;
   BodyContacts<B> lists_;

@@ -10,6 +10,7 @@
 // bodies and two over contacts more. A sweep cannot be faster than the launches of its colors: a
 // body with 2000 contacts makes 2000.
 
+#include "kernels/contact/field_buffers.h"
 #include "kernels/solve/gauss_seidel_pass.h"
 #include "solvers/contact_coloring.h"
 #include "solvers/relaxation.h"
@@ -32,73 +33,23 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
 
  private:
   struct Workspace {
-    Workspace(B& b, Index contacts, Offset vectors)
-        : coloring(b),
-          metric(b, contacts),
-          body_a(b),
-          body_b(b),
-          normal(b),
-          bias(b, contacts),
-          friction(b),
-          adhesion(b),
-          arm_a(b),
-          arm_b(b),
-          rolling(b),
-          drift(b),
-          gamma(b, vectors) {}
+    Workspace(B& b, Index count, Offset vectors)
+        : coloring(b), metric(b, count), contacts(b), gamma(b, vectors) {}
     ContactColoring<B> coloring;
     Buffer<B, ContactMetric<Real>> metric;
-    Buffer<B, Index> body_a;
-    Buffer<B, Index> body_b;
-    Buffer<B, Vec3<Real>> normal;
-    Buffer<B, Real> bias;
-    Buffer<B, Real> friction;
-    Buffer<B, Real> adhesion;
-    Buffer<B, Vec3<Real>> arm_a;
-    Buffer<B, Vec3<Real>> arm_b;
-    Buffer<B, RollingRow<Real>> rolling;
-    Buffer<B, Vec3<Real>> drift;
+    ProblemContacts<B, Real> contacts;
     Buffer<B, Vec3<Real>> gamma;
   };
-
-  /// A view of the buffer as large as the original field; empty when the problem has none.
-  template <class T>
-  static Span<T> sized_like(Span<const T> original, Buffer<B, T>& buffer) {
-    buffer.reserve_discard(original.size);
-    return buffer.view(original.size);
-  }
 
   /// The problem with its contacts in the order of colors; its body-to-contact
   /// lists are not usable.
   template <class R>
   static ContactProblem<Real> order_contacts(B& b, const ContactProblem<Real>& p, Workspace& w) {
-    OrderedContacts<Real> to;
-    to.body_a = sized_like(p.body_a.first(p.contact_count), w.body_a);
-    to.body_b = sized_like(p.body_b.first(p.contact_count), w.body_b);
-    to.normal = sized_like(p.normal.first(p.contact_count), w.normal);
-    to.bias = w.bias.view();
-    to.friction = sized_like(p.friction.values, w.friction);
-    to.adhesion = sized_like(p.adhesion.values, w.adhesion);
-    if (p.layout != ContactLayout::radial) {
-      to.arm_a = sized_like(p.arm_a, w.arm_a);
-      to.arm_b = sized_like(p.arm_b, w.arm_b);
-    }
-    if (p.layout == ContactLayout::rolling) to.rolling = sized_like(p.rolling, w.rolling);
-    to.drift = sized_like(p.drift, w.drift);
-    to.metric = w.metric.view();
-    for_each(b, p.contact_count, GatherContacts<R, Real>{p, w.coloring.order(), to});
-
+    w.contacts.resize_discard(parts_of(p), p.contact_count);
+    for_each(b, p.contact_count,
+             GatherContacts<R, Real>{p, w.coloring.order(), w.contacts.spans(), w.metric.view()});
     ContactProblem<Real> ordered = p;
-    ordered.body_a = to.body_a;
-    ordered.body_b = to.body_b;
-    ordered.normal = to.normal;
-    ordered.bias = ContactBias<Real>(to.bias);
-    ordered.friction.values = to.friction;
-    ordered.adhesion.values = to.adhesion;
-    ordered.arm_a = to.arm_a;
-    ordered.arm_b = to.arm_b;
-    ordered.rolling = to.rolling;
-    ordered.drift = to.drift;
+    point_to(ordered, w.contacts);
     ordered.a_start = ordered.b_start = ordered.b_contact = {};
     return ordered;
   }
@@ -164,8 +115,9 @@ std::unique_ptr<Solver<B, Real>> make_gauss_seidel_colored(const SolverParams& p
 /// Beside what all of the kind hold, contacts in the order of colors, and the memory
 /// of their coloring.
 inline HeldBytes gauss_seidel_colored_memory(const SolverCase& c) {
-  const double arms = c.layout == ContactLayout::radial ? 0 : 2 * c.vec();
-  const double ordered = c.has_groups() ? 0 : 8 + c.vec() + c.real + arms + c.impulse();
+  ContactParts parts(c.layout);
+  parts.bias = true;
+  const double ordered = c.has_groups() ? 0 : c.bytes_of<ProblemFields>(parts) + c.impulse();
   return relaxation_memory(c) + HeldBytes{72, ordered + 36};
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/contact/contact_view.h"
+#include "kernels/contact/contact_fields.h"
 #include "solvers/solver_parameter.h"
 #include "solvers/traffic.h"
 
@@ -24,6 +24,12 @@ struct SolverCase {
 
   double vec() const { return 3 * real; }
   double twist() const { return 6 * real; }
+  /// Bytes that a contact takes in arrays of its own.
+  template <template <class> class Fields>
+  double bytes_of(const ContactParts& parts) const {
+    return real > 4 ? bytes_per_contact<Fields, double>(parts)
+                    : bytes_per_contact<Fields, float>(parts);
+  }
   double impulse() const { return vectors_per_contact(layout) * vec(); }
   bool is_radial() const { return layout == ContactLayout::radial; }
   bool is_mixed() const { return layout == ContactLayout::mixed; }

@@ -38,7 +38,7 @@ inline BodyProblem random_body_problem(const RandomProblem& options) {
     p.body_b.push_back(c.b);
     p.normal.push_back(to_vec3<double>(c.normal));
     p.bias.push_back(c.bias);
-    p.mu.push_back(c.mu);
+    p.friction.push_back(c.mu);
     p.adhesion.push_back(c.adhesion);
     if (!radial) {
       p.arm_a.push_back(to_vec3<double>(c.arm_a));
@@ -84,7 +84,7 @@ inline oracle::Problem oracle_of(const BodyProblem& p) {
     k.normal = to_eigen(p.normal[c]);
     k.arm_a = radial ? k.normal : to_eigen(p.arm_a[c]);
     k.arm_b = radial ? Eigen::Vector3d(-k.normal) : to_eigen(p.arm_b[c]);
-    k.mu = p.mu[c];
+    k.mu = p.friction[c];
     k.bias = p.bias[c];
     k.adhesion = p.adhesion[c];
     if (o.has_moments) {

@@ -93,24 +93,10 @@ class ImpactPhase {
 
   /// The problem of one round and the memory that it points at.
   struct Round {
-    /// @param arms  contacts with stored arms
-    Round(B& b, Index contacts, Index arms, ContactLayout layout)
-        : bodies(b),
-          body_a(b, contacts),
-          body_b(b, contacts),
-          normal(b, contacts),
-          arm_a(b, arms),
-          arm_b(b, arms),
-          bias(b, contacts),
-          shifted(b, contacts),
-          restitution(b, contacts),
-          least(b, contacts),
-          rolling(b, vectors_per_contact(layout) == 2 ? contacts : 0) {}
-    StepProblem<B, Real> bodies;
-    Buffer<B, Index> body_a, body_b;
-    Buffer<B, Vec3<Real>> normal, arm_a, arm_b;
-    Buffer<B, Real> bias, shifted, restitution, least;
-    Buffer<B, RollingRow<Real>> rolling;
+    Round(B& b, Index contacts)
+        : step(b), shifted(b, contacts), restitution(b, contacts), least(b, contacts) {}
+    StepProblem<B, Real> step;
+    Buffer<B, Real> shifted, restitution, least;
   };
 
   bool round(B& b, ProblemAssembly<B, Real>& assembly, const ImpactTest<Real>& test,
@@ -138,31 +124,23 @@ class ImpactPhase {
     const auto count = static_cast<Index>(fetch(b, place.data() + n));
 
     const auto radial = static_cast<Index>(fetch(b, place.data() + test.contacts.radial_count));
-    Round r(b, count, count - radial, layout_);
+    Round r(b, count);
     ImpactImpulses<B, Real> found{count, Buffer<B, Index>(b, count),
                                   Buffer<B, Vec3<Real>>(b, vectors(count))};
-    ContactProblem<Real>& p = r.bodies.problem;
+    ContactProblem<Real>& p = r.step.problem;
     p.layout = layout_;
     p.contact_count = count;
     if (layout_ == ContactLayout::mixed) p.radial_count = radial;
     p.bodies = test.bodies.ranges();
-    p.body_a = r.body_a.view();
-    p.body_b = r.body_b.view();
-    p.normal = r.normal.view();
-    p.arm_a = r.arm_a.view();
-    p.arm_b = r.arm_b.view();
-    p.bias.values = r.bias.view();
-    r.bodies.friction.reserve_discard(count);
-    const Span<Real> friction = r.bodies.friction.view(count);
-    p.friction.values = friction;
-    p.rolling = r.rolling.view();
+    ContactParts parts(layout_);
+    parts.bias = parts.friction = true;
+    r.step.contacts.resize_discard(parts, count, radial);
+    point_to(p, r.step.contacts);
     for_each(b, n,
              GatherImpacts<Real>{test, takes_part.view(), place.view(), found.contact.view(),
-                                 r.body_a.view(), r.body_b.view(), r.normal.view(), layout_, radial,
-                                 r.arm_a.view(), r.arm_b.view(), r.bias.view(), friction,
-                                 r.restitution.view(), r.rolling.view()});
-    assembly.set_bodies(b, test.bodies, {}, r.bodies);
-    r.bodies.lists.build(b, p);
+                                 layout_, radial, r.step.contacts.spans(), r.restitution.view()});
+    assembly.set_bodies(b, test.bodies, {}, r.step);
+    r.step.lists.build(b, p);
 
     double tolerance = std::max(kTolerance * std::sqrt(sums.approach_squares / count),
                                 kShareOfThreshold * static_cast<double>(test.threshold));
@@ -186,10 +164,10 @@ class ImpactPhase {
 
   template <class R>
   void solve(B& b, Round& r, Span<Vec3<Real>> gamma, double tolerance, ImpactStats& stats) {
-    const ContactProblem<Real>& p = r.bodies.problem;
+    const ContactProblem<Real>& p = r.step.problem;
     ContactProblem<Real> shifted = p;
     if (exact_) {
-      copy(b, Span<const Real>(r.bias.view()), r.shifted.view());
+      copy(b, Span<const Real>(r.step.contacts.bias.view()), r.shifted.view());
       shifted.bias.values = r.shifted.view();
     }
     for (int k = 0;; ++k) {

@@ -67,9 +67,7 @@ class Joints {
         key_(b, count_),
         order_(b, count_),
         sort_(b),
-        body_a_(b),
-        body_b_(b),
-        normal_(b),
+        joined_(b),
         row_(b, count_),
         sums_(b, 1),
         lists_(b) {
@@ -100,9 +98,15 @@ class Joints {
     const auto place_bits = bits_for(static_cast<std::uint64_t>(bodies.count) + 1);
     sort_pairs(b, sort_, key_.view(), order_.view(), 32 + place_bits);
 
-    extend(b, p.body_a, contacts, total, body_a_);
-    extend(b, p.body_b, contacts, total, body_b_);
-    extend(b, p.normal, contacts, total, normal_);
+    // What joints have too moves to arrays with room for them.
+    p.visit(
+        [&]<class T>(const ContactField& field, auto& values, Buffer<B, T>& joined) {
+          if (field.count != FieldCount::rows) return;
+          joined.reserve_discard(total);
+          if (contacts > 0) copy(b, stored_values(values).first(contacts), joined.view(contacts));
+          point_to(values, Span<const T>(joined.view(total)));
+        },
+        p, joined_);
     JointSetup<Real> setup;
     setup.bodies = bodies;
     setup.inertia = p.general_inertia;
@@ -112,18 +116,15 @@ class Joints {
     setup.period = period;
     setup.time_step = stepping.time_step;
     setup.recovery_speed = stepping.max_recovery_speed;
-    setup.body_a = tail(body_a_, contacts);
-    setup.body_b = tail(body_b_, contacts);
-    setup.normal = tail(normal_, contacts);
+    setup.body_a = tail(joined_.body_a, contacts);
+    setup.body_b = tail(joined_.body_b, contacts);
+    setup.normal = tail(joined_.normal, contacts);
     setup.row = row_.view();
     setup.gamma = {gamma.data + gamma.size - vectors(), vectors()};
     reduce<JointSums>(b, count_, setup, StoreResult<JointSums>{sums_.data()});
 
     p.layout = ContactLayout::jointed;
     p.contact_count = total;
-    p.body_a = body_a_.view(total);
-    p.body_b = body_b_.view(total);
-    p.normal = normal_.view(total);
     p.joint_begin = contacts;
     p.joints = row_.view();
     p.later[0] = lists_.build(b, p.bodies.owned_count, setup.body_a, setup.body_b);
@@ -173,12 +174,6 @@ class Joints {
   }
 
  private:
-  /// A copy of the values of contacts, with room for those of joints.
-  template <class T>
-  static void extend(B& b, Span<const T> contacts, Index count, Index total, Buffer<B, T>& to) {
-    to.reserve_discard(total);
-    if (count > 0) copy(b, contacts.first(count), to.view(count));
-  }
   template <class T>
   Span<T> tail(Buffer<B, T>& buffer, Index contacts) {
     return {buffer.data() + contacts, count_};
@@ -191,9 +186,7 @@ class Joints {
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> order_;
   SortSpace<B> sort_;
-  Buffer<B, Index> body_a_;  ///< of contacts and joints, like the next two
-  Buffer<B, Index> body_b_;
-  Buffer<B, Vec3<Real>> normal_;
+  ProblemContacts<B, Real> joined_;  ///< fields of contacts and joints
   Buffer<B, JointRow<Real>> row_;
   Buffer<B, JointSums> sums_;
   GroupContacts<B> lists_;

@@ -3,10 +3,9 @@
 
 #include <algorithm>
 
-#include "host/scene.h"
-#include "host/scene/scene_summary.h"
+#include "dynamics/rigid/step_parts.h"
+#include "kernels/contact/field_buffers.h"
 #include "kernels/step/step_setup.h"
-#include "shapes/shape_card.h"
 #include "solvers/body_contacts.h"
 
 namespace scree {
@@ -16,29 +15,14 @@ namespace scree {
 template <class B, class Real>
 struct StepProblem {
   explicit StepProblem(B& b)
-      : free_velocity(b),
-        radial_inertia(b),
-        general_inertia(b),
-        bias(b),
-        friction(b),
-        adhesion(b),
-        rolling(b),
-        arm_a(b),
-        arm_b(b),
-        drift(b),
-        lists(b) {}
+      : free_velocity(b), radial_inertia(b), general_inertia(b), contacts(b), lists(b) {}
 
   ContactProblem<Real> problem;
   SetupSums sums;
   Buffer<B, Twist<Real>> free_velocity;
   Buffer<B, RadialInertia<Real>> radial_inertia;
   Buffer<B, GeneralInertia<Real>> general_inertia;
-  Buffer<B, Real> bias;
-  Buffer<B, Real> friction;
-  Buffer<B, Real> adhesion;
-  Buffer<B, RollingRow<Real>> rolling;
-  Buffer<B, Vec3<Real>> arm_a, arm_b;  ///< mixed layout
-  Buffer<B, Vec3<Real>> drift;
+  ProblemContacts<B, Real> contacts;  ///< fields that contacts as they were found lack
   BodyContacts<B> lists;
 };
 
@@ -51,6 +35,7 @@ class ProblemAssembly {
       : laws_(b),
         sums_(b, 1),
         layout_(summary.layout),
+        own_(parts_of_step<Real>(scene, summary)),
         solid_spheres_(summary.solid_spheres),
         radial_bodies_(summary.radial_bodies),
         shapes_(shapes),
@@ -62,20 +47,9 @@ class ProblemAssembly {
                       static_cast<Real>(m.spinning_friction)});
     }
     uniform_friction_ = laws.front().friction;
-    for (const PairLaw<Real>& law : laws) {
-      has_uniform_friction_ = has_uniform_friction_ && law.friction == uniform_friction_;
-      has_cohesion_ = has_cohesion_ || law.cohesion > 0;
-      has_restitution_ = has_restitution_ || law.restitution > 0;
-    }
+    has_restitution_ = std::any_of(laws.begin(), laws.end(),
+                                   [](const PairLaw<Real>& law) { return law.restitution > 0; });
     upload(b, laws, laws_);
-    const auto has_vertices = [](const BodyDescription& body) {
-      return body.kind == BodyKind::free && !shape_card(body.shape.kind).is_ball;
-    };
-    has_vertices_ = std::any_of(scene.bodies.begin(), scene.bodies.end(), has_vertices);
-    for (const Insertion& insertion : scene.insertions)
-      has_vertices_ = has_vertices_ ||
-                      std::any_of(insertion.bodies.begin(), insertion.bodies.end(), has_vertices);
-    bounces_by_bias_ = has_restitution_ && scene.stepping.restitution_law == RestitutionLaw::newton;
   }
 
   /// Whether some pair of materials bounces.
@@ -97,10 +71,15 @@ class ProblemAssembly {
     p.body_a = contacts.body_a;
     p.body_b = contacts.body_b;
     p.normal = contacts.normal;
-    set_arms(b, bodies, contacts, step);
+    p.arm_a = contacts.arm_a;
+    p.arm_b = contacts.arm_b;
+    const Index n = contacts.count, general = n - contacts.radial_count;
+    if (layout_ == ContactLayout::mixed) p.radial_count = contacts.radial_count;
+    step.contacts.resize_discard(own_, n, contacts.radial_count);
+    const ProblemFields<InSpans<Real>> own = step.contacts.spans();
+    if (own_.arms) for_each(b, general, ScaleArms<Real>{bodies, contacts, own.arm_a, own.arm_b});
     set_bodies(b, loaded, gravity_step, step);
 
-    const Index n = contacts.count;
     p.bias.gap = contacts.gap;
     p.bias.inv_time_step = static_cast<Real>(1 / stepping.time_step);
     p.bias.least = static_cast<Real>(-stepping.max_recovery_speed);
@@ -112,19 +91,16 @@ class ProblemAssembly {
     setup.time_step = static_cast<Real>(stepping.time_step);
     setup.restitution_threshold = static_cast<Real>(stepping.restitution_threshold);
     setup.cohesion_range = static_cast<Real>(cohesion_range);
+    setup.bias = own.bias;
+    setup.friction = own.friction;
+    setup.adhesion = own.adhesion;
+    setup.rolling = own.rolling;
     p.friction.uniform = uniform_friction_;
-    if (bounces_by_bias_) p.bias.values = setup.bias = sized(step.bias, n);
-    if (!has_uniform_friction_) p.friction.values = setup.friction = sized(step.friction, n);
-    if (has_cohesion_) p.adhesion.values = setup.adhesion = sized(step.adhesion, n);
-    if (vectors_per_contact(layout_) == 2) p.rolling = setup.rolling = sized(step.rolling, n);
-    if (has_vertices_ && layout_ != ContactLayout::radial) {
-      const Index general = n - contacts.radial_count;
-      const Span<Vec3<Real>> drift = sized(step.drift, general);
-      p.drift = drift;
+    if (own_.drift)
       for_each(b, general,
                ContactDrift<Real>{bodies, contacts, p.general_inertia, shapes_, setup.time_step / 2,
-                                  drift});
-    }
+                                  own.drift});
+    point_to(p, step.contacts);
     reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
     step.lists.build(b, p);
     step.sums = fetch(b, sums_.data());
@@ -175,41 +151,22 @@ class ProblemAssembly {
     p.radial_inertia.spin_ratio = Real(2.5);  // r^2 / I over 1 / m
   }
 
-  void set_arms(B& b, const BodyView<Real>& bodies, const ContactView<Real>& contacts,
-                StepProblem<B, Real>& step) {
-    ContactProblem<Real>& p = step.problem;
-    if (layout_ != ContactLayout::mixed) {
-      p.arm_a = contacts.arm_a;
-      p.arm_b = contacts.arm_b;
-      return;
-    }
-    p.radial_count = contacts.radial_count;
-    const Index general = contacts.count - contacts.radial_count;
-    const Span<Vec3<Real>> arm_a = sized(step.arm_a, general), arm_b = sized(step.arm_b, general);
-    p.arm_a = arm_a;
-    p.arm_b = arm_b;
-    for_each(b, general, ScaleArms<Real>{bodies, contacts, arm_a, arm_b});
-  }
-
   template <class T>
   static Span<T> sized(Buffer<B, T>& buffer, Index n) {
-    buffer.reserve_discard(std::max<Index>(n, 1));  // an empty view would mean "uniform"
+    buffer.reserve_discard(std::max<Index>(n, 1));  // an empty view would mean "worked out"
     return buffer.view();
   }
 
   Buffer<B, PairLaw<Real>> laws_;
   Buffer<B, SetupSums> sums_;
   ContactLayout layout_;
+  ContactParts own_;  ///< what it stores of contacts
   bool solid_spheres_ = false;
   bool radial_bodies_ = false;
   Span<const ShapeRecord<Real>> shapes_;
   Index material_count_;
   Real uniform_friction_ = 0;
-  bool has_uniform_friction_ = true;
-  bool has_cohesion_ = false;
   bool has_restitution_ = false;
-  bool has_vertices_ = false;     ///< of free boxes
-  bool bounces_by_bias_ = false;  ///< Newton's law
 };
 
 }  // namespace scree

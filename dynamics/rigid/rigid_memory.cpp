@@ -4,7 +4,9 @@
 
 #include "dynamics/memory_room.h"
 #include "dynamics/rigid/shared_constants.h"
+#include "dynamics/rigid/step_parts.h"
 #include "host/scene/run_summary.h"
+#include "kernels/step/joint_setup.h"
 #include "solvers/coulomb.h"
 
 namespace scree {
@@ -33,6 +35,8 @@ struct Sizes {
         radial(summary.layout == ContactLayout::radial),
         mixed(summary.layout == ContactLayout::mixed),
         uniform(radial && summary.solid_spheres),
+        own(real > 4 ? parts_of_step<double>(scene_, summary)
+                     : parts_of_step<float>(scene_, summary)),
         card(solver_card(scene_.solver.name)),
         solver_case{.layout = summary.layout,
                     .real = real,
@@ -48,7 +52,8 @@ struct Sizes {
   double real, vec, twist, impulse;
   bool radial;
   bool mixed;
-  bool uniform;  ///< free velocities and inverse masses come from the state
+  bool uniform;      ///< free velocities and inverse masses come from the state
+  ContactParts own;  ///< what a step stores of contacts, beside what detection leaves
   SolverCard card;
   SolverCase solver_case;
   double marks;  ///< what the solver leaves at a contact
@@ -68,15 +73,16 @@ double state_of_body(const Sizes& s) {
   return bytes;
 }
 
-/// Lever arms of a contact. Where all bodies are spheres, few contacts of the mixed layout have any;
-/// else they are stored a second time, in the unit of the problem.
-double arms(const Sizes& s) {
-  if (s.radial || (s.mixed && s.summary.radial_bodies)) return 0;
-  return 2 * s.vec;
+/// Where all bodies are spheres, few contacts of the mixed layout have fields of general ones.
+ContactParts without_few(const Sizes& s, ContactParts parts) {
+  if (s.mixed && s.summary.radial_bodies) parts.arms = false;
+  return parts;
 }
 
-/// Contacts as collision detection leaves them: ids, normal, gap, arms; key.
-double contact_set(const Sizes& s) { return 8 + s.vec + s.real + arms(s) + 8; }
+/// Contacts as collision detection leaves them.
+double contact_set(const Sizes& s) {
+  return s.solver_case.bytes_of<FoundFields>(without_few(s, ContactParts(s.summary.layout)));
+}
 
 /// What is remembered of a contact of the last step: key, impulse and mark.
 double warm_start(const Sizes& s) { return 8 + s.impulse + s.marks; }
@@ -84,35 +90,31 @@ double warm_start(const Sizes& s) { return 8 + s.impulse + s.marks; }
 /// List of near pairs, of a body.
 double near_pair_list(const Sizes& s) { return 24 + 4.25 * s.pairs; }
 
+/// Fields that joints share with contacts.
+double fields_of_joint(const Sizes& s) {
+  return s.solver_case.bytes_of<ProblemFields>(ContactParts());
+}
+
 /// Lists of the contacts of a body, and what the state cannot give.
 HeldBytes problem(const Sizes& s) {
-  const auto any = [&](auto has) {
-    return std::any_of(s.scene.materials.begin(), s.scene.materials.end(), has) ||
-           std::any_of(s.scene.material_pairs.begin(), s.scene.material_pairs.end(),
-                       [&](const MaterialPair& pair) { return has(pair.values); });
-  };
-  const double friction = pair_values(s.scene, 0, 0).friction;
   HeldBytes bytes{8, 4};
   if (s.mixed) {
-    bytes.contact += arms(s);
     bytes.body += 8 + s.twist + (s.summary.solid_spheres ? 0 : 2 * s.real) +
                   (s.summary.radial_bodies ? 0 : 16 * s.real);
   } else if (!s.uniform) {
     bytes.body += s.twist + (s.radial ? 2 : 16) * s.real;
   }
-  if (s.scene.stepping.restitution_law == RestitutionLaw::newton &&
-      any([](const Material& m) { return m.restitution > 0; }))
-    bytes.contact += s.real;
-  if (any([](const Material& m) { return m.cohesion > 0; })) bytes.contact += s.real;
-  if (any([&](const Material& m) { return m.friction != friction; })) bytes.contact += s.real;
-  if (vectors_per_contact(s.summary.layout) == 2) bytes.contact += 3 * s.real;
-  if (s.summary.layout == ContactLayout::jointed)
-    bytes.contact += 8 + s.vec;  // beside those of joints
+  bytes.contact += s.solver_case.bytes_of<ProblemFields>(without_few(s, s.own));
+  if (s.summary.layout == ContactLayout::jointed) bytes.contact += fields_of_joint(s);  // a copy
   return bytes;
 }
 
 /// Frames, rows, ids and axis, sort keys, lists and impulses of a joint; those of the solver too.
-double joint(const Sizes& s) { return 128 + 46 * s.real + 8 + s.vec + 12 + 16 + 5 * s.impulse; }
+double joint(const Sizes& s) {
+  const std::size_t row = s.real > 4 ? sizeof(JointRow<double>) : sizeof(JointRow<float>);
+  return static_cast<double>(sizeof(JointFrames) + row) + fields_of_joint(s) + 12 + 16 +
+         5 * s.impulse;
+}
 
 /// Velocities that a solver returns, and its working memory at the fullest.
 HeldBytes solver(const Sizes& s) {

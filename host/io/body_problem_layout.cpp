@@ -64,6 +64,18 @@ std::vector<std::int32_t> read_indices(const h5::Group& group, const char* name)
   return indices;
 }
 
+void write_rows(h5::Group& group, const char* name, const std::vector<std::int32_t>& indices) {
+  group.write(name, std::span<const std::int32_t>(indices));
+}
+
+template <class T>
+void read_field(const h5::Group& group, const char* name, std::vector<T>& values) {
+  values = read_rows<T>(group, name);
+}
+void read_field(const h5::Group& group, const char* name, std::vector<std::int32_t>& values) {
+  values = read_indices(group, name);
+}
+
 /// Writes one member of every body.
 template <class Record, class Member>
 void write_member(h5::Group& group, const char* name, const std::vector<Record>& records,
@@ -151,19 +163,14 @@ BodyProblem read_body_problem(const h5::Group& root) {
     read_member(root, "body/inv_inertia", p.general_inertia, &GeneralInertia<double>::inv_inertia);
   }
 
-  p.body_a = read_indices(root, "contact/body_a");
-  p.body_b = read_indices(root, "contact/body_b");
-  p.normal = read_rows<Vec3d>(root, "contact/normal");
-  p.bias = read_rows<double>(root, "contact/bias");
-  p.mu = read_rows<double>(root, "contact/mu");
-  p.adhesion = read_rows<double>(root, "contact/adhesion");
-  if (p.layout != ContactLayout::radial) {
-    p.arm_a = read_rows<Vec3d>(root, "contact/arm_a");
-    p.arm_b = read_rows<Vec3d>(root, "contact/arm_b");
-  }
-  if (p.layout == ContactLayout::rolling)
-    p.rolling = read_rows<RollingRow<double>>(root, "contact/rolling");
-  if (root.has("contact/drift")) p.drift = read_rows<Vec3d>(root, "contact/drift");
+  const ContactParts parts = stored_parts(p.layout);
+  p.visit(
+      [&](const ContactField& field, auto& values) {
+        const std::string path = std::string("contact/") + field.name;
+        if (field.is_optional ? root.has(path.c_str()) : parts.*field.part)
+          read_field(root, path.c_str(), values);
+      },
+      p);
   p.impulse = read_rows<Vec3d>(root, "warm_start/impulse");
   return p;
 }
@@ -176,7 +183,7 @@ void write_body_problem(h5::Group& root, const BodyProblem& p) {
   write_source(root, p.source);
 
   h5::Group body = root.create_group("body");
-  body.write("id", std::span<const std::int32_t>(p.body_id));
+  write_rows(body, "id", p.body_id);
   write_rows(body, "free_velocity", p.free_velocity);
   if (p.layout == ContactLayout::radial) {
     write_member(body, "inv_mass", p.radial_inertia, &RadialInertia<double>::inv_mass);
@@ -189,18 +196,13 @@ void write_body_problem(h5::Group& root, const BodyProblem& p) {
   }
 
   h5::Group contact = root.create_group("contact");
-  contact.write("body_a", std::span<const std::int32_t>(p.body_a));
-  contact.write("body_b", std::span<const std::int32_t>(p.body_b));
-  write_rows(contact, "normal", p.normal);
-  write_rows(contact, "bias", p.bias);
-  write_rows(contact, "mu", p.mu);
-  write_rows(contact, "adhesion", p.adhesion);
-  if (p.layout != ContactLayout::radial) {
-    write_rows(contact, "arm_a", p.arm_a);
-    write_rows(contact, "arm_b", p.arm_b);
-  }
-  if (p.layout == ContactLayout::rolling) write_rows(contact, "rolling", p.rolling);
-  if (!p.drift.empty()) write_rows(contact, "drift", p.drift);
+  const ContactParts parts = stored_parts(p.layout);
+  p.visit(
+      [&](const ContactField& field, const auto& values) {
+        if (field.is_optional ? !values.empty() : parts.*field.part)
+          write_rows(contact, field.name, values);
+      },
+      p);
   h5::Group warm_start = root.create_group("warm_start");
   write_rows(warm_start, "impulse", p.impulse);
 }

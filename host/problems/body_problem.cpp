@@ -15,7 +15,7 @@ constexpr const char* per_contact = "one a contact";
 std::string text_of(const Vec3d& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
 
 template <class T, class Accept, class Show>
-void require_all(const std::vector<T>& values, const char* name, const char* expected,
+void require_all(const std::vector<T>& values, const std::string& name, const char* expected,
                  Accept accept, Show show) {
   for (std::size_t k = 0; k < values.size(); ++k)
     if (!accept(values[k]))
@@ -23,7 +23,7 @@ void require_all(const std::vector<T>& values, const char* name, const char* exp
           fmt::format("{}[{}] is {}, expected {}", name, k, show(values[k]), expected));
 }
 
-void require_finite_vectors(const std::vector<Vec3d>& values, const char* name) {
+void require_finite_vectors(const std::vector<Vec3d>& values, const std::string& name) {
   require_all(values, name, "finite numbers", is_finite<double>, text_of);
 }
 
@@ -111,34 +111,30 @@ void check_pairs(const BodyProblem& p) {
   }
 }
 
-void check_contacts(const BodyProblem& p) {
-  const std::size_t n = p.body_a.size();
-  if (n == 0) throw InputError("contact/body_a is empty: the problem has no contacts");
-  require_size(p.body_b, n, "contact/body_b", per_contact);
-  check_pairs(p);
-  require_size(p.normal, n, "contact/normal", per_contact);
-  require_all(
-      p.normal, "contact/normal", "a unit vector",
-      [](const Vec3d& v) { return std::abs(norm(v) - 1) < 1e-4; }, text_of);
-  require_size(p.bias, n, "contact/bias", per_contact);
-  require_finite(p.bias, "contact/bias");
-  require_size(p.mu, n, "contact/mu", per_contact);
-  require_not_negative(p.mu, "contact/mu");
-  require_size(p.adhesion, n, "contact/adhesion", per_contact);
-  require_not_negative(p.adhesion, "contact/adhesion");
+const char* reason_of_size(const ContactField& field) {
+  if (field.part == &ContactParts::arms) return "one a contact, not in the radial layout";
+  if (field.part == &ContactParts::rolling) return "one a contact, rolling layout only";
+  return per_contact;
+}
 
-  if (!p.drift.empty()) require_size(p.drift, n, "contact/drift", per_contact);
-  require_finite_vectors(p.drift, "contact/drift");
+void require_values(const std::vector<int>&, const std::string&, FieldValues) {}  // check_pairs()
 
-  const std::size_t arms = p.layout == ContactLayout::radial ? 0 : n;
-  require_size(p.arm_a, arms, "contact/arm_a", "one a contact, not in the radial layout");
-  require_size(p.arm_b, arms, "contact/arm_b", "one a contact, not in the radial layout");
-  require_finite_vectors(p.arm_a, "contact/arm_a");
-  require_finite_vectors(p.arm_b, "contact/arm_b");
-  require_size(p.rolling, p.layout == ContactLayout::rolling ? n : 0, "contact/rolling",
-               "one a contact, rolling layout only");
+void require_values(const std::vector<double>& values, const std::string& name, FieldValues rule) {
+  rule == FieldValues::not_negative ? require_not_negative(values, name)
+                                    : require_finite(values, name);
+}
+
+void require_values(const std::vector<Vec3d>& values, const std::string& name, FieldValues rule) {
+  if (rule != FieldValues::unit) return require_finite_vectors(values, name);
   require_all(
-      p.rolling, "contact/rolling", "a positive length and coefficients that are not negative",
+      values, name, "a unit vector", [](const Vec3d& v) { return std::abs(norm(v) - 1) < 1e-4; },
+      text_of);
+}
+
+void require_values(const std::vector<RollingRow<double>>& values, const std::string& name,
+                    FieldValues) {
+  require_all(
+      values, name, "a positive length and coefficients that are not negative",
       [](const RollingRow<double>& r) {
         return std::isfinite(r.length) && r.length > 0 && std::isfinite(r.rolling) &&
                r.rolling >= 0 && std::isfinite(r.spinning) && r.spinning >= 0;
@@ -146,6 +142,23 @@ void check_contacts(const BodyProblem& p) {
       [](const RollingRow<double>& r) {
         return fmt::format("({}, {}, {})", r.length, r.rolling, r.spinning);
       });
+}
+
+void check_contacts(const BodyProblem& p) {
+  const std::size_t n = p.body_a.size();
+  if (n == 0) throw InputError("contact/body_a is empty: the problem has no contacts");
+  const ContactParts parts = stored_parts(p.layout);
+  const auto path = [](const ContactField& field) { return std::string("contact/") + field.name; };
+  p.visit(
+      [&](const ContactField& field, const auto& values) {
+        const bool is_stored = field.is_optional ? !values.empty() : parts.*field.part;
+        require_size(values, is_stored ? n : 0, path(field), reason_of_size(field));
+      },
+      p);
+  check_pairs(p);
+  p.visit([&](const ContactField& field,
+              const auto& values) { require_values(values, path(field), field.values); },
+          p);
   require_size(p.impulse, n * static_cast<std::size_t>(vectors_per_contact(p.layout)),
                "warm_start/impulse", "vectors of all contacts");
   require_finite_vectors(p.impulse, "warm_start/impulse");

@@ -24,9 +24,21 @@ struct ProblemSource {
   friend bool operator==(const ProblemSource&, const ProblemSource&) = default;
 };
 
+/// Store: fields in host memory.
+struct InVectors {
+  using Real = double;
+  template <class T>
+  using Array = std::vector<T>;
+  using Bias = std::vector<double>;
+  using Varying = std::vector<double>;
+};
+
+/// The fields of contacts, sorted by body_a, and bodies. Fields that the layout does not have are
+/// empty, and drift where no body needs it; lever arms are in m, whatever the layout.
+///
 /// Bodies [0, free_count) move, the others keep their velocity. In the radial layout the angular
 /// part of a rate is the surface speed r w [m/s], in the others it is w [rad/s]; world frame.
-struct BodyProblem {
+struct BodyProblem : ProblemFields<InVectors> {
   ContactLayout layout = ContactLayout::radial;
   ProblemSource source;
 
@@ -37,23 +49,20 @@ struct BodyProblem {
   std::vector<RadialInertia<double>> radial_inertia;    ///< radial layout, else empty
   std::vector<GeneralInertia<double>> general_inertia;  ///< other layouts, else empty
 
-  // contacts [contact_count], sorted by body_a
-  std::vector<std::int32_t> body_a;         ///< always free, and less than body_b
-  std::vector<std::int32_t> body_b;         ///< free or fixed
-  std::vector<Vec3d> normal;                ///< unit, from A to B
-  std::vector<Vec3d> arm_a;                 ///< center of A to the contact [m]; empty when radial
-  std::vector<Vec3d> arm_b;                 ///< center of B to the contact [m]; empty when radial
-  std::vector<double> bias;                 ///< [m/s]
-  std::vector<double> mu;                   ///< friction coefficient [-]
-  std::vector<double> adhesion;             ///< c h [N s]
-  std::vector<RollingRow<double>> rolling;  ///< rolling layout, else empty
-  std::vector<Vec3d> drift;                 ///< ContactProblem::drift, or empty [m/s]
   /// The guess [vectors_per_contact * contact_count], world frame, acting on B [N s].
   std::vector<Vec3d> impulse;
 
   int body_count() const { return static_cast<int>(free_velocity.size()); }
   int contact_count() const { return static_cast<int>(body_a.size()); }
 };
+
+/// The fields of contacts that a stored problem of a layout has; beside them it may have those that
+/// are optional.
+constexpr ContactParts stored_parts(ContactLayout layout) {
+  ContactParts parts(layout);
+  parts.bias = parts.friction = parts.adhesion = true;
+  return parts;
+}
 
 /// Checks sizes, indices, signs, order and that all numbers are finite.
 /// @throws InputError naming the array, the place, the value and what was expected

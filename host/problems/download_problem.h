@@ -13,6 +13,32 @@ Span<const T> host_view(const std::vector<T>& v) {
   return {v.data(), static_cast<Offset>(v.size())};
 }
 
+/// The values of a field of `count` contacts on the host, none where it has none.
+/// @tparam T  of the values that return
+template <class B, class T, class U>
+std::vector<T> contact_values(B& b, const Span<const U>& field, Index count,
+                              const std::vector<T>&) {
+  std::vector<T> values;
+  for (const U& value : download(b, field.first(field.empty() ? 0 : count)))
+    values.push_back(static_cast<T>(value));
+  return values;
+}
+/// The same of fields that are not always stored.
+template <class B, class Field>
+requires requires(const Field& field) { field.values; }
+std::vector<double> contact_values(B& b, Field field, Index count, const std::vector<double>&) {
+  const auto stored = download(b, field.values.first(field.values.empty() ? 0 : count));
+  field.values = host_view(stored);
+  decltype(download(b, field.values)) gap;
+  if constexpr (requires { field.gap; }) {
+    gap = download(b, field.gap.first(field.gap.empty() ? 0 : count));
+    field.gap = host_view(gap);
+  }
+  std::vector<double> values;
+  for (Index c = 0; c < count; ++c) values.push_back(field[c]);
+  return values;
+}
+
 /// Copies a problem as it is before the solve. Values that the problem works out where they are
 /// needed (bias, v*, inertia) are worked out here by the same functions; numbers of float problems
 /// become double, which is exact. Room of bodies that join later is left out. Ghosts, which the
@@ -25,14 +51,6 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
   BodyProblem out;
   out.layout = p.layout;
   out.free_count = p.bodies.owned_count;
-  const Index n = p.contact_count;
-  const auto contact_values = [&](auto span) {
-    return download(b, span.first(span.empty() ? 0 : n));
-  };
-  const auto vectors = [](const std::vector<Vec3<Real>>& values) {
-    return std::vector<Vec3d>(values.begin(), values.end());
-  };
-
   // bodies
   const auto per_body = [&](auto constant, auto& memory) {
     memory = download(b, constant.values);
@@ -86,37 +104,13 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
   }
 
   // contacts
-  out.body_a = contact_values(p.body_a);
-  out.body_b = contact_values(p.body_b);
+  p.visit([&](const ContactField&, const auto& field,
+              auto& values) { values = contact_values(b, field, p.contact_count, values); },
+          p, out);
   const Index room = p.bodies.fixed_begin - p.bodies.moving_count;
   for (Index& body : out.body_b)
     if (p.bodies.is_fixed(body)) body -= room;
-  out.normal = vectors(contact_values(p.normal));
-  out.arm_a = vectors(contact_values(p.arm_a));
-  out.arm_b = vectors(contact_values(p.arm_b));
-  const auto bias_values = contact_values(p.bias.values);
-  const auto gaps = contact_values(p.bias.gap);
-  ContactBias<Real> bias = p.bias;
-  bias.values = host_view(bias_values);
-  bias.gap = host_view(gaps);
-  const auto friction_values = contact_values(p.friction.values);
-  const auto adhesion_values = contact_values(p.adhesion.values);
-  const PerContact<Real> friction{host_view(friction_values), p.friction.uniform};
-  const PerContact<Real> adhesion{host_view(adhesion_values), p.adhesion.uniform};
-  for (Index c = 0; c < n; ++c) {
-    out.bias.push_back(bias[c]);
-    out.mu.push_back(friction[c]);
-    out.adhesion.push_back(adhesion[c]);
-  }
-  out.drift = vectors(contact_values(p.drift));
-  for (const RollingRow<Real>& row : contact_values(p.rolling)) {
-    RollingRow<double> resistance;
-    resistance.length = row.length;
-    resistance.rolling = row.rolling;
-    resistance.spinning = row.spinning;
-    out.rolling.push_back(resistance);
-  }
-  out.impulse = vectors(download(b, guess));
+  for (const Vec3<Real>& impulse : download(b, guess)) out.impulse.emplace_back(impulse);
   return out;
 }
 

@@ -267,7 +267,7 @@ LocalProblem local_of(const BodyProblem& p, const Parts& parts) {
   local.W = plain(Matrix(parts.H.transpose() * weighted));
   local.q = values_of(parts.w + parts.H.transpose() * parts.free_velocity -
                       parts.H.transpose() * Vector(weighted * parts.apex));
-  local.mu = p.mu;
+  local.mu = p.friction;
   return local;
 }
 
@@ -277,7 +277,7 @@ GlobalProblem global_of(const BodyProblem& p, const Parts& parts) {
   global.H = plain(parts.H);
   global.f = values_of(parts.mass * parts.free_velocity - parts.H * parts.apex);
   global.w = values_of(parts.w);
-  global.mu = p.mu;
+  global.mu = p.friction;
   return global;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "host/problems/body_problem.h"
-#include "kernels/backend/backend.h"
+#include "kernels/contact/field_buffers.h"
 #include "solvers/body_contacts.h"
 
 namespace scree {
@@ -17,44 +17,24 @@ class UploadedProblem {
  public:
   /// @param p  valid, see validate()
   UploadedProblem(B& b, const BodyProblem& p)
-      : body_a_(b),
-        body_b_(b),
-        normal_(b),
-        arm_a_(b),
-        arm_b_(b),
-        bias_(b),
-        friction_(b),
-        adhesion_(b),
-        rolling_(b),
-        drift_(b),
+      : contacts_(b),
         free_velocity_(b),
         radial_(b),
         general_(b),
         mark_(b, p.contact_count()),
         guess_(b),
         lists_(b) {
-    const auto vector = [](const Vec3d& v) { return Vec3<Real>(v); };
-    const auto real = [](double x) { return static_cast<Real>(x); };
     problem_.layout = p.layout;
     problem_.contact_count = p.contact_count();
     problem_.bodies = {p.free_count, p.free_count, p.free_count, p.body_count()};
-    upload(b, p.body_a, body_a_);
-    upload(b, p.body_b, body_b_);
-    problem_.body_a = body_a_.view();
-    problem_.body_b = body_b_.view();
-    problem_.normal = put(b, normal_, p.normal, vector);
-    problem_.arm_a = put(b, arm_a_, p.arm_a, vector);
-    problem_.arm_b = put(b, arm_b_, p.arm_b, vector);
-    problem_.bias = put(b, bias_, p.bias, real);
-    problem_.friction.values = put(b, friction_, p.mu, real);
-    if (std::any_of(p.adhesion.begin(), p.adhesion.end(), [](double a) { return a > 0; }))
-      problem_.adhesion.values = put(b, adhesion_, p.adhesion, real);
-    problem_.rolling = put(b, rolling_, p.rolling, [&](const RollingRow<double>& r) {
-      return RollingRow<Real>{real(r.length), real(r.rolling), real(r.spinning)};
-    });
-    problem_.drift = put(b, drift_, p.drift, vector);
+    p.visit(
+        [&]<class T>(const ContactField&, const auto& values, Buffer<B, T>& array, auto& field) {
+          if (!is_zero_for_all(values, field))
+            point_to(field, put(b, array, values, [](const auto& v) { return static_cast<T>(v); }));
+        },
+        p, contacts_, problem_);
     set_bodies(b, p);
-    put(b, guess_, p.impulse, vector);
+    put(b, guess_, p.impulse, [](const Vec3d& v) { return Vec3<Real>(v); });
     fill(b, mark_.view(), Index(-1));
     problem_.mark = mark_.view();
     lists_.build(b, problem_);
@@ -72,6 +52,16 @@ class UploadedProblem {
     for (const U& value : values) converted.push_back(convert(value));
     upload(b, converted, buffer);
     return buffer.view();
+  }
+
+  /// Then a value that may be the same for all contacts takes no memory.
+  template <class T, class Field>
+  static bool is_zero_for_all(const std::vector<T>& values, const Field&) {
+    if constexpr (std::is_same_v<Field, PerContact<Real>>) {
+      return std::none_of(values.begin(), values.end(), [](double x) { return x > 0; });
+    } else {
+      return false;
+    }
   }
 
   void set_bodies(B& b, const BodyProblem& p) {
@@ -102,11 +92,7 @@ class UploadedProblem {
   }
 
   ContactProblem<Real> problem_;
-  Buffer<B, Index> body_a_, body_b_;
-  Buffer<B, Vec3<Real>> normal_, arm_a_, arm_b_;
-  Buffer<B, Real> bias_, friction_, adhesion_;
-  Buffer<B, RollingRow<Real>> rolling_;
-  Buffer<B, Vec3<Real>> drift_;
+  ProblemContacts<B, Real> contacts_;
   Buffer<B, Twist<Real>> free_velocity_;
   Buffer<B, RadialInertia<Real>> radial_;
   Buffer<B, GeneralInertia<Real>> general_;

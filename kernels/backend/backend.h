@@ -45,6 +45,7 @@ class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
+  Buffer() = default;  ///< holds nothing, and takes over another one only
   explicit Buffer(B& backend, Offset count = 0) : backend_(&backend) { reserve_discard(count); }
   ~Buffer() { release(); }
   Buffer(Buffer&& o) noexcept
@@ -101,7 +102,7 @@ class Buffer {
  private:
   static std::size_t bytes(Offset count) { return static_cast<std::size_t>(count) * sizeof(T); }
 
-  B* backend_;
+  B* backend_ = nullptr;
   T* data_ = nullptr;
   Offset capacity_ = 0;
 };

@@ -16,7 +16,7 @@
 
 #include "kernels/bodies/body_ranges.h"
 #include "kernels/bodies/per_body.h"
-#include "kernels/contact/contact_view.h"
+#include "kernels/contact/contact_fields.h"
 #include "kernels/contact/joint_row.h"
 #include "kernels/math/scalar.h"
 #include "kernels/math/sym3.h"
@@ -53,15 +53,6 @@ struct GeneralInertia {
   Vec3<Real> inv_mass;     ///< per world axis [1/kg]
   Sym3<Real> inertia;      ///< [kg m^2]
   Sym3<Real> inv_inertia;  ///< [1/(kg m^2)]
-};
-
-/// Rolling and spinning resistance of one contact. Moment impulses are stored divided by `length`,
-/// so all rows have the unit N s and all contact velocities the unit m/s.
-template <class Real>
-struct RollingRow {
-  Real length = 1;    ///< scale of the moment rows [m]
-  Real rolling = 0;   ///< |m_t| <= rolling (gamma_n + c h) [-]
-  Real spinning = 0;  ///< |m_n| <= spinning (gamma_n + c h) [-]
 };
 
 /// A value per contact, or one for all (then no memory is read).
@@ -156,8 +147,19 @@ struct ContactLists {
 /// Groups behind the first one: the general contacts of the mixed layout, or joints.
 inline constexpr int kLaterGroups = 1;
 
+/// Store: fields as solvers read them.
+template <class Real_>
+struct InProblem {
+  using Real = Real_;
+  template <class T>
+  using Array = Span<const T>;
+  using Bias = ContactBias<Real>;
+  using Varying = PerContact<Real>;
+};
+
+/// Contacts, each group sorted by body_a, and bodies.
 template <class Real>
-struct ContactProblem {
+struct ContactProblem : ProblemFields<InProblem<Real>> {
   ContactLayout layout = ContactLayout::radial;
   Index contact_count = 0;
   /// Storage of the arrays of bodies; the world, where joints hold to it, counts as one more fixed
@@ -167,25 +169,10 @@ struct ContactProblem {
   BodyRanges bodies;
   /// Mixed layout: contacts [0, radial_count) are radial, the others general. 0 in other layouts.
   Index radial_count = 0;
-
-  // contacts [contact_count], each group sorted by body_a
-  Span<const Index> body_a;       ///< owned, and less than body_b
-  Span<const Index> body_b;       ///< owned, ghost or fixed
-  Span<const Vec3<Real>> normal;  ///< unit, from A to B
-  ContactBias<Real> bias;         ///< [m/s]
-  PerContact<Real> friction;      ///< mu [-]
-  PerContact<Real> adhesion;      ///< c h [N s]: the cone's apex lies at gamma_n = -c h
-  /// [contact_count - radial_count] over the length of the body, none in the radial layout
-  Span<const Vec3<Real>> arm_a;
-  Span<const Vec3<Real>> arm_b;
-  Span<const RollingRow<Real>> rolling;  ///< rolling and jointed layouts only
   /// Jointed layout: contacts [joint_begin, contact_count) are joints, with these rows. They have
   /// bodies and an axis in place of the normal, but no other field of a contact.
   Index joint_begin = 0;
   Span<const JointRow<Real>> joints;
-  /// What turning bodies add to the velocity of each contact by the middle of the step [m/s], world
-  /// frame [contact_count - radial_count]; empty in the radial layout and where no body needs it.
-  Span<const Vec3<Real>> drift;
   /// What the solver leaves at each contact and finds again in the next step, -1 at new contacts.
   /// Empty unless Solver::keeps_marks().
   Span<Index> mark;
@@ -215,6 +202,47 @@ struct ContactProblem {
     return n;
   }
 };
+
+/// What a problem stores of a field; empty where it is worked out or the same for all.
+template <class T>
+Span<const T> stored_values(const Span<const T>& field) {
+  return field;
+}
+template <class Real>
+Span<const Real> stored_values(const PerContact<Real>& field) {
+  return field.values;
+}
+template <class Real>
+Span<const Real> stored_values(const ContactBias<Real>& field) {
+  return field.values;
+}
+
+/// Lets a field be what an array holds.
+template <class T>
+void point_to(Span<const T>& field, Span<const T> values) {
+  field = values;
+}
+template <class Real>
+void point_to(PerContact<Real>& field, Span<const Real> values) {
+  field.values = values;
+}
+template <class Real>
+void point_to(ContactBias<Real>& field, Span<const Real> values) {
+  field = ContactBias<Real>(values);
+}
+
+/// The parts that a copy of the contacts stores: those of the problem, and the bias.
+template <class Real>
+ContactParts parts_of(const ContactProblem<Real>& p) {
+  ContactParts parts;
+  ContactProblem<Real>::visit(
+      [&](const ContactField& field, const auto& values) {
+        if (!stored_values(values).empty()) parts.*field.part = true;
+      },
+      p);
+  parts.bias = true;
+  return parts;
+}
 
 /// Metric weights of one contact's rows; a bound of its diagonal Delassus block from above.
 template <class Real>

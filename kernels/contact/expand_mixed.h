@@ -19,28 +19,14 @@ template <class Real>
 struct ExpandContacts {
   static constexpr const char* name = "expand_contacts";
   ContactProblem<Real> mixed;
-  Span<Index> body_a;
-  Span<Index> body_b;
-  Span<Vec3<Real>> normal;
-  Span<Vec3<Real>> arm_a;  ///< over the length of the body
-  Span<Vec3<Real>> arm_b;
-  Span<Real> bias;
-  Span<Real> friction;     ///< empty when uniform
-  Span<Real> adhesion;     ///< empty when uniform
-  Span<Vec3<Real>> drift;  ///< empty where no body needs it
+  ProblemFields<InSpans<Real>> to;  ///< empty: fields that no contact needs
 
   SCREE_HD void operator()(Index c) const {
-    const Index k = place_by_body(mixed, c), general = c - mixed.radial_count;
-    const Vec3<Real> n = mixed.normal[c];
-    body_a[k] = mixed.body_a[c];
-    body_b[k] = mixed.body_b[c];
-    normal[k] = n;
-    arm_a[k] = general < 0 ? n : mixed.arm_a[general];
-    arm_b[k] = general < 0 ? -n : mixed.arm_b[general];
-    bias[k] = mixed.bias[c];
-    if (!friction.empty()) friction[k] = mixed.friction[c];
-    if (!adhesion.empty()) adhesion[k] = mixed.adhesion[c];
-    if (!drift.empty()) drift[k] = general < 0 ? Vec3<Real>{} : mixed.drift[general];
+    const Index k = place_by_body(mixed, c);
+    mixed.visit(CopyContact{c, k, mixed.radial_count}, mixed, to);
+    if (c >= mixed.radial_count) return;
+    to.arm_a[k] = mixed.normal[c];  // over the length of the body
+    to.arm_b[k] = -mixed.normal[c];
   }
 };
 

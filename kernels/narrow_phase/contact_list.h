@@ -234,23 +234,17 @@ struct ListMixedContacts {
 
 /// Where contacts are stored.
 template <class Real>
-struct ContactArrays {
-  Span<Index> body_a;
-  Span<Index> body_b;
-  Span<Vec3<Real>> normal;
-  Span<Real> gap;          ///< [m]
+struct ContactArrays : FoundFields<InSpans<Real>> {
   Index radial_count = 0;  ///< the first ones have no stored arms
-  Span<Vec3<Real>> arm_a;  ///< from contact radial_count on [m]
-  Span<Vec3<Real>> arm_b;  ///< from contact radial_count on [m]
 
   SCREE_HD void store(Index c, Index a, Index b, const ContactGeometry& g) const {
-    body_a[c] = a;
-    body_b[c] = b;
-    normal[c] = Vec3<Real>(g.normal);
-    gap[c] = static_cast<Real>(g.gap);
+    this->body_a[c] = a;
+    this->body_b[c] = b;
+    this->normal[c] = Vec3<Real>(g.normal);
+    this->gap[c] = static_cast<Real>(g.gap);
     if (c >= radial_count) {
-      arm_a[c - radial_count] = Vec3<Real>(g.arm_a);
-      arm_b[c - radial_count] = Vec3<Real>(g.arm_b);
+      this->arm_a[c - radial_count] = Vec3<Real>(g.arm_a);
+      this->arm_b[c - radial_count] = Vec3<Real>(g.arm_b);
     }
   }
 };

@@ -36,22 +36,6 @@ struct GaussSeidelPass {
   }
 };
 
-/// Contact data in another order. Empty spans belong to fields that the problem does not store.
-template <class Real>
-struct OrderedContacts {
-  Span<Index> body_a;
-  Span<Index> body_b;
-  Span<Vec3<Real>> normal;
-  Span<Real> bias;
-  Span<Real> friction;
-  Span<Real> adhesion;
-  Span<Vec3<Real>> arm_a;
-  Span<Vec3<Real>> arm_b;
-  Span<RollingRow<Real>> rolling;
-  Span<Vec3<Real>> drift;
-  Span<ContactMetric<Real>> metric;
-};
-
 /// to[k] = data of contact order[k], and its block metric: one pass per solve, so that every sweep
 /// reads the contacts of a color as one contiguous stretch.
 template <class R, class Real>
@@ -59,22 +43,12 @@ struct GatherContacts {
   static constexpr const char* name = "gather_contacts";
   ContactProblem<Real> p;
   Span<const Index> order;
-  OrderedContacts<Real> to;
+  ProblemFields<InSpans<Real>> to;  ///< empty: fields that the problem does not store
+  Span<ContactMetric<Real>> metric;
   SCREE_HD void operator()(Index k) const {
     const Index c = order[k];
-    to.body_a[k] = p.body_a[c];
-    to.body_b[k] = p.body_b[c];
-    to.normal[k] = p.normal[c];
-    to.bias[k] = p.bias[c];
-    if (!to.friction.empty()) to.friction[k] = p.friction[c];
-    if (!to.adhesion.empty()) to.adhesion[k] = p.adhesion[c];
-    if (!to.arm_a.empty()) {
-      to.arm_a[k] = p.arm_a[c];
-      to.arm_b[k] = p.arm_b[c];
-    }
-    if (!to.rolling.empty()) to.rolling[k] = p.rolling[c];
-    if (!to.drift.empty()) to.drift[k] = p.drift[c];
-    to.metric[k] = own_metric<R>(p, c);
+    p.visit(CopyContact{c, k}, p, to);
+    metric[k] = own_metric<R>(p, c);
   }
 };
 

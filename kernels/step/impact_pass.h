@@ -115,36 +115,31 @@ struct GatherImpacts {
   Span<const Index> takes_part;
   Span<const Offset> place;  ///< where a contact goes
   Span<Index> contact;       ///< out: where it comes from
-  Span<Index> body_a, body_b;
-  Span<Vec3<Real>> normal;
   ContactLayout layout;
-  Offset radial_count;             ///< of those that take part
-  Span<Vec3<Real>> arm_a, arm_b;   ///< of the others, over the lengths of bodies
-  Span<Real> bias;                 ///< [m/s]
-  Span<Real> friction;             ///< [-]
-  Span<Real> restitution;          ///< [-], 0 where the contact does not bounce
-  Span<RollingRow<Real>> rolling;  ///< empty unless the layout is rolling
+  Offset radial_count;              ///< of those that take part
+  ProblemFields<InSpans<Real>> to;  ///< bodies, normal, arms, bias, friction, rolling
+  Span<Real> restitution;           ///< [-], 0 where the contact does not bounce
 
   SCREE_HD void operator()(Index c) const {
     if (takes_part[c] == 0) return;
     const Offset k = place[c];
     const ContactView<Real>& from = test.contacts;
     contact[k] = c;
-    body_a[k] = from.body_a[c];
-    body_b[k] = from.body_b[c];
-    normal[k] = from.normal[c];
+    to.body_a[k] = from.body_a[c];
+    to.body_b[k] = from.body_b[c];
+    to.normal[k] = from.normal[c];
     if (!from.is_radial(c)) {
-      arm_a[k - radial_count] = scaled(from.lever_a(c), from.body_a[c]);
-      arm_b[k - radial_count] = scaled(from.lever_b(c), from.body_b[c]);
+      to.arm_a[k - radial_count] = scaled(from.lever_a(c), from.body_a[c]);
+      to.arm_b[k - radial_count] = scaled(from.lever_b(c), from.body_b[c]);
     }
     const PairLaw<Real>& pair = test.pair(c);
-    friction[k] = pair.friction;
-    if (!rolling.empty()) rolling[k] = rolling_row(test.bodies, from, c, pair);
+    to.friction[k] = pair.friction;
+    if (!to.rolling.empty()) to.rolling[k] = rolling_row(test.bodies, from, c, pair);
     // Bodies meet in the middle of the step, on average: with half of its loads.
     const Real u_n = normal_velocity(test.bodies, from, c);
     const Real load = test.half_load(c);
     const bool bounces = test.bounces(c, u_n);
-    bias[k] = bounces && u_n + load < 0 ? load : Real(0);
+    to.bias[k] = bounces && u_n + load < 0 ? load : Real(0);
     restitution[k] = bounces ? pair.restitution : Real(0);
   }
 

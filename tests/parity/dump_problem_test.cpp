@@ -30,7 +30,7 @@ TEST_F(ParityDump, FirstStep) {
     EXPECT_EQ(cpu.layout, cuda.layout);
     EXPECT_EQ(cpu.free_count, cuda.free_count);
     EXPECT_EQ(cpu.body_id, cuda.body_id);
-    EXPECT_EQ(cpu.mu, cuda.mu);
+    EXPECT_EQ(cpu.friction, cuda.friction);
     ASSERT_EQ(cpu.body_a, cuda.body_a);
     ASSERT_EQ(cpu.body_b, cuda.body_b);
     for (std::size_t c = 0; c < cpu.normal.size(); ++c) {

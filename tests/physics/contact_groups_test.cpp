@@ -152,7 +152,7 @@ TEST_P(ContactGroups, StoredProblemsAreThoseOfOneGroup) {
     ASSERT_EQ(a.body_b[c], b.body_b[d]);
     EXPECT_EQ(a.normal[c], b.normal[d]);
     EXPECT_EQ(a.bias[c], b.bias[d]);
-    EXPECT_EQ(a.mu[c], b.mu[d]);
+    EXPECT_EQ(a.friction[c], b.friction[d]);
     EXPECT_LE(norm(a.arm_a[c] - b.arm_a[d]), 1e-15);
     // Where a radial contact meets a wall, which does not turn, its arm there does not matter.
     if (a.body_b[c] < a.free_count) {

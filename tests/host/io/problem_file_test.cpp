@@ -11,6 +11,7 @@
 #include "host/io/body_problem_layout.h"
 #include "host/io/h5.h"
 #include "host/io/seal.h"
+#include "tests/distinct_fields.h"
 #include "tests/host/input_files.h"
 #include "tests/host/io/output_fixtures.h"
 #include "tests/stored_problem_samples.h"
@@ -41,7 +42,11 @@ INSTANTIATE_TEST_SUITE_P(Layouts, ProblemFile,
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
 TEST_P(ProblemFile, RoundTripKeepsEveryBit) {
-  const BodyProblem p = random_body_problem({.layout = GetParam(), .has_adhesion = true});
+  BodyProblem p = random_body_problem({.layout = GetParam(), .has_adhesion = true});
+  fixtures::visit_numbered(
+      p, [&]<class T>(const ContactField& field, int number, std::vector<T>& values) {
+        if (field.is_optional) values = fixtures::distinct_values<T>(number, p.body_a.size());
+      });
   write_problem(path_, stored(p));
   const StoredProblem read = read_problem(path_);
   const auto& back = std::get<BodyProblem>(read.form);
@@ -52,16 +57,32 @@ TEST_P(ProblemFile, RoundTripKeepsEveryBit) {
   EXPECT_TRUE(same_bits(back.free_velocity, p.free_velocity));
   EXPECT_TRUE(same_bits(back.radial_inertia, p.radial_inertia));
   EXPECT_TRUE(same_bits(back.general_inertia, p.general_inertia));
-  EXPECT_TRUE(same_bits(back.body_a, p.body_a));
-  EXPECT_TRUE(same_bits(back.body_b, p.body_b));
-  EXPECT_TRUE(same_bits(back.normal, p.normal));
-  EXPECT_TRUE(same_bits(back.arm_a, p.arm_a));
-  EXPECT_TRUE(same_bits(back.arm_b, p.arm_b));
-  EXPECT_TRUE(same_bits(back.bias, p.bias));
-  EXPECT_TRUE(same_bits(back.mu, p.mu));
-  EXPECT_TRUE(same_bits(back.adhesion, p.adhesion));
-  EXPECT_TRUE(same_bits(back.rolling, p.rolling));
+  p.visit([](const ContactField& field, const auto& a,
+             const auto& b) { EXPECT_TRUE(same_bits(a, b)) << field.name; },
+          p, back);
   EXPECT_TRUE(same_bits(back.impulse, p.impulse));
+}
+
+/// The names in files are a promise, whatever the list of fields calls them.
+TEST_P(ProblemFile, HasTheDatasetsOfTheFormat) {
+  BodyProblem p = random_body_problem({.layout = GetParam()});
+  const bool is_radial = GetParam() == ContactLayout::radial;
+  const bool is_rolling = GetParam() == ContactLayout::rolling;
+  for (const bool has_drift : {false, true}) {
+    p.drift.assign(has_drift ? p.body_a.size() : 0, {});
+    write_problem(path_, stored(p));
+    int count = 0;
+    p.visit([&](const ContactField&, const auto&) { ++count; }, p);
+    EXPECT_EQ(count, 10);
+    const h5::File file = h5::File::open(path_);
+    const h5::Group contact = file.root().open_group("contact");
+    for (const char* name : {"body_a", "body_b", "normal", "bias", "mu", "adhesion"})
+      EXPECT_TRUE(contact.has(name)) << name;
+    EXPECT_EQ(contact.has("arm_a"), !is_radial);
+    EXPECT_EQ(contact.has("arm_b"), !is_radial);
+    EXPECT_EQ(contact.has("rolling"), is_rolling);
+    EXPECT_EQ(contact.has("drift"), has_drift);
+  }
 }
 
 TEST_P(ProblemFile, DamageAnywhereIsFoundBeforeHdf5ReadsIt) {
@@ -153,7 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
                                  {"contact/normal[1]"}},
                       BadProblem{"NegativeMu",
                                  radial,
-                                 [](BodyProblem& p) { p.mu[4] = -0.5; },
+                                 [](BodyProblem& p) { p.friction[4] = -0.5; },
                                  {"contact/mu[4]", "-0.5"}},
                       BadProblem{"NegativeAdhesion",
                                  radial,
@@ -165,7 +186,7 @@ INSTANTIATE_TEST_SUITE_P(
                                  {"contact/bias[0]", "nan"}},
                       BadProblem{"ShortMu",
                                  radial,
-                                 [](BodyProblem& p) { p.mu.pop_back(); },
+                                 [](BodyProblem& p) { p.friction.pop_back(); },
                                  {"contact/mu", "19 values", "expected 20"}},
                       BadProblem{"ShortWarmStart",
                                  rolling,

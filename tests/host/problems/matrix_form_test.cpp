@@ -139,7 +139,7 @@ TEST(MatrixForm, LockedAxesLeaveTheDegreesOfFreedomAndKeepTheirRates) {
   p.arm_a = {{0, 0, -0.1}};
   p.arm_b = {{0.3, 0, 0}};
   p.bias = {0.125};
-  p.mu = {0.5};
+  p.friction = {0.5};
   p.adhesion = {0};
   p.impulse = {{}};
   const GlobalProblem global = global_form(p);

@@ -35,7 +35,7 @@ constexpr double kUnitTolerance = 1e-6;  // deviation from length one that is ta
 }
 
 std::string text(double value) { return fmt::format("{}", value); }
-std::string text(const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
+std::string text(const Vec3d& v) { return vector_text(v); }
 std::string text(const Quatd& q) { return fmt::format("[{}, {}, {}, {}]", q.w, q.x, q.y, q.z); }
 std::string quoted(const std::string& s) { return '"' + s + '"'; }
 

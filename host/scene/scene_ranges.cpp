@@ -29,10 +29,8 @@ Fault out_of_range(const std::string& field, double value, double low, double hi
           fmt::format("must be from {:g} to {:g} [{}]", low, high, unit)};
 }
 
-std::string text(const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
-
 Fault too_far(const std::string& field, const Vec3d& value, const char* unit) {
-  return {field, text(value),
+  return {field, vector_text(value),
           fmt::format("must be numbers from {:g} to {:g} [{}]", -kFarthest, kFarthest, unit)};
 }
 
@@ -41,7 +39,7 @@ bool lies_between(double value, double low, double high) { return value >= low &
 std::optional<Fault> speed_fault(const Scene& scene, const BodyDescription& body) {
   const double h = scene.stepping.time_step;
   const auto too_fast = [&](const char* field, const Vec3d& rates, const char* unit) {
-    return Fault{field, text(rates),
+    return Fault{field, vector_text(rates),
                  fmt::format("must move the body by {:g} m/s at most, and by {:g} m in a step of "
                              "{:g} s [{}]",
                              kFastest, kFarthest, h, unit)};
@@ -84,11 +82,11 @@ std::optional<Fault> motion_range_fault(const BodyDescription& body, double h) {
   const Pose start = pose_at(body, 0);
   const Rates rates = rates_between(start, pose_at(body, h), h);
   if (!is_in_range(start.position) || !is_speed_in_range(norm(rates.velocity), h))
-    return Fault{
-        "motion",
-        fmt::format("a start at {} m with {} m/s", text(start.position), text(rates.velocity)),
-        fmt::format("must begin within {:g} m of the origin, at {:g} m/s or less", kFarthest,
-                    kFastest)};
+    return Fault{"motion",
+                 fmt::format("a start at {} m with {} m/s", vector_text(start.position),
+                             vector_text(rates.velocity)),
+                 fmt::format("must begin within {:g} m of the origin, at {:g} m/s or less",
+                             kFarthest, kFastest)};
   return std::nullopt;
 }
 
@@ -120,7 +118,7 @@ std::optional<Fault> stepping_fault(const Scene& scene) {
                              s.duration / s.time_step, s.time_step, kMostSteps)};
   if (!is_in_range(scene.gravity)) return too_far("gravity", scene.gravity, "m/s^2");
   if (!is_speed_in_range(s.time_step * norm(scene.gravity), s.time_step))
-    return Fault{"gravity", text(scene.gravity),
+    return Fault{"gravity", vector_text(scene.gravity),
                  fmt::format("must move a body by {:g} m at most in a step of {:g} s [m/s^2]",
                              kFarthest, s.time_step)};
   struct Limit {

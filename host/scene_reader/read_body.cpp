@@ -84,6 +84,18 @@ void refuse_keys_of_other_shapes(const Node& node, const ShapeCard& own) {
   }
 }
 
+/// Sizes that fit no shape, by the keys that were written.
+void check_sizes(const Node& node, const Shape& shape, const ShapeCard& card) {
+  const auto fault = card.fault(shape);
+  if (!fault || fault->field != "half_extents") return;
+  std::string given;
+  for (const ShapeKey& key : card.keys)
+    if (const auto value = node.find(key.key))
+      given += fmt::format("{}{} {}", given.empty() ? "" : ", ", key.key, value->json().dump());
+  node.fail(fmt::format("{} is not allowed: half of the edges of the box about it, {}, {}", given,
+                        fault->value, fault->expected));
+}
+
 void read_shape(const Node& node, BodyDescription& body, Draft& draft) {
   std::vector<std::pair<std::string, ShapeKind>> names;
   std::string list;
@@ -96,6 +108,7 @@ void read_shape(const Node& node, BodyDescription& body, Draft& draft) {
   const ShapeCard& card = shape_card(body.shape.kind);
   refuse_keys_of_other_shapes(node, card);
   card.read(NodeSource(node, draft), body.shape, body.position);
+  check_sizes(node, body.shape, card);
 }
 
 void read_kind(const Node& node, BodyDescription& body) {

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <map>
+#include <stdexcept>
+#include <utility>
+
 #include "dynamics/dynamics_card.h"
 #include "host/scene.h"
 #include "shapes/shape_card.h"
@@ -103,6 +107,7 @@ void put_shapes(Json& body) {
       "free: moves by forces. fixed: never moves. kinematic: follows its motion. "
       "Default: free for {}, fixed for the others, which cannot be free.",
       shape_names(&ShapeCard::may_be_free));
+  require_same_types(shape_cards());
   for (const ShapeCard& card : shape_cards())
     for (const ShapeKey& key : card.keys) {
       properties[key.key] = schema_of(key.type);
@@ -119,13 +124,48 @@ void put_shapes(Json& body) {
 
 }  // namespace
 
+Json parameter_schemas(const std::vector<DynamicsCard>& cards) {
+  struct Shared {
+    const SolverParameter* parameter;
+    std::string owners;
+    const DynamicsCard* first;
+  };
+  std::map<std::string, Shared> all;
+  for (const DynamicsCard& card : cards)
+    for (const SolverParameter& parameter : card.parameters) {
+      const auto [at, is_new] = all.emplace(parameter.key, Shared{&parameter, card.name, &card});
+      if (is_new) continue;
+      if (!at->second.parameter->takes_as(parameter))
+        throw std::logic_error(fmt::format(
+            "dynamics \"{}\" and \"{}\" have a parameter \"{}\" that takes other values or has "
+            "another default; parameters of one key must be the same",
+            at->second.first->name, card.name, parameter.key));
+      at->second.owners += fmt::format(", {}", card.name);
+    }
+  Json out = Json::object();
+  for (const auto& [key, shared] : all)
+    out[key] = parameter_schema(*shared.parameter, shared.owners);
+  return out;
+}
+
+void require_same_types(const std::vector<ShapeCard>& cards) {
+  std::map<std::string, std::pair<ShapeKey::Type, const char*>> all;
+  for (const ShapeCard& card : cards)
+    for (const ShapeKey& key : card.keys) {
+      const auto& [type, name] = all.emplace(key.key, std::pair{key.type, card.name}).first->second;
+      if (type != key.type)
+        throw std::logic_error(
+            fmt::format("shapes \"{}\" and \"{}\" have a key \"{}\" of two types; keys of one name "
+                        "must be the same",
+                        name, card.name, key.key));
+    }
+}
+
 Json schema_with_cards(Json schema) {
   put_shapes(schema.at("$defs").at("body"));
   Json& dynamics = schema.at("$defs").at("dynamics").at("properties");
   dynamics["type"] = type_schema();
-  for (const DynamicsCard& card : dynamics_cards())
-    for (const SolverParameter& parameter : card.parameters)
-      dynamics[parameter.key] = parameter_schema(parameter, card.name);
+  dynamics.update(parameter_schemas(dynamics_cards()));
   Json& solver = schema.at("$defs").at("solver").at("properties");
   solver["name"] = name_schema();
   for (const SharedParameter& shared : solver_parameters())

@@ -51,6 +51,19 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.what); });
 
 INSTANTIATE_TEST_SUITE_P(
+    Sizes, SceneRefusal,
+    testing::Values(
+        Refusal{"Capsule",
+                with_body(R"({"shape": "capsule", "radius": 1, "length": 1e-17, "density": 1})"),
+                "bodies[1]: radius 1, length 1e-17 is not allowed: "},
+        Refusal{"Box", with_body(R"({"shape": "box", "size": [1, 1e-13, 1], "density": 1})"),
+                "bodies[1]: size [1,1e-13,1] is not allowed: "},
+        Refusal{"Container",
+                with_body(R"({"shape": "container", "min": [0, 0, 0], "max": [1, 1, 1e-13]})"),
+                "bodies[1]: min [0,0,0], max [1,1,1e-13] is not allowed: "}),
+    [](const auto& one) { return std::string(one.param.what); });
+
+INSTANTIATE_TEST_SUITE_P(
     Document, SceneRefusal,
     testing::Values(
         Refusal{"UnknownKey", with_sphere(R"("gravty": [0, 0, 0])"),

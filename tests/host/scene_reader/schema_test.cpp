@@ -6,10 +6,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 
 #include "host/scene_reader.h"
 #include "host/scene_reader/keys.h"
 #include "host/scene_reader/scene_schema.h"
+#include "shapes/shape_card.h"
 #include "solvers/solver_card.h"
 
 namespace scree {
@@ -104,6 +106,52 @@ TEST(SceneFiles, PileHasTenThousandSpheres) {
   for (const Insertion& insertion : scene.insertions)
     for (const ParticleSet& set : insertion.particles) count += set.position.size();
   EXPECT_EQ(count, 10000u);
+}
+
+/// What is thrown, or nothing.
+template <class F>
+std::string fault_of(F f) {
+  try {
+    f();
+  } catch (const std::logic_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+constexpr SolverParameter kFactor{
+    .key = "factor", .description = "of it [-].", .standard = 0.5, .low = 0, .high = 1};
+constexpr SolverParameter kWideFactor{
+    .key = "factor", .description = "of it [-].", .standard = 0.5, .low = 0, .high = 10};
+
+TEST(Schema, ModelsWithAKeyInCommonTakeTheSameValuesOfIt) {
+  const std::vector<SolverParameter> narrow{kFactor}, wide{kWideFactor};
+  const auto schemas = [&](const std::vector<SolverParameter>& second) {
+    std::vector<DynamicsCard> cards(2, dynamics_card("rigid"));
+    cards[0].name = "first";
+    cards[0].parameters = narrow;
+    cards[1].name = "second";
+    cards[1].parameters = second;
+    return reader::parameter_schemas(cards);
+  };
+  EXPECT_EQ(schemas(narrow).at("factor").at("description"), "first, second: of it [-].");
+  EXPECT_EQ(schemas(narrow).at("factor").at("exclusiveMaximum"), 1);
+  const std::string fault = fault_of([&] { schemas(wide); });
+  for (const char* word : {"\"first\"", "\"second\"", "\"factor\""})
+    EXPECT_NE(fault.find(word), std::string::npos) << fault;
+}
+
+TEST(Schema, ShapesWithAKeyInCommonReadTheSameType) {
+  EXPECT_EQ(fault_of([] { reader::require_same_types(shape_cards()); }), "");
+  std::vector<ShapeCard> cards = shape_cards();
+  const ShapeKey radius[]{{"radius", ShapeKey::Type::vector, "three radii [m].", true}};
+  ShapeCard ellipsoid = cards.front();
+  ellipsoid.name = "ellipsoid";
+  ellipsoid.keys = radius;
+  cards.push_back(ellipsoid);
+  const std::string fault = fault_of([&] { reader::require_same_types(cards); });
+  for (const char* word : {"\"sphere\"", "\"ellipsoid\"", "\"radius\""})
+    EXPECT_NE(fault.find(word), std::string::npos) << fault;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "kernels/bodies/body_view.h"
 #include "kernels/bodies/locks.h"
 #include "kernels/contact/contact_rows.h"
+#include "kernels/contact/contact_view.h"
 #include "kernels/contact/radial_bodies.h"
 
 namespace scree {

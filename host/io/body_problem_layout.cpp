@@ -167,7 +167,7 @@ BodyProblem read_body_problem(const h5::Group& root) {
   p.visit(
       [&](const ContactField& field, auto& values) {
         const std::string path = std::string("contact/") + field.name;
-        if (field.is_optional ? root.has(path.c_str()) : parts.*field.part)
+        if (field.is_optional ? root.has(path) : parts.*field.part)
           read_field(root, path.c_str(), values);
       },
       p);

@@ -34,8 +34,8 @@ std::vector<double> contact_values(B& b, Field field, Index count, const std::ve
     gap = download(b, field.gap.first(field.gap.empty() ? 0 : count));
     field.gap = host_view(gap);
   }
-  std::vector<double> values;
-  for (Index c = 0; c < count; ++c) values.push_back(field[c]);
+  std::vector<double> values(static_cast<std::size_t>(count));
+  for (Index c = 0; c < count; ++c) values[static_cast<std::size_t>(c)] = field[c];
   return values;
 }
 

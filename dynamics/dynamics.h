@@ -28,6 +28,10 @@ class Dynamics {
   /// Joints in the last step; none in models without them.
   virtual std::vector<JointRecord> joints() { return {}; }
 
+  /// See World::track_forces(); models without contacts have nothing to sum up.
+  virtual void track_forces() {}
+  virtual MeanForces take_forces() { return {}; }
+
   virtual std::vector<ArrayInfo> arrays() = 0;
   virtual ArrayView array(const std::string& name) = 0;
   virtual void arrays_changed(Written what) = 0;

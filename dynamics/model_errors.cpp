@@ -76,6 +76,10 @@ void throw_stored_joints() {
   throw InputError("the contact problem of a scene with joints cannot be stored yet");
 }
 
+void throw_untracked_forces() {
+  throw InputError("take_forces() needs track_forces() before the steps");
+}
+
 void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene) {
   throw InputError(
       fmt::format("checkpoint: {} insertions done, the scene has {}", found, in_scene));

@@ -48,5 +48,6 @@ void require_places(const std::vector<std::uint64_t>& keys, std::int64_t owned_c
 void require_joints(std::size_t found, std::size_t in_scene);
 /// Problems with joints have no file. @throws InputError
 [[noreturn]] void throw_stored_joints();
+[[noreturn]] void throw_untracked_forces();
 
 }  // namespace scree

@@ -94,6 +94,22 @@ struct JointRecord {
   Vec3d moment;  ///< [N m s]
 };
 
+struct ForceRecord {
+  Vec3d force;   ///< [N]
+  Vec3d torque;  ///< [N m]
+};
+
+/// What contacts and joints did, as means over steps; impacts are in them.
+struct MeanForces {
+  std::int64_t steps = 0;              ///< that the means are over; without any they are zero
+  std::vector<int> bodies;             ///< ids of the fixed and kinematic bodies
+  std::vector<ForceRecord> on_bodies;  ///< by contacts on these; torque about the body's position
+  /// By contacts with bodies of other groups, in the order of Scene::groups; torque about the origin.
+  std::vector<ForceRecord> on_groups;
+  /// On body B of each joint, in the order of Scene::joints; torque about the anchor.
+  std::vector<ForceRecord> on_joints;
+};
+
 /// A picture, 8-bit RGB, rows from the top.
 struct Image {
   int width = 0;
@@ -129,6 +145,13 @@ class World {
   std::vector<ContactRecord> contacts() const;
   /// What the joints of the scene carried in the last step, in its order.
   std::vector<JointRecord> joints() const;
+
+  /// From now on steps sum up what take_forces() tells, and save() holds the sums. A step takes 12
+  /// bytes a contact of memory for it, and copies the contacts of walls and between groups to the host.
+  void track_forces();
+  /// Means over the steps since track_forces(), or since the call before. @throws InputError without
+  /// track_forces()
+  MeanForces take_forces();
 
   /// Pairs of bodies that overlap where they are now, impulses left zero.
   std::vector<ContactRecord> overlaps() const;

@@ -8,6 +8,7 @@
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/contact_records.h"
+#include "dynamics/rigid/force_sums.h"
 #include "dynamics/rigid/impact_phase.h"
 #include "dynamics/rigid/integration.h"
 #include "dynamics/rigid/joints.h"
@@ -47,6 +48,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
         joints_(backend(), scene_),
         impacts_(backend(), scene_, summary_.layout),
         integration_(backend()),
+        forces_(scene_),
         solver_(make_step_solver()),
         loading_(scene_, store_, obstacles_) {
     loading_.load_first();
@@ -128,6 +130,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     report.ms.solve = impact_ms + clock.lap();
 
     if (joints_.count() > 0) joints_.keep(b, bodies, gamma);
+    if (tracks_forces_) sum_forces(bodies, contacts, gamma, problem.rolling);
     const IntegrateSums moved =
         integration_.run(b, bodies, solver_->velocity(), summary_.layout, h, periodic_box(),
                          detector_.walls(), detector_.held_pairs());
@@ -163,6 +166,12 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   std::vector<JointRecord> joints() override { return joints_.records(backend()); }
+
+  void track_forces() override { tracks_forces_ = true; }
+  MeanForces take_forces() override {
+    if (!tracks_forces_) throw_untracked_forces();
+    return forces_.take(scene_.stepping.time_step);
+  }
 
   std::vector<ContactRecord> overlaps() override {
     forget_solved_contacts();
@@ -206,6 +215,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     s.insertions_done = loading_.insertions_done();
     save_state(backend(), store_, detector_, *solver_, s);
     if (joints_.count() > 0) s.add("joint/impulse", joints_.save(backend()));
+    if (tracks_forces_) forces_.save(s);
   }
 
   void restore_arrays(const WorldState& s) override {
@@ -216,6 +226,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     require_joints(joint_impulse.size(), static_cast<std::size_t>(joints_.count()));
     restore_state(backend(), s, vectors(), store_, detector_, *solver_);
     joints_.restore(backend(), joint_impulse);
+    if (tracks_forces_) forces_.restore(s);
     motion_.set(store_, s.time, s.step + 1);
   }
 
@@ -226,6 +237,18 @@ class RigidDynamics final : public ModelOn<B, Real> {
   void for_each_array(const typename ModelOn<B, Real>::VisitArray& visit) override {
     for_each_named_array(backend(), store_, loads_, detector_.contacts(), solved_impulses(),
                          vectors(), visit);
+  }
+
+  void sum_forces(const BodyView<Real>& bodies, const ContactView<Real>& contacts,
+                  Span<const Vec3<Real>> gamma, Span<const RollingRow<Real>> rolling) {
+    B& b = backend();
+    const Offset of_contacts = static_cast<Offset>(contacts.count) * vectors();
+    add_loads(
+        contact_loads<B, Real>(b, {bodies, contacts, gamma.first(of_contacts), vectors(), rolling},
+                               impacts_.impulses()),
+        forces_);
+    if (joints_.count() > 0) forces_.add_joints(joints_.records(b));
+    forces_.count_step();
   }
 
   int vectors() const { return vectors_per_contact(summary_.layout); }
@@ -316,6 +339,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
   Joints<B, Real> joints_;
   ImpactPhase<B, Real> impacts_;
   Integration<B, Real> integration_;
+  ForceTotals forces_;
+  bool tracks_forces_ = false;
   std::unique_ptr<Solver<B, Real>> solver_;
   BodyLoading<B, Real> loading_;
   bool has_solved_contacts_ = false;  ///< the detector has those of the last step

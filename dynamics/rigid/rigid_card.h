@@ -95,6 +95,16 @@ inline constexpr std::array kRigidState{
                .type = StateField::Type::vector,
                .may_be_absent = true,
                .largest = kLargestFloat,
+               .first_version = 2},
+    StateField{.name = "force/sum",
+               .type = StateField::Type::vector,
+               .may_be_absent = true,
+               .largest = kLargestFloat,
+               .first_version = 2},
+    StateField{.name = "force/steps",
+               .type = StateField::Type::number,
+               .may_be_absent = true,
+               .largest = 1e15,
                .first_version = 2}};
 
 constexpr DynamicsCard rigid_card() {

@@ -135,10 +135,14 @@ double in_warm_start(const Sizes& s, bool near_pairs) {
          kContacts * (warm_start(s) + contact_set(s) + s.impulse + s.marks);
 }
 
+/// Contacts of walls and between groups are searched for, beside the memory of the solver.
+double force_sums(const Sizes& s) { return s.scene.output.force_interval > 0 ? 12 : 0; }
+
 double in_solver(const Sizes& s, bool near_pairs) {
   const HeldBytes bytes =
       HeldBytes{state_of_body(s), contact_set(s) + s.impulse + s.marks} + problem(s) + solver(s);
-  return bytes.body + (near_pairs ? near_pair_list(s) : 0) + kContacts * bytes.contact;
+  return bytes.body + (near_pairs ? near_pair_list(s) : 0) +
+         kContacts * (bytes.contact + force_sums(s));
 }
 
 double bytes_per_body(const Sizes& s, bool near_pairs) {

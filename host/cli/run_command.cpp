@@ -11,6 +11,7 @@
 #include "host/cli/judged.h"
 #include "host/error.h"
 #include "host/io/checkpoint.h"
+#include "host/io/forces_csv.h"
 #include "host/io/frames.h"
 #include "host/io/output_directory.h"
 #include "host/io/png_file.h"
@@ -87,7 +88,10 @@ class Run {
       return 0;
     }
     require_steps_to_dump(checkpoint ? checkpoint->state.step : 0);
-    if (checkpoint) check_steps_csv(directory_.steps_csv(), card_.report, checkpoint->state.step);
+    if (checkpoint) {
+      check_steps_csv(directory_.steps_csv(), card_.report, checkpoint->state.step);
+      if (writes_forces()) check_forces_csv(directory_.forces_csv(), checkpoint->state.step);
+    }
     require_solver(scene_, world_options_);
     require_memory(scene_, world_options_);
     start_clock_ = std::chrono::steady_clock::now();
@@ -96,6 +100,7 @@ class Run {
     std::optional<double> resumed_time;
     if (checkpoint) {  // a state that does not fit is refused before any file changes
       made.emplace(scene_, world_options_);
+      if (writes_forces()) made->track_forces();  // sums of the checkpoint go on
       restore_from(directory_.checkpoint_file(), *checkpoint, *made);
       resumed_step = checkpoint->state.step;
       resumed_time = checkpoint->state.time;
@@ -106,15 +111,21 @@ class Run {
     FrameWriter frames(directory_.frames(), scene_, world_options_.precision, resumed_time);
     WallFrameWriter wall_frames(directory_.wall_frames(), scene_, resumed_time);
     if (!made) write_walls(directory_.walls(), scene_);
+    std::optional<ForcesCsv> forces;
+    if (writes_forces())
+      forces.emplace(directory_.forces_csv(), ForceTargets(scene_), resumed_step);
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
-    if (!made) made.emplace(std::move(loaded), world_options_);
+    if (!made) {
+      made.emplace(std::move(loaded), world_options_);
+      if (writes_forces()) made->track_forces();
+    }
     loaded = {};
     World& world = *made;
     record_.body_count = static_cast<int>(world.constants().size());
     const SignalGuard signals;
     start_record(resumed_step);
     try {
-      simulate(world, frames, wall_frames, signals, resumed_step);
+      simulate(world, frames, wall_frames, forces ? &*forces : nullptr, signals, resumed_step);
     } catch (const std::exception& error) {
       record_.status = RunStatus::failed;
       record_.message = error.what();
@@ -142,6 +153,8 @@ class Run {
     s.output = scene.output;
     return s;
   }
+
+  bool writes_forces() const { return scene_.output.force_interval > 0; }
 
   /// Another backend or precision would not go on bit for bit.
   void require_same_arithmetic(const Checkpoint& c) const {
@@ -188,7 +201,7 @@ class Run {
     return report;
   }
 
-  void simulate(World& world, FrameWriter& frames, WallFrameWriter& wall_frames,
+  void simulate(World& world, FrameWriter& frames, WallFrameWriter& wall_frames, ForcesCsv* forces,
                 const SignalGuard& signals, std::optional<std::int64_t> resumed_step) {
     const double h = scene_.stepping.time_step;
     StepsCsv steps(directory_.steps_csv(), card_.report, resumed_step);
@@ -205,6 +218,7 @@ class Run {
     const Schedule frame_schedule(scene_.output.frame_interval, h);
     const Schedule picture_schedule(scene_.output.picture.interval, h);
     const Schedule checkpoint_schedule(scene_.output.checkpoint_interval, h);
+    const Schedule force_schedule(scene_.output.force_interval, h);
 
     // One copy of all states at a time: each waits until the one before it is on disk.
     const auto write_frame = [&] {
@@ -227,6 +241,7 @@ class Run {
     const auto save_checkpoint = [&] {
       writer.finish();
       steps.flush();
+      if (forces != nullptr) forces->flush();
       auto state = std::make_shared<WorldState>(world.save());
       post(writer, [this, state, &constants = world.constants()] {
         write_checkpoint(directory_.checkpoint_file(), *state, constants, scene_text_,
@@ -243,6 +258,8 @@ class Run {
       record_.totals.add(judged(report, scene_.solver));
       progress.update(judged(report, scene_.solver));
       writer.check();
+      if (forces != nullptr && force_schedule.due(before, report.time))
+        forces->append(report.step, report.time, world.take_forces());
       if (frame_schedule.due(before, report.time)) write_frame();
       if (picture_schedule.due(before, report.time)) write_picture();
       if (checkpoint_schedule.due(before, report.time)) save_checkpoint();
@@ -253,6 +270,7 @@ class Run {
     save_checkpoint();
     writer.finish();
     steps.flush();
+    if (forces != nullptr) forces->flush();
     progress.finish();
     record_.status = signals.received() == 0 ? RunStatus::done : RunStatus::interrupted;
     if (signals.received() != 0)

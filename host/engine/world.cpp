@@ -94,6 +94,8 @@ BodyStates World::states() const { return OnDevice(*dynamics_)->states(); }
 const BodyConstants& World::constants() const { return dynamics_->constants(); }
 std::vector<ContactRecord> World::contacts() const { return OnDevice(*dynamics_)->contacts(); }
 std::vector<JointRecord> World::joints() const { return OnDevice(*dynamics_)->joints(); }
+void World::track_forces() { OnDevice(*dynamics_)->track_forces(); }
+MeanForces World::take_forces() { return OnDevice(*dynamics_)->take_forces(); }
 std::vector<ContactRecord> World::overlaps() const { return OnDevice(*dynamics_)->overlaps(); }
 std::vector<ArrayInfo> World::arrays() const { return OnDevice(*dynamics_)->arrays(); }
 ArrayView World::array(const std::string& name) { return OnDevice(*dynamics_)->array(name); }

@@ -50,6 +50,7 @@ class OutputDirectory {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path run_json() const { return path_ / "run.json"; }
   std::filesystem::path steps_csv() const { return path_ / "steps.csv"; }
+  std::filesystem::path forces_csv() const { return path_ / "forces.csv"; }
   std::filesystem::path frames() const { return path_ / "frames.vtkhdf"; }
   std::filesystem::path checkpoint_file() const { return path_ / "checkpoint.h5"; }
   std::filesystem::path wall_frames() const { return path_ / "walls.vtkhdf"; }

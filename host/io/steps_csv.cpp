@@ -1,12 +1,8 @@
 #include "host/io/steps_csv.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <fstream>
 #include <iterator>
@@ -15,7 +11,6 @@
 #include <utility>
 
 #include "host/error.h"
-#include "host/io/atomic_file.h"
 
 namespace scree {
 namespace {
@@ -52,13 +47,6 @@ std::string_view take_field(std::string_view& line) {
   const std::string_view field = line.substr(0, comma);
   line.remove_prefix(comma == std::string_view::npos ? line.size() : comma + 1);
   return field;
-}
-
-/// The line up to and with its end; shortens the text to what follows.
-std::string_view take_line(std::string_view& text) {
-  const std::string_view line = text.substr(0, text.find('\n') + 1);
-  text.remove_prefix(line.size());
-  return line;
 }
 
 template <class T>
@@ -163,70 +151,16 @@ void check_steps_csv(const std::filesystem::path& path, Columns columns, std::in
 }
 
 StepsCsv::StepsCsv(std::filesystem::path path, Columns columns,
-                   std::optional<std::int64_t> resume_step)
-    : path_(std::move(path)), last_flush_(std::chrono::steady_clock::now()) {
-  Continuation start = continuation(path_, columns, resume_step);
+                   std::optional<std::int64_t> resume_step) {
+  Continuation start = continuation(path, columns, resume_step);
   columns_ = std::move(start.columns);
   missing_steps_ = start.missing_steps;
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-  if (descriptor_ < 0) throw RunError(io_message("cannot write", path_, errno));
-  if (::ftruncate(descriptor_, static_cast<off_t>(start.kept_bytes)) != 0) {
-    const int reason = errno;
-    ::close(descriptor_);
-    throw RunError(io_message("cannot shorten", path_, reason));
-  }
-  if (start.kept_bytes == 0) {
-    pending_ = header(columns_);
-    try {
-      flush();
-    } catch (...) {
-      ::close(descriptor_);
-      throw;
-    }
-  }
-}
-
-StepsCsv::~StepsCsv() {
-  try {
-    flush();
-  } catch (const RunError&) {
-    // Nothing can be done here; the file ends with a whole line.
-  }
-  ::close(descriptor_);
+  file_.emplace(std::move(path), start.kept_bytes, header(columns_));
 }
 
 void StepsCsv::append(const StepReport& report) {
-  append_line(pending_, columns_, report);
-  pending_lines_ += 1;
-  if (pending_lines_ >= 100 ||
-      std::chrono::steady_clock::now() - last_flush_ >= std::chrono::seconds(1))
-    flush();
-}
-
-void StepsCsv::flush() {
-  last_flush_ = std::chrono::steady_clock::now();
-  pending_lines_ = 0;
-  const std::string lines = std::exchange(pending_, {});
-  if (lines.empty()) return;
-  for (std::string_view rest = lines; !rest.empty();) write_line(take_line(rest));
-  struct stat state {};
-  if (::fstat(descriptor_, &state) == 0 && state.st_nlink == 0)
-    throw RunError(fmt::format("{} was removed during the run", path_.string()));
-}
-
-void StepsCsv::write_line(std::string_view line) {
-  const off_t start = ::lseek(descriptor_, 0, SEEK_END);
-  while (!line.empty()) {
-    const ssize_t written = ::write(descriptor_, line.data(), line.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      const int reason = errno;
-      // When even this fails, readers leave the torn line out.
-      [[maybe_unused]] const int cut = ::ftruncate(descriptor_, start);
-      throw RunError(io_message("cannot write", path_, reason, "the earlier lines are kept"));
-    }
-    line.remove_prefix(static_cast<std::size_t>(written));
-  }
+  append_line(file_->pending(), columns_, report);
+  file_->line_done();
 }
 
 std::vector<StepReport> read_steps_csv(const std::filesystem::path& path, Columns columns) {

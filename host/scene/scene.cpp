@@ -287,6 +287,11 @@ void check_settings(const Scene& scene) {
   const OutputSettings& output = scene.output;
   check_non_negative("output.frame_interval", output.frame_interval, "s");
   check_non_negative("output.checkpoint_interval", output.checkpoint_interval, "s");
+  check_non_negative("output.force_interval", output.force_interval, "s");
+  const DynamicsCard& card = dynamics_card(scene.dynamics.type);
+  if (output.force_interval > 0 && !card.has_contacts)
+    refuse("output.force_interval", text(output.force_interval),
+           fmt::format("must be 0: bodies of the dynamics \"{}\" do not touch", card.name));
   const PictureSettings& picture = output.picture;
   if (!std::isfinite(picture.interval))
     refuse("output.picture.interval", text(picture.interval), "must be a finite number [s]");

@@ -111,6 +111,7 @@ void read_output(const Node& node, OutputSettings& output) {
   node.check_keys(scene_keys("output"));
   node.read("frame_interval", output.frame_interval, kNonNegative, "s");
   node.read("checkpoint_interval", output.checkpoint_interval, kNonNegative, "s");
+  node.read("force_interval", output.force_interval, kNonNegative, "s");
   if (const auto picture = node.find("picture")) read_picture(*picture, output.picture);
 }
 

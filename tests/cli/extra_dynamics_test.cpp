@@ -67,6 +67,9 @@ TEST(CliExtraDynamics, ScenesWithItAreChecked) {
   EXPECT_EQ(range.code, 2);
   EXPECT_TRUE(holds(range.err, "dynamics.gravity_factor")) << range.err;
   EXPECT_TRUE(holds(range.err, "must be between -10 and 10")) << range.err;
+  const Result forces = with_extra(scratch, {"check", scene, "--set", "output.force_interval=1"});
+  EXPECT_EQ(forces.code, 2) << "they do not touch";
+  EXPECT_TRUE(holds(forces.err, "output.force_interval")) << forces.err;
   const Result rigid = with_extra(scratch, {"check", scene, "--set", "dynamics.type=rigid"});
   EXPECT_EQ(rigid.code, 2) << "the parameter is not one of rigid bodies";
   EXPECT_TRUE(holds(rigid.err, "gravity_factor")) << rigid.err;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <sstream>
 
 #include "host/io/checkpoint.h"
@@ -102,6 +103,60 @@ TEST_F(CliRun, WritesAllFiles) {
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(scratch / "a")) ++files;
   EXPECT_EQ(files, 8u) << "no temporary file is left, and the last picture is not there twice";
+}
+
+/// The lines of a table, each cut at its commas.
+std::vector<std::vector<std::string>> table(const fs::path& file) {
+  std::vector<std::vector<std::string>> rows;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream fields(line);
+    rows.emplace_back();
+    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
+  }
+  return rows;
+}
+
+TEST_F(CliRun, ForcesOnWallsGroupsAndJoints) {
+  nlohmann::json forces = small_scene();
+  forces["output"]["force_interval"] = 0.004;
+  forces["bodies"][0]["group"] = "tank";
+  forces["particles"][0]["group"] = "grains";
+  scene = put_scene(scratch, forces);
+  must_run("whole");
+  const auto rows = table(scratch / "whole/forces.csv");
+  const std::vector<std::string> header = rows.front();
+  EXPECT_EQ(header.size(), 11u);
+  EXPECT_EQ(header[5], "force_x_N");
+  std::map<std::string, double> upward;  // sums over the intervals
+  std::size_t lines = 1;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    ASSERT_EQ(rows[k].size(), header.size()) << k;
+    EXPECT_EQ(rows[k][2], "4") << "steps in an interval";
+    upward[rows[k][3] + " " + rows[k][4]] += std::stod(rows[k][7]);
+    lines += rows[k][0] == "4" ? 1 : 0;
+  }
+  EXPECT_EQ(rows.size(), 1 + 5 * (lines - 1));
+  for (const char* wall : {"fixed 0", "kinematic 1", "kinematic 2"}) {
+    ASSERT_EQ(upward.count(wall), 1u) << wall;
+    EXPECT_LT(upward[wall], -0.1) << wall << " is hit from above";
+  }
+  EXPECT_EQ(upward.count("group tank"), 1u);
+  EXPECT_GT(upward["group grains"], 0.1);
+  double sum = 0;  // groups push each other
+  for (const auto& [name, force] : upward) sum += name.starts_with("group") ? force : 0;
+  EXPECT_NEAR(sum, 0, 1e-9 * std::abs(upward["group grains"]));
+
+  must_run("parts", {"--steps", "10"});  // ends within an interval
+  must_run("parts", {"--steps", "20", "--resume"});
+  EXPECT_EQ(contents(scratch / "whole/forces.csv"), contents(scratch / "parts/forces.csv"));
+
+  must_run("other", {"--steps", "10"});
+  put(scratch / "other/forces.csv", "a,b\n1,2\n");
+  const Result refused =
+      scree(scratch, run_arguments(scene, scratch / "other", {"--steps", "20", "--resume"}));
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("forces.csv line 1"), std::string::npos) << refused.err;
 }
 
 TEST_F(CliRun, StepsAndOverridesAreRecorded) {

@@ -1,0 +1,88 @@
+#pragma once
+// Element programs that gather what contacts carried in a step, for the forces on walls and groups.
+
+#include "kernels/bodies/body_view.h"
+#include "kernels/contact/contact_view.h"
+
+namespace scree {
+
+/// What one contact carried in a step.
+template <class Real>
+struct ContactLoad {
+  Index body_a = 0;  ///< ids
+  Index body_b = 0;
+  Index group_a = 0;
+  Index group_b = 0;
+  bool b_is_fixed = false;
+  Vec3<double> point;  ///< where it acts, world frame [m]
+  Vec3<Real> arm_b;    ///< from the center of B to that point, world frame [m]
+  Vec3<Real> impulse;  ///< acting on B, world frame [N s]
+  Vec3<Real> moment;   ///< acting on B, of rolling and spinning friction [N m s]
+};
+
+/// Flags contacts on fixed and kinematic bodies and those between two groups. Bytes per contact: 8 read, 4 written; the
+/// groups of the bodies where they differ.
+template <class Real>
+struct FlagContactLoads {
+  static constexpr const char* name = "flag_contact_loads";
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  Span<Index> flag;  ///< [contact_count] out
+
+  SCREE_HD void operator()(Index c) const {
+    const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    flag[c] = bodies.is_fixed(b) || bodies.group[a] != bodies.group[b] ? 1 : 0;
+  }
+};
+
+/// Gathers the flagged contacts, in their order.
+template <class Real>
+struct GatherContactLoads {
+  static constexpr const char* name = "gather_contact_loads";
+  BodyView<Real> bodies;  ///< as the contacts were found
+  ContactView<Real> contacts;
+  Span<const Vec3<Real>> gamma;  ///< impulses of the contacts [N s]
+  int vectors = 1;               ///< a contact in gamma
+  /// Of the rows of rolling friction, where a contact has two vectors.
+  Span<const RollingRow<Real>> rolling;
+  Span<const Index> flag;
+  Span<const Offset> before;  ///< running sum of the flags
+  Span<ContactLoad<Real>> out;
+
+  SCREE_HD void operator()(Index c) const {
+    if (flag[c] == 0) return;
+    const Index a = contacts.body_a[c], b = contacts.body_b[c];
+    const bool is_radial = contacts.is_radial(c);
+    ContactLoad<Real> load;
+    load.body_a = bodies.id[a];
+    load.body_b = bodies.id[b];
+    load.group_a = bodies.group[a];
+    load.group_b = bodies.group[b];
+    load.b_is_fixed = bodies.is_fixed(b);
+    const Vec3<Real> arm_a =
+        is_radial ? bodies.radius[a] * contacts.normal[c] : contacts.lever_a(c);
+    load.point = bodies.position[a] + Vec3<double>(arm_a);
+    load.arm_b = is_radial ? Vec3<Real>(load.point - bodies.position[b]) : contacts.lever_b(c);
+    load.impulse = gamma[static_cast<Offset>(c) * vectors];
+    if (vectors == 2) load.moment = rolling[c].length * gamma[static_cast<Offset>(c) * vectors + 1];
+    out[before[c]] = load;
+  }
+};
+
+/// Adds the impulses of one round of impacts to those of the step. A contact is in a round once.
+template <class Real>
+struct AddImpactImpulses {
+  static constexpr const char* name = "add_impact_impulses";
+  Span<const Index> contact;
+  Span<const Vec3<Real>> gamma;
+  int vectors = 1;
+  Span<Vec3<Real>> sum;
+
+  SCREE_HD void operator()(Index k) const {
+    for (int v = 0; v < vectors; ++v)
+      sum[static_cast<Offset>(contact[k]) * vectors + v] +=
+          gamma[static_cast<Offset>(k) * vectors + v];
+  }
+};
+
+}  // namespace scree

@@ -72,6 +72,13 @@ void require_joints(std::size_t found, std::size_t in_scene) {
                     2 * in_scene, in_scene));
 }
 
+void require_joint_states(std::size_t positions, std::size_t broken, std::size_t in_scene) {
+  if (positions != in_scene || broken != in_scene)
+    throw InputError(
+        fmt::format("checkpoint: {} positions and {} marks of broken joints, expected {} of each",
+                    positions, broken, in_scene));
+}
+
 void throw_stored_joints() {
   throw InputError("the contact problem of a scene with joints cannot be stored yet");
 }

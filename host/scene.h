@@ -162,20 +162,53 @@ struct DynamicsSettings {
 /// In place of a body of a joint: the world, which rests.
 inline constexpr int kWorldBody = -1;
 
-/// What a joint leaves free.
+/// What a joint leaves free, or holds.
 enum class JointKind : std::uint8_t {
-  hinge,  ///< turning about its axis
-  ball,   ///< turning
-  fixed   ///< nothing
+  hinge,        ///< turning about its axis
+  ball,         ///< turning
+  fixed,        ///< nothing
+  slider,       ///< moving along its axis
+  cylindrical,  ///< moving along its axis and turning about it
+  universal,    ///< turning about two axes, one of each body, at a right angle
+  distance,     ///< holds the distance of two points: a rod without mass
+  cable,        ///< the same, where they are not nearer
+  spring        ///< pulls two points to a distance, and damps
 };
 
-/// Holds two bodies together at a point, its anchor. They do not touch each other.
+/// Drives a hinge or a slider. With stiffness or damping it is a spring and damper that pulls to
+/// `position`, else it keeps `speed`.
+struct JointMotor {
+  double speed = 0;      ///< of the second body against the first [rad/s or m/s]
+  double position = 0;   ///< from that at time zero [rad or m]
+  double stiffness = 0;  ///< [N m/rad or N/m], >= 0
+  double damping = 0;    ///< [N m s/rad or N s/m], >= 0
+  /// Most that it gives [N m or N], > 0.
+  double max_force = std::numeric_limits<double>::infinity();
+};
+
+/// Holds two bodies together. They do not touch each other.
 struct Joint {
   JointKind kind = JointKind::hinge;
   /// Ids of two of Scene::bodies, of which one or both are free; or kWorldBody in place of one.
   std::array<int, 2> bodies{kWorldBody, 0};
-  Vec3d anchor;         ///< point of both bodies at time zero, world [m]
-  Vec3d axis{0, 0, 1};  ///< hinge: unit, world, at time zero
+  /// Point of both bodies at time zero, world [m]; distance, cable, spring: of the first one.
+  Vec3d anchor;
+  /// Unit, world, at time zero; universal: that of the cross in the first body.
+  Vec3d axis{0, 0, 1};
+  Vec3d second_anchor{};       ///< distance, cable, spring: point of the second body [m]
+  Vec3d second_axis{1, 0, 0};  ///< universal: in the second body, unit, at a right angle to `axis`
+  /// Distance, cable, spring: of the two points, longest, at rest [m]; negative: that at time zero.
+  double length = -1;
+  /// Hinge, slider: least and largest angle [rad] or way [m] of the second body from time zero.
+  std::array<double, 2> limits{-std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::infinity()};
+  std::optional<JointMotor> motor{};  ///< hinge, slider
+  double friction = 0;   ///< hinge, slider: moment [N m] or force [N] that keeps it at rest, >= 0
+  double stiffness = 0;  ///< spring [N/m], >= 0
+  double damping = 0;    ///< spring [N s/m], >= 0
+  /// A joint that carried more than one of these in a step is no more in those after it [N], [N m], > 0.
+  double break_force = std::numeric_limits<double>::infinity();
+  double break_moment = std::numeric_limits<double>::infinity();
 };
 
 /// When a solver stops. Levels are those of the theory page: relative to v* and to d/h.

@@ -92,6 +92,10 @@ struct JointRecord {
   int body_b = kWorldBody;
   Vec3d force;   ///< impulse at the anchor, world frame, acting on B [N s]
   Vec3d moment;  ///< [N m s]
+  /// Of body B against A since time zero, at the start of the step: angle of a hinge [rad], way of a
+  /// slider or cylindrical joint [m]; length of a distance, cable or spring over its own [m]. Else 0.
+  double position = 0;
+  bool is_broken = false;  ///< since this step or an earlier one
 };
 
 struct ForceRecord {

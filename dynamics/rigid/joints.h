@@ -1,36 +1,67 @@
 #pragma once
 // The joints of a scene: their place in the problem of a step, and their impulses from step to step.
 
+#include <array>
+#include <limits>
 #include <vector>
 
+#include "dynamics/model_errors.h"
 #include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/problem_assembly.h"
+#include "host/scene/joint_cards.h"
 #include "host/scene/motion.h"
 #include "host/world.h"
+#include "host/world_state.h"
 #include "kernels/step/joint_setup.h"
 #include "solvers/body_contacts.h"
 
 namespace scree {
 
-/// Rows that a joint holds, see JointRow.
-constexpr unsigned held_rows(JointKind kind) {
-  switch (kind) {
-    case JointKind::ball:
-      return 0b000111;
-    case JointKind::hinge:
-      return 0b011111;
-    case JointKind::fixed:
-      break;
-  }
-  return 0b111111;
+/// What a kind of joint measures, and which of the rows it holds: bit k is row k of JointRow. Rows 0, 1
+/// and 3, 4 are forces and moments across the axis; 2 and 5 along and about it, of forms that end
+/// with a force the other way round.
+struct RowsOfJoint {
+  JointKind kind;
+  JointForm form;
+  unsigned held;
+};
+inline constexpr std::array kRowsOfJoints{
+    RowsOfJoint{JointKind::hinge, JointForm::point, 0b011111},
+    RowsOfJoint{JointKind::ball, JointForm::point, 0b000111},
+    RowsOfJoint{JointKind::fixed, JointForm::point, 0b111111},
+    RowsOfJoint{JointKind::slider, JointForm::slide, 0b011111},
+    RowsOfJoint{JointKind::cylindrical, JointForm::slide, 0b011011},
+    RowsOfJoint{JointKind::universal, JointForm::cross, 0b100111},
+    RowsOfJoint{JointKind::distance, JointForm::line, 0b100000},
+    RowsOfJoint{JointKind::cable, JointForm::line, 0},
+    RowsOfJoint{JointKind::spring, JointForm::line, 0}};
+
+constexpr const RowsOfJoint& rows_of_joint(JointKind kind) {
+  for (const RowsOfJoint& rows : kRowsOfJoints)
+    if (rows.kind == kind) return rows;
+  return kRowsOfJoints[0];
 }
 
-/// A rotation that takes the z axis to a unit vector.
-inline Quatd rotation_to(const Vec3d& axis) {
-  if (axis.z < -0.5) {  // by way of the opposite vector: near it no digits are lost
-    return rotation_to(-axis) * Quatd{0, 1, 0, 0};
+inline JointDrive drive_of(const Joint& joint) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  JointDrive d;
+  d.lower = joint.limits[0];
+  d.upper = joint.limits[1];
+  d.friction = joint.friction;
+  if (joint.motor) {
+    const JointMotor& motor = *joint.motor;
+    d.stiffness = motor.stiffness;
+    d.damping = motor.damping;
+    d.target = d.stiffness > 0 || d.damping > 0 ? motor.position : motor.speed;
+    d.most = motor.max_force;
   }
-  return normalized(Quatd{1 + axis.z, -axis.y, axis.x, 0});
+  if (joint.kind == JointKind::cable) d.upper = 0;
+  if (joint.kind == JointKind::spring) {
+    d.stiffness = joint.stiffness;
+    d.damping = joint.damping;
+    d.most = kNone;
+  }
+  return d;
 }
 
 /// The joint in the frames of its bodies, from their poses at time zero. Where space repeats, the
@@ -38,21 +69,32 @@ inline Quatd rotation_to(const Vec3d& axis) {
 inline JointFrames joint_frames(const Scene& scene, const Joint& joint) {
   JointFrames out;
   const Vec3d period = periodic_box(scene.periodicity).length;
-  const Quatd axes = joint.kind == JointKind::hinge ? rotation_to(joint.axis) : Quatd{1, 0, 0, 0};
+  const JointCard& card = joint_card(joint.kind);
+  const Quatd axes = card.axis != nullptr ? rotation_to(joint.axis) : Quatd{1, 0, 0, 0};
   for (int k = 0; k < 2; ++k) {
     const int id = joint.bodies[static_cast<std::size_t>(k)];
+    const Vec3d anchor = k == 1 && card.has_two_points ? joint.second_anchor : joint.anchor;
+    const Quatd own = k == 1 && card.second_axis != nullptr ? rotation_to(joint.second_axis) : axes;
     out.body[k] = id;
-    out.anchor[k] = joint.anchor;
-    out.frame[k] = axes;
+    out.anchor[k] = anchor;
+    out.frame[k] = own;
     if (id == kWorldBody) continue;
     const BodyDescription& body = scene.bodies[static_cast<std::size_t>(id)];
     const Pose pose =
         body.kind == BodyKind::kinematic ? pose_at(body, 0) : Pose{body.position, body.orientation};
     const Quatd q = normalized(pose.orientation);
-    out.anchor[k] = rotate_back(q, minimum_image(joint.anchor - pose.position, period));
-    out.frame[k] = conjugate(q) * axes;
+    out.anchor[k] = rotate_back(q, minimum_image(anchor - pose.position, period));
+    out.frame[k] = conjugate(q) * own;
   }
-  out.held = held_rows(joint.kind);
+  const RowsOfJoint& rows = rows_of_joint(joint.kind);
+  out.form = rows.form;
+  out.held = rows.held;
+  out.drive = drive_of(joint);
+  if (card.has_two_points)
+    out.zero = joint.length < 0 ? norm(minimum_image(joint.second_anchor - joint.anchor, period))
+                                : joint.length;
+  out.break_force = joint.break_force;
+  out.break_moment = joint.break_moment;
   return out;
 }
 
@@ -63,6 +105,7 @@ class Joints {
       : count_(static_cast<Index>(scene.joints.size())),
         frames_(b),
         impulse_(b, count_),
+        state_(b, count_),
         place_(b, count_ > 0 ? static_cast<Offset>(scene.bodies.size()) : 0),
         key_(b, count_),
         order_(b, count_),
@@ -74,6 +117,7 @@ class Joints {
     std::vector<JointFrames> frames;
     for (const Joint& joint : scene.joints) frames.push_back(joint_frames(scene, joint));
     upload(b, frames, frames_);
+    fill(b, state_.view(), JointState{});
     forget(b);
   }
 
@@ -113,6 +157,7 @@ class Joints {
     setup.places = places;
     setup.order = order_.view();
     setup.before = impulse_.view();
+    setup.state = state_.view();
     setup.period = period;
     setup.time_step = stepping.time_step;
     setup.recovery_speed = stepping.max_recovery_speed;
@@ -135,19 +180,72 @@ class Joints {
   /// the step [m]. One host read.
   double largest_error(B& b) const { return fetch(b, sums_.data()).max_error; }
 
-  /// Remembers the impulses that a solver found for the problem of join().
-  void keep(B& b, const BodyView<Real>& bodies, Span<const Vec3<Real>> gamma) {
+  /// Remembers the impulses that a solver found for the problem of join(), and breaks joints.
+  void keep(B& b, const BodyView<Real>& bodies, double time_step, Span<const Vec3<Real>> gamma) {
     const JointPlaces places{frames_.view(), place_.view(), bodies.count};
     for_each(b, count_,
              KeepJointImpulses<Real>{places,
                                      order_.view(),
                                      row_.view(),
                                      {gamma.data + gamma.size - vectors(), vectors()},
-                                     impulse_.view()});
+                                     time_step,
+                                     impulse_.view(),
+                                     state_.view()});
   }
 
-  /// Force and moment of each joint by turns, for checkpoints; double holds float exactly.
-  std::vector<Vec3d> save(B& b) const {
+  /// Adds what the next step needs to a state; nothing where there are no joints.
+  void save(B& b, WorldState& s) const {
+    if (count_ == 0) return;
+    std::vector<double> position;
+    std::vector<std::int32_t> broken;
+    for (const JointState& state : download(b, state_.view(count_))) {
+      position.push_back(state.position);
+      broken.push_back(state.is_broken);
+    }
+    s.add("joint/impulse", impulses(b));
+    s.add("joint/position", std::move(position));
+    s.add("joint/broken", std::move(broken));
+  }
+  /// @throws InputError when the state is of other joints
+  void check(const WorldState& s) const {
+    const auto count = static_cast<std::size_t>(count_);
+    require_joints(rows<Vec3d>(s, "joint/impulse").size(), count);
+    if (s.has("joint/position") || s.has("joint/broken"))
+      require_joint_states(rows<double>(s, "joint/position").size(),
+                           rows<std::int32_t>(s, "joint/broken").size(), count);
+  }
+  /// @param s  that check() has passed
+  void restore(B& b, const WorldState& s) {
+    const auto impulse = rows<Vec3d>(s, "joint/impulse");
+    auto position = rows<double>(s, "joint/position");
+    auto broken = rows<std::int32_t>(s, "joint/broken");
+    position.resize(static_cast<std::size_t>(count_));  // earlier versions have none
+    broken.resize(position.size());
+    std::vector<JointImpulse<Real>> host;
+    std::vector<JointState> states;
+    for (std::size_t k = 0; k < position.size(); ++k) {
+      host.push_back({Vec3<Real>(impulse[2 * k]), Vec3<Real>(impulse[2 * k + 1])});
+      states.push_back({position[k], broken[k] != 0 ? 1 : 0});
+    }
+    upload(b, host, impulse_);
+    upload(b, states, state_);
+  }
+
+  /// Impulses of the last step, in the order of the scene.
+  std::vector<JointRecord> records(B& b) const {
+    std::vector<JointRecord> out;
+    const auto frames = download(b, frames_.view(count_));
+    const auto states = download(b, state_.view(count_));
+    const std::vector<Vec3d> impulse = impulses(b);
+    for (std::size_t k = 0; k < frames.size(); ++k)
+      out.push_back({frames[k].body[0], frames[k].body[1], impulse[2 * k], impulse[2 * k + 1],
+                     states[k].position, states[k].is_broken != 0});
+    return out;
+  }
+
+ private:
+  /// Force and moment of each joint by turns; double holds float exactly.
+  std::vector<Vec3d> impulses(B& b) const {
     std::vector<Vec3d> out;
     for (const JointImpulse<Real>& impulse : download(b, impulse_.view(count_))) {
       out.emplace_back(impulse.force);
@@ -155,25 +253,12 @@ class Joints {
     }
     return out;
   }
-  /// @param impulses  of save()
-  void restore(B& b, const std::vector<Vec3d>& impulses) {
-    std::vector<JointImpulse<Real>> host;
-    for (std::size_t k = 0; k < impulses.size(); k += 2)
-      host.push_back({Vec3<Real>(impulses[k]), Vec3<Real>(impulses[k + 1])});
-    upload(b, host, impulse_);
+
+  template <class T>
+  static std::vector<T> rows(const WorldState& s, const char* name) {
+    return s.has(name) ? s.at<T>(name) : std::vector<T>{};
   }
 
-  /// Impulses of the last step, in the order of the scene.
-  std::vector<JointRecord> records(B& b) const {
-    std::vector<JointRecord> out;
-    const auto frames = download(b, frames_.view(count_));
-    const std::vector<Vec3d> impulse = save(b);
-    for (std::size_t k = 0; k < frames.size(); ++k)
-      out.push_back({frames[k].body[0], frames[k].body[1], impulse[2 * k], impulse[2 * k + 1]});
-    return out;
-  }
-
- private:
   template <class T>
   Span<T> tail(Buffer<B, T>& buffer, Index contacts) {
     return {buffer.data() + contacts, count_};
@@ -182,6 +267,7 @@ class Joints {
   Index count_;
   Buffer<B, JointFrames> frames_;
   Buffer<B, JointImpulse<Real>> impulse_;  ///< of the last step, in the order of the scene
+  Buffer<B, JointState> state_;            ///< in the order of the scene
   Buffer<B, Index> place_;
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> order_;

@@ -129,7 +129,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (stats.residual.bad_contact >= 0) report_bad_contact(problem, stats.residual.bad_contact);
     report.ms.solve = impact_ms + clock.lap();
 
-    if (joints_.count() > 0) joints_.keep(b, bodies, gamma);
+    if (joints_.count() > 0) joints_.keep(b, bodies, h, gamma);
     if (tracks_forces_) sum_forces(bodies, contacts, gamma, problem.rolling);
     const IntegrateSums moved =
         integration_.run(b, bodies, solver_->velocity(), summary_.layout, h, periodic_box(),
@@ -214,18 +214,16 @@ class RigidDynamics final : public ModelOn<B, Real> {
   void save_arrays(WorldState& s) override {
     s.insertions_done = loading_.insertions_done();
     save_state(backend(), store_, detector_, *solver_, s);
-    if (joints_.count() > 0) s.add("joint/impulse", joints_.save(backend()));
+    joints_.save(backend(), s);
     if (tracks_forces_) forces_.save(s);
   }
 
   void restore_arrays(const WorldState& s) override {
     loading_.insert_first(s.insertions_done);
     forget_solved_contacts();
-    const std::vector<Vec3d> joint_impulse =
-        s.has("joint/impulse") ? s.at<Vec3d>("joint/impulse") : std::vector<Vec3d>{};
-    require_joints(joint_impulse.size(), static_cast<std::size_t>(joints_.count()));
+    joints_.check(s);
     restore_state(backend(), s, vectors(), store_, detector_, *solver_);
-    joints_.restore(backend(), joint_impulse);
+    joints_.restore(backend(), s);
     if (tracks_forces_) forces_.restore(s);
     motion_.set(store_, s.time, s.step + 1);
   }

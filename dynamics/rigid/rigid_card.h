@@ -105,6 +105,15 @@ inline constexpr std::array kRigidState{
                .type = StateField::Type::number,
                .may_be_absent = true,
                .largest = 1e15,
+               .first_version = 2},
+    StateField{.name = "joint/position",
+               .type = StateField::Type::number,
+               .may_be_absent = true,
+               .largest = kLargestOfState,
+               .first_version = 2},
+    StateField{.name = "joint/broken",
+               .type = StateField::Type::int32,
+               .may_be_absent = true,
                .first_version = 2}};
 
 constexpr DynamicsCard rigid_card() {

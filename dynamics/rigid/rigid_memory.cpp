@@ -112,8 +112,8 @@ HeldBytes problem(const Sizes& s) {
 /// Frames, rows, ids and axis, sort keys, lists and impulses of a joint; those of the solver too.
 double joint(const Sizes& s) {
   const std::size_t row = s.real > 4 ? sizeof(JointRow<double>) : sizeof(JointRow<float>);
-  return static_cast<double>(sizeof(JointFrames) + row) + fields_of_joint(s) + 12 + 16 +
-         5 * s.impulse;
+  return static_cast<double>(sizeof(JointFrames) + sizeof(JointState) + row) + fields_of_joint(s) +
+         12 + 16 + 5 * s.impulse;
 }
 
 /// Velocities that a solver returns, and its working memory at the fullest.

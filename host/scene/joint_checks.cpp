@@ -6,12 +6,16 @@
 #include <cmath>
 
 #include "dynamics/dynamics_card.h"
+#include "host/scene/joint_cards.h"
 #include "host/scene/scene_checks.h"
 #include "kernels/bodies/range.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
 namespace {
+
+/// Forces, stiffness and speeds of joints are far below this.
+constexpr double kLargestOfJoint = 1e15;
 
 /// What the laws of contact must be, for those that meet in contacts.
 std::optional<Fault> law_fault(const Scene& scene) {
@@ -26,6 +30,88 @@ std::optional<Fault> law_fault(const Scene& scene) {
         "stepping.restitution_law", "\"poisson\" in a scene with joints and restitution",
         "impacts before the loads do not know joints yet; take \"newton\", or restitution 0"};
   return std::nullopt;
+}
+
+std::optional<Fault> point_fault(const char* field, const Vec3d& point) {
+  if (is_finite(point) && is_in_range(point)) return std::nullopt;
+  return Fault{field, vector_text(point),
+               fmt::format("must be three numbers from {:g} to {:g} [m]", -kFarthest, kFarthest)};
+}
+
+std::optional<Fault> direction_fault(const char* field, const Vec3d& direction) {
+  if (std::abs(norm(direction) - 1) <= 1e-6) return std::nullopt;
+  return Fault{field, vector_text(direction), "must have length 1"};
+}
+
+/// Points, axes and length.
+std::optional<Fault> geometry_fault(const Joint& joint) {
+  const JointCard& card = joint_card(joint.kind);
+  if (auto fault = point_fault(card.has_two_points ? "anchors[0]" : "anchor", joint.anchor))
+    return fault;
+  if (card.axis != nullptr)
+    if (auto fault = direction_fault("axis", joint.axis)) return fault;
+  if (card.second_axis != nullptr) {
+    if (auto fault = direction_fault("second_axis", joint.second_axis)) return fault;
+    if (!(std::abs(dot(joint.axis, joint.second_axis)) <= 1e-6))
+      return Fault{
+          "second_axis", vector_text(joint.second_axis),
+          fmt::format("must be at a right angle to `axis`, which is {}", vector_text(joint.axis))};
+  }
+  if (!card.has_two_points) return std::nullopt;
+  if (auto fault = point_fault("anchors[1]", joint.second_anchor)) return fault;
+  if (!(joint.length <= kFarthest))
+    return Fault{
+        "length", fmt::format("{:g}", joint.length),
+        fmt::format("must be up to {:g} [m], or negative for that at the start", kFarthest)};
+  const double length = joint.length < 0 ? norm(joint.second_anchor - joint.anchor) : joint.length;
+  if (joint.kind == JointKind::distance && !(length > 0))
+    return Fault{"anchors", "one point twice",
+                 "a distance of zero has no direction; use a ball joint"};
+  return std::nullopt;
+}
+
+/// What is not from zero up to the largest value that runs compute with.
+std::optional<Fault> amount_fault(const std::string& field, double value, bool may_be_zero,
+                                  bool may_be_infinite) {
+  const bool is_large_enough = value > 0 || (may_be_zero && value == 0);
+  if (is_large_enough && (value <= kLargestOfJoint || (may_be_infinite && std::isinf(value))))
+    return std::nullopt;
+  return Fault{field, fmt::format("{:g}", value),
+               fmt::format("must be {} and up to {:g}",
+                           may_be_zero ? "zero or positive" : "positive", kLargestOfJoint)};
+}
+
+std::optional<Fault> motor_fault(const JointMotor& motor) {
+  for (const auto& [key, value] :
+       {std::pair{"motor.speed", motor.speed}, std::pair{"motor.position", motor.position}})
+    if (!(std::abs(value) <= kLargestOfJoint))
+      return Fault{key, fmt::format("{:g}", value),
+                   fmt::format("must be from {:g} to {:g}", -kLargestOfJoint, kLargestOfJoint)};
+  if (auto fault = amount_fault("motor.stiffness", motor.stiffness, true, false)) return fault;
+  if (auto fault = amount_fault("motor.damping", motor.damping, true, false)) return fault;
+  return amount_fault("motor.max_force", motor.max_force, false, true);
+}
+
+/// Limits, motor, friction, spring and strength.
+std::optional<Fault> drive_fault(const Joint& joint) {
+  const JointCard& card = joint_card(joint.kind);
+  const auto [low, high] = joint.limits;
+  const bool has_limits = !std::isinf(low) || !std::isinf(high);
+  if (!card.has_drive && (has_limits || joint.motor || joint.friction != 0))
+    return Fault{"type", fmt::format("\"{}\" with limits, a motor or friction", card.name),
+                 "a hinge or a slider can have these"};
+  if (!(low <= high))
+    return Fault{"limits", fmt::format("[{:g}, {:g}]", low, high),
+                 "must be two numbers, the lower one first"};
+  if (joint.motor)
+    if (auto fault = motor_fault(*joint.motor)) return fault;
+  if (auto fault = amount_fault("friction", joint.friction, true, false)) return fault;
+  if (auto fault = amount_fault("stiffness", joint.stiffness, true, false)) return fault;
+  if (auto fault = amount_fault("damping", joint.damping, true, false)) return fault;
+  if (joint.kind == JointKind::spring && joint.stiffness == 0 && joint.damping == 0)
+    return Fault{"stiffness", "0 without damping", "a spring must pull or damp"};
+  if (auto fault = amount_fault("break_force", joint.break_force, false, true)) return fault;
+  return amount_fault("break_moment", joint.break_moment, false, true);
 }
 
 }  // namespace
@@ -46,12 +132,8 @@ std::optional<Fault> joint_fault(const Scene& scene, const Joint& joint) {
   if (!has_free)
     return Fault{"bodies", "a joint of two bodies that are not free",
                  "one of them must be free to follow the other"};
-  if (!is_finite(joint.anchor) || !is_in_range(joint.anchor))
-    return Fault{"anchor", vector_text(joint.anchor),
-                 fmt::format("must be three numbers from {:g} to {:g} [m]", -kFarthest, kFarthest)};
-  if (joint.kind == JointKind::hinge && !(std::abs(norm(joint.axis) - 1) <= 1e-6))
-    return Fault{"axis", vector_text(joint.axis), "must have length 1"};
-  return std::nullopt;
+  if (const auto fault = geometry_fault(joint)) return fault;
+  return drive_fault(joint);
 }
 
 std::optional<Fault> joints_fault(const Scene& scene) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host/scene/joint_cards.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene_reader/parts.h"
 
@@ -33,27 +34,107 @@ int read_body_of_joint(const Node& node, const Draft& draft) {
   return body;
 }
 
+[[noreturn]] void refuse_key(const Node& value, const JointCard& card) {
+  value.fail(fmt::format("a joint of type \"{}\" has no such key", card.name));
+}
+
+/// The key that a kind of joint has, null where it has none.
+void read_direction(const Node& node, const JointCard& card, const char* key, const char* what,
+                    Vec3d& direction) {
+  if (what != nullptr) {
+    direction = node.at(key, what).direction();
+  } else if (const auto value = node.find(key)) {
+    refuse_key(*value, card);
+  }
+}
+
+void read_anchors(const Node& node, const JointCard& card, Joint& joint) {
+  if (const auto other = node.find(card.has_two_points ? "anchor" : "anchors"))
+    refuse_key(*other, card);
+  if (!card.has_two_points) {
+    joint.anchor =
+        node.at("anchor", "must be a point of both bodies at the start, [x, y, z] [m]").vector("m");
+    return;
+  }
+  const char* const two =
+      "must be two points at the start, of the first and of the second body, [[x, y, z], "
+      "[x, y, z]] [m]";
+  const Node anchors = node.at("anchors", two);
+  const std::vector<Node> ends = anchors.elements();
+  if (ends.size() != 2) anchors.refuse(two);
+  joint.anchor = ends[0].vector("m");
+  joint.second_anchor = ends[1].vector("m");
+}
+
+JointMotor read_motor(const Node& node) {
+  node.check_keys(scene_keys("joint_motor"));
+  JointMotor motor;
+  const auto speed = node.find("speed"), position = node.find("position");
+  if (speed.has_value() == position.has_value())
+    node.fail("must have either \"speed\", or \"position\" with \"stiffness\" and \"damping\"");
+  if (speed) {
+    for (const char* key : {"stiffness", "damping"})
+      if (const auto other = node.find(key))
+        other->fail("a motor with \"speed\" has no such key, one with \"position\" has");
+    motor.speed = speed->number(kFinite, "rad/s, or m/s");
+  } else {
+    motor.position = position->number(kFinite, "rad, or m");
+    motor.stiffness = node.at("stiffness", "must be that of the motor's spring [N m/rad, or N/m]")
+                          .number(kPositive, "N m/rad, or N/m");
+    node.read("damping", motor.damping, kNonNegative, "N m s/rad, or N s/m");
+  }
+  node.read("max_force", motor.max_force, kPositive, "N m, or N");
+  return motor;
+}
+
+/// What moves and holds a joint along or about its axis.
+void read_drive(const Node& node, const JointCard& card, Joint& joint) {
+  if (!card.has_drive)
+    for (const char* key : {"limits", "motor", "friction"})
+      if (const auto value = node.find(key)) refuse_key(*value, card);
+  if (!card.has_two_points)
+    if (const auto value = node.find("length")) refuse_key(*value, card);
+  if (card.kind != JointKind::spring)
+    for (const char* key : {"stiffness", "damping"})
+      if (const auto value = node.find(key)) refuse_key(*value, card);
+  if (const auto limits = node.find("limits")) {
+    const auto [low, high] = limits->interval("rad, or m");
+    joint.limits = {low, high};
+  }
+  if (const auto motor = node.find("motor")) joint.motor = read_motor(*motor);
+  node.read("friction", joint.friction, kNonNegative, "N m, or N");
+  node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
+            "m");
+  if (card.kind == JointKind::spring)
+    joint.stiffness = node.at("stiffness", "must be that of the spring [N/m], or 0 for a damper")
+                          .number(kNonNegative, "N/m");
+  node.read("damping", joint.damping, kNonNegative, "N s/m");
+  node.read("break_force", joint.break_force, kPositive, "N");
+  node.read("break_moment", joint.break_moment, kPositive, "N m");
+}
+
 }  // namespace
 
 void read_joint(const Node& node, Draft& draft) {
   node.check_keys(scene_keys("joint"));
   Joint joint;
-  const Node type = node.at("type", "must be one of \"hinge\", \"ball\", \"fixed\"");
-  joint.kind = type.choice<JointKind>(
-      {{"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"fixed", JointKind::fixed}});
+  std::vector<std::pair<std::string, JointKind>> kinds;
+  std::string names;
+  for (const JointCard& card : kJointCards) {
+    kinds.emplace_back(card.name, card.kind);
+    names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", card.name);
+  }
+  joint.kind = node.at("type", "must be one of " + names).choice<JointKind>(kinds);
+  const JointCard& card = joint_card(joint.kind);
   const char* const two = "must be two bodies: names or numbers in `bodies`, or \"world\"";
   const Node bodies = node.at("bodies", two);
   const std::vector<Node> ends = bodies.elements();
   if (ends.size() != 2) bodies.refuse(two);
   for (std::size_t k = 0; k < 2; ++k) joint.bodies[k] = read_body_of_joint(ends[k], draft);
-  joint.anchor =
-      node.at("anchor", "must be a point of both bodies at the start, [x, y, z] [m]").vector("m");
-  if (joint.kind == JointKind::hinge) {
-    joint.axis =
-        node.at("axis", "a hinge needs the direction it turns about, [x, y, z]").direction();
-  } else if (const auto axis = node.find("axis")) {
-    axis->fail("a joint of type \"" + type.text() + "\" has no such key");
-  }
+  read_anchors(node, card, joint);
+  read_direction(node, card, "axis", card.axis, joint.axis);
+  read_direction(node, card, "second_axis", card.second_axis, joint.second_axis);
+  read_drive(node, card, joint);
   if (const auto fault = joint_fault(draft.scene, joint))
     Node(node.json(), node.path() + "." + fault->field, node.source())
         .fail(fault->value + " is not allowed: " + fault->expected);

@@ -3,22 +3,31 @@
 // which these rows do not act on each other.
 //
 // Six rows in the axes of the joint: three forces at the anchor, three moments divided by a length.
-// Each is held (its impulse takes any value, its velocity goes to zero) or absent; the last one,
-// the moment about the axis, may have bounds. With the block D = J M^-1 J^T of the held rows and
+// Each is held (its impulse takes any value, its velocity goes to zero) or absent; the last one
+// acts along the axis of the joint or about it, and may be driven instead: by a motor or a spring,
+// with friction, between limits. With the block D = J M^-1 J^T of the rows that are there and
 //
 //   D = d L L^T,   L lower triangular,   d = trace(D) / number of held rows
 //
 // solvers see gamma' = L^T gamma [N s] and u' = L^-1 u [m/s], whose block is d times the identity:
 // one step with the scalar d solves a joint exactly, however far apart the inertias along its rows
-// are. gamma . u is gamma' . u', and bounds on the last row stay bounds, as that is the last of L.
+// are. gamma . u is gamma' . u', and what drives the last row scales with it, as that is the last
+// of L.
 
 #include "kernels/math/sym3.h"
 
 namespace scree {
 
 inline constexpr int kJointRows = 6;
-/// The row that may have bounds: the moment about the axis.
+/// The row that may be driven: the moment about the axis, or the force along it. The other one of the
+/// two is row 2.
 inline constexpr int kJointAxisRow = 5;
+
+/// In place of an infinite impulse or velocity.
+template <class Real>
+SCREE_HD constexpr Real largest_number() {
+  return sizeof(Real) == 8 ? static_cast<Real>(1e300) : static_cast<Real>(1e38);
+}
 
 /// Values of the rows of a joint: impulses [N s] or velocities [m/s].
 template <class Real>
@@ -46,9 +55,18 @@ struct JointRow {
   /// cannot follow.
   Real factor[kJointTriangle] = {};
   Real scale = 0;  ///< d [1/kg]
-  /// Bounds of the last row in the coordinates of solvers [N s]; the largest number: none.
-  Real least = 0;
-  Real most = 0;
+  bool force_is_last =
+      false;  ///< the last row is the force along the axis, row 2 the moment about it
+
+  // What drives the last row, in the coordinates of solvers. It gives the sum of a main part, which
+  // takes the velocity to zero, and of friction; whatever is missing the limits give.
+  Real least = 0;       ///< bounds of the main part [N s]; the largest number: none
+  Real most = 0;        ///< a row that is held has none
+  Real compliance = 0;  ///< E of the main part, -E gamma = u between its bounds [1/kg]
+  Real friction = 0;    ///< most that friction gives [N s]
+  Real rest = 0;        ///< velocity at which it holds [m/s]
+  Real slowest = -largest_number<Real>();  ///< bounds of the velocity [m/s]
+  Real fastest = largest_number<Real>();
 
   /// World vectors to rows. @param moment  over the length
   SCREE_HD JointValues<Real> rows(const Vec3<Real>& force, const Vec3<Real>& moment) const {
@@ -57,13 +75,15 @@ struct JointRow {
       x[k] = dot(axes[k], force);
       x[3 + k] = dot(axes[k], moment);
     }
-    return x;
+    return ordered(x);
   }
-  SCREE_HD Vec3<Real> world_force(const JointValues<Real>& x) const {
+  SCREE_HD Vec3<Real> world_force(const JointValues<Real>& given) const {
+    const JointValues<Real> x = ordered(given);
     return x[0] * axes[0] + x[1] * axes[1] + x[2] * axes[2];
   }
   /// Over the length.
-  SCREE_HD Vec3<Real> world_moment(const JointValues<Real>& x) const {
+  SCREE_HD Vec3<Real> world_moment(const JointValues<Real>& given) const {
+    const JointValues<Real> x = ordered(given);
     return x[3] * axes[0] + x[4] * axes[1] + x[5] * axes[2];
   }
 
@@ -109,21 +129,71 @@ struct JointRow {
     return g;
   }
 
-  /// Nearest impulse that is allowed, in the coordinates of solvers.
-  SCREE_HD JointValues<Real> project(JointValues<Real> z) const {
+  /// The impulse that the joint gives after a step, in the coordinates of solvers: of the rows that
+  /// are held any; of the last one the only z + step w that its drive gives at the velocity w. So with
+  /// a row's own block, step = 1 / d, it is that of the row solved by itself.
+  /// @param z     impulse less the step times the velocity [N s]
+  /// @param step  [kg]; zero: the nearest impulse that the drive may give
+  SCREE_HD JointValues<Real> project(JointValues<Real> z, Real step) const {
     for (int k = 0; k < kJointRows; ++k)
       if (!(inverse_pivot(k) > Real(0))) z[k] = 0;
-    Real& last = z[kJointAxisRow];
-    if (last < least) last = least;
-    if (last > most) last = most;
+    if (inverse_pivot(kJointAxisRow) > Real(0)) z[kJointAxisRow] = driven(z[kJointAxisRow], step);
     return z;
   }
 
- private:
+  /// Whether the last row gives impulses at other velocities than zero, but for bounds of the main
+  /// part: then the objective has terms beside 1/2 gamma N gamma + r gamma.
+  SCREE_HD bool has_own_terms() const {
+    constexpr Real kNone = largest_number<Real>();
+    return compliance > Real(0) || friction > Real(0) || slowest > -kNone || fastest < kNone;
+  }
+
   SCREE_HD Real inverse_pivot(int k) const { return factor[triangle_place(k, k)]; }
+
+ private:
   SCREE_HD Real pivot(int k) const {
     const Real inverse = inverse_pivot(k);
     return inverse > Real(0) ? Real(1) / inverse : Real(0);
+  }
+
+  /// Forces first to the order of rows, and back.
+  SCREE_HD JointValues<Real> ordered(JointValues<Real> x) const {
+    if (!force_is_last) return x;
+    const Real along = x[2];
+    x[2] = x[kJointAxisRow];
+    x[kJointAxisRow] = along;
+    return x;
+  }
+
+  /// What the main part gives after the step alone.
+  SCREE_HD Real main_part(Real z, Real step) const {
+    if (compliance > Real(0)) z /= Real(1) + step * compliance;
+    if (z < least) z = least;
+    if (z > most) z = most;
+    return z;
+  }
+
+  /// The impulses that the drive gives fall as the velocity rises, while z + step w rises with it:
+  /// they meet in one point.
+  SCREE_HD Real driven(Real z, Real step) const {
+    constexpr Real kNone = largest_number<Real>();
+    if (!(step > Real(0))) {
+      const Real low = fastest < kNone ? -kNone : least - friction;
+      const Real high = slowest > -kNone ? kNone : most + friction;
+      return z < low ? low : (z > high ? high : z);
+    }
+    Real sum = main_part(z, step);
+    if (friction > Real(0)) {
+      const Real rising = main_part(z + friction, step) - friction;  // friction against w > rest
+      const Real falling = main_part(z - friction, step) + friction;
+      sum = z + step * rest;
+      if (rising > sum) sum = rising;
+      if (falling < sum) sum = falling;
+    }
+    const Real at_fastest = z + step * fastest, at_slowest = z + step * slowest;
+    if (sum > at_fastest) sum = at_fastest;
+    if (sum < at_slowest) sum = at_slowest;
+    return sum;
   }
 };
 

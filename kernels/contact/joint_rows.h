@@ -32,8 +32,10 @@ struct JointRows {
     if (side_b) return {force, cross(j.arm_b, force) + moment};
     return {-force, cross(force, j.arm_a) - moment};
   }
-  static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& z) {
-    return as_rows(joint(p, c).project(as_values(z)));
+  /// @param step  [kg], zero: the nearest impulse that the joint may give; see JointRow
+  static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& z,
+                               Real step = 0) {
+    return as_rows(joint(p, c).project(as_values(z), step));
   }
   static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
     const Real d = joint(p, c).scale;
@@ -55,12 +57,13 @@ struct JointRows {
     return 3 * joint(p, c).scale;
   }
   /// Velocity that is left in the rows themselves, not in the coordinates of solvers [m/s]. Where
-  /// the axis has bounds, that of its natural map.
+  /// the last row is driven, that of its natural map.
   static SCREE_HD Rows residual(const ContactProblem<Real>& p, Index c, const Rows& z,
                                 const Rows& u) {
     const JointRow<Real>& j = joint(p, c);
     if (!(j.scale > Real(0))) return {};
-    const Rows moved = project(p, c, z - (Real(1) / j.scale) * u);
+    const Real step = Real(1) / j.scale;
+    const Rows moved = project(p, c, z - step * u, step);
     return as_rows(j.velocity(as_values(j.scale * (z - moved))));
   }
 

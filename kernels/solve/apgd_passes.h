@@ -137,6 +137,18 @@ struct ApgdContactStep {
       return {{-static_cast<double>(metric_dot(h, n, moved - y, moved - gamma)),
                static_cast<double>(metric_norm2(h, n, moved - y))}};
     }
+    if constexpr (R::kHasJoints) {
+      if (R::is_joint(p, c)) {
+        const Real own_step = step / h.normal;
+        const auto moved = R::Joints::project(p, c, y - step * solve_metric(h, n, g), own_step);
+        R::store(next, c, moved);
+        // Springs, friction and limits have a part in the objective: g is not zero where they rest.
+        const auto slope =
+            R::Joints::joint(p, c).has_own_terms() ? (Real(1) / own_step) * (y - moved) : g;
+        return {{static_cast<double>(dot(slope, moved - gamma)),
+                 static_cast<double>(metric_norm2(h, n, moved - y))}};
+      }
+    }
     const auto moved = R::project(p, c, y - step * solve_metric(h, n, g), h);
     R::store(next, c, moved);
     return {{static_cast<double>(dot(g, moved - gamma)),

@@ -16,6 +16,11 @@ template <class R, class Real>
 SCREE_HD typename R::Rows metric_step(const ContactProblem<Real>& p, Index c,
                                       const typename R::Rows& gamma, const typename R::Rows& u,
                                       const ContactMetric<Real>& metric, Real relaxation) {
+  if constexpr (R::kHasJoints) {
+    if (R::is_joint(p, c))
+      return R::Joints::project(p, c, gamma - relaxation * solve_metric(metric, p.normal[c], u),
+                                relaxation / metric.normal);
+  }
   return R::project(p, c, gamma - relaxation * solve_metric(metric, p.normal[c], u), metric);
 }
 

@@ -8,19 +8,47 @@
 #include "kernels/contact/contact_problem.h"
 #include "kernels/contact/joint_row.h"
 #include "kernels/math/pair_key.h"
-#include "kernels/math/periodic.h"
+#include "kernels/step/joint_measure.h"
 
 namespace scree {
 
 /// In place of a body's id: the world, which rests.
 inline constexpr Index kWorldId = -1;
 
+/// What drives a joint along or about its axis. Angles, ways and speeds are those of the second body
+/// against the first, from the start; of a line, those of its length beyond `zero`.
+struct JointDrive {
+  double lower = -INFINITY;  ///< limits [m or rad]
+  double upper = INFINITY;
+  double target =
+      0;  ///< speed that the motor keeps [m/s or rad/s]; of a spring, where it rests [m or rad]
+  double stiffness = 0;  ///< of a spring [N/m or N m/rad]; without it and damping a motor
+  double damping = 0;    ///< [N s/m or N m s/rad]
+  double most = 0;       ///< that motor or spring give [N or N m]; zero: there is none
+  double friction = 0;   ///< that friction gives at most [N or N m]
+
+  SCREE_HD bool is_used() const {
+    return lower > -INFINITY || upper < INFINITY || most > 0 || friction > 0;
+  }
+};
+
 /// A joint in the frames of its two bodies; that of the world is the world frame.
 struct JointFrames {
   Index body[2] = {kWorldId, kWorldId};  ///< ids
   Vec3<double> anchor[2];                ///< center of mass to the anchor, body frame [m]
   Quat<double> frame[2];                 ///< axes of the joint to those of the body
-  unsigned held = 0;                     ///< rows that it has, see JointRow
+  JointForm form = JointForm::point;
+  unsigned held = 0;  ///< rows that it has, see JointRow
+  double zero = 0;    ///< position that counts as zero [m]
+  JointDrive drive;
+  double break_force = INFINITY;   ///< a joint that carries more is no more [N]
+  double break_moment = INFINITY;  ///< [N m]
+};
+
+/// What a joint remembers from step to step.
+struct JointState {
+  double position = 0;  ///< along or about its axis at the start of the step [m or rad]
+  Index is_broken = 0;
 };
 
 /// Impulse of a joint on the second of its bodies, world frame.
@@ -83,8 +111,8 @@ struct JointSums {
 /// the step, no faster than the recovery speed; and as bodies turn by h w in it,
 ///   anchors move by   h w x r + h^2/2 (w' x r + w x (w x r)),   I w' = I w x w
 ///   axes turn by      h (w_b - w_a) + h^2/2 (w_b x w_a + w'_b - w'_a)
-/// so the second terms over h, with the present w, are part of it: position errors are of third
-/// order, and impulses act as those of the Verlet scheme do.
+/// so the second terms over h, with the present w, are part of it (JointDrift): position errors are
+/// of third order, and impulses act as those of the Verlet scheme do.
 template <class Real>
 struct JointSetup {
   static constexpr const char* name = "joint_setup";
@@ -93,6 +121,7 @@ struct JointSetup {
   JointPlaces places;
   Span<const Index> order;                ///< joint of each row
   Span<const JointImpulse<Real>> before;  ///< of each joint, in the step before
+  Span<JointState> state;                 ///< of each joint, in and out
   Vec3<double> period;                    ///< zero: axis not periodic [m]
   double time_step = 0;                   ///< h [s]
   double recovery_speed = 0;              ///< [m/s]
@@ -106,72 +135,65 @@ struct JointSetup {
     const Index j = order[k];
     const JointFrames& joint = places.joints[j];
     const bool turned = places.is_turned(j);
-    const Side a = side(joint, turned ? 1 : 0), b = side(joint, turned ? 0 : 1);
+    const bool is_broken = state[j].is_broken != 0;
+    JointSide a = side(joint, turned ? 1 : 0);
+    const JointSide b = side(joint, turned ? 0 : 1);
     body_a[k] = a.body;
     body_b[k] = b.body;
 
-    const Vec3<double> axis = rotate(a.frame, {0, 0, 1});
-    const Vec3<double> gap = minimum_image(b.position + b.arm - a.position - a.arm, period);
-    const Vec3<double> turn = misalignment(a, b, axis, (joint.held >> kJointAxisRow & 1u) != 0);
+    JointMeasure m = measure_joint(joint.form, joint.held, a, b, period);
+    const JointDrift drift = drift_of_joint(joint.form, m, a, b, time_step);
+    const bool is_line = joint.form == JointForm::line;
+    // Of a line the same in both directions.
+    const double sign = turned && !is_line ? -1 : 1;
+    const double position = follow(sign * m.position - joint.zero, state[j].position, joint.form);
+    state[j].position = position;
+    const bool is_last_held = (joint.held >> kJointAxisRow & 1u) != 0;
+    if (is_line) m.gap = is_last_held ? position * rotate(m.frame, {0, 0, 1}) : Vec3<double>{};
+
     const double length = b.is_free && b.radius < a.radius ? b.radius : a.radius;
     const double half = 0.5 * time_step;
-    const Vec3<double> linear = recovery(gap, 1) + half * (b.centripetal() - a.centripetal());
-    const Vec3<double> angular =
-        recovery(turn, length) +
-        (half * length) * (cross(b.turning, a.turning) + b.acceleration - a.acceleration);
+    const Vec3<double> linear = recovery(m.gap, 1) + half * drift.linear;
+    const Vec3<double> angular = recovery(m.turn, length) + (half * length) * drift.angular;
 
     JointRow<Real> r;
+    r.force_is_last = ends_with_force(joint.form);
     r.arm_a = Vec3<Real>(a.arm);
     r.arm_b = Vec3<Real>(b.arm);
-    r.axes[0] = Vec3<Real>(rotate(a.frame, {1, 0, 0}));
-    r.axes[1] = Vec3<Real>(rotate(a.frame, {0, 1, 0}));
-    r.axes[2] = Vec3<Real>(axis);
+    r.axes[0] = Vec3<Real>(rotate(m.frame, {1, 0, 0}));
+    r.axes[1] = Vec3<Real>(rotate(m.frame, {0, 1, 0}));
+    r.axes[2] = Vec3<Real>(rotate(m.frame, {0, 0, 1}));
     r.length = static_cast<Real>(length);
     r.bias = r.rows(Vec3<Real>(linear), Vec3<Real>(angular));
     double block[kJointTriangle] = {};
     add_block(r, a, block);
     add_block(r, b, block);
-    factorize(r, block, joint.held);
-    r.most = largest_number();
+    const bool is_driven = !is_last_held && joint.drive.is_used();
+    const unsigned driven_row = is_driven ? 1u << kJointAxisRow : 0u;
+    factorize(r, block, is_broken ? 0u : joint.held | driven_row);
+    r.most = largest_number<Real>();
     r.least = -r.most;
+    JointSums sums;
+    if (is_driven) sums.max_error = drive(joint.drive, sign, position, a, b, r);
     row[k] = r;
     normal[k] = r.axes[2];
 
     const JointImpulse<Real>& last = before[j];
-    const Real sign = turned ? Real(-1) : Real(1);
+    const Real side_sign = turned ? Real(-1) : Real(1);
     const JointValues<Real> z =
-        r.scaled_impulse(r.rows(sign * last.force, (sign / r.length) * last.moment));
+        r.scaled_impulse(r.rows(side_sign * last.force, (side_sign / r.length) * last.moment));
     gamma[2 * static_cast<Offset>(k)] = {z[0], z[1], z[2]};
     gamma[2 * static_cast<Offset>(k) + 1] = {z[3], z[4], z[5]};
 
-    JointSums sums;
-    sums.max_error = norm(gap);
-    const bool is_axis_held = (joint.held >> 3 & 3u) != 0;
-    const double tilt = is_axis_held ? length * norm(turn) : 0;
+    if (is_broken) return {};
+    if (norm(m.gap) > sums.max_error) sums.max_error = norm(m.gap);
+    const bool is_turn_held = (joint.held >> 3) != 0;
+    const double tilt = is_turn_held ? length * norm(m.turn) : 0;
     if (tilt > sums.max_error) sums.max_error = tilt;
     return sums;
   }
 
  private:
-  /// One of the two bodies.
-  struct Side {
-    Index body = 0;
-    bool is_free = false;
-    Vec3<double> position;      ///< of the center of mass [m]
-    Vec3<double> arm;           ///< [m]
-    Quat<double> frame;         ///< axes of the joint to those of the world
-    Vec3<double> turning;       ///< w [rad/s]
-    Vec3<double> acceleration;  ///< w' of free rotation [rad/s^2]
-    double radius = INFINITY;   ///< of the sphere about a free body [m]
-    Vec3<double> inv_mass;
-    Sym3<double> inv_inertia;
-
-    /// Acceleration of the anchor while the body turns freely [m/s^2].
-    SCREE_HD Vec3<double> centripetal() const {
-      return cross(acceleration, arm) + cross(turning, cross(turning, arm));
-    }
-  };
-
   static SCREE_HD Sym3<double> widened(const Sym3<Real>& m) {
     Sym3<double> w;
     w.xx = m.xx, w.yy = m.yy, w.zz = m.zz;
@@ -179,8 +201,8 @@ struct JointSetup {
     return w;
   }
 
-  SCREE_HD Side side(const JointFrames& joint, int which) const {
-    Side s;
+  SCREE_HD JointSide side(const JointFrames& joint, int which) const {
+    JointSide s;
     s.body = places.of(joint.body[which]);
     s.arm = joint.anchor[which];
     s.frame = joint.frame[which];
@@ -189,6 +211,7 @@ struct JointSetup {
     s.position = bodies.position[s.body];
     s.arm = rotate(q, s.arm);
     s.frame = q * s.frame;
+    s.velocity = Vec3<double>(bodies.velocity[s.body]);
     s.turning = Vec3<double>(bodies.angular_velocity[s.body]);
     s.is_free = bodies.moves(s.body);
     if (!s.is_free) return s;
@@ -203,16 +226,6 @@ struct JointSetup {
     return s;
   }
 
-  /// Rotation vector from the axes on A to those on B, for small angles [rad]: the tilt of the axis
-  /// and, where that is held, the angle about it.
-  static SCREE_HD Vec3<double> misalignment(const Side& a, const Side& b, const Vec3<double>& axis,
-                                            bool is_angle_held) {
-    const Vec3<double> tilt = cross(axis, rotate(b.frame, {0, 0, 1}));
-    if (!is_angle_held) return tilt;
-    const Quat<double> q = conjugate(a.frame) * b.frame;
-    return tilt + (2 * std::atan2(q.w < 0 ? -q.z : q.z, std::abs(q.w))) * axis;
-  }
-
   /// Speed that takes an error away in the step, or the largest that is allowed [m/s].
   /// @param length  of the error's unit [m]
   SCREE_HD Vec3<double> recovery(const Vec3<double>& error, double length) const {
@@ -221,8 +234,15 @@ struct JointSetup {
     return size > recovery_speed ? (recovery_speed / size) * speed : speed;
   }
 
+  /// The angle about the axis that is nearest to the last one: it counts whole turns.
+  static SCREE_HD double follow(double position, double last, JointForm form) {
+    constexpr double kTurn = 6.283185307179586477;
+    if (form != JointForm::point) return position;
+    return position + kTurn * std::rint((last - position) / kTurn);
+  }
+
   /// Adds J M^-1 J^T of one body.
-  static SCREE_HD void add_block(const JointRow<Real>& r, const Side& s,
+  static SCREE_HD void add_block(const JointRow<Real>& r, const JointSide& s,
                                  double (&block)[kJointTriangle]) {
     if (!s.is_free) return;
     Vec3<double> linear[kJointRows], angular[kJointRows];
@@ -230,6 +250,13 @@ struct JointSetup {
       linear[k] = Vec3<double>(r.axes[k]);
       angular[k] = cross(s.arm, linear[k]);
       angular[3 + k] = static_cast<double>(r.length) * linear[k];
+    }
+    if (r.force_is_last) {
+      linear[kJointAxisRow] = linear[2];
+      linear[2] = {};
+      const Vec3<double> along = angular[2];
+      angular[2] = angular[kJointAxisRow];
+      angular[kJointAxisRow] = along;
     }
     for (int i = 0; i < kJointRows; ++i) {
       const Vec3<double> moved = hadamard(s.inv_mass, linear[i]);
@@ -239,8 +266,59 @@ struct JointSetup {
     }
   }
 
-  static SCREE_HD Real largest_number() {
-    return sizeof(Real) == 8 ? static_cast<Real>(1e300) : static_cast<Real>(1e38);
+  /// What the last row gives. Its main part is that of the motor, u = speed, or of the spring,
+  ///   gamma = -h k (x + h (alpha u - beta u_0)) - h c u    u, u_0: mean of this step and of the last
+  /// With alpha + beta >= 1/2 and alpha >= beta it is stable at any step; docs/theory.md, "Joints".
+  /// @param sign      -1: A of the problem is the second body of the joint
+  /// @param position  of the joint at the start of the step [m or rad]
+  /// @return  how far it is beyond its limits [m]
+  SCREE_HD double drive(const JointDrive& d, double sign, double position, const JointSide& a,
+                        const JointSide& b, JointRow<Real>& r) const {
+    const double inverse = r.inverse_pivot(kJointAxisRow), h = time_step;
+    const double unit = r.force_is_last ? 1 : static_cast<double>(r.length);
+    const double x = sign * position;
+    const double upper = sign > 0 ? d.upper : -d.lower, lower = sign > 0 ? d.lower : -d.upper;
+    const double beyond = x > upper ? x - upper : (x < lower ? lower - x : 0);
+    if (!(inverse > 0)) return unit * beyond;  // nothing can follow
+
+    const double drift = static_cast<double>(r.bias[kJointAxisRow]);
+    double level = 0, compliance = 0;  // the main part takes the velocity to `level`
+    if (d.stiffness > 0 || d.damping > 0) {
+      const Vec3<double> axis(r.axes[2]);
+      const double rate = r.force_is_last ? dot(axis, b.anchor_velocity() - a.anchor_velocity())
+                                          : unit * dot(axis, b.turning - a.turning);
+      const double before = rate - drift;  // mean of the last step
+      // (h w)^2 with the mass that the row moves where the others hold.
+      const double mobility = static_cast<double>(r.scale) / (inverse * inverse * unit * unit);
+      const double rigidity = h * h * d.stiffness * mobility;
+      const double share = rigidity / (1 + rigidity);
+      const double alpha = 0.25 + 0.75 * share, beta = 0.25 - 0.25 * share;
+      const double resistance = alpha * h * d.stiffness + d.damping;
+      compliance = unit * unit / (h * resistance);
+      const double ahead = unit * (x - sign * d.target) - beta * h * before;
+      level = -d.stiffness * ahead / resistance;
+    } else {
+      level = sign * unit * d.target;
+    }
+    double fastest = unit * (upper - x) / h, slowest = unit * (lower - x) / h;
+    if (fastest < -recovery_speed) fastest = -recovery_speed;
+    if (slowest > recovery_speed) slowest = recovery_speed;
+    r.bias[kJointAxisRow] = static_cast<Real>(drift - level);
+    // In the coordinates of solvers.
+    const double impulse = h / (unit * inverse);
+    r.most = limited(impulse * d.most);
+    r.least = -r.most;
+    r.compliance = static_cast<Real>(inverse * inverse * compliance);
+    r.friction = limited(impulse * d.friction);
+    r.rest = static_cast<Real>(inverse * (drift - level));
+    r.fastest = limited(inverse * (fastest - level));
+    r.slowest = limited(inverse * (slowest - level));
+    return unit * beyond;
+  }
+
+  static SCREE_HD Real limited(double value) {
+    constexpr double kMost = static_cast<double>(largest_number<Real>());
+    return static_cast<Real>(value > kMost ? kMost : (value < -kMost ? -kMost : value));
   }
 };
 
@@ -252,7 +330,9 @@ struct KeepJointImpulses {
   Span<const Index> order;
   Span<const JointRow<Real>> row;
   Span<const Vec3<Real>> gamma;
+  double time_step = 0;              ///< [s]
   Span<JointImpulse<Real>> impulse;  ///< of each joint, out
+  Span<JointState> state;            ///< in and out: joints that carry too much break
 
   SCREE_HD void operator()(Index k) const {
     const Index j = order[k];
@@ -262,6 +342,11 @@ struct KeepJointImpulses {
         row[k].impulse({{force.x, force.y, force.z, moment.x, moment.y, moment.z}});
     const Real sign = places.is_turned(j) ? Real(-1) : Real(1);
     impulse[j] = {sign * row[k].world_force(g), (sign * row[k].length) * row[k].world_moment(g)};
+    const JointFrames& joint = places.joints[j];
+    const double h = time_step;
+    if (norm(Vec3<double>(impulse[j].force)) > h * joint.break_force ||
+        norm(Vec3<double>(impulse[j].moment)) > h * joint.break_moment)
+      state[j].is_broken = 1;
   }
 };
 

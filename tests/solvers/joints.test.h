@@ -1,6 +1,7 @@
 // Joints in the solvers, against dense matrices: joints alone are a linear system; beside contacts
 // they are eliminated from the mass matrix, and what is left is a problem of contacts.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <random>
 #include <string>
 #include <vector>
@@ -26,6 +27,20 @@ struct PlainJoint {
   double length = 1;
   Eigen::Matrix<double, 6, 1> bias;
   int rows = 6;  ///< the first ones are held
+  /// What the last of six rows gives when it is driven: a main part, friction at rest, limits.
+  bool is_driven = false;
+  double least = -1e30, most = 1e30, compliance = 0, friction = 0, rest = 0;
+  double slowest = -1e30, fastest = 1e30;
+
+  /// Least and largest impulse at a velocity of the row, give or take `near`.
+  std::pair<double, double> impulses_at(double w, double near) const {
+    const auto main_part = [&](double at) {
+      if (compliance > 0) return std::clamp(-at / compliance, least, most);
+      return at > 0 ? least : most;
+    };
+    const auto sum = [&](double at) { return main_part(at) + (at > rest ? -friction : friction); };
+    return {w + near > fastest ? -1e30 : sum(w + near), w - near < slowest ? 1e30 : sum(w - near)};
+  }
 
   /// J of the held rows [rows x 6 bodies].
   Eigen::MatrixXd jacobian(int body_count) const {
@@ -189,8 +204,16 @@ class JointedBuffers {
     for (int i = 0; i < kJointRows; ++i)
       for (int k = 0; k <= i; ++k) block[triangle_place(i, k)] = dense(i, k);
     factorize(row, block, (1u << joint.rows) - 1);
-    row.most = Real(1e30);
-    row.least = -row.most;
+    // The last row of the factor scales velocities by its inverse, impulses by itself.
+    const double inverse = joint.is_driven ? row.inverse_pivot(kJointAxisRow) : 1;
+    const auto real = [](double x) { return static_cast<Real>(x); };
+    row.most = real(joint.most / inverse);
+    row.least = real(joint.least / inverse);
+    row.compliance = real(joint.compliance * inverse * inverse);
+    row.friction = real(joint.friction / inverse);
+    row.rest = real(joint.rest * inverse);
+    if (joint.slowest > -1e29) row.slowest = real(joint.slowest * inverse);
+    if (joint.fastest < 1e29) row.fastest = real(joint.fastest * inverse);
     return row;
   }
 
@@ -279,6 +302,52 @@ TYPED_TEST(JointsTest, SolvesContactsAndJointsTogether) {
                 this->tolerance(1e-7, 1e-3));
       EXPECT_GT(gamma.norm(), 0.1);
       EXPECT_LT((j * v + sample.bias()).cwiseAbs().maxCoeff(), this->tolerance(1e-8, 5e-4));
+    });
+  }
+}
+
+// Springs, motors with bounds, friction and limits in the last rows. Impulses are those that change the
+// momentum as it was found to change; each row that is driven gives one that its parts give at its
+// velocity, the others have none left.
+TYPED_TEST(JointsTest, SolvesDrivenRows) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const unsigned seed : {7u, 8u, 9u, 10u}) {
+    JointedSample sample = random_sample(seed, 8, 0);
+    int kind = static_cast<int>(seed);
+    for (PlainJoint& joint : sample.joints) {
+      if (joint.rows != 5) continue;
+      joint.rows = 6;
+      joint.is_driven = true;
+      ++kind;
+      if (kind % 3 == 0) joint.compliance = uniform(random);
+      if (kind % 3 == 1) joint.most = uniform(random), joint.least = -joint.most;
+      if (kind % 3 == 2) joint.most = joint.least = 0;
+      if (kind % 2 == 0) joint.friction = 0.3 * uniform(random), joint.rest = 0.1;
+      if (kind % 4 < 2 || kind % 3 == 2) joint.fastest = 0.2 * uniform(random) - 0.1;
+    }
+    fixtures::round_to<TypeParam>(sample.plain);
+    const Eigen::MatrixXd j = sample.jacobian(), m = oracle::inverse_mass(sample.plain.data);
+    const Eigen::VectorXd start = oracle::free_velocity(sample.plain.data);
+    this->for_each_solver(sample, [&](const Eigen::VectorXd& v, auto&, const SolveStats&) {
+      const Eigen::MatrixXd moved = m * j.transpose();
+      const Eigen::VectorXd gamma = moved.colPivHouseholderQr().solve(v - start);
+      ASSERT_LT((moved * gamma - (v - start)).norm(), this->tolerance(1e-9, 1e-3));
+      const Eigen::VectorXd u = j * v + sample.bias();
+      Eigen::Index row = 0;
+      for (const PlainJoint& joint : sample.joints) {
+        for (int k = 0; k < joint.rows; ++k, ++row) {
+          if (k < 5 || !joint.is_driven) {
+            EXPECT_NEAR(u(row), 0, this->tolerance(1e-8, 5e-4));
+            continue;
+          }
+          const double off = this->tolerance(1e-7, 2e-3);
+          const auto [low, high] = joint.impulses_at(u(row), off);
+          EXPECT_GT(gamma(row), low - off) << "u " << u(row);
+          EXPECT_LT(gamma(row), high + off) << "u " << u(row);
+          EXPECT_LT(u(row), joint.fastest + off);
+        }
+      }
     });
   }
 }

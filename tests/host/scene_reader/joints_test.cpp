@@ -43,6 +43,47 @@ TEST(Joints, AreRead) {
   EXPECT_EQ(scene.joints[2].bodies, (std::array{1, 2}));
 }
 
+TEST(Joints, OfAllKindsAreRead) {
+  const Scene scene = parsed(with_joints(R"(
+      {"type": "slider", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [2, 0, 0],
+       "limits": [-1, 2], "motor": {"speed": 3, "max_force": 4}, "friction": 5, "break_force": 6,
+       "break_moment": 7},
+      {"type": "cylindrical", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [0, 0, 1]},
+      {"type": "universal", "bodies": ["bob", 2], "anchor": [0, 0, 1], "axis": [0, 0, 1],
+       "second_axis": [0, 3, 0]},
+      {"type": "distance", "bodies": ["bob", 2], "anchors": [[1, 0, 0], [0, 2, 0]]},
+      {"type": "cable", "bodies": ["bob", 2], "anchors": [[1, 0, 0], [0, 2, 0]], "length": 5},
+      {"type": "spring", "bodies": ["bob", 2], "anchors": [[1, 0, 0], [0, 2, 0]], "length": 0,
+       "stiffness": 100, "damping": 2},
+      {"type": "hinge", "bodies": ["world", "bob"], "anchor": [0, 0, 1], "axis": [0, 3, 0],
+       "motor": {"position": 0.5, "stiffness": 10, "damping": 1}})"));
+  ASSERT_EQ(scene.joints.size(), 7u);
+  const Joint& slider = scene.joints[0];
+  EXPECT_EQ(slider.kind, JointKind::slider);
+  EXPECT_EQ(slider.axis, (Vec3d{1, 0, 0}));
+  EXPECT_EQ(slider.limits, (std::array{-1.0, 2.0}));
+  ASSERT_TRUE(slider.motor);
+  EXPECT_EQ(slider.motor->speed, 3);
+  EXPECT_EQ(slider.motor->max_force, 4);
+  EXPECT_EQ(slider.friction, 5);
+  EXPECT_EQ(slider.break_force, 6);
+  EXPECT_EQ(slider.break_moment, 7);
+  EXPECT_EQ(scene.joints[1].kind, JointKind::cylindrical);
+  EXPECT_FALSE(scene.joints[1].motor);
+  EXPECT_EQ(scene.joints[2].second_axis, (Vec3d{0, 1, 0}));
+  EXPECT_EQ(scene.joints[3].anchor, (Vec3d{1, 0, 0}));
+  EXPECT_EQ(scene.joints[3].second_anchor, (Vec3d{0, 2, 0}));
+  EXPECT_LT(scene.joints[3].length, 0);
+  EXPECT_EQ(scene.joints[4].kind, JointKind::cable);
+  EXPECT_EQ(scene.joints[4].length, 5);
+  EXPECT_EQ(scene.joints[5].length, 0);
+  EXPECT_EQ(scene.joints[5].stiffness, 100);
+  EXPECT_EQ(scene.joints[5].damping, 2);
+  EXPECT_EQ(scene.joints[6].motor->position, 0.5);
+  EXPECT_EQ(scene.joints[6].motor->stiffness, 10);
+  EXPECT_TRUE(std::isinf(scene.joints[6].motor->max_force));
+}
+
 struct Refusal {
   const char* what;
   std::string text;
@@ -56,6 +97,16 @@ TEST_P(JointRefusal, NamesPathValueAndExpectation) {
 }
 
 const std::string kAt = R"(, "anchor": [0, 0, 1])";
+/// A scene with one joint of `bob` to the world, its other keys given.
+std::string joint(const std::string& type, const std::string& keys) {
+  return with_joints(R"({"type": ")" + type + R"(", "bodies": ["world", "bob"], )" + keys + "}");
+}
+std::string hinge(const std::string& keys) {
+  return joint("hinge", R"("anchor": [0, 0, 1], "axis": [0, 1, 0], )" + keys);
+}
+std::string line(const std::string& type, const std::string& keys) {
+  return joint(type, R"("anchors": [[0, 0, 1], [0, 0, 0]])" + keys);
+}
 
 INSTANTIATE_TEST_SUITE_P(
     Joints, JointRefusal,
@@ -64,7 +115,8 @@ INSTANTIATE_TEST_SUITE_P(
                 with_joints(R"({"type": "hing", "bodies": ["world", 0], "axis": [0, 1, 0])" + kAt +
                             "}"),
                 "joints[0].type: \"hing\" is not allowed: must be one of \"hinge\", \"ball\", "
-                "\"fixed\"; did you mean \"hinge\"?"},
+                "\"fixed\", \"slider\", \"cylindrical\", \"universal\", \"distance\", \"cable\", "
+                "\"spring\"; did you mean \"hinge\"?"},
         Refusal{"NoType", with_joints(R"({"bodies": ["world", 0])" + kAt + "}"),
                 "joints[0].type: missing: must be one of"},
         Refusal{"NoAxis", with_joints(R"({"type": "hinge", "bodies": ["world", 0])" + kAt + "}"),
@@ -93,9 +145,80 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"NotFree",
                 with_joints(R"({"type": "ball", "bodies": ["world", "floor"])" + kAt + "}"),
                 "joints[0].bodies: a joint of two bodies that are not free is not allowed"},
+        Refusal{"ZeroAxis", joint("slider", R"("anchor": [0, 0, 1], "axis": [0, 0, 0])"),
+                "joints[0].axis: [0,0,0] is not allowed"},
+        Refusal{"NoSecondAxis", joint("universal", R"("anchor": [0, 0, 1], "axis": [0, 0, 1])"),
+                "joints[0].second_axis: missing: a universal joint needs the axis of its cross in "
+                "the second body"},
+        Refusal{"SkewSecondAxis",
+                joint("universal",
+                      R"("anchor": [0, 0, 1], "axis": [0, 0, 1], "second_axis": [0, 0, 5])"),
+                "joints[0].second_axis: [0, 0, 1] is not allowed: must be at a right angle to "
+                "`axis`, which is [0, 0, 1]"},
+        Refusal{"SecondAxisOfHinge", hinge(R"("second_axis": [1, 0, 0])"),
+                "joints[0].second_axis: a joint of type \"hinge\" has no such key"},
+        Refusal{"AnchorsOfHinge", hinge(R"("anchors": [[0, 0, 1], [0, 0, 0]])"),
+                "joints[0].anchors: a joint of type \"hinge\" has no such key"},
+        Refusal{"AnchorOfCable", line("cable", R"(, "anchor": [0, 0, 1])"),
+                "joints[0].anchor: a joint of type \"cable\" has no such key"},
+        Refusal{"NoAnchors", joint("distance", R"("length": 1)"),
+                "joints[0].anchors: missing: must be two points at the start"},
+        Refusal{"OneAnchor", joint("distance", R"("anchors": [[0, 0, 1]])"),
+                "joints[0].anchors: [[0,0,1]] is not allowed: must be two points at the start"},
+        Refusal{"FarSecondAnchor", joint("cable", R"("anchors": [[0, 0, 1], [0, 0, 1e30]])"),
+                "joints[0].anchors[1]: [0, 0, 1e+30] is not allowed"},
+        Refusal{"NoDistance", joint("distance", R"("anchors": [[0, 0, 1], [0, 0, 1]])"),
+                "joints[0].anchors: one point twice is not allowed: a distance of zero has no "
+                "direction; use a ball joint"},
+        Refusal{"ZeroLength", line("distance", R"(, "length": 0)"),
+                "joints[0].length: 0 is not allowed: must be positive"},
+        Refusal{"NegativeLength", line("cable", R"(, "length": -1)"),
+                "joints[0].length: -1 is not allowed: must be zero or positive"},
+        Refusal{"LengthOfHinge", hinge(R"("length": 1)"),
+                "joints[0].length: a joint of type \"hinge\" has no such key"},
+        Refusal{"LimitsReversed", hinge(R"("limits": [1, -1])"),
+                "joints[0].limits: [1,-1] is not allowed: must be two numbers [low, high], low "
+                "below high"},
+        Refusal{"LimitsOfBall", joint("ball", R"("anchor": [0, 0, 1], "limits": [-1, 1])"),
+                "joints[0].limits: a joint of type \"ball\" has no such key"},
+        Refusal{"MotorOfCable", line("cable", R"(, "motor": {"speed": 1})"),
+                "joints[0].motor: a joint of type \"cable\" has no such key"},
+        Refusal{"FrictionOfSpring", line("spring", R"(, "stiffness": 1, "friction": 1)"),
+                "joints[0].friction: a joint of type \"spring\" has no such key"},
+        Refusal{"NegativeFriction", hinge(R"("friction": -1)"),
+                "joints[0].friction: -1 is not allowed: must be zero or positive"},
+        Refusal{"HugeFriction", hinge(R"("friction": 1e30)"),
+                "joints[0].friction: 1e+30 is not allowed: must be zero or positive and up to"},
+        Refusal{"MotorWithoutTarget", hinge(R"("motor": {"max_force": 1})"),
+                "joints[0].motor: must have either \"speed\", or \"position\""},
+        Refusal{"MotorWithTwoTargets",
+                hinge(R"("motor": {"speed": 1, "position": 1, "stiffness": 1})"),
+                "joints[0].motor: must have either \"speed\", or \"position\""},
+        Refusal{"PositionWithoutStiffness", hinge(R"("motor": {"position": 1})"),
+                "joints[0].motor.stiffness: missing"},
+        Refusal{"SpeedWithStiffness", hinge(R"("motor": {"speed": 1, "stiffness": 1})"),
+                "joints[0].motor.stiffness: a motor with \"speed\" has no such key"},
+        Refusal{"MotorWithoutForce", hinge(R"("motor": {"speed": 1, "max_force": 0})"),
+                "joints[0].motor.max_force: 0 is not allowed: must be positive"},
+        Refusal{"HugeSpeed", hinge(R"("motor": {"speed": 1e30})"),
+                "joints[0].motor.speed: 1e+30 is not allowed: must be from"},
+        Refusal{"UnknownKeyOfMotor", hinge(R"("motor": {"sped": 1})"),
+                "joints[0].motor.sped: unknown key"},
+        Refusal{"NoStiffness", line("spring", ""), "joints[0].stiffness: missing: must be that of"},
+        Refusal{"SlackSpring", line("spring", R"(, "stiffness": 0)"),
+                "joints[0].stiffness: 0 without damping is not allowed: a spring must pull or "
+                "damp"},
+        Refusal{"StiffnessOfCable", line("cable", R"(, "stiffness": 5)"),
+                "joints[0].stiffness: a joint of type \"cable\" has no such key"},
+        Refusal{"BreakForce", hinge(R"("break_force": 0)"),
+                "joints[0].break_force: 0 is not allowed: must be positive"},
+        Refusal{"BreakMoment", hinge(R"("break_moment": -2)"),
+                "joints[0].break_moment: -2 is not allowed: must be positive"},
         Refusal{"UnknownKey",
                 with_joints(R"({"type": "ball", "body": 1, "bodies": ["world", 0])" + kAt + "}"),
-                "joints[0].body: unknown key. Known keys: type, bodies, anchor, axis"},
+                "joints[0].body: unknown key. Known keys: type, bodies, anchor, axis, "
+                "anchors, second_axis, length, limits, motor, friction, stiffness, damping, "
+                "break_force, break_moment"},
         Refusal{"NameTwice", test::with_body(R"({"name": "a", "shape": "half_space"},
                                                 {"name": "a", "shape": "half_space"})"),
                 "bodies[2].name: \"a\" is not allowed: bodies[1] has this name"},
@@ -117,6 +240,21 @@ TEST(Joints, OfProgramsAreCheckedToo) {
   scene.joints[0] = {JointKind::hinge, {kWorldBody, 0}, {0, 0, 1}, {0, 2, 0}};
   EXPECT_THAT(refusal([&] { validate(scene); }),
               StartsWith("joints[0].axis: [0, 2, 0] is not allowed: must have length 1"));
+  Joint& joint = scene.joints[0];
+  joint.axis = {0, 1, 0};
+  joint.limits = {1, -1};
+  EXPECT_EQ(refusal([&] { validate(scene); }),
+            "joints[0].limits: [1, -1] is not allowed: must be two numbers, the lower one first");
+  joint.limits = {-1, 1};
+  joint.motor = JointMotor{.stiffness = -1};
+  EXPECT_THAT(refusal([&] { validate(scene); }),
+              StartsWith("joints[0].motor.stiffness: -1 is not allowed"));
+  joint.motor = JointMotor{};
+  joint.kind = JointKind::ball;
+  EXPECT_EQ(
+      refusal([&] { validate(scene); }),
+      "joints[0].type: \"ball\" with limits, a motor or friction is not allowed: a hinge or a "
+      "slider can have these");
 }
 
 /// A ball that hangs from the world.
@@ -157,6 +295,10 @@ TEST(Joints, OfASavedStateAreThoseOfTheScene) {
   state.at<Vec3d>("joint/impulse").pop_back();
   EXPECT_EQ(refusal([&] { world.restore(state); }),
             "checkpoint: 1 vectors of joint impulses, expected 2 of 1 joints");
+  state = world.save();
+  state.at<double>("joint/position").push_back(1);
+  EXPECT_EQ(refusal([&] { world.restore(state); }),
+            "checkpoint: 2 positions and 1 marks of broken joints, expected 1 of each");
 }
 
 }  // namespace

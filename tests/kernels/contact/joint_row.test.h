@@ -2,6 +2,7 @@
 // velocities there and back, absent and redundant rows, bounds.
 #include <Eigen/Cholesky>
 #include <Eigen/Dense>
+#include <algorithm>
 #include <random>
 
 #include "kernels/contact/joint_row.h"
@@ -26,12 +27,13 @@ struct TryJoint {
   Span<JointValues<Real>> scaled_impulse;
   Span<JointValues<Real>> impulse;
   Span<JointValues<Real>> nearest;
+  Real step = 1;
   SCREE_HD void operator()(Index k) const {
     scaled_velocity[k] = joint[0].scaled_velocity(given[k]);
     velocity[k] = joint[0].velocity(scaled_velocity[k]);
     scaled_impulse[k] = joint[0].scaled_impulse(given[k]);
     impulse[k] = joint[0].impulse(scaled_impulse[k]);
-    nearest[k] = joint[0].project(given[k]);
+    nearest[k] = joint[0].project(given[k], step);
   }
 };
 
@@ -68,7 +70,7 @@ class JointRowTest : public BackendTest<Real> {
     return joint;
   }
 
-  Results run(const JointRow<Real>& joint, const std::vector<Vector6>& given) {
+  Results run(const JointRow<Real>& joint, const std::vector<Vector6>& given, double step = 1) {
     TestBackend& b = this->backend();
     const auto n = static_cast<Index>(given.size());
     std::vector<JointValues<Real>> values;
@@ -85,7 +87,8 @@ class JointRowTest : public BackendTest<Real> {
       return Span<JointValues<Real>>{out.data() + static_cast<Offset>(k) * n, n};
     };
     for_each(b, n,
-             TryJoint<Real>{joints.view(), in.view(), part(0), part(1), part(2), part(3), part(4)});
+             TryJoint<Real>{joints.view(), in.view(), part(0), part(1), part(2), part(3), part(4),
+                            static_cast<Real>(step)});
     Results r;
     std::vector<Vector6>* results[] = {&r.scaled_velocity, &r.velocity, &r.scaled_impulse,
                                        &r.impulse, &r.nearest};
@@ -202,6 +205,76 @@ TYPED_TEST(JointRowTest, OneStepSolvesAJointWithBounds) {
     for (int i = 0; i < 6; ++i) g(i) = found[i];
     EXPECT_LT((g - expected).norm() / expected.norm(), 100 * this->kTolerance) << trial;
   }
+}
+
+/// Impulses that a drive gives at a velocity: all from .first to .second. Written from its parts.
+std::pair<double, double> impulses_at(const JointRow<double>& d, double w) {
+  constexpr double kAll = 1e30, kNear = 1e-9;
+  double low = 0, high = 0;
+  if (d.compliance > 0) {
+    low = high = std::clamp(-w / d.compliance, d.least, d.most);
+  } else {
+    low = w > -kNear ? d.least : d.most;
+    high = w < kNear ? d.most : d.least;
+  }
+  low += w > d.rest - kNear ? -d.friction : d.friction;
+  high += w < d.rest + kNear ? d.friction : -d.friction;
+  if (w > d.fastest - kNear) low = -kAll;
+  if (w < d.slowest + kNear) high = kAll;
+  return {low, high};
+}
+
+// Motor or spring, friction and limits together: what is found is an impulse that they give at the
+// velocity that the impulse leaves.
+TYPED_TEST(JointRowTest, DrivenRowGivesWhatItsPartsGive) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  int at_limit = 0, sticking = 0, bounded = 0, free = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    JointRow<TypeParam> row = this->joint_of(Matrix6::Identity(), kAll);
+    const auto some = [&] { return static_cast<TypeParam>(uniform(random)); };
+    row.most = some() * TypeParam(trial % 3);
+    row.least = trial % 5 == 0 ? TypeParam(0) : -some();
+    if (trial % 2 == 0) row.compliance = some();
+    if (trial % 4 < 2) row.friction = some();
+    row.rest = some() - TypeParam(0.5);
+    if (trial % 7 < 4) row.fastest = some() - TypeParam(0.2);
+    if (trial % 7 > 2) row.slowest = (row.fastest < 1 ? row.fastest : TypeParam(0)) - some();
+    const double step = 0.1 + 3 * uniform(random);
+    const double given = 6 * uniform(random) - 3;
+    const double found = this->run(row, {given * Vector6::Unit(5)}, step).nearest[0](5);
+    const double w = (found - given) / step;
+    JointRow<double> same;
+    same.least = row.least, same.most = row.most, same.compliance = row.compliance;
+    same.friction = row.friction, same.rest = row.rest;
+    same.slowest = row.slowest, same.fastest = row.fastest;
+    // Somewhere within rounding of w.
+    const double off = this->kTolerance;
+    const double low = impulses_at(same, w + off).first, high = impulses_at(same, w - off).second;
+    EXPECT_GE(found, low - off) << trial;
+    EXPECT_LE(found, high + off) << trial;
+    EXPECT_LE(w, row.fastest + off) << trial;
+    EXPECT_GE(w, row.slowest - off) << trial;
+    const bool is_limited = w > row.fastest - 1e-5 || w < row.slowest + 1e-5;
+    const bool sticks = row.friction > 0 && std::abs(w - row.rest) < 1e-5;
+    ++(is_limited ? at_limit : sticks ? sticking : row.compliance > 0 ? free : bounded);
+  }
+  for (const int count : {at_limit, sticking, bounded, free}) EXPECT_GT(count, 15);
+}
+
+// Before the first step a guess is made one that the drive may give.
+TYPED_TEST(JointRowTest, GuessBecomesOneThatTheDriveMayGive) {
+  JointRow<TypeParam> row = this->joint_of(Matrix6::Identity(), kAll);
+  row.most = 2, row.least = -1, row.friction = TypeParam(0.5);
+  const auto nearest = [&](double z) {
+    return this->run(row, {z * Vector6::Unit(5)}, 0).nearest[0](5);
+  };
+  EXPECT_EQ(nearest(5), 2.5);
+  EXPECT_EQ(nearest(-5), -1.5);
+  EXPECT_EQ(nearest(1), 1);
+  row.fastest = 3;  // its limit gives any impulse against the motion
+  EXPECT_EQ(nearest(-5), -5);
+  EXPECT_EQ(nearest(5), 2.5);
 }
 
 }  // namespace

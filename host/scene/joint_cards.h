@@ -1,0 +1,55 @@
+#pragma once
+// The kinds of joints: names in scene files, and what each of them asks for.
+
+#include <array>
+
+#include "host/scene.h"
+
+namespace scree {
+
+struct JointCard {
+  JointKind kind;
+  const char* name;
+  const char* axis = nullptr;         ///< what its `axis` is; null: it has none
+  const char* second_axis = nullptr;  ///< the same of `second_axis`
+  bool has_two_points = false;        ///< `anchors` and a length; else one `anchor` for both bodies
+  bool has_drive = false;             ///< takes limits, a motor and friction
+  const char* position = nullptr;     ///< unit of its way, null: it has none that is one number
+};
+
+inline constexpr std::array kJointCards{
+    JointCard{.kind = JointKind::hinge,
+              .name = "hinge",
+              .axis = "a hinge needs the direction it turns about, [x, y, z]",
+              .has_drive = true,
+              .position = "rad"},
+    JointCard{.kind = JointKind::ball, .name = "ball"},
+    JointCard{.kind = JointKind::fixed, .name = "fixed"},
+    JointCard{.kind = JointKind::slider,
+              .name = "slider",
+              .axis = "a slider needs the direction it moves along, [x, y, z]",
+              .has_drive = true,
+              .position = "m"},
+    JointCard{.kind = JointKind::cylindrical,
+              .name = "cylindrical",
+              .axis = "a cylindrical joint needs the direction it moves along and turns about, "
+                      "[x, y, z]",
+              .position = "m"},
+    JointCard{.kind = JointKind::universal,
+              .name = "universal",
+              .axis = "a universal joint needs the axis of its cross in the first body, [x, y, z]",
+              .second_axis = "a universal joint needs the axis of its cross in the second body, "
+                             "[x, y, z]"},
+    JointCard{
+        .kind = JointKind::distance, .name = "distance", .has_two_points = true, .position = "m"},
+    JointCard{.kind = JointKind::cable, .name = "cable", .has_two_points = true, .position = "m"},
+    JointCard{
+        .kind = JointKind::spring, .name = "spring", .has_two_points = true, .position = "m"}};
+
+constexpr const JointCard& joint_card(JointKind kind) {
+  for (const JointCard& card : kJointCards)
+    if (card.kind == kind) return card;
+  return kJointCards[0];
+}
+
+}  // namespace scree

@@ -1,0 +1,151 @@
+#pragma once
+// Where the two sides of a joint are to each other: what is off in the rows that it holds, the way
+// along or about its axis, and how turning bodies change both. docs/theory.md, section "Joints".
+
+#include "kernels/backend/backend.h"
+#include "kernels/contact/joint_row.h"
+#include "kernels/math/periodic.h"
+#include "kernels/math/quat.h"
+
+namespace scree {
+
+/// What the rows of a joint measure.
+///   point  two points are one; the axis belongs to both bodies. The last row turns about it
+///   slide  the point of B lies on the axis through that of A. The last row goes along it
+///   cross  two points are one; the axis of A is at a right angle to that of B. The last row turns
+///          about the normal of both
+///   line   the last row goes along the line from the point of A to that of B
+enum class JointForm : std::uint8_t { point, slide, cross, line };
+
+/// Whether the last row is a force, see JointRow.
+SCREE_HD constexpr bool ends_with_force(JointForm form) {
+  return form == JointForm::slide || form == JointForm::line;
+}
+
+/// One of the two bodies of a joint.
+struct JointSide {
+  Index body = 0;  ///< in storage
+  bool is_free = false;
+  Vec3<double> position;      ///< of the center of mass [m]
+  Vec3<double> arm;           ///< from there to the anchor [m]
+  Quat<double> frame;         ///< axes of the joint to those of the world
+  Vec3<double> velocity;      ///< [m/s]
+  Vec3<double> turning;       ///< w [rad/s]
+  Vec3<double> acceleration;  ///< w' of free rotation [rad/s^2]
+  double radius = INFINITY;   ///< of the sphere about a free body [m]
+  Vec3<double> inv_mass;
+  Sym3<double> inv_inertia;
+
+  /// Acceleration of the anchor while the body turns freely [m/s^2].
+  SCREE_HD Vec3<double> centripetal() const {
+    return cross(acceleration, arm) + cross(turning, cross(turning, arm));
+  }
+  SCREE_HD Vec3<double> anchor_velocity() const { return velocity + cross(turning, arm); }
+};
+
+/// A rotation that takes the z axis to a unit vector.
+SCREE_HD inline Quat<double> rotation_to(const Vec3<double>& axis) {
+  if (axis.z < -0.5) {  // by way of the opposite vector: near it no digits are lost
+    return normalized(Quat<double>{1 - axis.z, axis.y, -axis.x, 0}) * Quat<double>{0, 1, 0, 0};
+  }
+  return normalized(Quat<double>{1 + axis.z, -axis.y, axis.x, 0});
+}
+
+struct JointMeasure {
+  Quat<double> frame;   ///< axes of the joint to those of the world
+  Vec3<double> gap;     ///< from the anchor of A to that of B, as far as forces hold it [m]
+  Vec3<double> turn;    ///< rotation vector from A to B, as far as moments hold it [rad]
+  double position = 0;  ///< along or about the axis, from A to B [m or rad]
+};
+
+/// Rotation vector from the axes on A to those on B, for small angles [rad]: the tilt of the axis
+/// and, where that is held, the angle about it.
+SCREE_HD inline double angle_about_axis(const JointSide& a, const JointSide& b) {
+  const Quat<double> q = conjugate(a.frame) * b.frame;
+  return 2 * std::atan2(q.w < 0 ? -q.z : q.z, std::abs(q.w));
+}
+SCREE_HD inline Vec3<double> misalignment(const JointSide& a, const JointSide& b,
+                                          const Vec3<double>& axis, bool is_angle_held) {
+  const Vec3<double> tilt = cross(axis, rotate(b.frame, {0, 0, 1}));
+  return is_angle_held ? tilt + angle_about_axis(a, b) * axis : tilt;
+}
+
+/// @param a       of a slide its arm goes to the anchor of B afterwards: A holds that point
+/// @param held    rows that the joint has, see JointRow
+/// @param period  zero: axis not periodic [m]
+SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, JointSide& a,
+                                           const JointSide& b, const Vec3<double>& period) {
+  JointMeasure m;
+  m.frame = a.frame;
+  m.gap = minimum_image(b.position + b.arm - a.position - a.arm, period);
+  const Vec3<double> axis = rotate(a.frame, {0, 0, 1});
+  switch (form) {
+    case JointForm::point:
+      m.turn = misalignment(a, b, axis, (held >> kJointAxisRow & 1u) != 0);
+      m.position = angle_about_axis(a, b);
+      break;
+    case JointForm::slide:
+      a.arm += m.gap;
+      m.position = dot(axis, m.gap);
+      m.gap -= m.position * axis;
+      m.turn = misalignment(a, b, axis, (held >> 2 & 1u) != 0);
+      break;
+    case JointForm::cross: {
+      const Vec3<double> other = rotate(b.frame, {0, 0, 1});
+      const Vec3<double> normal = cross(axis, other);
+      const double sine = norm(normal);
+      if (!(sine > 0)) break;  // the two axes are one: no moment holds them apart
+      m.frame = rotation_to((1 / sine) * normal);
+      m.position = -std::atan2(dot(axis, other), sine);
+      m.turn = (m.position / sine) * normal;
+      break;
+    }
+    case JointForm::line:
+      m.position = norm(m.gap);
+      if (m.position > 0) m.frame = rotation_to((1 / m.position) * m.gap);
+      break;
+  }
+  return m;
+}
+
+/// Second derivatives of what the rows measure while the bodies turn freely.
+struct JointDrift {
+  Vec3<double> linear;   ///< [m/s^2]
+  Vec3<double> angular;  ///< [rad/s^2]
+};
+
+/// @param a, b       as measure_joint() leaves them
+/// @param time_step  [s]
+SCREE_HD inline JointDrift drift_of_joint(JointForm form, const JointMeasure& m, const JointSide& a,
+                                          const JointSide& b, double time_step) {
+  JointDrift d;
+  d.linear = b.centripetal() - a.centripetal();
+  d.angular = cross(b.turning, a.turning) + b.acceleration - a.acceleration;
+  const Vec3<double> axis = rotate(m.frame, {0, 0, 1});
+  switch (form) {
+    case JointForm::point:
+      break;
+    case JointForm::slide:  // Coriolis, in the frame of A
+      d.linear -= 2.0 * cross(a.turning, b.anchor_velocity() - a.anchor_velocity());
+      break;
+    case JointForm::cross: {  // second derivative of the product of the two axes
+      const Vec3<double> x = rotate(a.frame, {0, 0, 1}), y = rotate(b.frame, {0, 0, 1});
+      const Vec3<double> x1 = cross(a.turning, x), y1 = cross(b.turning, y);
+      const Vec3<double> x2 = cross(a.acceleration, x) + cross(a.turning, x1);
+      const Vec3<double> y2 = cross(b.acceleration, y) + cross(b.turning, y1);
+      d.angular = -(dot(x2, y) + 2 * dot(x1, y1) + dot(x, y2)) * axis;
+      break;
+    }
+    case JointForm::line: {  // the way across makes the distance longer
+      const Vec3<double> v = b.anchor_velocity() - a.anchor_velocity();
+      const double across = norm(v - dot(axis, v) * axis);
+      const double way = time_step * across;
+      const double longer = std::sqrt(m.position * m.position + way * way) - m.position;
+      d.linear = (dot(axis, d.linear) + 2 * longer / (time_step * time_step)) * axis;
+      break;
+    }
+  }
+  return d;
+}
+
+}  // namespace scree

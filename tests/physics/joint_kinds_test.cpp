@@ -1,0 +1,231 @@
+// Sliders, cylindrical and universal joints, rods and cables: closed forms.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/physics/joint_scenes.h"
+
+namespace scree::physics {
+namespace {
+
+class JointKinds : public testing::TestWithParam<Precision> {
+ protected:
+  World world_of(const Scene& scene) const { return joint_world(scene, GetParam()); }
+  bool is_double() const { return GetParam() == Precision::double_precision; }
+};
+INSTANTIATE_TEST_SUITE_P(Precisions, JointKinds,
+                         testing::Values(Precision::single_precision, Precision::double_precision),
+                         name_of_precision);
+
+// Down an incline, held at a point beside its center: x = g sin(slope) t (t + h) / 2.
+TEST_P(JointKinds, SliderGoesDownItsIncline) {
+  const double slope = radians(25);
+  const Vec3d down{std::cos(slope), 0, -std::sin(slope)};
+  for (const bool world_first : {false, true}) {
+    Scene scene = empty_scene(1e-3, 0);
+    add_box(scene, {0, 0, 0}, {0.1, 0.2, 0.05}, 2);
+    Joint slider = joint_of(JointKind::slider, kWorldBody, 0, {0.05, 0.3, -0.2}, down);
+    if (!world_first) std::swap(slider.bodies[0], slider.bodies[1]);
+    scene.joints.push_back(slider);
+    World world = world_of(scene);
+    const int steps = 500;
+    double error = 0;
+    for (int k = 0; k < steps; ++k) error = world.step().max_joint_error;
+    const double t = steps * 1e-3, way = 0.5 * kGravity * std::sin(slope) * t * (t + 1e-3);
+    const BodyStates s = world.states();
+    EXPECT_LT(norm(s.position[0] - way * down), is_double() ? 1e-9 : 1e-5);
+    EXPECT_LT(norm(rotate(s.orientation[0], {1, 2, 3}) - Vec3d{1, 2, 3}),
+              is_double() ? 1e-9 : 1e-5);
+    EXPECT_LT(error, is_double() ? 1e-9 : 1e-5);
+    const JointRecord record = world.joints().at(0);
+    const double sign = world_first ? 1 : -1;  // the second body against the first
+    const double last = 0.5 * kGravity * std::sin(slope) * (t - 1e-3) * t;
+    EXPECT_NEAR(record.position, sign * last, is_double() ? 1e-9 : 1e-5);
+    // What is across the incline is carried: on the box from the world.
+    EXPECT_NEAR(dot(record.force, {std::sin(slope), 0, std::cos(slope)}) * 1e3,
+                sign * 2 * kGravity * std::cos(slope), 1e-3);
+    EXPECT_NEAR(dot(record.force, down), 0, 1e-6);
+  }
+}
+
+// A guide that turns throws its slider outward: r = r_0 cosh(w t).
+TEST_P(JointKinds, SliderGoesOutOnATurningGuide) {
+  constexpr double kRate = 2, kStart = 0.3, kStep = 1e-3;
+  Scene scene = empty_scene(kStep, 0);
+  scene.gravity = {};
+  BodyDescription& guide = add_wall_box(scene, {0, 0, 0}, {0.01, 0.01, 0.01}, BodyKind::kinematic);
+  Motion motion;
+  motion.kind = Motion::Kind::rotating;
+  motion.rate = kRate;
+  guide.motion = motion;
+  BodyDescription& bead = add_sphere(scene, {kStart, 0, 0}, 0.02, 1);
+  bead.velocity = Vec3d{0, kStart * kRate, 0};
+  bead.angular_velocity = {0, 0, kRate};
+  scene.joints.push_back(joint_of(JointKind::slider, 0, 1, {0, 0, 0}, {1, 0, 0}));
+  World world = world_of(scene);
+  double error = 0;
+  for (int k = 0; k < 1000; ++k) error = std::max(error, world.step().max_joint_error);
+  const double expected = kStart * std::cosh(kRate);
+  EXPECT_NEAR(norm(world.states().position[1]) / expected, 1, is_double() ? 1e-5 : 1e-4);
+  EXPECT_LT(error, 2e-6);
+}
+
+// Falls along the axis, which is upright, and keeps turning about it; nothing else.
+TEST_P(JointKinds, CylinderFallsAndTurns) {
+  Scene scene = empty_scene(1e-3, 0);
+  BodyDescription& box = add_box(scene, {0.3, 0, 0}, {0.1, 0.05, 0.2}, 1);
+  constexpr double kRate = 2;
+  box.angular_velocity = {0, 0, kRate};
+  box.velocity = {0, 0.3 * kRate, 0};
+  scene.joints.push_back(joint_of(JointKind::cylindrical, kWorldBody, 0, {0, 0, 0.1}, {0, 0, 1}));
+  World world = world_of(scene);
+  for (int k = 0; k < 500; ++k) world.step();
+  const BodyStates s = world.states();
+  const double fall = 0.5 * kGravity * 0.5 * 0.501;
+  EXPECT_NEAR(s.position[0].z, -fall, is_double() ? 1e-8 : 1e-5);
+  const Vec3d expected{0.3 * std::cos(kRate * 0.5), 0.3 * std::sin(kRate * 0.5), -fall};
+  EXPECT_LT(norm(s.position[0] - expected), 1e-4);
+  EXPECT_NEAR(s.angular_velocity[0].z, kRate, 1e-4);
+}
+
+// Two shafts at an angle: tan(out) = tan(in) cos(bend), so the ratio of their rates goes between
+// cos(bend) and its inverse.
+TEST_P(JointKinds, UniversalJointTurnsUnevenly) {
+  const double bend = radians(35);
+  constexpr double kRate = 3, kStep = 1e-3;
+  const Vec3d out{std::cos(bend), std::sin(bend), 0};
+  Scene scene = empty_scene(kStep, 0);
+  scene.gravity = {};
+  BodyDescription& drive =
+      add_wall_box(scene, {-0.3, 0, 0}, {0.1, 0.02, 0.02}, BodyKind::kinematic);
+  Motion motion;
+  motion.kind = Motion::Kind::rotating;
+  motion.axis = {1, 0, 0};
+  motion.rate = kRate;
+  drive.motion = motion;
+  BodyDescription& shaft = add_box(scene, 0.3 * out, {0.1, 0.05, 0.05}, 1);
+  shaft.orientation = exp_map(Vec3d{0, 0, bend});
+  shaft.angular_velocity = kRate * std::cos(bend) * out;
+  Joint cross_joint = joint_of(JointKind::universal, 0, 1, {}, {0, 0, 1});
+  cross_joint.second_axis = {-std::sin(bend), std::cos(bend), 0};
+  // The bearing of the shaft, which leaves the place along it to the cross.
+  scene.joints.push_back(joint_of(JointKind::cylindrical, kWorldBody, 1, 0.4 * out, out));
+  scene.joints.push_back(cross_joint);
+  World world = world_of(scene);
+  double worst = 0, slow = 10, fast = 0, error = 0;
+  for (int k = 1; k <= 2100; ++k) {  // a whole turn
+    error = std::max(error, world.step().max_joint_error);
+    const BodyStates s = world.states();
+    const double in = kRate * k * kStep;
+    const double expected = std::atan2(std::sin(in) * std::cos(bend), std::cos(in));
+    const Vec3d side = rotate(s.orientation[1], {0, 1, 0});
+    const double found = std::atan2(side.z, dot(side, {-std::sin(bend), std::cos(bend), 0}));
+    worst = std::max(worst, std::abs(std::remainder(found - expected, 2 * kPi)));
+    const double ratio = dot(s.angular_velocity[1], out) / kRate;
+    const double middle = in - kRate * kStep / 2;
+    const double law = std::cos(bend) / (1 - std::pow(std::sin(bend) * std::sin(middle), 2));
+    EXPECT_NEAR(ratio / law, 1, 2e-3);
+    slow = std::min(slow, ratio);
+    fast = std::max(fast, ratio);
+  }
+  EXPECT_LT(worst, 5e-5);
+  EXPECT_NEAR(slow / std::cos(bend), 1, 1e-3);
+  EXPECT_NEAR(fast * std::cos(bend), 1, 1e-3);
+  EXPECT_LT(error, 1e-5);
+}
+
+// A rod without mass between two points swings as a pendulum of its length.
+TEST_P(JointKinds, DistanceIsAPendulum) {
+  Scene scene = empty_scene(1e-3, 0);
+  const double tilt = radians(60);
+  const Vec3d bob{std::sin(tilt), 0, 2 - std::cos(tilt)};
+  add_sphere(scene, bob, 0.01, 1);
+  scene.joints.push_back(line_of(JointKind::distance, kWorldBody, 0, {0, 0, 2}, bob));
+  World world = world_of(scene);
+  double error = 0;
+  const double period = period_of(
+      world, 6000, [&] { return world.states().position[0].x; },
+      [&](const StepReport& r) { error = std::max(error, r.max_joint_error); });
+  EXPECT_NEAR(period / (2 * kPi * std::sqrt(1 / kGravity) * 1.0731820), 1, 1e-4);
+  EXPECT_LT(error, is_double() ? 1e-7 : 1e-5);
+}
+
+// Two rods of the distance kind between two free balls that turn about each other: their distance
+// stays, and so does their momentum.
+TEST_P(JointKinds, DistanceHoldsTwoBodiesThatTurn) {
+  Scene scene = empty_scene(1e-3, 0);
+  scene.gravity = {};
+  add_sphere(scene, {-0.5, 0, 0}, 0.05, 1).velocity = {0.1, -1, 0};
+  add_sphere(scene, {0.5, 0, 0}, 0.05, 3).velocity = {0.1, 1.0 / 3, 0};
+  scene.joints.push_back(line_of(JointKind::distance, 1, 0, {0.5, 0, 0}, {-0.5, 0, 0}));
+  World world = world_of(scene);
+  for (int k = 0; k < 3000; ++k) world.step();
+  const BodyStates s = world.states();
+  EXPECT_NEAR(norm(s.position[1] - s.position[0]), 1, is_double() ? 1e-6 : 1e-5);
+  EXPECT_LT(norm(s.velocity[0] + 3.0 * s.velocity[1] - Vec3d{0.4, 0, 0}),
+            is_double() ? 1e-9 : 1e-3);
+  // Tension m v^2 / r of the light one, at 0.75 from the center of both.
+  EXPECT_NEAR(norm(world.joints()[0].force) * 1e3, 1 / 0.75, 2e-2);
+}
+
+TEST_P(JointKinds, DistancePullsToItsLength) {
+  Scene scene = empty_scene(1e-3, 0);
+  scene.gravity = {};
+  add_sphere(scene, {1.02, 0, 0}, 0.05, 1);
+  scene.joints.push_back(line_of(JointKind::distance, kWorldBody, 0, {}, {1.02, 0, 0}));
+  scene.joints[0].length = 1;
+  World world = world_of(scene);
+  EXPECT_NEAR(world.step().max_joint_error, 0.02, 1e-7);
+  for (int k = 0; k < 100; ++k) world.step();
+  EXPECT_NEAR(world.states().position[0].x, 1, 1e-6);
+}
+
+// Falls freely until the cable is taut, then hangs from it; the cable never pushes and gives no energy.
+TEST_P(JointKinds, CableStopsAFallAndNeverPushes) {
+  for (const std::string& solver : kJointSolvers) {
+    Scene scene = empty_scene(1e-3, 0);
+    scene.solver.name = solver;
+    add_box(scene, {0.1, 0, 0}, {0.2, 0.02, 0.02}, 1);  // by its end, so that it turns
+    Joint cable = line_of(JointKind::cable, kWorldBody, 0, {0.1, 0, 0.1}, {-0.1, 0, 0});
+    cable.length = 0.5;
+    scene.joints.push_back(cable);
+    World world = world_of(scene);
+    EnergyOfSteps energy(world, scene);
+    double least = energy.start(), longest = 0, pull = 0;
+    for (int k = 0; k < 3000; ++k) {
+      const StepReport report = world.step();
+      EXPECT_TRUE(report.converged) << solver << " " << k;
+      const JointRecord record = world.joints()[0];
+      const BodyStates s = world.states();
+      const Vec3d end = s.position[0] + rotate(s.orientation[0], {-0.2, 0, 0});
+      const Vec3d along = end - Vec3d{0.1, 0, 0.1};
+      longest = std::max(longest, norm(along));
+      EXPECT_LT(dot(record.force, along), 1e-7);  // on the box, toward the world
+      pull = std::max(pull, norm(record.force));
+      if (norm(along) < 0.45) {
+        EXPECT_EQ(norm(record.force), 0);
+      }
+      const double now = energy.of_step(world);
+      EXPECT_LT(now, least + 5e-3) << k;  // of 4 J; it swings by the square of the step
+      least = std::min(least, now);
+    }
+    EXPECT_GT(pull, 0.1);
+    EXPECT_LT(longest, 0.5 + 1e-4) << solver;
+    EXPECT_GT(longest, 0.4999);
+  }
+}
+
+// A block hangs from a cable at rest: the cable carries its weight.
+TEST_P(JointKinds, CableCarriesAWeight) {
+  Scene scene = empty_scene(1e-3, 0);
+  add_sphere(scene, {0, 0, 0}, 0.1, 2);
+  scene.joints.push_back(line_of(JointKind::cable, 0, kWorldBody, {0, 0, 0}, {0, 0, 1}));
+  World world = world_of(scene);
+  for (int k = 0; k < 200; ++k) world.step();
+  EXPECT_NEAR(world.joints()[0].force.z * 1e3, -2 * kGravity, 1e-3);  // on the world
+  EXPECT_LT(norm(world.states().position[0]), 1e-6);
+}
+
+}  // namespace
+}  // namespace scree::physics

@@ -1,0 +1,98 @@
+#pragma once
+// What tests of joints share: joints in a line, worlds in both precisions, energy and periods.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/physics/scene_builder.h"
+
+namespace scree::physics {
+
+inline const std::vector<std::string> kJointSolvers{"apgd", "jacobi", "gauss_seidel",
+                                                    "gauss_seidel_colored"};
+
+inline Joint joint_of(JointKind kind, int a, int b, const Vec3d& anchor,
+                      const Vec3d& axis = {0, 0, 1}) {
+  Joint joint;
+  joint.kind = kind;
+  joint.bodies = {a, b};
+  joint.anchor = anchor;
+  joint.axis = axis;
+  return joint;
+}
+
+/// A distance, cable or spring between a point of each body.
+inline Joint line_of(JointKind kind, int a, int b, const Vec3d& from, const Vec3d& to) {
+  Joint joint = joint_of(kind, a, b, from);
+  joint.second_anchor = to;
+  return joint;
+}
+
+/// Solved as far as the precision goes.
+inline World joint_world(Scene scene, Precision precision) {
+  if (precision == Precision::single_precision) solve_to(scene, 2e-6);
+  return World(scene, cpu_options(1, precision));
+}
+
+inline std::string name_of_precision(const testing::TestParamInfo<Precision>& one) {
+  return one.param == Precision::double_precision ? "Double" : "Float";
+}
+
+/// Energy of the free bodies in the middle of each step, where velocities are at home [J].
+class EnergyOfSteps {
+ public:
+  EnergyOfSteps(const World& world, const Scene& scene)
+      : scene_(scene), place_(world.states().position) {
+    start_ = energy(world.states(), place_);
+  }
+  double start() const { return start_; }
+  double of_step(const World& world) {
+    const BodyStates s = world.states();
+    std::vector<Vec3d> middle;
+    for (std::size_t i = 0; i < place_.size(); ++i)
+      middle.push_back(0.5 * (place_[i] + s.position[i]));
+    place_ = s.position;
+    return energy(s, middle);
+  }
+
+ private:
+  double energy(const BodyStates& s, const std::vector<Vec3d>& place) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      const BodyDescription& body = scene_.bodies[i];
+      if (body.kind != BodyKind::free) continue;
+      const Vec3d w = rotate_back(s.orientation[i], s.angular_velocity[i]);
+      const Vec3d spin{body.inertia.x * w.x, body.inertia.y * w.y, body.inertia.z * w.z};
+      sum += 0.5 * body.mass * norm2(s.velocity[i]) + 0.5 * dot(w, spin) -
+             body.mass * dot(scene_.gravity, place[i]);
+    }
+    return sum;
+  }
+
+  Scene scene_;
+  std::vector<Vec3d> place_;
+  double start_ = 0;
+};
+
+/// Mean time between rises of a quantity through zero [s]. @param seen  called with each report
+template <class Value, class Seen>
+double period_of(World& world, int steps, Value value, Seen seen) {
+  double before = value(), first = 0, last = 0;
+  int rises = 0;
+  for (int k = 0; k < steps; ++k) {
+    const StepReport report = world.step();
+    seen(report);
+    const double now = value();
+    if (before < 0 && now >= 0) {
+      const double h = report.time / static_cast<double>(report.step);
+      last = report.time - h * now / (now - before);
+      if (rises++ == 0) first = last;
+    }
+    before = now;
+  }
+  return rises > 1 ? (last - first) / (rises - 1) : 0;
+}
+
+}  // namespace scree::physics

@@ -161,23 +161,24 @@ class ObstacleBuffers {
     solid.mesh = shape.mesh;
     solid.half_extents = Vec3d(shape.half_extents);
     solid.element_offset = static_cast<std::uint32_t>(solid_elements_);
-    for (const auto& [a, count] : free_) {
-      solid.slots = std::max(solid.slots, 1u << bits_of(a, shape.kind));
-    }
+    int bits = 0;
+    for (const auto& [a, count] : free_) bits = std::max(bits, bits_of(a, shape.kind));
+    solid.slots = 1u << bits;
     if (card.has_mesh) {
       if (shape.mesh < 0 || shape.mesh >= static_cast<Index>(topology.meshes.size())) {
         throw std::runtime_error("wall names mesh " + std::to_string(shape.mesh) + " of " +
                                  std::to_string(topology.meshes.size()));
       }
-      add_mesh(topology, solid);
+      add_mesh(topology, bits, solid);
     }
     solids.push_back(solid);
     solid_elements_ += images_ * solid.slots;
   }
 
-  static void add_mesh(const MeshTopology<Real>& topology, WallSolid& solid) {
+  static void add_mesh(const MeshTopology<Real>& topology, int bits, WallSolid& solid) {
     const MeshInfo& info = topology.meshes[static_cast<std::size_t>(solid.mesh)];
-    solid.slots = static_cast<std::uint32_t>(info.triangle_count);
+    solid.slots = static_cast<std::uint32_t>(
+        mesh_slots(static_cast<std::uint64_t>(info.triangle_count), bits));
     if (info.first_node == info.end_node) return;
     const MeshNode& all = topology.nodes[static_cast<std::size_t>(info.first_node)];
     for (int k = 0; k < 3; ++k) {

@@ -51,14 +51,11 @@ ContactElements count_elements(const Scene& scene) {
       elements.planes += card.faces(body.shape).size();
       continue;
     }
-    std::uint64_t slots = 1;
-    if (const TriangleMesh* mesh = mesh_of(scene, body.shape)) {
-      slots = mesh->triangles.size();
-    } else {
-      for (const auto& [a, count] : free)
-        slots = std::max(slots, std::uint64_t{1} << bits_of(a, body.shape.kind));
-    }
-    elements.solids += images * slots;
+    int bits = 0;
+    for (const auto& [a, count] : free) bits = std::max(bits, bits_of(a, body.shape.kind));
+    const TriangleMesh* mesh = mesh_of(scene, body.shape);
+    elements.solids +=
+        images * (mesh ? mesh_slots(mesh->triangles.size(), bits) : std::uint64_t{1} << bits);
   }
   return elements;
 }

@@ -9,7 +9,8 @@
 //     [wall_begin, solid_begin)    plane p of the walls, slot corner: wall_begin + 8 p + corner
 //     [solid_begin, end)           solid walls, each with a range of its own: for a box one slot,
 //                                  or one per feature where boxes meet it; for a mesh one per
-//                                  triangle
+//                                  triangle, and behind them one per triangle and feature where
+//                                  boxes or capsules meet it
 
 #include "kernels/math/pair_key.h"
 

@@ -1,6 +1,7 @@
 #pragma once
 // Which shapes can be in contact: what the list of pair functions holds, for the host.
 
+#include <cstdint>
 #include <vector>
 
 #include "shapes/shape_kind.h"
@@ -11,7 +12,7 @@ namespace scree {
 struct PairEntry {
   ShapeKind a;
   ShapeKind b;
-  int feature_bits;  ///< that tell its contacts apart; of planes and meshes 0
+  int feature_bits;  ///< that tell its contacts apart, of meshes those with one triangle; of planes and spheres 0
 };
 
 /// All of them, in the order of the list.
@@ -19,5 +20,11 @@ const std::vector<PairEntry>& pair_table();
 
 /// That of two shapes in either order; null: there is none.
 const PairEntry* find_pair(ShapeKind a, ShapeKind b);
+
+/// Contact elements of an image of a mesh wall: one a triangle for spheres, then those of convex bodies.
+/// @param bits  most feature bits of free bodies that meet it
+constexpr std::uint64_t mesh_slots(std::uint64_t triangles, int bits) {
+  return bits == 0 ? triangles : triangles + (triangles << bits);
+}
 
 }  // namespace scree

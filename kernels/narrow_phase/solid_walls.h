@@ -1,6 +1,7 @@
 #pragma once
 // Contacts of one free body with solid walls, such as boxes and meshes.
 
+#include "kernels/narrow_phase/convex_on_mesh.h"
 #include "kernels/narrow_phase/mesh_way.h"
 #include "kernels/narrow_phase/wall_contacts.h"
 
@@ -251,7 +252,9 @@ struct SphereOnSolid {
 };
 
 /// Body A and a solid wall, in all images that it can touch, by their pair function.
+template <class Real>
 struct PairOnSolid {
+  const MeshView<Real>& meshes;
   const WallSolid& solid;
   const ContactRange& range;
   const BodySample& a;
@@ -262,6 +265,14 @@ struct PairOnSolid {
   SCREE_HD void visit(double envelope, Emit& emit) const {
     const double way = farthest_way();
     reached_images(envelope).for_each(range.period, [&](std::uint32_t image) {
+      if (solid.kind == shapes::Mesh::kind) {
+        const auto listed = [&](const ContactGeometry& g) {
+          return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
+        };
+        on_mesh().visit(image, image_of_wall(solid, range.period, a.position, image),
+                        envelope + way, listed, emit);
+        return;
+      }
       with_pair(image, [&](auto pair, const auto& in_memory, const PairSide& first,
                            const PairSide& second, const Vec3d& d) {
         const auto listed = [&](const ContactGeometry& found) {
@@ -279,6 +290,10 @@ struct PairOnSolid {
   /// Geometry of the contact with this element.
   SCREE_HD ContactGeometry geometry(std::uint32_t element) const {
     const std::uint32_t slot = element - solid.first_element;
+    if (solid.kind == shapes::Mesh::kind) {
+      const Vec3d d = image_of_wall(solid, range.period, a.position, slot / solid.slots);
+      return on_mesh().geometry(d, slot % solid.slots);
+    }
     ContactGeometry g = no_contact();
     with_pair(slot / solid.slots, [&](auto pair, const auto& in_memory, const PairSide& first,
                                       const PairSide& second, const Vec3d& d) {
@@ -298,6 +313,7 @@ struct PairOnSolid {
   }
 
  private:
+  SCREE_HD ConvexOnMesh<Real> on_mesh() const { return {meshes, solid, range, a}; }
   SCREE_HD double farthest_way() const {
     return range.h * most_speed(a, solid.motion, norm(solid.half) + norm(solid.middle));
   }
@@ -336,7 +352,7 @@ SCREE_HD void visit_solids(const WallView<Real>& walls, const ContactRange& rang
   for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
     if constexpr (kMix == ShapeMix::any) {
       if (is_by_pair_function(a, walls.solids[k])) {
-        PairOnSolid{walls.solids[k], range, a}.visit(envelope, emit);
+        PairOnSolid<Real>{walls.meshes, walls.solids[k], range, a}.visit(envelope, emit);
         continue;
       }
     }
@@ -351,7 +367,7 @@ SCREE_HD bool is_near_solids(const WallView<Real>& walls, const ContactRange& ra
   for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
     bool is_near = false;
     if (kMix == ShapeMix::any && is_by_pair_function(a, walls.solids[k])) {
-      is_near = PairOnSolid{walls.solids[k], range, a}.is_near(envelope);
+      is_near = PairOnSolid<Real>{walls.meshes, walls.solids[k], range, a}.is_near(envelope);
     } else {
       is_near = SphereOnSolid<Real>{walls.meshes, walls.solids[k], range, a, envelope}.is_near();
     }
@@ -367,7 +383,8 @@ SCREE_HD ContactGeometry solid_contact(const WallView<Real>& walls, const Contac
                                        const WallSolid& solid, const BodySample& a,
                                        std::uint32_t element, const HoldingPlane* way) {
   if constexpr (kMix == ShapeMix::any) {
-    if (is_by_pair_function(a, solid)) return PairOnSolid{solid, range, a}.geometry(element);
+    if (is_by_pair_function(a, solid))
+      return PairOnSolid<Real>{walls.meshes, solid, range, a}.geometry(element);
   }
   return SphereOnSolid<Real>{walls.meshes, solid, range, a, 0}.geometry(element, way);
 }

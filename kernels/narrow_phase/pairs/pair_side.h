@@ -7,6 +7,9 @@
 //   listed; contact() gives the geometry of each from its feature alone.
 // - A body and a plane, B a half-space: contact(a, height, normal, d, corner) and kCorners, so many for each plane.
 //   Faces of containers are planes, too.
+// - A convex body and a mesh, B a mesh: kTriangleBits, bits that tell its contacts with one triangle apart, and a
+//   core (convex_shapes.h). ConvexOnMesh does the rest.
+// Shapes with a core have pair functions in one line each: ConvexPair and MeshPair.
 // The list of kernels/CMakeLists.txt names them.
 
 #include "kernels/narrow_phase/pairs/contact_geometry.h"

@@ -18,9 +18,16 @@ concept IsPlanePair = requires {
   P::kCorners;
 };
 
+/// Of a convex body and a mesh wall.
+template <class P>
+concept IsMeshPair = requires {
+  P::kTriangleBits;
+};
+
 template <class P>
 constexpr int feature_bits_of() {
   if constexpr (IsBodyPair<P>) return P::kFeatureBits;
+  if constexpr (IsMeshPair<P>) return P::kTriangleBits;
   return 0;
 }
 
@@ -36,6 +43,11 @@ struct PairTypes {
   SCREE_HD static void visit_plane(ShapeKind a, F&& f) {
     (void)(visit_one_plane<P>(a, f) || ...);
   }
+  /// Calls f(P{}) for the pair function of a convex body and a mesh wall, if there is one.
+  template <class F>
+  SCREE_HD static void visit_mesh(ShapeKind a, F&& f) {
+    (void)(visit_one_mesh<P>(a, f) || ...);
+  }
   /// Calls f(P{}) for each.
   template <class F>
   static constexpr void for_each(F&& f) {
@@ -50,6 +62,15 @@ struct PairTypes {
       const bool is_reversed = own_a != own_b && a == own_b && b == own_a;
       if (!is_reversed && !(a == own_a && b == own_b)) return false;
       f(One{}, is_reversed);
+      return true;
+    }
+    return false;
+  }
+  template <class One, class F>
+  SCREE_HD static bool visit_one_mesh(ShapeKind a, F&& f) {
+    if constexpr (IsMeshPair<One>) {
+      if (a != One::A::kind) return false;
+      f(One{});
       return true;
     }
     return false;

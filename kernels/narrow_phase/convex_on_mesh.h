@@ -1,0 +1,226 @@
+#pragma once
+// Contacts of a convex body with a mesh wall. Each triangle is a core, but it has neighbors: a normal counts only where
+// the surface around the triangle lets a body leave along it. Inside of a flat floor that is the normal of the
+// triangle alone, so a body that slides over inner edges meets no ghost. Points at inner edges that are flat or concave
+// are left out, too: the corners of the body are over one of the triangles there.
+
+#include "kernels/narrow_phase/pairs/convex_manifold.h"
+#include "kernels/narrow_phase/wall_contacts.h"
+#include "kernels/narrow_phase/wall_images.h"
+
+namespace scree {
+
+template <class Real>
+struct ConvexOnMesh {
+  const MeshView<Real>& meshes;
+  const WallSolid& solid;
+  const ContactRange& range;
+  const BodySample& a;
+
+  /// Slope up to which surfaces count as flat [-].
+  static constexpr double kFlat = 1e-4;
+  /// Part of the half thickness to which a body is held by a plane that is not its shortest way out.
+  static constexpr double kDeepest = 0.1;
+
+  /// Calls emit(element) for each contact with an image of the mesh, ascending.
+  /// @param d     center of A to that of the image [m]
+  /// @param most  farther triangles have none [m]
+  template <class Listed, class Emit>
+  SCREE_HD void visit(std::uint32_t image, const Vec3d& d, double most, Listed&& listed,
+                      Emit&& emit) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    const ConvexCore body = core();
+    const Vec3d center = rotate_back(solid.orientation, -d);
+    Vec3d reach;
+    for (int k = 0; k < 3; ++k) {
+      Vec3d n;
+      n[k] = 1;
+      const Vec3d axis = rotate(solid.orientation, n);
+      reach[k] = dot(body.support(axis), axis) + body.rounding + most;
+    }
+    Index node = info.first_node;
+    while (node < info.end_node) {
+      const MeshNode& box = meshes.nodes[node];
+      bool hit = true;
+      for (int k = 0; k < 3; ++k) {
+        hit = hit && center[k] + reach[k] >= box.lower[k] && center[k] - reach[k] <= box.upper[k];
+      }
+      node = hit ? node + 1 : box.skip;
+      if (!hit || box.leaf < 0) continue;
+      const Index first = info.first_triangle + (box.leaf >> 3);
+      for (Index t = first; t < first + (box.leaf & 7); ++t) {
+        const Corner corner(*this, info, t, d);
+        CoreDistance distance;
+        bool is_nearest = false;
+        if (!find(t, corner, body, most, distance, is_nearest)) continue;
+        const CoreMeeting meeting(body, corner.core, distance);
+        const auto wanted = [&](std::uint32_t feature) {
+          return !is_inner(corner, meeting, t, feature);
+        };
+        const Manifold m = convex_contacts(meeting, d, is_nearest, wanted, listed);
+        for (int k = 0; k < m.count; ++k) emit(element(info, image, t, m.feature[k]));
+      }
+    }
+  }
+
+  /// Geometry of the contact with this slot of an image.
+  SCREE_HD ContactGeometry geometry(const Vec3d& d, std::uint32_t slot) const {
+    const MeshInfo& info = meshes.meshes[solid.mesh];
+    slot -= static_cast<std::uint32_t>(info.triangle_count);
+    const Index t = info.first_triangle + static_cast<Index>(slot >> ConvexFeature::kBits);
+    const ConvexCore body = core();
+    const Corner corner(*this, info, t, d);
+    CoreDistance distance;
+    bool is_nearest = false;
+    if (!find(t, corner, body, 1e300, distance, is_nearest)) return no_contact();
+    const CoreMeeting meeting(body, corner.core, distance);
+    const std::uint32_t feature = slot & ((1u << ConvexFeature::kBits) - 1);
+    return rounded_contact(meeting, meeting.contact(feature), d);
+  }
+
+ private:
+  /// A triangle in world axes, from the center of A. That of an open mesh shows its front to A.
+  struct Corner {
+    ConvexCore core;
+    Vec3d normal;  ///< the same in the frame of the mesh
+    bool is_turned = false;
+    bool is_behind = false;
+
+    SCREE_HD Corner(const ConvexOnMesh& on, const MeshInfo& info, Index t, const Vec3d& d) {
+      const MeshTriangle& triangle = on.meshes.triangles[t];
+      Vec3d p[3];
+      for (int k = 0; k < 3; ++k) p[k] = Vec3d(on.meshes.points[triangle.vertex[k]]);
+      normal = normalized(cross(p[1] - p[0], p[2] - p[0]));
+      const Quatd& q = on.solid.orientation;
+      Vec3d x[3];
+      for (int k = 0; k < 3; ++k) x[k] = d + rotate(q, p[k]);
+      Vec3d n = rotate(q, normal);
+      is_behind = dot(n, x[0]) > 0;
+      if (is_behind && !info.closed) {
+        is_turned = true;
+        is_behind = false;
+        normal = -normal;
+        n = -n;
+      }
+      core = ConvexCore::triangle(x[0], is_turned ? x[2] : x[1], is_turned ? x[1] : x[2], n);
+    }
+  };
+
+  SCREE_HD ConvexCore core() const {
+    ConvexCore c;
+    PairList::visit_mesh(
+        a.kind, [&](auto pair) { c = core_of<typename decltype(pair)::A>(a.side(), Vec3d{}); });
+    return c;
+  }
+
+  SCREE_HD std::uint32_t element(const MeshInfo& info, std::uint32_t image, Index t,
+                                 std::uint32_t feature) const {
+    // Behind those of spheres, one a triangle.
+    const auto own = static_cast<std::uint32_t>(t - info.first_triangle);
+    return solid.first_element + image * solid.slots +
+           static_cast<std::uint32_t>(info.triangle_count) +
+           (own << ConvexFeature::kBits | feature);
+  }
+
+  /// How A and a triangle lie. @return  false: the triangle does not hold A
+  SCREE_HD bool find(Index t, const Corner& corner, const ConvexCore& body, double most,
+                     CoreDistance& out, bool& is_nearest) const {
+    if (corner.is_behind) return false;
+    const double farthest = most + body.rounding;
+    const Vec3d n = corner.core.normal;
+    if (separation_along(body, corner.core, -n) > farthest) return false;
+    out = core_distance(body, corner.core, farthest);
+    if (out.separation > farthest) return false;
+    // Along its own normal the triangle has what is over it, or leaves it to its neighbors.
+    is_nearest = std::abs(dot(out.normal, n)) < CoreMeeting::kFaceCosine;
+    if (is_way_out(t, rotate_back(solid.orientation, -out.normal))) return true;
+    is_nearest = false;
+    const bool was_apart = out.is_apart;
+    out.normal = -n;
+    out.separation = separation_along(body, corner.core, -n);
+    out.is_apart = false;
+    if (was_apart) return out.separation >= -1e-6 * body.size();
+    return is_over(corner, body, n);
+  }
+
+  /// Whether a body may leave the surface around triangle t along a direction in the frame of the mesh: what of the
+  /// triangle is farthest along it is farther than all around it.
+  SCREE_HD bool is_way_out(Index t, const Vec3d& way) const {
+    const MeshTriangle& triangle = meshes.triangles[t];
+    double height[3], longest = 0, top = -1e300;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d x(meshes.points[triangle.vertex[k]]);
+      const double edge = norm(Vec3d(meshes.points[triangle.vertex[(k + 1) % 3]]) - x);
+      longest = edge > longest ? edge : longest;
+      height[k] = dot(x, way);
+      top = height[k] > top ? height[k] : top;
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (height[k] < top - kFlat * longest) continue;
+      const MeshVertex& vertex = meshes.vertices[triangle.vertex[k]];
+      for (Index j = 0; j < vertex.neighbor_count; ++j) {
+        const Vec3d to = Vec3d(meshes.points[meshes.neighbors[vertex.first_neighbor + j]]) -
+                         Vec3d(meshes.points[triangle.vertex[k]]);
+        if (dot(to, way) > kFlat * norm(to)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Whether a deepest point of A below a triangle lies over it, and not too deep.
+  SCREE_HD bool is_over(const Corner& corner, const ConvexCore& body, const Vec3d& n) const {
+    const double deepest = body.rounding + kDeepest * box_box_parts::smallest(body.half);
+    const CoreFacet face = body.facing(-n);
+    for (int k = 0; k < face.count; ++k) {
+      if (dot(face.point[k] - corner.core.center, n) < -deepest) continue;
+      bool is_inside = true;
+      for (int j = 0; j < 3; ++j) {
+        const Vec3d x = corner.core.center + corner.core.axis[j];
+        const Vec3d along = corner.core.axis[(j + 1) % 3] - corner.core.axis[j];
+        is_inside = is_inside &&
+                    dot(face.point[k] - x, cross(along, n)) <= 1e-5 * body.size() * norm(along);
+      }
+      if (is_inside) return true;
+    }
+    return false;
+  }
+
+  /// Whether a feature of the triangle as the reference is left to others: a point of it at edges that are not sharp, or
+  /// one of the body over such an edge that another triangle owns.
+  SCREE_HD bool is_inner(const Corner& corner, const CoreMeeting& meeting, Index t,
+                         std::uint32_t feature) const {
+    const int number = static_cast<int>(feature) - 1 - ConvexFeature::kPoints;
+    if (number < 0) return false;
+    const auto edge_of = [&](int side) { return corner.is_turned ? 2 - side : side; };
+    if (number < ConvexFeature::kOwn) {
+      const Vec3d x = meeting.other.point[meeting.other.find(number)];
+      for (int side = 0; side < 3; ++side) {
+        const int k = edge_of(side);
+        if (meshes.edges[meshes.triangles[t].edge[k]].triangle[0] == t) continue;
+        const Vec3d from = corner.core.axis[side];
+        const Vec3d along = corner.core.axis[(side + 1) % 3] - from;
+        const double inside = dot(corner.core.center + from - x, cross(along, corner.core.normal));
+        // Its owner takes what is beyond the edge by twice as much.
+        if (inside < 0.5 * meeting.tie * norm(along) && !is_sharp(corner, t, k)) return true;
+      }
+      return false;
+    }
+    if (number >= ConvexFeature::kSides) {
+      return !is_sharp(corner, t,
+                       edge_of((number - ConvexFeature::kSides) % ConvexFeature::kNames));
+    }
+    const int point = number - ConvexFeature::kOwn;
+    return !is_sharp(corner, t, edge_of(point)) && !is_sharp(corner, t, edge_of((point + 2) % 3));
+  }
+  /// Whether the surface falls off behind an edge.
+  SCREE_HD bool is_sharp(const Corner& corner, Index t, int k) const {
+    const MeshTriangle& triangle = meshes.triangles[t];
+    const MeshEdge& edge = meshes.edges[triangle.edge[k]];
+    const Index opposite = edge.opposite[edge.triangle[0] == t ? 1 : 0];
+    if (opposite < 0) return true;
+    const Vec3d to = Vec3d(meshes.points[opposite]) - Vec3d(meshes.points[triangle.vertex[k]]);
+    return dot(to, corner.normal) < -kFlat * norm(to);
+  }
+};
+
+}  // namespace scree

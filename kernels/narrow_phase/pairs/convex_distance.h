@@ -1,0 +1,329 @@
+#pragma once
+// Distance of two cores, or the least way by which they leave each other.
+//
+// M, the set of differences of points of B and A, holds the origin when the cores overlap. GJK finds its point nearest to
+// the origin (Gilbert, Johnson, Keerthi, 1988). When that is the origin, a polytope grows inside of M where its
+// surface is nearest to the origin, until no plane of it can be moved out (van den Bergen, Proximity queries, 2001).
+// Every direction that is tried on the way is a true upper bound of the depth, and the least of them counts, so a
+// polytope that rounding or its capacity stops early still gives a sound answer.
+
+#include "kernels/narrow_phase/pairs/convex_core.h"
+
+namespace scree {
+
+/// How two cores lie.
+struct CoreDistance {
+  Vec3d normal{0, 0, 1};  ///< unit, from A to B
+  double separation = 0;  ///< along it [m]; negative is overlap
+  bool is_apart = false;
+  Vec3d on_a, on_b;  ///< the nearest points of cores that are apart [m]
+};
+
+namespace convex_parts {
+
+/// A point of M and where it comes from.
+struct DifferencePoint {
+  Vec3d w, a, b;
+};
+
+SCREE_HD inline DifferencePoint farthest(const ConvexCore& a, const ConvexCore& b, const Vec3d& n) {
+  DifferencePoint p;
+  p.a = a.center + a.support(-n);
+  p.b = b.center + b.support(n);
+  p.w = p.b - p.a;
+  return p;
+}
+
+/// Up to four points and the weights of their point nearest to the origin.
+struct Simplex {
+  int count = 0;
+  DifferencePoint point[4];
+  double weight[4] = {};
+
+  SCREE_HD Vec3d nearest() const {
+    Vec3d x;
+    for (int k = 0; k < count; ++k) x += weight[k] * point[k].w;
+    return x;
+  }
+
+  /// Keeps what holds the nearest point. @return  whether that is the origin, inside of a tetrahedron
+  SCREE_HD bool reduce() {
+    double best[4] = {}, best2 = 1e300;
+    if (count == 1) best[0] = 1;
+    if (count == 2) offer_edge(0, 1, best, best2);
+    if (count == 3) offer_triangle(0, 1, 2, best, best2);
+    if (count == 4) {
+      bool is_inside = true;
+      for (int k = 0; k < 4; ++k) {
+        const int i = (k + 1) % 4, j = (k + 2) % 4, l = (k + 3) % 4;
+        const Vec3d n = cross(point[j].w - point[i].w, point[l].w - point[i].w);
+        const double own = dot(point[k].w - point[i].w, n), origin = -dot(point[i].w, n);
+        if (own * origin > 0) continue;
+        is_inside = false;
+        offer_triangle(i, j, l, best, best2);
+      }
+      if (is_inside) return true;
+    }
+    int kept = 0;
+    for (int k = 0; k < count; ++k) {
+      if (!(best[k] > 0)) continue;
+      point[kept] = point[k];
+      weight[kept] = best[k];
+      ++kept;
+    }
+    count = kept;
+    return false;
+  }
+
+ private:
+  SCREE_HD void take(const double w[4], double best[4], double& best2) const {
+    Vec3d x;
+    for (int k = 0; k < count; ++k) x += w[k] * point[k].w;
+    const double found = norm2(x);
+    if (!(found < best2)) return;
+    best2 = found;
+    for (int k = 0; k < 4; ++k) best[k] = w[k];
+  }
+  SCREE_HD void offer_edge(int i, int j, double best[4], double& best2) const {
+    const Vec3d way = point[j].w - point[i].w;
+    const double length2 = norm2(way);
+    double t = length2 > 0 ? -dot(point[i].w, way) / length2 : 0;
+    t = t > 0 ? (t < 1 ? t : 1) : 0;
+    double w[4] = {};
+    w[i] = 1 - t;
+    w[j] = t;
+    take(w, best, best2);
+  }
+  SCREE_HD void offer_triangle(int i, int j, int l, double best[4], double& best2) const {
+    const Vec3d a = point[i].w, b = point[j].w, c = point[l].w;
+    const Vec3d n = cross(b - a, c - a);
+    const double wa = dot(cross(b, c), n), wb = dot(cross(c, a), n), wc = dot(cross(a, b), n);
+    if (wa > 0 && wb > 0 && wc > 0) {
+      double w[4] = {};
+      const double sum = wa + wb + wc;
+      w[i] = wa / sum;
+      w[j] = wb / sum;
+      w[l] = wc / sum;
+      take(w, best, best2);
+      return;
+    }
+    offer_edge(i, j, best, best2);
+    offer_edge(j, l, best, best2);
+    offer_edge(l, i, best, best2);
+  }
+};
+
+/// The nearest points of two cores. @param most  cores that are farther apart need no exact answer
+/// @return  false: they overlap, or touch within rounding
+SCREE_HD inline bool find_nearest(const ConvexCore& a, const ConvexCore& b, double size,
+                                  double most, CoreDistance& out) {
+  Simplex s;
+  s.point[0] = farthest(a, b, a.center - b.center);
+  s.weight[0] = 1;
+  s.count = 1;
+  Vec3d v = s.point[0].w;
+  for (int step = 0; step < 64; ++step) {
+    const double length2 = norm2(v), length = std::sqrt(length2);
+    if (length <= 1e-9 * size) return false;
+    const DifferencePoint p = farthest(a, b, -v);
+    const double bound = dot(v, p.w);
+    if (bound > most * length || length2 - bound <= 1e-14 * length2 + 4e-16 * size * length) break;
+    const Simplex before = s;
+    s.point[s.count++] = p;
+    if (s.reduce()) return false;
+    const Vec3d next = s.nearest();
+    if (!(norm2(next) < length2)) {
+      s = before;
+      break;
+    }
+    v = next;
+  }
+  const double length = norm(v);
+  if (length <= 1e-9 * size) return false;
+  out.is_apart = true;
+  out.normal = (1 / length) * v;
+  out.on_a = out.on_b = {};
+  for (int k = 0; k < s.count; ++k) {
+    out.on_a += s.weight[k] * s.point[k].a;
+    out.on_b += s.weight[k] * s.point[k].b;
+  }
+  out.separation = length;
+  return true;
+}
+
+/// A polytope inside of M.
+class Polytope {
+ public:
+  SCREE_HD Polytope(const ConvexCore& a, const ConvexCore& b, double size)
+      : a_(a), b_(b), size_(size) {}
+
+  /// The direction out of M of least depth. @return  false: M is flat, and the depth is zero
+  SCREE_HD void grow() {
+    if (!start()) return;
+    while (vertex_count_ < kMaxVertices) {
+      int nearest = -1;
+      for (int f = 0; f < face_count_; ++f) {
+        if (nearest < 0 || face_[f].height < face_[nearest].height) nearest = f;
+      }
+      const Face face = face_[nearest];
+      const Vec3d x = support(face.normal);
+      if (dot(x, face.normal) - face.height <= 1e-10 * size_) return;
+      if (depth <= face.height + 1e-10 * size_ || !add(x)) return;
+    }
+  }
+
+  Vec3d normal{0, 0, 1};  ///< unit, out of M
+  double depth = 1e300;   ///< [m]
+
+ private:
+  static constexpr int kMaxVertices = 40;
+  static constexpr int kMaxFaces = 2 * kMaxVertices;
+  static constexpr int kMaxEdges = kMaxFaces;
+  struct Face {
+    int corner[3];
+    Vec3d normal;
+    double height;
+  };
+
+  SCREE_HD Vec3d support(const Vec3d& n) {
+    const Vec3d x = farthest(a_, b_, n).w;
+    const double found = dot(x, n);
+    if (found < depth) {
+      depth = found;
+      normal = n;
+    }
+    return x;
+  }
+  SCREE_HD Vec3d farther(const Vec3d& n, const Vec3d& from) {
+    const Vec3d x = support(n), y = support(-n);
+    return dot(x - from, n) >= dot(from - y, n) ? x : y;
+  }
+  SCREE_HD bool start() {
+    const double least = 1e-9 * size_;
+    vertex_[0] = support({1, 0, 0});
+    vertex_[1] = farther(normalized(b_.center - a_.center, {1, 0, 0}), vertex_[0]);
+    if (norm(vertex_[1] - vertex_[0]) < least) vertex_[1] = farther({0, 1, 0}, vertex_[0]);
+    if (norm(vertex_[1] - vertex_[0]) < least) vertex_[1] = farther({0, 0, 1}, vertex_[0]);
+    const Vec3d along = normalized(vertex_[1] - vertex_[0]), side = any_orthogonal(along);
+    vertex_[2] = farther(side, vertex_[0]);
+    if (norm(cross(along, vertex_[2] - vertex_[0])) < least) {
+      vertex_[2] = farther(cross(along, side), vertex_[0]);
+    }
+    const Vec3d up = normalized(cross(along, vertex_[2] - vertex_[0]));
+    vertex_[3] = farther(up, vertex_[0]);
+    vertex_count_ = 4;
+    const double rise = dot(vertex_[3] - vertex_[0], up);
+    if (std::abs(rise) < least) return false;
+    if (rise > 0) {
+      const Vec3d x = vertex_[1];
+      vertex_[1] = vertex_[2];
+      vertex_[2] = x;
+    }
+    add_face(0, 1, 2);
+    add_face(0, 2, 3);
+    add_face(0, 3, 1);
+    add_face(1, 3, 2);
+    return true;
+  }
+  SCREE_HD void add_face(int i, int j, int k) {
+    Face& f = face_[face_count_++];
+    f.corner[0] = i;
+    f.corner[1] = j;
+    f.corner[2] = k;
+    const Vec3d n = cross(vertex_[j] - vertex_[i], vertex_[k] - vertex_[i]);
+    const double area = norm(n);
+    // One without an area is neither seen nor moved out.
+    f.normal = area > 0 ? (1 / area) * n : Vec3d{};
+    f.height = area > 0 ? dot(f.normal, vertex_[i]) : 1e300;
+  }
+  /// Puts a corner outside of what it sees. @return  false: there is no room
+  SCREE_HD bool add(const Vec3d& x) {
+    int from[kMaxEdges], to[kMaxEdges], edges = 0, kept = 0;
+    for (int f = 0; f < face_count_; ++f) {
+      if (dot(face_[f].normal, x) - face_[f].height <= 1e-12 * size_) {
+        face_[kept++] = face_[f];
+        continue;
+      }
+      for (int k = 0; k < 3; ++k) {
+        const int i = face_[f].corner[k], j = face_[f].corner[(k + 1) % 3];
+        int twin = 0;
+        while (twin < edges && !(from[twin] == j && to[twin] == i)) ++twin;
+        if (twin < edges) {
+          --edges;
+          from[twin] = from[edges];
+          to[twin] = to[edges];
+        } else if (edges < kMaxEdges) {
+          from[edges] = i;
+          to[edges] = j;
+          ++edges;
+        } else {
+          return false;
+        }
+      }
+    }
+    if (kept + edges > kMaxFaces || edges < 3) return false;
+    face_count_ = kept;
+    vertex_[vertex_count_] = x;
+    for (int e = 0; e < edges; ++e) add_face(from[e], to[e], vertex_count_);
+    ++vertex_count_;
+    return true;
+  }
+
+  const ConvexCore& a_;
+  const ConvexCore& b_;
+  double size_;
+  int vertex_count_ = 0, face_count_ = 0;
+  Vec3d vertex_[kMaxVertices];
+  Face face_[kMaxFaces];
+};
+
+}  // namespace convex_parts
+
+/// Faces are preferred to other directions of overlap that are better by less than this part of the size.
+inline constexpr double kFaceBias = 1e-4;
+
+/// @param most  cores that are farther apart need no exact answer [m]
+SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore& b, double most) {
+  const double size_a = a.size(), size_b = b.size();
+  const double size = size_a + size_b, least = size_a < size_b ? size_a : size_b;
+  CoreDistance out;
+  // Normals of faces, which are what bodies rest on, without the rounding of a search.
+  const auto best_face = [&](Vec3d& normal) {
+    double best = -1e300;
+    for (int side = 0; side < 2; ++side) {
+      const ConvexCore& core = side == 0 ? a : b;
+      for (int k = 0; k < core.normal_count(); ++k) {
+        for (int sign = 0; sign < 2; ++sign) {
+          const Vec3d n = sign == 0 ? core.face_normal(k) : -core.face_normal(k);
+          const double found = separation_along(a, b, n);
+          if (found > best + 1e-9 * size) {
+            best = found;
+            normal = n;
+          }
+        }
+      }
+    }
+    return best;
+  };
+  Vec3d face;
+  if (convex_parts::find_nearest(a, b, size, most, out)) {
+    if (out.separation > most) return out;
+    const double by_face = best_face(face);
+    if (by_face >= out.separation * (1 - 1e-7)) out.normal = face;
+    return out;
+  }
+  const double by_face = best_face(face);
+  convex_parts::Polytope polytope(a, b, size);
+  polytope.grow();
+  out.is_apart = false;
+  if (by_face >= -polytope.depth - kFaceBias * least) {
+    out.normal = face;
+    out.separation = by_face;
+  } else {
+    out.normal = -polytope.normal;
+    out.separation = -polytope.depth;
+  }
+  return out;
+}
+
+}  // namespace scree

@@ -1,0 +1,287 @@
+#pragma once
+// Contacts of two convex bodies from the distance of their cores: up to four.
+//
+// Where the normal is that of a face, this is the reference, and the face of the other core that points most against it
+// is clipped by planes through its sides. Where two edges are parallel, their common part has two ends. Else there is one
+// contact, at the nearest points. A feature names the points and edges that make a contact.
+
+#include "kernels/narrow_phase/pairs/box_box.h"
+#include "kernels/narrow_phase/pairs/convex_distance.h"
+#include "kernels/narrow_phase/pairs/convex_shapes.h"
+
+namespace scree {
+
+/// Features of two cores: their nearest points; or of a reference, A or B: a point of the other, a point of its own, or
+/// where an edge of the other passes one of its sides. Edges are named by their first point.
+struct ConvexFeature {
+  static constexpr int kBits = 8;
+  static constexpr std::uint32_t kNearest = 0;
+  static constexpr int kNames = ConvexCore::kNames;
+  static constexpr int kOwn = kNames, kSides = 2 * kNames, kPoints = 2 * kNames + kNames * kNames;
+
+  SCREE_HD static std::uint32_t of(int reference, int point) {
+    return static_cast<std::uint32_t>(1 + reference * kPoints + point);
+  }
+};
+static_assert(1 + 2 * ConvexFeature::kPoints <= 1 << ConvexFeature::kBits);
+
+/// A contact of two cores: a point of A, and how far B is from it along the normal.
+struct CoreContact {
+  Vec3d on_a;       ///< [m]
+  double gap = 0;   ///< [m]
+  bool is = false;  ///< there is one
+};
+
+/// How two cores meet, and the contacts that this gives.
+struct CoreMeeting {
+  /// Cosine of the largest angle by which a normal is that of a face, and sine of that by which edges are parallel.
+  static constexpr double kFaceCosine = 1 - 5e-7;
+  static constexpr double kParallel = 1e-2;
+
+  const ConvexCore& a;
+  const ConvexCore& b;
+  CoreDistance distance;
+  int reference = -1;  ///< 0: A, 1: B, -1: the nearest points are all
+  double tie = 0;      ///< [m]
+  CoreFacet own;       ///< of the reference
+  CoreFacet other;
+  Vec3d out;  ///< unit, out of the reference
+
+  /// @param found  of these cores, or another normal that is to hold them apart
+  SCREE_HD CoreMeeting(const ConvexCore& first, const ConvexCore& second, const CoreDistance& found)
+      : a(first), b(second), distance(found) {
+    const double size_a = a.size(), size_b = b.size();
+    tie = 1e-5 * (size_a < size_b ? size_a : size_b);
+    const Vec3d n = distance.normal;
+    // Triangles come first: what their neighbors hold is known by their points.
+    const int first_side = b.form == ConvexCore::Form::triangle ? 1 : 0;
+    for (int turn = 0; turn < 2 && reference < 0; ++turn) {
+      const int side = turn == 0 ? first_side : 1 - first_side;
+      const ConvexCore& core = side == 0 ? a : b;
+      for (int k = 0; k < core.normal_count(); ++k) {
+        if (std::abs(dot(core.face_normal(k), n)) >= kFaceCosine) reference = side;
+      }
+    }
+    if (reference >= 0) {
+      out = reference == 0 ? n : -n;
+      own = (reference == 0 ? a : b).facing(out);
+      other = (reference == 0 ? b : a).facing(-out);
+      return;
+    }
+    own = a.edge_toward(n, kParallel);
+    other = b.edge_toward(-n, kParallel);
+    out = n;
+    if (own.count < 2 || other.count < 2) return;
+    const Vec3d u = normalized(own.point[1] - own.point[0]);
+    const Vec3d v = normalized(other.point[1] - other.point[0]);
+    if (norm(cross(u, v)) < kParallel) reference = 0;
+  }
+
+  /// The contact that a feature names.
+  SCREE_HD CoreContact contact(std::uint32_t feature) const {
+    CoreContact c;
+    if (feature != ConvexFeature::kNearest && reference >= 0) {
+      const int number = static_cast<int>(feature) - 1 - reference * ConvexFeature::kPoints;
+      if (number >= 0 && number < ConvexFeature::kPoints) c = contact_of(number);
+    }
+    return c.is ? c : nearest();
+  }
+
+  /// Calls take(point, contact) for those of the reference, see ConvexFeature.
+  template <class Take>
+  SCREE_HD void visit(Take&& take) const {
+    for (int k = 0; k < other.count; ++k) {
+      if (is_over(own, out, other.point[k], -1)) offer(other.name[k], take);
+    }
+    for (int k = 0; k < own.count; ++k) {
+      if (own.count > 2 && other.count < 3) break;
+      if (is_over(other, -out, own.point[k], -1)) offer(ConvexFeature::kOwn + own.name[k], take);
+    }
+    if (own.count < 3) return;
+    const int edges = other.count < 3 ? other.count - 1 : other.count;
+    for (int e = 0; e < edges; ++e) {
+      for (int k = 0; k < own.count; ++k) {
+        const Vec3d from = other.point[e], to = other.point[(e + 1) % other.count];
+        const double before = beyond(own, out, k, from), after = beyond(own, out, k, to);
+        if (!((before > tie && after < -tie) || (before < -tie && after > tie))) continue;
+        const Vec3d x = from + (before / (before - after)) * (to - from);
+        if (!is_over(own, out, x, k)) continue;
+        offer(ConvexFeature::kSides + other.name[e] * ConvexFeature::kNames + own.name[k], take);
+      }
+    }
+  }
+
+  /// The nearest points; of cores that overlap, those of the edges or points that are deepest.
+  SCREE_HD CoreContact nearest() const {
+    CoreContact c;
+    c.is = true;
+    if (distance.is_apart) {
+      c.on_a = distance.on_a;
+      c.gap = dot(distance.on_b - distance.on_a, distance.normal);
+      return c;
+    }
+    const CoreFacet p = a.edge_toward(distance.normal, 1e-6);
+    const CoreFacet q = b.edge_toward(-distance.normal, 1e-6);
+    const Vec3d u = p.point[p.count - 1] - p.point[0], v = q.point[q.count - 1] - q.point[0];
+    const Vec3d w = q.point[0] - p.point[0];
+    const auto limited = [](double x) { return x > 0 ? (x < 1 ? x : 1.0) : 0.0; };
+    const double uu = norm2(u), vv = norm2(v), uv = dot(u, v);
+    const double wu = dot(w, u), wv = dot(w, v), det = uu * vv - uv * uv;
+    double s = det > 1e-12 * uu * vv ? limited((wu * vv - wv * uv) / det) : 0;
+    double t = vv > 0 ? limited((s * uv - wv) / vv) : 0;
+    s = uu > 0 ? limited((t * uv + wu) / uu) : 0;
+    c.on_a = p.point[0] + s * u;
+    c.gap = dot(q.point[0] + t * v - c.on_a, distance.normal);
+    return c;
+  }
+
+ private:
+  template <class Take>
+  SCREE_HD void offer(int number, Take&& take) const {
+    const CoreContact c = contact_of(number);
+    if (c.is) take(number, c);
+  }
+  /// How far a point is beyond side k of a facet, seen along its normal [m].
+  SCREE_HD double beyond(const CoreFacet& f, const Vec3d& normal, int k, const Vec3d& x) const {
+    const Vec3d along = f.point[(k + 1) % f.count] - f.point[k];
+    const Vec3d side = f.count == 2 ? -along : cross(along, normal);
+    return dot(x - f.point[k], side) / norm(side);
+  }
+  /// Whether a point lies over a facet. @param but  a side that does not matter
+  SCREE_HD bool is_over(const CoreFacet& f, const Vec3d& normal, const Vec3d& x, int but) const {
+    for (int k = 0; k < f.count; ++k) {
+      if (k != but && beyond(f, normal, k, x) > tie) return false;
+    }
+    return true;
+  }
+  /// From a point along the normal to a facet [m].
+  SCREE_HD bool height_of(const CoreFacet& f, const Vec3d& x, double& height) const {
+    if (f.count == 2) {
+      const Vec3d along = f.point[1] - f.point[0];
+      const double t = dot(x - f.point[0], along) / norm2(along);
+      height = dot(f.point[0] + t * along - x, out);
+      return true;
+    }
+    const Vec3d m = cross(f.point[1] - f.point[0], f.point[2] - f.point[0]);
+    const double steep = dot(m, out);
+    height = dot(f.point[0] - x, m) / steep;
+    return std::abs(steep) > 1e-9 * norm(m);
+  }
+  SCREE_HD CoreContact contact_of(int number) const {
+    CoreContact c;
+    Vec3d x;
+    double height = 0;  // of the other above the reference
+    if (number >= ConvexFeature::kOwn && number < ConvexFeature::kSides) {
+      const int k = own.find(number - ConvexFeature::kOwn);
+      if (k < 0 || !height_of(other, own.point[k], height)) return c;
+      x = own.point[k];
+    } else {
+      if (number < ConvexFeature::kOwn) {
+        const int k = other.find(number);
+        if (k < 0) return c;
+        x = other.point[k];
+      } else {
+        const int pair = number - ConvexFeature::kSides;
+        const int e = other.find(pair / ConvexFeature::kNames);
+        const int k = own.find(pair % ConvexFeature::kNames);
+        if (e < 0 || k < 0) return c;
+        const Vec3d from = other.point[e], to = other.point[(e + 1) % other.count];
+        const double before = beyond(own, out, k, from), after = beyond(own, out, k, to);
+        if (before == after) return c;
+        x = from + (before / (before - after)) * (to - from);
+      }
+      if (!height_of(own, x, height)) return c;
+      height = -height;
+      x -= height * out;
+    }
+    c.is = true;
+    c.gap = height;
+    c.on_a = reference == 0 ? x : x + height * out;
+    return c;
+  }
+};
+
+/// A contact of two rounded bodies.
+/// @param d  center of body A, where A's core is centered, to that of body B [m]
+SCREE_HD inline ContactGeometry rounded_contact(const CoreMeeting& m, const CoreContact& c,
+                                                const Vec3d& d) {
+  ContactGeometry g;
+  g.normal = m.distance.normal;
+  g.gap = c.gap - m.a.rounding - m.b.rounding;
+  g.arm_a = c.on_a + m.a.rounding * g.normal;
+  g.arm_b = g.arm_a + g.gap * g.normal - d;
+  return g;
+}
+
+/// The contacts that are wanted, four at most.
+/// @param is_nearest  whether the nearest points are a contact where a face has none
+/// @param wanted      wanted(feature): whether those of the reference are asked for
+/// @param listed      listed(contact): whether it is
+template <class Wanted, class Listed>
+SCREE_HD Manifold convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool is_nearest,
+                                  Wanted&& wanted, Listed&& listed) {
+  Manifold m;
+  bool is_left_out = false;
+  const auto add = [&](std::uint32_t feature, const ContactGeometry& g) {
+    int at = m.count++;
+    for (; at > 0 && m.feature[at - 1] > feature; --at) {
+      m.feature[at] = m.feature[at - 1];
+      m.contact[at] = m.contact[at - 1];
+    }
+    m.feature[at] = feature;
+    m.contact[at] = g;
+  };
+  if (meeting.reference >= 0) {
+    const Vec3d u = any_orthogonal(meeting.distance.normal);
+    const Vec3d v = cross(meeting.distance.normal, u);
+    box_box_parts::FacePoints points;
+    meeting.visit([&](int number, const CoreContact& c) {
+      if (!wanted(ConvexFeature::of(meeting.reference, number))) {
+        is_left_out = true;
+        return;
+      }
+      const double pu = dot(c.on_a, u), pv = dot(c.on_a, v);
+      if (points.has(pu, pv, meeting.tie)) return;
+      const ContactGeometry g = rounded_contact(meeting, c, d);
+      if (listed(g)) points.add(number, pu, pv, g.gap);
+    });
+    int kept[Manifold::kMaxContacts];
+    const int count = box_box_parts::reduced(points, meeting.tie, kept);
+    for (int k = 0; k < count; ++k) {
+      const std::uint32_t feature = ConvexFeature::of(meeting.reference, points.point[kept[k]]);
+      add(feature, rounded_contact(meeting, meeting.contact(feature), d));
+    }
+  }
+  if (m.count == 0 && is_nearest && !is_left_out) {
+    const ContactGeometry g = rounded_contact(meeting, meeting.nearest(), d);
+    if (listed(g)) add(ConvexFeature::kNearest, g);
+  }
+  return m;
+}
+
+/// Two bodies whose shapes give cores: what pair functions of convex shapes have in common.
+template <class ShapeA, class ShapeB>
+struct ConvexPair {
+  using A = ShapeA;
+  using B = ShapeB;
+  static constexpr int kFeatureBits = ConvexFeature::kBits;
+
+  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                          std::uint32_t feature) {
+    const ConvexCore first = core_of<A>(a, {}), second = core_of<B>(b, d);
+    const CoreMeeting m(first, second, core_distance(first, second, 1e300));
+    return rounded_contact(m, m.contact(feature), d);
+  }
+  template <class Listed>
+  SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                    double most, Listed&& listed) {
+    const ConvexCore first = core_of<A>(a, {}), second = core_of<B>(b, d);
+    const double farthest = most + first.rounding + second.rounding;
+    const CoreDistance distance = core_distance(first, second, farthest);
+    if (distance.separation > farthest) return {};
+    const auto all = [](std::uint32_t) { return true; };
+    return convex_contacts(CoreMeeting(first, second, distance), d, true, all, listed);
+  }
+};
+
+}  // namespace scree

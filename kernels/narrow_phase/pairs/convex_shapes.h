@@ -1,0 +1,25 @@
+#pragma once
+// The cores of shapes that convex pair functions know.
+
+#include "kernels/narrow_phase/pairs/convex_core.h"
+#include "kernels/narrow_phase/pairs/pair_side.h"
+#include "shapes/box.h"
+#include "shapes/capsule.h"
+
+namespace scree {
+
+template <class S>
+ConvexCore core_of(const PairSide& side, const Vec3d& center);
+
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Box>(const PairSide& side, const Vec3d& center) {
+  return ConvexCore::brick(center, side.orientation, side.half_extents, 0);
+}
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Capsule>(const PairSide& side, const Vec3d& center) {
+  const Vec3d along{0, 0, shapes::Capsule::half_length(side.half_extents)};
+  return ConvexCore::brick(center, side.orientation, along,
+                           shapes::Capsule::radius(side.half_extents));
+}
+
+}  // namespace scree

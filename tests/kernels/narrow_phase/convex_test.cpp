@@ -1,0 +1,295 @@
+// Contacts of convex bodies by their cores, against distances and depths that are found by other means: convex searches
+// along axes, alternating projections, and a search over directions.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "kernels/narrow_phase/pairs/capsule_box.h"
+#include "kernels/narrow_phase/pairs/sphere_triangle.h"
+
+namespace scree {
+namespace {
+
+struct Body {
+  Vec3d center;
+  Quatd q;
+  Vec3d half;
+
+  PairSide side() const { return {0, q, half}; }
+};
+
+struct IsWithin {
+  double reach;
+  SCREE_HD bool operator()(const ContactGeometry& g) const { return g.gap <= reach; }
+};
+
+template <class P>
+Manifold manifold(const Body& a, const Body& b, double reach) {
+  return P::manifold(a.side(), b.side(), b.center - a.center, reach, IsWithin{reach});
+}
+
+using BoxesByCores = ConvexPair<shapes::Box, shapes::Box>;
+
+Body random_body(std::mt19937& random, double spread, bool is_capsule) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::normal_distribution<double> normal;
+  Body b;
+  b.center = spread * Vec3d{uniform(random), uniform(random), uniform(random)};
+  b.q = normalized(Quatd{normal(random), normal(random), normal(random), normal(random)});
+  b.half = Vec3d{0.6, 0.6, 0.6} + 0.4 * Vec3d{uniform(random), uniform(random), uniform(random)};
+  if (is_capsule) {
+    b.half.x = b.half.y = 0.2 + 0.1 * uniform(random);
+    b.half.z += b.half.x;
+  }
+  return b;
+}
+
+Vec3d nearest_in_box(const Body& box, const Vec3d& x) {
+  Vec3d local = rotate_back(box.q, x - box.center);
+  for (int k = 0; k < 3; ++k) local[k] = std::clamp(local[k], -box.half[k], box.half[k]);
+  return box.center + rotate(box.q, local);
+}
+
+/// Distance of the axis of a capsule from a box: a convex function along the axis.
+double distance_of_axis(const Body& capsule, const Body& box) {
+  const double end = capsule.half.z - capsule.half.x;
+  const auto at = [&](double s) {
+    const Vec3d x = capsule.center + rotate(capsule.q, Vec3d{0, 0, s});
+    return norm(x - nearest_in_box(box, x));
+  };
+  double low = -end, high = end;
+  for (int k = 0; k < 100; ++k) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
+  }
+  return at(0.5 * (low + high));
+}
+
+std::vector<Vec3d> corners(const Body& box) {
+  std::vector<Vec3d> out;
+  for (int k = 0; k < 8; ++k)
+    out.push_back(box.center + rotate(box.q, Vec3d{k & 1 ? box.half.x : -box.half.x,
+                                                   k & 2 ? box.half.y : -box.half.y,
+                                                   k & 4 ? box.half.z : -box.half.z}));
+  return out;
+}
+
+/// How far points overlap others in a direction.
+double overlap_along(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b, const Vec3d& n) {
+  double top = -1e300, bottom = 1e300;
+  for (const Vec3d& x : a) top = std::max(top, dot(x, n));
+  for (const Vec3d& x : b) bottom = std::min(bottom, dot(x, n));
+  return top - bottom;
+}
+
+/// The least overlap of all directions: sampled, then improved by smaller and smaller turns.
+double sampled_depth(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b,
+                     std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  const auto any = [&] { return Vec3d{normal(random), normal(random), normal(random)}; };
+  double least = 1e300;
+  for (int start = 0; start < 30; ++start) {
+    Vec3d n = normalized(any());
+    double found = overlap_along(a, b, n);
+    for (double step = 0.5; step > 1e-5; step *= 0.8) {
+      for (int k = 0; k < 12; ++k) {
+        const Vec3d turned = normalized(n + step * any());
+        const double overlap = overlap_along(a, b, turned);
+        if (overlap < found) found = overlap, n = turned;
+      }
+    }
+    least = std::min(least, found);
+  }
+  return least;
+}
+
+template <class P>
+void expect_sound(const Body& a, const Body& b, const Manifold& m) {
+  const Vec3d d = b.center - a.center;
+  for (int k = 0; k < m.count; ++k) {
+    const ContactGeometry& g = m.contact[k];
+    EXPECT_NEAR(norm(g.normal), 1, 1e-12);
+    EXPECT_LT(norm(d + g.arm_b - g.arm_a - g.gap * g.normal), 1e-12);
+    EXPECT_LT(m.feature[k], 1u << P::kFeatureBits);
+    if (k > 0) {
+      EXPECT_LT(m.feature[k - 1], m.feature[k]);
+    }
+    const ContactGeometry again = P::contact(a.side(), b.side(), d, m.feature[k]);
+    EXPECT_EQ(again.gap, g.gap) << "a feature names its contact";
+    EXPECT_EQ(again.arm_a, g.arm_a);
+  }
+}
+
+double least_gap(const Manifold& m) {
+  double least = INFINITY;
+  for (int k = 0; k < m.count; ++k) least = std::min(least, m.contact[k].gap);
+  return least;
+}
+
+TEST(CapsuleBoxTest, NearestContactIsTheDistanceAndNoneIsNearer) {
+  std::mt19937 random(1);
+  int several = 0, apart = 0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const Body a = random_body(random, 1.2, true), b = random_body(random, 1.2, false);
+    const double axis = distance_of_axis(a, b);
+    if (axis < 1e-3) continue;
+    ++apart;
+    const double gap = axis - a.half.x;
+    const Manifold m = manifold<CapsuleBox>(a, b, gap + 0.05);
+    ASSERT_GE(m.count, 1) << trial;
+    expect_sound<CapsuleBox>(a, b, m);
+    EXPECT_NEAR(least_gap(m), gap, 1e-6) << trial;
+    EXPECT_EQ(manifold<CapsuleBox>(a, b, gap - 1e-5).count, 0) << trial;
+    for (int k = 0; k < m.count; ++k) {
+      const Vec3d on_box = b.center + m.contact[k].arm_b;
+      EXPECT_LT(norm(on_box - nearest_in_box(b, on_box)), 1e-4) << trial;
+    }
+    several += m.count > 1;
+  }
+  EXPECT_GT(apart, 2000);
+  EXPECT_GT(several, 50);
+}
+
+TEST(CapsuleBoxTest, AnAxisInsideLeavesTheShortestWay) {
+  std::mt19937 random(2);
+  int deep = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const Body a = random_body(random, 0.3, true), b = random_body(random, 0.5, false);
+    if (distance_of_axis(a, b) > 0) continue;
+    const double end = a.half.z - a.half.x;
+    const std::vector<Vec3d> axis{a.center + rotate(a.q, Vec3d{0, 0, end}),
+                                  a.center - rotate(a.q, Vec3d{0, 0, end})};
+    const double depth = sampled_depth(axis, corners(b), random);
+    if (depth < 1e-3) continue;
+    ++deep;
+    const Manifold m = manifold<CapsuleBox>(a, b, 0);
+    ASSERT_GE(m.count, 1) << trial;
+    expect_sound<CapsuleBox>(a, b, m);
+    const double along = overlap_along(axis, corners(b), m.contact[0].normal);
+    EXPECT_NEAR(along, depth, 1e-3) << trial;
+    EXPECT_NEAR(least_gap(m), -along - a.half.x, 1e-3) << trial;
+  }
+  EXPECT_GT(deep, 100);
+}
+
+TEST(CapsuleBoxTest, OneThatLiesOnAFaceHasTwoContactsWithinIt) {
+  const Quatd along_x = exp_map(Vec3d{0, 0.5 * 3.14159265358979, 0});
+  const Body box{{}, {}, {1, 1, 0.5}};
+  for (const double gap : {1e-3, 0.0, -1e-3}) {
+    const Manifold m =
+        manifold<CapsuleBox>({{0.6, 0.2, 0.7 + gap}, along_x, {0.2, 0.2, 1}}, box, 0.01);
+    ASSERT_EQ(m.count, 2);
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_NEAR(m.contact[k].gap, gap, 1e-12);
+      EXPECT_NEAR(m.contact[k].normal.z, -1, 1e-12);
+      low = std::min(low, m.contact[k].arm_b.x), high = std::max(high, m.contact[k].arm_b.x);
+    }
+    EXPECT_NEAR(low, -0.2, 1e-12) << "an end of its axis";
+    EXPECT_NEAR(high, 1, 1e-12) << "an edge of the box";
+  }
+}
+
+TEST(CapsuleBoxTest, OneAlongAnEdgeHasTwoContacts) {
+  const Body box{{}, {}, {1, 1, 1}};
+  const double side = 1 + 0.3 / std::sqrt(2.0);
+  const Quatd along_y = exp_map(Vec3d{-0.5 * 3.14159265358979, 0, 0});
+  const Manifold m = manifold<CapsuleBox>({{side, 0.4, side}, along_y, {0.2, 0.2, 1}}, box, 0.2);
+  ASSERT_EQ(m.count, 2);
+  for (int k = 0; k < 2; ++k) EXPECT_NEAR(m.contact[k].gap, 0.1, 1e-9);
+  EXPECT_NEAR(std::abs(m.contact[0].arm_b.y - m.contact[1].arm_b.y), 1.4, 1e-9);
+}
+
+// The closed form of two boxes, which has tests of its own, and cores must agree.
+TEST(ConvexCoresTest, BoxesAreAsFarApartAsByTheirClosedForm) {
+  std::mt19937 random(3);
+  int apart = 0, deep = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Body a = random_body(random, 0.5, false), b = random_body(random, 2, false);
+    Vec3d x = a.center, y;
+    for (int k = 0; k < 3000; ++k) {
+      y = nearest_in_box(b, x);
+      x = nearest_in_box(a, y);
+    }
+    const double distance = norm(y - x);
+    const ConvexCore first = core_of<shapes::Box>(a.side(), a.center);
+    const ConvexCore second = core_of<shapes::Box>(b.side(), b.center);
+    const CoreDistance found = core_distance(first, second, 1e300);
+    if (distance > 3e-2) {  // the projections end near it
+      ++apart;
+      EXPECT_TRUE(found.is_apart);
+      EXPECT_NEAR(found.separation, distance, 1e-3) << trial;
+      EXPECT_LE(found.separation, distance + 1e-9) << trial << ": projections come from above";
+      EXPECT_NEAR(overlap_along(corners(a), corners(b), found.normal), -found.separation, 1e-9);
+      continue;
+    }
+    if (found.is_apart) continue;
+    ++deep;
+    const BoxPair pair{{BoxAxes(a.q, a.half), BoxAxes(b.q, b.half)}, b.center - a.center};
+    const box_box_parts::SeparatingAxis axis(pair, 1e300, 0, 0);
+    EXPECT_NEAR(found.separation, axis.separation, 2e-4) << trial;
+    EXPECT_NEAR(overlap_along(corners(a), corners(b), found.normal), -found.separation, 1e-9);
+    const Manifold m = manifold<BoxesByCores>(a, b, 0);
+    ASSERT_GE(m.count, 1);
+    expect_sound<BoxesByCores>(a, b, m);
+    EXPECT_NEAR(least_gap(m), axis.separation, 1e-3) << trial;
+  }
+  EXPECT_GT(apart, 500);
+  EXPECT_GT(deep, 300);
+}
+
+TEST(ConvexCoresTest, BoxesOnEachOtherHaveTheCornersOfTheCommonRectangle) {
+  const Body low{{}, {}, {0.5, 0.5, 0.5}};
+  for (const double gap : {1e-3, 0.0, -1e-3}) {
+    const Manifold m =
+        manifold<BoxesByCores>(low, {{0.3, 0.2, 1 + gap}, {}, {0.5, 0.5, 0.5}}, 0.01);
+    ASSERT_EQ(m.count, 4) << gap;
+    double x = 0, y = 0;
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_NEAR(m.contact[k].gap, gap, 1e-12);
+      EXPECT_NEAR(m.contact[k].normal.z, 1, 1e-12);
+      x += m.contact[k].arm_a.x / 4, y += m.contact[k].arm_a.y / 4;
+    }
+    EXPECT_NEAR(x, 0.15, 1e-12);
+    EXPECT_NEAR(y, 0.1, 1e-12);
+  }
+}
+
+TEST(ConvexCoresTest, BoxesAreAsFarFromTrianglesAsByProjections) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  int apart = 0, deep = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Body a = random_body(random, 0.5, false);
+    const auto any = [&] { return Vec3d{normal(random), normal(random), normal(random)}; };
+    const Vec3d p[3] = {1.2 * any(), 1.2 * any(), 1.2 * any()};
+    const ConvexCore box = core_of<shapes::Box>(a.side(), a.center);
+    const ConvexCore triangle =
+        ConvexCore::triangle(p[0], p[1], p[2], normalized(cross(p[1] - p[0], p[2] - p[0])));
+    Vec3d x = a.center, y;
+    for (int k = 0; k < 3000; ++k) {
+      y = closest_on_triangle(x, p[0], p[1], p[2]).point;
+      x = nearest_in_box(a, y);
+    }
+    const CoreDistance found = core_distance(box, triangle, 1e300);
+    const std::vector<Vec3d> points{p[0], p[1], p[2]};
+    EXPECT_NEAR(overlap_along(corners(a), points, found.normal), -found.separation, 1e-9);
+    if (norm(y - x) > 3e-2) {  // the projections end near it
+      ++apart;
+      EXPECT_NEAR(found.separation, norm(y - x), 1e-3) << trial;
+      EXPECT_LE(found.separation, norm(y - x) + 1e-9) << trial;
+    } else if (!found.is_apart && norm(y - x) < 1e-9 && deep < 150) {
+      ++deep;
+      EXPECT_NEAR(-found.separation, sampled_depth(corners(a), points, random), 1e-3) << trial;
+    }
+  }
+  EXPECT_GT(apart, 300);
+  EXPECT_GT(deep, 100);
+}
+
+}  // namespace
+}  // namespace scree

@@ -1,6 +1,9 @@
 #pragma once
 // Rigid bodies: what a step is, stage by stage, on backend B with solver precision Real.
 
+#include <algorithm>
+#include <limits>
+
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"
 #include "dynamics/model_on.h"
@@ -120,9 +123,11 @@ class RigidDynamics final : public ModelOn<B, Real> {
       clock.lap();  // belongs to no stage
     }
 
-    SolveStats stats = solver_->solve(
-        b, problem, gamma,
-        residual_tolerance(scene_.solver.stop, reference, summary_.median_diameter, h));
+    const double tolerance =
+        residual_tolerance(scene_.solver.stop, reference, summary_.median_diameter, h);
+    SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
+    if (joints_.count() > 0 && tolerance > 0)
+      correct_joints(bodies, problem, gamma, tolerance, stats);
     stats.iterations += impacts.iterations;
     stats.applications += impacts.applications;
     stats.converged = stats.converged && impacts.converged;
@@ -263,6 +268,27 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
   std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
     return contact_records(backend(), store_.ids(), detector_.contacts(), gamma, vectors());
+  }
+
+  /// Solves the problem again as long as joints would not lie where they belong at the end of the
+  /// step, and that helps.
+  void correct_joints(const BodyView<Real>& bodies, const ContactProblem<Real>& problem,
+                      Span<Vec3<Real>> gamma, double tolerance, SolveStats& stats) {
+    constexpr int kMostRounds = 4;
+    constexpr double kNear = 1e-7;     // [m]
+    constexpr double kProgress = 0.5;  // an error that falls less is not for impulses to take away
+    const double enough = std::max(kNear, 3 * scene_.stepping.time_step * tolerance);
+    double before = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kMostRounds && stats.converged; ++round) {
+      const double error = joints_.correct(backend(), bodies, scene_.stepping,
+                                           periodic_box().length, solver_->velocity());
+      if (!(error > enough && error < kProgress * before)) return;
+      before = error;
+      const SolveStats first = stats;
+      stats = solver_->solve(backend(), problem, gamma, tolerance);
+      stats.iterations += first.iterations;
+      stats.applications += first.applications;
+    }
   }
 
   LoadSums start_loads(const BodyView<Real>& bodies) {

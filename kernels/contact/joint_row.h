@@ -148,6 +148,12 @@ struct JointRow {
     return compliance > Real(0) || friction > Real(0) || slowest > -kNone || fastest < kNone;
   }
 
+  /// Whether it gives anything else than what takes the velocity of the last row to zero.
+  SCREE_HD bool is_last_driven() const {
+    constexpr Real kNone = largest_number<Real>();
+    return least > -kNone || most < kNone || has_own_terms();
+  }
+
   SCREE_HD Real inverse_pivot(int k) const { return factor[triangle_place(k, k)]; }
 
  private:

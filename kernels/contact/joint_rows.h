@@ -62,9 +62,15 @@ struct JointRows {
                                 const Rows& u) {
     const JointRow<Real>& j = joint(p, c);
     if (!(j.scale > Real(0))) return {};
-    const Real step = Real(1) / j.scale;
-    const Rows moved = project(p, c, z - step * u, step);
-    return as_rows(j.velocity(as_values(j.scale * (z - moved))));
+    // Of rows that are held u itself: beside impulses that grow where joints contradict each other the
+    // map would round it away.
+    JointValues<Real> left = as_values(u);
+    if (j.is_last_driven()) {
+      const Real step = Real(1) / j.scale;
+      const JointValues<Real> moved = as_values(project(p, c, z - step * u, step));
+      left[kJointAxisRow] = j.scale * (as_values(z)[kJointAxisRow] - moved[kJointAxisRow]);
+    }
+    return as_rows(j.velocity(left));
   }
 
  private:

@@ -37,6 +37,19 @@ SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3
   w += rotate(q, hadamard(inverse, rotate_back(q, missing)));
 }
 
+/// Turns body i for a step. @param q, w  orientation and the solved angular velocity, in and out
+template <class Real>
+SCREE_HD void turn_body(const BodyView<Real>& bodies, Index i, Real h, Quat<Real>& q,
+                        Vec3<Real>& w) {
+  const Vec3<Real> moments = bodies.moments(i);
+  const bool isotropic = moments.x == moments.y && moments.y == moments.z;
+  if (isotropic || free_angular_axes(bodies.locks[i]) != 7u) {
+    q = normalized(exp_map(h * w) * q);
+  } else {
+    rotate_free(h, moments, q, w);
+  }
+}
+
 /// Sums of the integration pass.
 struct IntegrateSums {
   double kinetic_energy = 0;  ///< [J]
@@ -81,12 +94,7 @@ struct Integrate {
     Vec3<Real> w = radial ? (Real(1) / bodies.radius[i]) * solved[i].angular : solved[i].angular;
     Quat<Real> q = bodies.orientation[i];
     const Vec3<Real> moments = bodies.moments(i);
-    const bool isotropic = moments.x == moments.y && moments.y == moments.z;
-    if (isotropic || free_angular_axes(bodies.locks[i]) != 7u) {
-      q = normalized(exp_map(static_cast<Real>(time_step) * w) * q);
-    } else {
-      rotate_free(static_cast<Real>(time_step), moments, q, w);
-    }
+    turn_body(bodies, i, static_cast<Real>(time_step), q, w);
     bool stopped = false;
     Vec3<double> x = way.end(i, v, stopped);
     for (int axis = 0; axis < 3; ++axis)

@@ -53,7 +53,7 @@ SCREE_HD inline Quat<double> rotation_to(const Vec3<double>& axis) {
 
 struct JointMeasure {
   Quat<double> frame;   ///< axes of the joint to those of the world
-  Vec3<double> gap;     ///< from the anchor of A to that of B, as far as forces hold it [m]
+  Vec3<double> gap;     ///< from where B should be to where it is, as far as forces hold it [m]
   Vec3<double> turn;    ///< rotation vector from A to B, as far as moments hold it [rad]
   double position = 0;  ///< along or about the axis, from A to B [m or rad]
 };
@@ -72,8 +72,9 @@ SCREE_HD inline Vec3<double> misalignment(const JointSide& a, const JointSide& b
 
 /// @param a       of a slide its arm goes to the anchor of B afterwards: A holds that point
 /// @param held    rows that the joint has, see JointRow
+/// @param zero    length of a line [m]
 /// @param period  zero: axis not periodic [m]
-SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, JointSide& a,
+SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, double zero, JointSide& a,
                                            const JointSide& b, const Vec3<double>& period) {
   JointMeasure m;
   m.frame = a.frame;
@@ -103,6 +104,9 @@ SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, JointS
     case JointForm::line:
       m.position = norm(m.gap);
       if (m.position > 0) m.frame = rotation_to((1 / m.position) * m.gap);
+      m.gap = {};
+      if ((held >> kJointAxisRow & 1u) != 0)
+        m.gap = (m.position - zero) * rotate(m.frame, {0, 0, 1});
       break;
   }
   return m;

@@ -97,6 +97,51 @@ struct JointKeys {
   }
 };
 
+/// A side where its body has a given pose; velocities are left out.
+template <class Real>
+SCREE_HD JointSide side_at(const BodyView<Real>& bodies, const JointPlaces& places,
+                           const JointFrames& joint, int which, const Vec3<double>& position,
+                           const Quat<Real>& orientation) {
+  JointSide s;
+  s.body = places.of(joint.body[which]);
+  const Quat<double> q = normalized(Quat<double>(orientation));
+  s.position = position;
+  s.arm = rotate(q, joint.anchor[which]);
+  s.frame = q * joint.frame[which];
+  s.is_free = bodies.moves(s.body);
+  if (s.is_free) s.radius = bodies.radius[s.body];
+  return s;
+}
+
+/// A side where its body is.
+template <class Real>
+SCREE_HD JointSide side_of_joint(const BodyView<Real>& bodies, const JointPlaces& places,
+                                 const JointFrames& joint, int which) {
+  const Index i = places.of(joint.body[which]);
+  if (i != places.world)
+    return side_at(bodies, places, joint, which, bodies.position[i], bodies.orientation[i]);
+  JointSide s;
+  s.body = i;
+  s.arm = joint.anchor[which];
+  s.frame = joint.frame[which];
+  return s;
+}
+
+/// Scale of the moment rows: the radius of the smaller free body [m].
+SCREE_HD inline double length_of_joint(const JointSide& a, const JointSide& b) {
+  return b.is_free && b.radius < a.radius ? b.radius : a.radius;
+}
+
+/// Speed that takes an error away in the step, or the largest that is allowed [m/s].
+/// @param length  of the error's unit [m]
+/// @param most    [m/s]
+SCREE_HD inline Vec3<double> joint_recovery(const Vec3<double>& error, double length,
+                                            double time_step, double most) {
+  const Vec3<double> speed = (length / time_step) * error;
+  const double size = norm(speed);
+  return size > most ? (most / size) * speed : speed;
+}
+
 /// What the set-up of joints adds up.
 struct JointSums {
   double max_error = 0;  ///< distance of two anchors, or turn times length, that should be zero [m]
@@ -141,7 +186,7 @@ struct JointSetup {
     body_a[k] = a.body;
     body_b[k] = b.body;
 
-    JointMeasure m = measure_joint(joint.form, joint.held, a, b, period);
+    const JointMeasure m = measure_joint(joint.form, joint.held, joint.zero, a, b, period);
     const JointDrift drift = drift_of_joint(joint.form, m, a, b, time_step);
     const bool is_line = joint.form == JointForm::line;
     // Of a line the same in both directions.
@@ -149,12 +194,13 @@ struct JointSetup {
     const double position = follow(sign * m.position - joint.zero, state[j].position, joint.form);
     state[j].position = position;
     const bool is_last_held = (joint.held >> kJointAxisRow & 1u) != 0;
-    if (is_line) m.gap = is_last_held ? position * rotate(m.frame, {0, 0, 1}) : Vec3<double>{};
 
-    const double length = b.is_free && b.radius < a.radius ? b.radius : a.radius;
+    const double length = length_of_joint(a, b);
     const double half = 0.5 * time_step;
-    const Vec3<double> linear = recovery(m.gap, 1) + half * drift.linear;
-    const Vec3<double> angular = recovery(m.turn, length) + (half * length) * drift.angular;
+    const Vec3<double> linear =
+        joint_recovery(m.gap, 1, time_step, recovery_speed) + half * drift.linear;
+    const Vec3<double> angular =
+        joint_recovery(m.turn, length, time_step, recovery_speed) + (half * length) * drift.angular;
 
     JointRow<Real> r;
     r.force_is_last = ends_with_force(joint.form);
@@ -202,36 +248,19 @@ struct JointSetup {
   }
 
   SCREE_HD JointSide side(const JointFrames& joint, int which) const {
-    JointSide s;
-    s.body = places.of(joint.body[which]);
-    s.arm = joint.anchor[which];
-    s.frame = joint.frame[which];
+    JointSide s = side_of_joint(bodies, places, joint, which);
     if (s.body == places.world) return s;
-    const Quat<double> q = normalized(Quat<double>(bodies.orientation[s.body]));
-    s.position = bodies.position[s.body];
-    s.arm = rotate(q, s.arm);
-    s.frame = q * s.frame;
     s.velocity = Vec3<double>(bodies.velocity[s.body]);
     s.turning = Vec3<double>(bodies.angular_velocity[s.body]);
-    s.is_free = bodies.moves(s.body);
     if (!s.is_free) return s;
     const unsigned axes = free_angular_axes(bodies.locks[s.body]);
     const GeneralInertia<Real>& own = inertia[s.body];
     s.turning = on_axes(s.turning, axes);
-    s.radius = bodies.radius[s.body];
     s.inv_mass = Vec3<double>(own.inv_mass);
     s.inv_inertia = widened(own.inv_inertia);
     if (axes == 7u)
       s.acceleration = s.inv_inertia * cross(widened(own.inertia) * s.turning, s.turning);
     return s;
-  }
-
-  /// Speed that takes an error away in the step, or the largest that is allowed [m/s].
-  /// @param length  of the error's unit [m]
-  SCREE_HD Vec3<double> recovery(const Vec3<double>& error, double length) const {
-    const Vec3<double> speed = (length / time_step) * error;
-    const double size = norm(speed);
-    return size > recovery_speed ? (recovery_speed / size) * speed : speed;
   }
 
   /// The angle about the axis that is nearest to the last one: it counts whole turns.

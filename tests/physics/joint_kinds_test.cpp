@@ -227,5 +227,57 @@ TEST_P(JointKinds, CableCarriesAWeight) {
   EXPECT_LT(norm(world.states().position[0]), 1e-6);
 }
 
+// A door on two hinges of one axis: the second one holds what the first one holds already.
+TEST_P(JointKinds, DoorSwingsOnTwoHinges) {
+  for (const std::string& solver : kJointSolvers) {
+    Scene scene = empty_scene(1e-3, 0);
+    scene.solver.name = solver;
+    constexpr double kHalf = 0.4, kRate = 1.5;
+    BodyDescription& door = add_box(scene, {kHalf, 0, 0}, {kHalf, 0.02, 1}, 20);
+    door.angular_velocity = {0, 0, kRate};
+    door.velocity = {0, kHalf * kRate, 0};
+    for (const double z : {-0.8, 0.8})
+      scene.joints.push_back(joint_of(JointKind::hinge, kWorldBody, 0, {0, 0, z}, {0, 0, 1}));
+    World world = world_of(scene);
+    double error = 0;
+    for (int k = 0; k < 400; ++k) {
+      const StepReport report = world.step();
+      EXPECT_TRUE(report.converged) << solver << k;
+      error = std::max(error, report.max_joint_error);
+    }
+    const BodyStates s = world.states();
+    EXPECT_LT(norm(s.position[0] - kHalf * Vec3d{std::cos(kRate * 0.4), std::sin(kRate * 0.4), 0}),
+              1e-4)
+        << solver;
+    EXPECT_LT(error, is_double() ? 2e-7 : 2e-6);
+    const std::vector<JointRecord> joints = world.joints();
+    EXPECT_NEAR((joints[0].force.z + joints[1].force.z) * 1e3, 20 * kGravity, 0.05);
+  }
+}
+
+// Two rods of different lengths between the same points: steps end above the tolerance and say so,
+// with the joint and what is left of it; the ball stays between the two lengths.
+TEST_P(JointKinds, ContradictionIsToldByTheSteps) {
+  Scene scene = empty_scene(1e-3, 0);
+  add_sphere(scene, {0, 0, -1}, 0.05, 1);
+  for (const double length : {0.98, 1.02}) {
+    scene.joints.push_back(line_of(JointKind::distance, kWorldBody, 0, {}, {0, 0, -1}));
+    scene.joints.back().length = length;
+  }
+  scene.solver.stop = {StopRule::Level::quality, 0};
+  scene.solver.max_iterations = 300;
+  World world(scene, cpu_options(1, GetParam()));
+  for (int k = 0; k < 20; ++k) {
+    const StepReport report = world.step();
+    EXPECT_FALSE(report.converged);
+    // Of two rods that pull against each other at 0.5 m/s, the fastest recovery, both keep that.
+    EXPECT_NEAR(report.residual_rms, 0.5, 0.05);
+    EXPECT_EQ(report.residual_max_body_a, 0);
+    EXPECT_EQ(report.residual_max_body_b, kWorldBody);
+    EXPECT_GT(report.max_joint_error, 0.0199);
+    EXPECT_NEAR(world.states().position[0].z, -1, 0.021);
+  }
+}
+
 }  // namespace
 }  // namespace scree::physics

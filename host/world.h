@@ -81,6 +81,7 @@ struct BodyStates {
 struct ContactRecord {
   int body_a = -1;
   int body_b = -1;
+  Vec3d point;     ///< where it acts, with the bodies where they are now, world frame [m]
   Vec3d normal;    ///< unit, from A to B
   double gap = 0;  ///< at the start of the step [m]
   Vec3d impulse;   ///< world frame, acting on B [N s]

@@ -267,7 +267,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     has_solved_contacts_ = false;
   }
   std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
-    return contact_records(backend(), store_.ids(), detector_.contacts(), gamma, vectors());
+    return contact_records(backend(), store_.ids(), store_.view(), detector_.contacts(), gamma,
+                           vectors());
   }
 
   /// Solves the problem again as long as joints would not lie where they belong at the end of the

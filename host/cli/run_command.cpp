@@ -11,6 +11,7 @@
 #include "host/cli/judged.h"
 #include "host/error.h"
 #include "host/io/checkpoint.h"
+#include "host/io/contact_frames.h"
 #include "host/io/forces_csv.h"
 #include "host/io/frames.h"
 #include "host/io/output_directory.h"
@@ -58,6 +59,26 @@ std::int64_t step_target(const RunOptions& options, const Scene& scene) {
   if (options.steps >= 0) return options.steps;
   return std::llround(scene.stepping.duration / scene.stepping.time_step);
 }
+
+/// Files that grow during a run.
+struct RunFiles {
+  /// @param resumed_step, resumed_time  of the checkpoint that the run goes on from
+  RunFiles(const OutputDirectory& directory, const Scene& scene, Precision precision,
+           std::optional<std::int64_t> resumed_step, std::optional<double> resumed_time)
+      : frames(directory.frames(), scene, precision, resumed_time),
+        wall_frames(directory.wall_frames(), scene, resumed_time) {
+    if (scene.output.contact_frames)
+      contact_frames.emplace(directory.contact_frames(), scene.stepping.time_step, precision,
+                             resumed_time);
+    if (scene.output.force_interval > 0)
+      forces.emplace(directory.forces_csv(), ForceTargets(scene), resumed_step);
+  }
+
+  FrameWriter frames;
+  WallFrameWriter wall_frames;
+  std::optional<ContactFrameWriter> contact_frames;
+  std::optional<ForcesCsv> forces;
+};
 
 /// One run from open files to the last byte.
 class Run {
@@ -108,12 +129,8 @@ class Run {
     }
     directory_.prepare();
     if (!notice_.empty() && !options_.quiet) say(notice_);
-    FrameWriter frames(directory_.frames(), scene_, world_options_.precision, resumed_time);
-    WallFrameWriter wall_frames(directory_.wall_frames(), scene_, resumed_time);
+    RunFiles files(directory_, scene_, world_options_.precision, resumed_step, resumed_time);
     if (!made) write_walls(directory_.walls(), scene_);
-    std::optional<ForcesCsv> forces;
-    if (writes_forces())
-      forces.emplace(directory_.forces_csv(), ForceTargets(scene_), resumed_step);
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
     if (!made) {
       made.emplace(std::move(loaded), world_options_);
@@ -125,7 +142,7 @@ class Run {
     const SignalGuard signals;
     start_record(resumed_step);
     try {
-      simulate(world, frames, wall_frames, forces ? &*forces : nullptr, signals, resumed_step);
+      simulate(world, files, signals, resumed_step);
     } catch (const std::exception& error) {
       record_.status = RunStatus::failed;
       record_.message = error.what();
@@ -201,8 +218,8 @@ class Run {
     return report;
   }
 
-  void simulate(World& world, FrameWriter& frames, WallFrameWriter& wall_frames, ForcesCsv* forces,
-                const SignalGuard& signals, std::optional<std::int64_t> resumed_step) {
+  void simulate(World& world, RunFiles& files, const SignalGuard& signals,
+                std::optional<std::int64_t> resumed_step) {
     const double h = scene_.stepping.time_step;
     StepsCsv steps(directory_.steps_csv(), card_.report, resumed_step);
     WriterThread writer;
@@ -224,9 +241,12 @@ class Run {
     const auto write_frame = [&] {
       writer.finish();
       auto states = std::make_shared<BodyStates>(world.states());
-      post(writer, [&frames, &wall_frames, states, t = world.time()] {
-        frames.append(t, *states);
-        wall_frames.append(t, *states);
+      auto contacts = std::make_shared<std::vector<ContactRecord>>();
+      if (files.contact_frames) *contacts = world.contacts();
+      post(writer, [&files, states, contacts, t = world.time()] {
+        files.frames.append(t, *states);
+        files.wall_frames.append(t, *states);
+        if (files.contact_frames) files.contact_frames->append(t, *contacts);
       });
     };
     // Numbers count the pictures that were due: a resumed run goes on where the first one stopped.
@@ -241,7 +261,7 @@ class Run {
     const auto save_checkpoint = [&] {
       writer.finish();
       steps.flush();
-      if (forces != nullptr) forces->flush();
+      if (files.forces) files.forces->flush();
       auto state = std::make_shared<WorldState>(world.save());
       post(writer, [this, state, &constants = world.constants()] {
         write_checkpoint(directory_.checkpoint_file(), *state, constants, scene_text_,
@@ -258,8 +278,8 @@ class Run {
       record_.totals.add(judged(report, scene_.solver));
       progress.update(judged(report, scene_.solver));
       writer.check();
-      if (forces != nullptr && force_schedule.due(before, report.time))
-        forces->append(report.step, report.time, world.take_forces());
+      if (files.forces && force_schedule.due(before, report.time))
+        files.forces->append(report.step, report.time, world.take_forces());
       if (frame_schedule.due(before, report.time)) write_frame();
       if (picture_schedule.due(before, report.time)) write_picture();
       if (checkpoint_schedule.due(before, report.time)) save_checkpoint();
@@ -270,7 +290,7 @@ class Run {
     save_checkpoint();
     writer.finish();
     steps.flush();
-    if (forces != nullptr) forces->flush();
+    if (files.forces) files.forces->flush();
     progress.finish();
     record_.status = signals.received() == 0 ? RunStatus::done : RunStatus::interrupted;
     if (signals.received() != 0)

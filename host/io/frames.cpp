@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "host/error.h"
-#include "host/io/h5.h"
 #include "host/io/values.h"
+#include "host/io/vtkhdf.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_summary.h"
 #include "shapes/shape_card.h"
@@ -19,7 +18,8 @@
 namespace scree {
 namespace {
 
-constexpr std::array topologies{"Vertices", "Lines", "Polygons", "Strips"};  // the format's order
+using vtkhdf::append_number;
+using vtkhdf::topologies;
 constexpr std::array constant_data{"id",    "radius", "half_extents", "mass",
                                    "group", "kind",   "shape"};
 using Fields = std::span<const FrameField>;
@@ -49,11 +49,7 @@ Filled filled(const FrameExtent& extent, Fields fields) {
   return {extent.frames, std::move(all)};
 }
 
-std::vector<std::int64_t> counting(std::uint64_t count) {
-  std::vector<std::int64_t> numbers(count);
-  std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
-  return numbers;
-}
+std::vector<std::int64_t> counting(std::uint64_t count) { return vtkhdf::counting(0, count); }
 
 template <class T>
 void write_values(h5::Group& group, const std::string& name, const std::vector<T>& data,
@@ -105,13 +101,8 @@ void write_empty(h5::Group root, const Scene& scene, Fields fields) {
   const std::uint64_t count = bodies.size();
   // Chunks are at most one to two megabytes, and small runs get small files.
   const std::uint64_t point_chunk = std::clamp<std::uint64_t>(count, 64, 65536);
-  constexpr std::uint64_t frame_chunk = 128;
-
-  h5::Group vtk = root.create_group("VTKHDF");
-  const std::array<std::int64_t, 2> version{2, 0};
-  vtk.write_attribute("Version", std::span<const std::int64_t>(version));
-  vtk.write_text_attribute("Type", "PolyData");
-
+  constexpr std::uint64_t frame_chunk = vtkhdf::frame_chunk;
+  h5::Group vtk = vtkhdf::create_poly_data(root);
   vtk.create_growing<std::int64_t>("NumberOfPoints", 0, frame_chunk);
   vtk.create_growing<double>("Points", 3, point_chunk);
   // Cell i of every frame is the vertex i: one connectivity serves all frames.
@@ -130,21 +121,9 @@ void write_empty(h5::Group root, const Scene& scene, Fields fields) {
     data.create_growing<Real>(
         field.name, field.columns > 1 ? static_cast<std::uint64_t>(field.columns) : 0, point_chunk);
 
-  h5::Group steps = vtk.create_group("Steps");
-  steps.write_attribute<std::int64_t>("NSteps", 0);
-  steps.create_growing<double>("Values", 0, frame_chunk);
-  for (const char* name : {"PartOffsets", "NumberOfParts", "PointOffsets"})
-    steps.create_growing<std::int64_t>(name, 0, frame_chunk);
-  for (const char* name : {"CellOffsets", "ConnectivityIdOffsets"})
-    steps.create_growing<std::int64_t>(name, topologies.size(), frame_chunk);
-  h5::Group offsets = steps.create_group("PointDataOffsets");
-  for (const char* name : constant_data) offsets.create_growing<std::int64_t>(name, 0, frame_chunk);
-  for (const FrameField& field : fields)
-    offsets.create_growing<std::int64_t>(field.name, 0, frame_chunk);
-}
-
-void append_number(h5::Group& group, const std::string& name, std::int64_t value) {
-  group.append(name, std::span<const std::int64_t>(&value, 1));
+  std::vector<std::string> names(constant_data.begin(), constant_data.end());
+  for (const FrameField& field : fields) names.emplace_back(field.name);
+  vtkhdf::create_steps(vtk, "PointData", names);
 }
 
 /// Calls visit(rows) with the vector of what a field shows.

@@ -53,6 +53,7 @@ class OutputDirectory {
   std::filesystem::path forces_csv() const { return path_ / "forces.csv"; }
   std::filesystem::path frames() const { return path_ / "frames.vtkhdf"; }
   std::filesystem::path checkpoint_file() const { return path_ / "checkpoint.h5"; }
+  std::filesystem::path contact_frames() const { return path_ / "contacts.vtkhdf"; }
   std::filesystem::path wall_frames() const { return path_ / "walls.vtkhdf"; }
   std::filesystem::path walls() const { return path_ / "walls.obj"; }
   std::filesystem::path picture(std::int64_t number) const;  ///< picture_00042.png

@@ -9,11 +9,13 @@
 
 #include "host/error.h"
 #include "host/io/values.h"
+#include "host/io/vtkhdf.h"
 
 namespace scree {
 namespace {
 
-constexpr std::array topologies{"Vertices", "Lines", "Polygons", "Strips"};  // the format's order
+using vtkhdf::append_number;
+using vtkhdf::topologies;
 constexpr std::size_t polygons = 2;
 constexpr std::array cell_data{"id", "group", "kind"};
 constexpr std::array step_numbers{"PartOffsets", "NumberOfParts", "PointOffsets"};
@@ -25,10 +27,6 @@ void write_values(h5::Group& group, const std::string& name, const std::vector<T
 
 void write_count(h5::Group& group, const std::string& name, std::uint64_t count) {
   write_values(group, name, std::vector<std::int64_t>{static_cast<std::int64_t>(count)});
-}
-
-void append_number(h5::Group& group, const std::string& name, std::int64_t value) {
-  group.append(name, std::span<const std::int64_t>(&value, 1));
 }
 
 /// Where each face ends in the list of corners of all faces, and that list.
@@ -99,11 +97,7 @@ void WallFrameWriter::start(const Scene& scene) {
   last_corners_.clear();
   file_->start([&](h5::Group root) {
     const std::uint64_t point_chunk = std::clamp<std::uint64_t>(corner_count_, 64, 65536);
-    constexpr std::uint64_t frame_chunk = 128;
-    h5::Group vtk = root.create_group("VTKHDF");
-    const std::array<std::int64_t, 2> version{2, 0};
-    vtk.write_attribute("Version", std::span<const std::int64_t>(version));
-    vtk.write_text_attribute("Type", "PolyData");
+    h5::Group vtk = vtkhdf::create_poly_data(root);
     write_count(vtk, "NumberOfPoints", corner_count_);
     vtk.create_growing<double>("Points", 3, point_chunk);
     const Faces faces = faces_of(walls_);
@@ -123,14 +117,7 @@ void WallFrameWriter::start(const Scene& scene) {
     write_values(data, "kind",
                  per_face<std::uint8_t>(walls_, [&](std::size_t id) { return body(id).kind; }));
 
-    h5::Group steps = vtk.create_group("Steps");
-    steps.write_attribute<std::int64_t>("NSteps", 0);
-    steps.create_growing<double>("Values", 0, frame_chunk);
-    for (const char* name : step_numbers) steps.create_growing<std::int64_t>(name, 0, frame_chunk);
-    for (const char* name : {"CellOffsets", "ConnectivityIdOffsets"})
-      steps.create_growing<std::int64_t>(name, topologies.size(), frame_chunk);
-    h5::Group offsets = steps.create_group("CellDataOffsets");
-    for (const char* name : cell_data) offsets.create_growing<std::int64_t>(name, 0, frame_chunk);
+    vtkhdf::create_steps(vtk, "CellData", {cell_data.begin(), cell_data.end()});
   });
 }
 

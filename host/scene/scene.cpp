@@ -289,9 +289,12 @@ void check_settings(const Scene& scene) {
   check_non_negative("output.checkpoint_interval", output.checkpoint_interval, "s");
   check_non_negative("output.force_interval", output.force_interval, "s");
   const DynamicsCard& card = dynamics_card(scene.dynamics.type);
+  const std::string no_contacts =
+      fmt::format("bodies of the dynamics \"{}\" do not touch", card.name);
   if (output.force_interval > 0 && !card.has_contacts)
-    refuse("output.force_interval", text(output.force_interval),
-           fmt::format("must be 0: bodies of the dynamics \"{}\" do not touch", card.name));
+    refuse("output.force_interval", text(output.force_interval), "must be 0: " + no_contacts);
+  if (output.contact_frames && !card.has_contacts)
+    refuse("output.contact_frames", "true", "must be false: " + no_contacts);
   const PictureSettings& picture = output.picture;
   if (!std::isfinite(picture.interval))
     refuse("output.picture.interval", text(picture.interval), "must be a finite number [s]");

@@ -6,6 +6,28 @@
 
 namespace scree {
 
+/// Where a contact acts on body A, which stands in for both, world frame [m].
+template <class Real>
+SCREE_HD Vec3<double> contact_point(const BodyView<Real>& bodies, const ContactView<Real>& contacts,
+                                    Index c) {
+  const Index a = contacts.body_a[c];
+  const Vec3<Real> arm =
+      contacts.is_radial(c) ? bodies.radius[a] * contacts.normal[c] : contacts.lever_a(c);
+  return bodies.position[a] + Vec3<double>(arm);
+}
+
+/// Those of the contacts from `first` on.
+template <class Real>
+struct GatherContactPoints {
+  static constexpr const char* name = "gather_contact_points";
+  BodyView<Real> bodies;
+  ContactView<Real> contacts;
+  Index first = 0;
+  Span<Vec3<double>> out;
+
+  SCREE_HD void operator()(Index k) const { out[k] = contact_point(bodies, contacts, first + k); }
+};
+
 /// What one contact carried in a step.
 template <class Real>
 struct ContactLoad {
@@ -52,17 +74,15 @@ struct GatherContactLoads {
   SCREE_HD void operator()(Index c) const {
     if (flag[c] == 0) return;
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
-    const bool is_radial = contacts.is_radial(c);
     ContactLoad<Real> load;
     load.body_a = bodies.id[a];
     load.body_b = bodies.id[b];
     load.group_a = bodies.group[a];
     load.group_b = bodies.group[b];
     load.b_is_fixed = bodies.is_fixed(b);
-    const Vec3<Real> arm_a =
-        is_radial ? bodies.radius[a] * contacts.normal[c] : contacts.lever_a(c);
-    load.point = bodies.position[a] + Vec3<double>(arm_a);
-    load.arm_b = is_radial ? Vec3<Real>(load.point - bodies.position[b]) : contacts.lever_b(c);
+    load.point = contact_point(bodies, contacts, c);
+    load.arm_b =
+        contacts.is_radial(c) ? Vec3<Real>(load.point - bodies.position[b]) : contacts.lever_b(c);
     load.impulse = gamma[static_cast<Offset>(c) * vectors];
     if (vectors == 2) load.moment = rolling[c].length * gamma[static_cast<Offset>(c) * vectors + 1];
     out[before[c]] = load;

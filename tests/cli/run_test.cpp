@@ -159,6 +159,55 @@ TEST_F(CliRun, ForcesOnWallsGroupsAndJoints) {
   EXPECT_NE(refused.err.find("forces.csv line 1"), std::string::npos) << refused.err;
 }
 
+/// Of bodies at rest: contacts lie on the floor, and their forces hold the bodies.
+TEST_F(CliRun, ContactsAtTheTimesOfTheFrames) {
+  nlohmann::json resting = nlohmann::json::parse(R"({
+    "name": "resting", "time_step": 1e-3, "duration": 0.02, "precision": "double",
+    "bodies": [
+      {"shape": "half_space", "normal": [0, 0, 1]},
+      {"shape": "sphere", "radius": 0.1, "position": [0.5, 0.2, 0.1], "mass": 3},
+      {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [-0.5, 0, 0.1], "mass": 4},
+      {"shape": "sphere", "radius": 0.1, "position": [0, 0, 0.11], "mass": 1}],
+    "output": {"frame_interval": 0.005, "contact_frames": true, "picture": false}})");
+  scene = put_scene(scratch, resting);
+  must_run("whole");
+  must_run("parts", {"--steps", "12"});
+  must_run("parts", {"--steps", "20", "--resume"});
+  for (const char* run : {"whole", "parts"}) {
+    const h5::File file = h5::File::open(scratch / run / "contacts.vtkhdf");
+    const h5::Group vtk = file.root().open_group("VTKHDF");
+    const auto times = vtk.read<double>("Steps/Values");
+    ASSERT_EQ(times.size(), run[0] == 'w' ? 4u : 5u) << "no contacts at the start";
+    EXPECT_EQ(times.back(), 0.02);
+    const auto contacts = vtk.read<std::int64_t>("NumberOfPoints");
+    const auto first = vtk.read<std::int64_t>("Steps/PointOffsets").back();
+    EXPECT_EQ(vtk.read<std::int64_t>("Steps/CellOffsets").size(), 4 * times.size());
+    const auto points = vtk.read<double>("Points");
+    const auto force = vtk.read<double>("PointData/force");
+    const auto body_a = vtk.read<std::int32_t>("PointData/body_a");
+    const auto body_b = vtk.read<std::int32_t>("PointData/body_b");
+    const auto gap = vtk.read<double>("PointData/gap");
+    std::map<int, double> weight;
+    for (std::int64_t k = first; k < first + contacts.back(); ++k) {
+      const auto c = static_cast<std::size_t>(k);
+      EXPECT_EQ(body_b[c], 0);
+      EXPECT_NEAR(points[3 * c + 2], 0, 1e-4) << "on the floor";
+      EXPECT_LT(gap[c], 1e-3);
+      if (body_a[c] == 1) {
+        EXPECT_NEAR(points[3 * c], 0.5, 1e-9);
+      }
+      weight[body_a[c]] -= force[3 * c + 2];
+    }
+    EXPECT_NEAR(weight[1], 3 * 9.81, 1e-3 * 9.81);
+    EXPECT_NEAR(weight[2], 4 * 9.81, 1e-2 * 4 * 9.81);
+    EXPECT_EQ(weight.count(3), 0u) << "it still falls";
+  }
+  const Result refused =
+      scree(scratch, run_arguments(scene, scratch / "parts",
+                                   {"--steps", "25", "--resume", "--precision", "float"}));
+  EXPECT_EQ(refused.code, 2);
+}
+
 TEST_F(CliRun, StepsAndOverridesAreRecorded) {
   must_run("a", {"--steps", "3", "--set", "solver.max_iterations=7", "--set",
                  "particles.0.count=20", "--set", "solver.name=gauss_seidel"});

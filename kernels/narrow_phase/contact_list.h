@@ -256,7 +256,8 @@ struct ContactArrays : FoundFields<InSpans<Real>> {
 template <ShapeMix kMix, bool kPasses, class Real>
 struct FillContacts {
   static constexpr const char* name = "fill_contacts";
-  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? (kPasses ? 3 : 4) : 1;
+  // Of any shapes: closed forms need no more, and what the others lack goes to the stack.
+  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? (kPasses ? 3 : 4) : kPasses ? 1 : 2;
   BodyView<Real> bodies;
   Span<const ShapeRecord<Real>> shapes;
   Span<const WallPlane> planes;

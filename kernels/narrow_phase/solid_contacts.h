@@ -140,6 +140,7 @@ struct WriteSolidKeys {
 template <ShapeMix kMix, class Real>
 struct FillSolidContacts {
   static constexpr const char* name = "fill_solid_contacts";
+  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? 1 : 2;
   ContactTest<kMix, Real> test;
   SolidNotes notes;
   Span<const std::uint64_t> key;

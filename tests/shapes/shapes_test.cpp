@@ -12,6 +12,7 @@
 #include "kernels/narrow_phase/pair_table.h"
 #include "shapes/capsule.h"
 #include "shapes/container.h"
+#include "shapes/cylinder.h"
 #include "shapes/shape_list.h"
 
 namespace scree {
@@ -22,14 +23,16 @@ using shapes::Sphere;
 
 /// A shape of each kind that is a solid of its own.
 std::vector<Shape> solids() {
-  Shape sphere, box, capsule;
+  Shape sphere, box, capsule, cylinder;
   sphere.kind = Sphere::kind;
   sphere.radius = 0.7;
   box.kind = shapes::Box::kind;
   box.half_extents = {0.3, 0.5, 0.8};
   capsule.kind = shapes::Capsule::kind;
   capsule.half_extents = {0.3, 0.3, 0.9};
-  return {sphere, box, capsule};
+  cylinder.kind = shapes::Cylinder::kind;
+  cylinder.half_extents = {0.4, 0.4, 0.7};
+  return {sphere, box, capsule, cylinder};
 }
 
 Vec3d random_direction(std::mt19937& random) {

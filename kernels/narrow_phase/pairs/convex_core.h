@@ -30,9 +30,9 @@ struct CoreFacet {
 
 /// A convex body in world axes.
 struct ConvexCore {
-  /// A brick is a box, or a segment along its last axis. A triangle is one of a mesh.
-  enum class Form : std::uint8_t { brick, triangle };
-  /// Below every name of a point.
+  /// A brick is a box, or a segment along its last axis, which is that of a cylinder, too. A triangle is one of a mesh.
+  enum class Form : std::uint8_t { brick, triangle, cylinder };
+  /// Below every name of a point: those of one facet differ.
   static constexpr int kNames = 8;
 
   Form form = Form::brick;
@@ -79,16 +79,31 @@ struct ConvexCore {
       const double a = dot(axis[0], n), b = dot(axis[1], n), c = dot(axis[2], n);
       return a >= b ? (a >= c ? axis[0] : axis[2]) : (b >= c ? axis[1] : axis[2]);
     }
+    if (form == Form::cylinder) {
+      const double x = dot(axis[0], n), y = dot(axis[1], n), across = std::sqrt(x * x + y * y);
+      const double part = across > 0 ? half.x / across : 0;
+      return (dot(axis[2], n) < 0 ? -half.z : half.z) * axis[2] + (part * x) * axis[0] +
+             (part * y) * axis[1];
+    }
     Vec3d x;
     for (int k = 0; k < 3; ++k) x += (dot(axis[k], n) < 0 ? -half[k] : half[k]) * axis[k];
     return x;
   }
 
   /// Normals of faces, without their opposites.
-  SCREE_HD int normal_count() const { return form == Form::triangle ? 1 : is_segment() ? 0 : 3; }
-  SCREE_HD Vec3d face_normal(int k) const { return form == Form::triangle ? normal : axis[k]; }
+  SCREE_HD int normal_count() const { return form != Form::brick ? 1 : is_segment() ? 0 : 3; }
+  SCREE_HD Vec3d face_normal(int k) const {
+    return form == Form::brick ? axis[k] : form == Form::triangle ? normal : axis[2];
+  }
+  /// Directions of straight edges, and of what a round side consists of.
+  SCREE_HD int edge_count() const { return form == Form::cylinder || is_segment() ? 1 : 3; }
+  SCREE_HD Vec3d edge(int k) const {
+    if (form == Form::triangle) return axis[(k + 1) % 3] - axis[k];
+    return edge_count() == 1 ? axis[2] : axis[k];
+  }
 
-  /// The face whose normal is nearest to a direction; of a segment all of it.
+  /// The face whose normal is nearest to a direction; of a segment all of it, of a cylinder eight points of an end, of
+  /// which the first is its farthest one, or a line on its round side.
   SCREE_HD CoreFacet facing(const Vec3d& n) const {
     CoreFacet f;
     if (form == Form::triangle) {
@@ -104,6 +119,7 @@ struct ConvexCore {
       f.add(center + half.z * axis[2], 4);
       return f;
     }
+    if (form == Form::cylinder) return round_facing(n);
     int m = 0;
     for (int k = 1; k < 3; ++k) {
       if (std::abs(dot(axis[k], n)) > std::abs(dot(axis[m], n)) + 1e-9) m = k;
@@ -116,6 +132,28 @@ struct ConvexCore {
       f.add(center + (is_positive ? half[m] : -half[m]) * axis[m] +
                 (at_u ? half[u] : -half[u]) * axis[u] + (at_v ? half[v] : -half[v]) * axis[v],
             (is_positive ? 1 << m : 0) | (at_u ? 1 << u : 0) | (at_v ? 1 << v : 0));
+    }
+    return f;
+  }
+
+  SCREE_HD CoreFacet round_facing(const Vec3d& n) const {
+    CoreFacet f;
+    const double up = dot(axis[2], n), x = dot(axis[0], n), y = dot(axis[1], n);
+    const double across = std::sqrt(x * x + y * y);
+    const bool is_level = across <= 1e-6 * (up < 0 ? -up : up);
+    const Vec3d out = is_level ? axis[0] : (x / across) * axis[0] + (y / across) * axis[1];
+    if (across > std::abs(up)) {
+      f.add(center + half.x * out - half.z * axis[2], 0);
+      f.add(center + half.x * out + half.z * axis[2], 4);
+      return f;
+    }
+    const Vec3d side = cross(up < 0 ? -axis[2] : axis[2], out);
+    const Vec3d middle = center + (up < 0 ? -half.z : half.z) * axis[2];
+    constexpr double kDiagonal = 0.70710678118654752440;
+    const double cosine[] = {1, kDiagonal, 0, -kDiagonal, -1, -kDiagonal, 0, kDiagonal};
+    for (int k = 0; k < CoreFacet::kMaxPoints; ++k) {
+      const double sine = cosine[(k + 6) % 8];
+      f.add(middle + half.x * (cosine[k] * out + sine * side), k);
     }
     return f;
   }

@@ -176,13 +176,13 @@ class Polytope {
   double depth = 1e300;   ///< [m]
 
  private:
-  static constexpr int kMaxVertices = 40;
+  static constexpr int kMaxVertices = 28;
   static constexpr int kMaxFaces = 2 * kMaxVertices;
   static constexpr int kMaxEdges = kMaxFaces;
   struct Face {
-    int corner[3];
     Vec3d normal;
     double height;
+    std::uint8_t corner[3];
   };
 
   SCREE_HD Vec3d support(const Vec3d& n) {
@@ -227,9 +227,9 @@ class Polytope {
   }
   SCREE_HD void add_face(int i, int j, int k) {
     Face& f = face_[face_count_++];
-    f.corner[0] = i;
-    f.corner[1] = j;
-    f.corner[2] = k;
+    f.corner[0] = static_cast<std::uint8_t>(i);
+    f.corner[1] = static_cast<std::uint8_t>(j);
+    f.corner[2] = static_cast<std::uint8_t>(k);
     const Vec3d n = cross(vertex_[j] - vertex_[i], vertex_[k] - vertex_[i]);
     const double area = norm(n);
     // One without an area is neither seen nor moved out.
@@ -238,14 +238,15 @@ class Polytope {
   }
   /// Puts a corner outside of what it sees. @return  false: there is no room
   SCREE_HD bool add(const Vec3d& x) {
-    int from[kMaxEdges], to[kMaxEdges], edges = 0, kept = 0;
+    std::uint8_t from[kMaxEdges], to[kMaxEdges];
+    int edges = 0, kept = 0;
     for (int f = 0; f < face_count_; ++f) {
       if (dot(face_[f].normal, x) - face_[f].height <= 1e-12 * size_) {
         face_[kept++] = face_[f];
         continue;
       }
       for (int k = 0; k < 3; ++k) {
-        const int i = face_[f].corner[k], j = face_[f].corner[(k + 1) % 3];
+        const std::uint8_t i = face_[f].corner[k], j = face_[f].corner[(k + 1) % 3];
         int twin = 0;
         while (twin < edges && !(from[twin] == j && to[twin] == i)) ++twin;
         if (twin < edges) {
@@ -282,8 +283,10 @@ class Polytope {
 /// Faces are preferred to other directions of overlap that are better by less than this part of the size.
 inline constexpr double kFaceBias = 1e-4;
 
+/// A function of its own on a device: its arrays are in the stack once, and closed forms keep their registers.
 /// @param most  cores that are farther apart need no exact answer [m]
-SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore& b, double most) {
+[[gnu::noinline]] SCREE_HD inline CoreDistance core_distance(const ConvexCore& a,
+                                                             const ConvexCore& b, double most) {
   const double size_a = a.size(), size_b = b.size();
   const double size = size_a + size_b, least = size_a < size_b ? size_a : size_b;
   CoreDistance out;
@@ -313,12 +316,43 @@ SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore
     return out;
   }
   const double by_face = best_face(face);
+  // Of two edges, exactly: a polytope only comes near the normal of round sides that cross.
+  Vec3d crossing;
+  double by_edges = -1e300;
+  const auto offer = [&](const Vec3d& across) {
+    const double length = norm(across);
+    if (!(length > 1e-6)) return;
+    for (int sign = -1; sign <= 1; sign += 2) {
+      const Vec3d n = (sign / length) * across;
+      const double found = separation_along(a, b, n);
+      if (found > by_edges) {
+        by_edges = found;
+        crossing = n;
+      }
+    }
+  };
+  for (int i = 0; i < a.edge_count(); ++i) {
+    for (int j = 0; j < b.edge_count(); ++j) {
+      offer(cross(normalized(a.edge(i)), normalized(b.edge(j))));
+    }
+  }
+  // Round sides that lie along each other, or past a corner.
+  const Vec3d between = b.center - a.center;
+  for (int side = 0; side < 2; ++side) {
+    const ConvexCore& core = side == 0 ? a : b;
+    if (core.form != ConvexCore::Form::cylinder) continue;
+    offer((1 / size) * (between - dot(between, core.axis[2]) * core.axis[2]));
+  }
   convex_parts::Polytope polytope(a, b, size);
   polytope.grow();
   out.is_apart = false;
-  if (by_face >= -polytope.depth - kFaceBias * least) {
+  const double most_apart = by_edges > -polytope.depth ? by_edges : -polytope.depth;
+  if (by_face >= most_apart - kFaceBias * least) {
     out.normal = face;
     out.separation = by_face;
+  } else if (by_edges >= -polytope.depth - 1e-9 * size) {
+    out.normal = crossing;
+    out.separation = by_edges;
   } else {
     out.normal = -polytope.normal;
     out.separation = -polytope.depth;

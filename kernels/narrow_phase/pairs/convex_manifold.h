@@ -48,7 +48,8 @@ struct CoreMeeting {
   Vec3d out;  ///< unit, out of the reference
 
   /// @param found  of these cores, or another normal that is to hold them apart
-  SCREE_HD CoreMeeting(const ConvexCore& first, const ConvexCore& second, const CoreDistance& found)
+  [[gnu::noinline]] SCREE_HD CoreMeeting(const ConvexCore& first, const ConvexCore& second,
+                                         const CoreDistance& found)
       : a(first), b(second), distance(found) {
     const double size_a = a.size(), size_b = b.size();
     tie = 1e-5 * (size_a < size_b ? size_a : size_b);
@@ -112,7 +113,7 @@ struct CoreMeeting {
   }
 
   /// The nearest points; of cores that overlap, those of the edges or points that are deepest.
-  SCREE_HD CoreContact nearest() const {
+  [[gnu::noinline]] SCREE_HD CoreContact nearest() const {
     CoreContact c;
     c.is = true;
     if (distance.is_apart) {
@@ -167,7 +168,7 @@ struct CoreMeeting {
     height = dot(f.point[0] - x, m) / steep;
     return std::abs(steep) > 1e-9 * norm(m);
   }
-  SCREE_HD CoreContact contact_of(int number) const {
+  [[gnu::noinline]] SCREE_HD CoreContact contact_of(int number) const {
     CoreContact c;
     Vec3d x;
     double height = 0;  // of the other above the reference

@@ -5,6 +5,7 @@
 #include "kernels/narrow_phase/pairs/pair_side.h"
 #include "shapes/box.h"
 #include "shapes/capsule.h"
+#include "shapes/cylinder.h"
 
 namespace scree {
 
@@ -20,6 +21,12 @@ SCREE_HD inline ConvexCore core_of<shapes::Capsule>(const PairSide& side, const 
   const Vec3d along{0, 0, shapes::Capsule::half_length(side.half_extents)};
   return ConvexCore::brick(center, side.orientation, along,
                            shapes::Capsule::radius(side.half_extents));
+}
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Cylinder>(const PairSide& side, const Vec3d& center) {
+  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
+  c.form = ConvexCore::Form::cylinder;
+  return c;
 }
 
 }  // namespace scree

@@ -191,9 +191,9 @@ TEST(Validate, RefusesBadIndices) {
 }
 
 TEST(Validate, RefusesImpossibleBodies) {
-  EXPECT_THAT(
-      refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
-      StartsWith("bodies[1].kind: \"free\" is not allowed: only sphere, box or capsule bodies"));
+  EXPECT_THAT(refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
+              StartsWith("bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule or "
+                         "cylinder bodies"));
   EXPECT_THAT(refused([](Scene& s) {
                 Motion motion;
                 motion.kind = Motion::Kind::linear;

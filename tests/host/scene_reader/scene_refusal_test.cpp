@@ -56,6 +56,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"Capsule",
                 with_body(R"({"shape": "capsule", "radius": 1, "length": 1e-17, "density": 1})"),
                 "bodies[1]: radius 1, length 1e-17 is not allowed: "},
+        Refusal{"Cylinder",
+                with_body(R"({"shape": "cylinder", "radius": 1e-13, "length": 1, "density": 1})"),
+                "bodies[1]: radius 1e-13, length 1 is not allowed: "},
         Refusal{"Box", with_body(R"({"shape": "box", "size": [1, 1e-13, 1], "density": 1})"),
                 "bodies[1]: size [1,1e-13,1] is not allowed: "},
         Refusal{"Container",
@@ -187,7 +190,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "bodies[1].shape: missing: must be one of"},
         Refusal{"UnknownShape", with_body(R"({"shape": "spere"})"),
                 "bodies[1].shape: \"spere\" is not allowed: must be one of \"sphere\", \"box\", "
-                "\"half_space\", \"container\", \"mesh\", \"capsule\"; did you mean \"sphere\"?"},
+                "\"half_space\", \"container\", \"mesh\", \"capsule\", \"cylinder\"; did you mean "
+                "\"sphere\"?"},
         Refusal{"KeyOfOtherShape", with_body(R"({"shape": "box", "radius": 1})"),
                 "bodies[1].radius: a box has no such key"},
         Refusal{"MissingMass", with_body(R"({"shape": "sphere", "radius": 1})"),
@@ -200,8 +204,8 @@ INSTANTIATE_TEST_SUITE_P(
             with_body(R"({"shape": "sphere", "radius": 1, "mass": 1, "inertia": [1, 0, 1]})"),
             "bodies[1].inertia: [1,0,1] is not allowed: must be three positive principal moments"},
         Refusal{"FreeHalfSpace", with_body(R"({"shape": "half_space", "kind": "free"})"),
-                "bodies[1].kind: \"free\" is not allowed: only sphere, box or capsule bodies can "
-                "be free"},
+                "bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule or cylinder "
+                "bodies can be free"},
         Refusal{"VelocityOfAWall", with_body(R"({"shape": "half_space", "velocity": [1, 0, 0]})"),
                 "bodies[1].velocity: only free bodies have this key"},
         Refusal{"ZeroNormal", with_body(R"({"shape": "half_space", "normal": [0, 0, 0]})"),

@@ -8,7 +8,12 @@
 #include <random>
 #include <vector>
 
+#include "kernels/narrow_phase/pairs/box_cylinder.h"
 #include "kernels/narrow_phase/pairs/capsule_box.h"
+#include "kernels/narrow_phase/pairs/capsule_cylinder.h"
+#include "kernels/narrow_phase/pairs/cylinder_cylinder.h"
+#include "kernels/narrow_phase/pairs/cylinder_half_space.h"
+#include "kernels/narrow_phase/pairs/sphere_cylinder.h"
 #include "kernels/narrow_phase/pairs/sphere_triangle.h"
 
 namespace scree {
@@ -289,6 +294,164 @@ TEST(ConvexCoresTest, BoxesAreAsFarFromTrianglesAsByProjections) {
   }
   EXPECT_GT(apart, 300);
   EXPECT_GT(deep, 100);
+}
+
+/// Points of a cylinder: of both rims, dense enough that a line between two is as good as the arc.
+std::vector<Vec3d> rims(const Body& c, int around) {
+  std::vector<Vec3d> out;
+  for (int k = 0; k < around; ++k) {
+    const double angle = 2 * 3.14159265358979323846 * k / around;
+    for (const double z : {-c.half.z, c.half.z})
+      out.push_back(c.center +
+                    rotate(c.q, Vec3d{c.half.x * std::cos(angle), c.half.x * std::sin(angle), z}));
+  }
+  return out;
+}
+
+Body random_cylinder(std::mt19937& random, double spread) {
+  Body c = random_body(random, spread, true);
+  c.half.z = 0.2 + 2 * c.half.x * (c.half.z - 0.2);
+  return c;
+}
+
+/// Projections to and fro between a cylinder and what `nearest` gives end at the distance, from above.
+template <class Nearest>
+double projected_distance(const Body& c, Vec3d x, Nearest nearest) {
+  Vec3d y;
+  for (int k = 0; k < 2000; ++k) {
+    y = c.center + rotate(c.q, shapes::Cylinder::nearest(c.half, rotate_back(c.q, x - c.center)));
+    x = nearest(y);
+  }
+  return norm(y - x);
+}
+
+/// Distance and depth of all that meets cylinders.
+template <class P, class Core, class Nearest, class Points>
+void expect_meets_cylinder(unsigned seed, Core other_body, Nearest nearest, Points points,
+                           double other_rounding_share) {
+  std::mt19937 random(seed);
+  int apart = 0, deep = 0;
+  for (int trial = 0; trial < 350; ++trial) {
+    const Body a = other_body(random), c = random_cylinder(random, 0.8);
+    const double rounding = other_rounding_share * a.half.x;
+    const auto onto = [&](const Vec3d& y) { return nearest(a, y); };
+    const double distance = projected_distance(c, a.center, onto);
+    if (distance > 3e-2) {
+      ++apart;
+      const Manifold m = manifold<P>(a, c, distance - rounding + 0.02);
+      ASSERT_GE(m.count, 1) << trial;
+      expect_sound<P>(a, c, m);
+      EXPECT_NEAR(least_gap(m), distance - rounding, 2e-3) << trial;
+      EXPECT_EQ(manifold<P>(a, c, distance - rounding - 2e-3).count, 0) << trial;
+    } else if (distance < 1e-9 && deep < 100) {
+      const std::vector<Vec3d> on_a = points(a), on_c = rims(c, 128);
+      const double depth = sampled_depth(on_a, on_c, random);
+      if (depth < 1e-2) continue;
+      ++deep;
+      const Manifold m = manifold<P>(a, c, 0);
+      ASSERT_GE(m.count, 1) << trial;
+      expect_sound<P>(a, c, m);
+      const double along = overlap_along(on_a, on_c, m.contact[0].normal);
+      EXPECT_NEAR(along, depth, 0.02 * depth + 2e-3) << trial;
+    }
+  }
+  EXPECT_GT(apart, 80);
+  EXPECT_GT(deep, 10);
+}
+
+TEST(CylindersTest, MeetBoxesAtTheirDistanceAndDepth) {
+  expect_meets_cylinder<BoxCylinder>(
+      11, [](std::mt19937& r) { return random_body(r, 0.8, false); }, nearest_in_box, corners, 0);
+}
+
+TEST(CylindersTest, MeetCapsulesAtTheirDistanceAndDepth) {
+  const auto ends = [](const Body& a) {
+    const Vec3d end = rotate(a.q, Vec3d{0, 0, a.half.z - a.half.x});
+    return std::vector<Vec3d>{a.center + end, a.center - end};
+  };
+  const auto on_axis = [](const Body& a, const Vec3d& x) {
+    const double end = a.half.z - a.half.x, z = rotate_back(a.q, x - a.center).z;
+    return a.center + rotate(a.q, Vec3d{0, 0, std::clamp(z, -end, end)});
+  };
+  expect_meets_cylinder<CapsuleCylinder>(
+      12, [](std::mt19937& r) { return random_body(r, 0.6, true); }, on_axis, ends, 1);
+}
+
+TEST(CylindersTest, MeetEachOtherAtTheirDistanceAndDepth) {
+  const auto onto = [](const Body& a, const Vec3d& x) {
+    return a.center +
+           rotate(a.q, shapes::Cylinder::nearest(a.half, rotate_back(a.q, x - a.center)));
+  };
+  expect_meets_cylinder<CylinderCylinder>(
+      13, [](std::mt19937& r) { return random_cylinder(r, 0.6); }, onto,
+      [](const Body& a) { return rims(a, 128); }, 0);
+}
+
+TEST(CylindersTest, OneOnABoxStandsOnFourPointsOfItsRimAndLiesOnTwo) {
+  const Body box{{}, {}, {1, 1, 0.5}};
+  for (const double gap : {1e-3, 0.0, -1e-3}) {
+    const Body standing{{0.2, 0.1, 0.8 + gap}, {}, {0.2, 0.2, 0.3}};
+    const Manifold on_end = manifold<BoxCylinder>(box, standing, 0.01);
+    ASSERT_EQ(on_end.count, 4) << gap;
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_NEAR(on_end.contact[k].gap, gap, 1e-12);
+      const Vec3d x = on_end.contact[k].arm_b;
+      EXPECT_NEAR(std::sqrt(x.x * x.x + x.y * x.y), 0.2, 1e-12);
+    }
+    const Quatd along_x = exp_map(Vec3d{0, 0.5 * 3.14159265358979323846, 0});
+    const Body lying{{0.2, 0.1, 0.7 + gap}, along_x, {0.2, 0.2, 0.3}};
+    const Manifold on_side = manifold<BoxCylinder>(box, lying, 0.01);
+    ASSERT_EQ(on_side.count, 2) << gap;
+    for (int k = 0; k < 2; ++k) {
+      EXPECT_NEAR(on_side.contact[k].gap, gap, 1e-12);
+      EXPECT_NEAR(std::abs(on_side.contact[k].arm_b.x), 0.3, 1e-12);
+    }
+  }
+}
+
+TEST(CylindersTest, SpheresAreAsFarAsTheNearestPoint) {
+  std::mt19937 random(14);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Body c = random_cylinder(random, 1), s = random_body(random, 1, false);
+    const Vec3d d = c.center - s.center;
+    const ContactGeometry g = SphereCylinder::contact({0.1, {}, {}}, c.side(), d, 0);
+    EXPECT_LT(norm(d + g.arm_b - g.arm_a - g.gap * g.normal), 1e-12);
+    // Over points of its surface: lines of both ends and of the round side.
+    double least = INFINITY;
+    for (int k = 0; k < 200; ++k) {
+      const double angle = 2 * 3.14159265358979323846 * k / 200;
+      for (int j = 0; j <= 60; ++j) {
+        const double part = j / 60.0;
+        const Vec3d out{c.half.x * std::cos(angle), c.half.x * std::sin(angle), 0};
+        const Vec3d on_side = out + Vec3d{0, 0, (2 * part - 1) * c.half.z};
+        for (const Vec3d& local :
+             {on_side, part * out + Vec3d{0, 0, c.half.z}, part * out - Vec3d{0, 0, c.half.z}})
+          least = std::min(least, norm(c.center + rotate(c.q, local) - s.center));
+      }
+    }
+    EXPECT_NEAR(std::abs(g.gap + 0.1), least, 0.02) << trial;
+  }
+}
+
+TEST(CylindersTest, LowestPointsOfTheRimsAreContactsOnAPlane) {
+  std::mt19937 random(15);
+  const Vec3d normal = normalized(Vec3d{0.2, 0.1, 1});
+  for (int trial = 0; trial < 200; ++trial) {
+    const Body c = random_cylinder(random, 1);
+    double lowest = INFINITY, least = INFINITY;
+    for (const Vec3d& x : rims(c, 4000)) lowest = std::min(lowest, dot(x, normal));
+    for (int corner = 0; corner < CylinderHalfSpace::kCorners; ++corner) {
+      const ContactGeometry g =
+          CylinderHalfSpace::contact(c.side(), dot(c.center, normal), normal, -c.center, corner);
+      EXPECT_LT(norm(-c.center + g.arm_b - g.arm_a - g.gap * g.normal), 1e-12);
+      const Vec3d local = rotate_back(c.q, g.arm_a);
+      EXPECT_NEAR(std::sqrt(local.x * local.x + local.y * local.y), c.half.x, 1e-12);
+      EXPECT_NEAR(std::abs(local.z), c.half.z, 1e-12);
+      EXPECT_NEAR(g.gap, dot(c.center + g.arm_a, normal), 1e-12);
+      least = std::min(least, g.gap);
+    }
+    EXPECT_NEAR(least, lowest, 1e-6) << trial;
+  }
 }
 
 }  // namespace

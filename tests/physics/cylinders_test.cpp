@@ -1,0 +1,188 @@
+// Cylinders: standing, lying, rolling, spinning, tipping, and in piles with other shapes.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/state_hash.h"
+#include "shapes/capsule.h"
+#include "shapes/cylinder.h"
+#include "tests/physics/scene_builder.h"
+
+namespace scree::physics {
+namespace {
+
+const Quatd kAlongX = exp_map(Vec3d{0, kPi / 2, 0});
+const Quatd kAlongY = exp_map(Vec3d{-kPi / 2, 0, 0});
+
+BodyDescription round_body(ShapeKind kind, const Vec3d& position, const Quatd& orientation,
+                           double radius, double half_length) {
+  BodyDescription body;
+  body.shape.kind = kind;
+  body.shape.half_extents = {radius, radius, half_length};
+  body.position = position;
+  body.orientation = orientation;
+  set_mass_from_density(body, 1000);
+  return body;
+}
+BodyDescription cylinder(const Vec3d& position, const Quatd& orientation, double radius,
+                         double length) {
+  return round_body(shapes::Cylinder::kind, position, orientation, radius, length / 2);
+}
+
+/// A level square of two triangles.
+void add_mesh_square(Scene& scene, double half) {
+  TriangleMesh mesh;
+  mesh.name = "square";
+  mesh.closed = false;
+  mesh.vertices = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  BodyDescription body;
+  body.kind = BodyKind::fixed;
+  body.shape.kind = shapes::Mesh::kind;
+  body.shape.mesh = 0;
+  scene.meshes.push_back(mesh);
+  scene.bodies.push_back(body);
+}
+
+enum class Floor { plane, box, mesh };
+void add_floor(Scene& scene, Floor floor) {
+  if (floor == Floor::plane) add_plane(scene);
+  if (floor == Floor::box) add_wall_box(scene, {0, 0, -1}, {3, 3, 1});
+  if (floor == Floor::mesh) add_mesh_square(scene, 3.1);
+}
+
+TEST(Cylinders, RestStandingOnFourPointsAndLyingOnTwo) {
+  for (const Floor floor : {Floor::plane, Floor::box, Floor::mesh}) {
+    for (const bool is_standing : {true, false}) {
+      Scene scene = empty_scene(1e-2, 0.5);
+      scene.bodies.push_back(is_standing ? cylinder({0.3, 0.1, 0.2}, {}, 0.1, 0.4)
+                                         : cylinder({0.3, 0.1, 0.1}, kAlongX, 0.1, 0.4));
+      add_floor(scene, floor);
+      World world = reference_world(scene);
+      for (int k = 0; k < 100; ++k) {
+        const StepReport report = world.step();
+        ASSERT_EQ(report.contact_count, is_standing ? 4 : 2) << k;
+        ASSERT_LT(report.kinetic_energy, 1e-14) << k;
+      }
+      EXPECT_NEAR(world.states().position[0].z, is_standing ? 0.2 : 0.1, 1e-8);
+    }
+  }
+}
+
+// A solid of revolution that rolls down a slope: a = g sin(theta) / (1 + I / (m r^2)), with 2/3 of a cylinder.
+TEST(Cylinders, OneThatRollsDownASlopeHasTwoThirdsOfTheAcceleration) {
+  constexpr double kStep = 1e-3;
+  constexpr int kSteps = 500;
+  for (const Floor floor : {Floor::plane, Floor::box, Floor::mesh}) {
+    Scene scene = empty_scene(kStep, 0.8, Model::exact);
+    tilt(scene, 10);
+    scene.bodies.push_back(cylinder({0, 0, 0.1}, kAlongY, 0.1, 0.4));
+    add_floor(scene, floor);
+    World world = reference_world(scene);
+    for (int k = 0; k < kSteps; ++k) world.step();
+    const BodyStates s = world.states();
+    const double speed = 2.0 / 3 * kGravity * std::sin(radians(10)) * kStep * kSteps;
+    EXPECT_NEAR(s.velocity[0].x, speed, 1e-5 * speed);
+    EXPECT_NEAR(s.angular_velocity[0].y, speed / 0.1, 1e-5 * speed / 0.1);
+    EXPECT_NEAR(s.position[0].z, 0.1, 1e-6);
+  }
+}
+
+// Support at the rim alone: the torque is mu m g R and the moment m R^2 / 2.
+TEST(Cylinders, AFlatDiscThatSpinsIsSlowedByItsRim) {
+  constexpr double kRadius = 0.1, kFriction = 0.3, kStep = 1e-3;
+  constexpr int kSteps = 300;
+  for (const Floor floor : {Floor::plane, Floor::box}) {
+    Scene scene = empty_scene(kStep, kFriction, Model::exact);
+    scene.bodies.push_back(cylinder({0, 0, 0.005}, {}, kRadius, 0.01));
+    scene.bodies[0].angular_velocity = {0, 0, 30};
+    add_floor(scene, floor);
+    World world = reference_world(scene);
+    for (int k = 0; k < kSteps; ++k) world.step();
+    const BodyStates s = world.states();
+    const double rate = 30 - 2 * kFriction * kGravity / kRadius * kStep * kSteps;
+    EXPECT_NEAR(s.angular_velocity[0].z, rate, 0.02 * (30 - rate));
+    EXPECT_NEAR(s.position[0].z, 0.005, 1e-6);
+    EXPECT_LT(norm(s.velocity[0]), 1e-3);
+  }
+}
+
+// It tips when the line of gravity leaves its base: tan(theta) = R / (L / 2).
+TEST(Cylinders, OneOnASlopeStandsUntilItsCenterIsOverItsRim) {
+  constexpr double kRadius = 0.05, kLength = 0.3;
+  const double limit = std::atan(kRadius / (kLength / 2)) * 180 / kPi;
+  for (const double turn : {0.0, 0.4}) {
+    for (const double beyond : {-0.5, 0.5}) {
+      Scene scene = empty_scene(5e-3, 0.8);
+      solve_to(scene, 1e-9);
+      tilt(scene, limit + beyond);
+      scene.bodies.push_back(
+          cylinder({0, 0, kLength / 2}, exp_map(Vec3d{0, 0, turn}), kRadius, kLength));
+      add_plane(scene);
+      World world = reference_world(scene);
+      for (int k = 0; k < 600; ++k) world.step();
+      const double upright = rotate(world.states().orientation[0], Vec3d{0, 0, 1}).z;
+      if (beyond < 0) {
+        EXPECT_GT(upright, 0.999) << turn;
+      } else {
+        EXPECT_LT(upright, 0.9) << turn;
+      }
+    }
+  }
+}
+
+TEST(Cylinders, APileWithBoxesAndCapsulesComesToRestWithTheSameBitsOnAnyNumberOfThreads) {
+  Scene scene = empty_scene(5e-3, 0.5);
+  solve_to(scene, 1e-6);
+  scene.solver.max_iterations = 300;
+  for (int k = 0; k < 36; ++k) {
+    const Vec3d at{0.2 * (k % 3 - 1) + 0.01 * (k % 5), 0.2 * (k / 3 % 3 - 1), 0.1 + 0.2 * (k / 9)};
+    const Quatd turn = exp_map(Vec3d{0.4 * k, 0.3, 0.2 * k});
+    if (k % 4 == 0) {
+      add_box(scene, at, {0.06, 0.05, 0.04}, 1).orientation = turn;
+    } else if (k % 4 == 1) {
+      scene.bodies.push_back(round_body(shapes::Capsule::kind, at, turn, 0.04, 0.08));
+    } else if (k % 4 == 2) {
+      scene.bodies.push_back(cylinder(at, turn, 0.05, 0.1));
+    } else {
+      add_sphere(scene, at, 0.05, 0.5);
+    }
+  }
+  add_tank(scene, -0.3, 0.3, -0.3, 0.3);
+  World one(scene, cpu_options(1)), two(scene, cpu_options(2));
+  StepReport report;
+  double deepest = 0, late = 0;
+  for (int k = 0; k < 900; ++k) {
+    report = one.step();
+    two.step();
+    if (k > 600) deepest = std::max(deepest, report.max_penetration);
+    if (k > 800) late = std::max(late, report.kinetic_energy);
+  }
+  EXPECT_EQ(state_hash(one.states()), state_hash(two.states()));
+  EXPECT_LT(deepest, 0.01 * 0.08);
+  EXPECT_LT(late, 1e-3);
+}
+
+TEST(Cylinders, FastSpheresDoNotPassThroughFixedOnes) {
+  Scene scene = empty_scene(1e-2, 0.3);
+  scene.gravity = {};
+  BodyDescription rail = cylinder({0, 0, 0}, kAlongX, 0.1, 0.4);
+  rail.kind = BodyKind::fixed;
+  rail.mass = 0;
+  rail.inertia = {};
+  scene.bodies.push_back(rail);
+  add_sphere(scene, {0, 0.01, 0.5}, 0.05, 1).velocity = {0, 0, -60};
+  World world = reference_world(scene);
+  double lowest = INFINITY;
+  for (int k = 0; k < 20; ++k) {
+    world.step();
+    const Vec3d x = world.states().position[1];
+    if (std::abs(x.y) < 0.1) lowest = std::min(lowest, x.z);
+  }
+  EXPECT_GT(lowest, 0.1);
+}
+
+}  // namespace
+}  // namespace scree::physics

@@ -132,7 +132,7 @@ std::optional<Fault> joint_fault(const Scene& scene, const Joint& joint) {
   if (!has_free)
     return Fault{"bodies", "a joint of two bodies that are not free",
                  "one of them must be free to follow the other"};
-  if (const auto fault = geometry_fault(joint)) return fault;
+  if (auto fault = geometry_fault(joint)) return fault;
   return drive_fault(joint);
 }
 

@@ -42,7 +42,7 @@ std::size_t finite_numbers(const fs::path& steps_csv) {
 }
 
 TEST(CliExtremeValues, FramesEveryStepWhateverTheIntervalBelowIt) {
-  for (const double interval : {0.01, 1e-9, 1e-300}) {
+  for (const double interval : {1e-9, 1e-300}) {
     const Scratch scratch;
     json scene = falling_ball();
     scene["output"]["frame_interval"] = interval;

@@ -274,7 +274,7 @@ struct OutputSettings {
   /// Simulated time between frames in frames.vtkhdf [s]; 0: first and last.
   double frame_interval = 0;
   double checkpoint_interval = 0;  ///< [s]; 0: at the end (and on an interrupt) only
-  bool contact_frames = false;  ///< the contacts at the times of the frames, in contacts.vtkhdf
+  bool contact_frames = false;     ///< the contacts at the times of the frames, in contacts.vtkhdf
   /// Simulated time that each line of forces.csv is the mean over [s]; 0: no such file.
   double force_interval = 0;
   PictureSettings picture;

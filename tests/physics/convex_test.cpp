@@ -1,41 +1,15 @@
-// Boxes and capsules on triangle meshes and on each other: at rest, sliding over inner edges, at the edge of a block, in
-// piles, and fast.
+// Boxes and capsules on triangle meshes and on each other: at rest, sliding over inner edges, at the edge of a block, and
+// fast; cylinders_test.cpp has their piles.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "host/state_hash.h"
-#include "shapes/capsule.h"
-#include "tests/physics/scene_builder.h"
+#include "tests/physics/round_bodies.h"
 
 namespace scree::physics {
 namespace {
-
-const Quatd kAlongX = exp_map(Vec3d{0, kPi / 2, 0});
-const Quatd kAlongY = exp_map(Vec3d{-kPi / 2, 0, 0});
-
-BodyDescription capsule(const Vec3d& position, const Quatd& orientation, double radius,
-                        double length, double density = 1000) {
-  BodyDescription body;
-  body.shape.kind = shapes::Capsule::kind;
-  body.shape.half_extents = {radius, radius, radius + length / 2};
-  body.position = position;
-  body.orientation = orientation;
-  set_mass_from_density(body, density);
-  return body;
-}
-
-BodyDescription& add_mesh(Scene& scene, const TriangleMesh& mesh) {
-  BodyDescription body;
-  body.kind = BodyKind::fixed;
-  body.shape.kind = shapes::Mesh::kind;
-  body.shape.mesh = static_cast<int>(scene.meshes.size());
-  scene.meshes.push_back(mesh);
-  scene.bodies.push_back(body);
-  return scene.bodies.back();
-}
 
 /// A level floor of 2 n n triangles whose diagonals turn from cell to cell; vertices do not lie on round numbers.
 void add_mesh_floor(Scene& scene, int n, double edge) {
@@ -256,36 +230,6 @@ TEST(CapsulesOnBoxes, OneOverTheEdgeOfAFixedBoxSlidesOff) {
   for (int k = 0; k < 200; ++k) deepest = std::max(deepest, world.step().max_penetration);
   EXPECT_LT(world.states().position[0].z, 0.3);
   EXPECT_LT(deepest, 1e-3);
-}
-
-TEST(ConvexPiles, AMixedOneComesToRestWithTheSameBitsOnAnyNumberOfThreads) {
-  Scene scene = empty_scene(5e-3, 0.5);
-  solve_to(scene, 1e-6);
-  scene.solver.max_iterations = 300;
-  for (int k = 0; k < 27; ++k) {
-    const Vec3d at{0.2 * (k % 3 - 1) + 0.01 * (k % 5), 0.2 * (k / 3 % 3 - 1), 0.1 + 0.2 * (k / 9)};
-    const Quatd turn = exp_map(Vec3d{0.4 * k, 0.3, 0.2 * k});
-    if (k % 3 == 0) {
-      add_box(scene, at, {0.06, 0.05, 0.04}, 1).orientation = turn;
-    } else if (k % 3 == 1) {
-      scene.bodies.push_back(capsule(at, turn, 0.04, 0.08));
-    } else {
-      add_sphere(scene, at, 0.05, 0.5);
-    }
-  }
-  add_tank(scene, -0.3, 0.3, -0.3, 0.3);
-  World one(scene, cpu_options(1)), two(scene, cpu_options(2));
-  StepReport report;
-  double deepest = 0, late = 0;
-  for (int k = 0; k < 800; ++k) {
-    report = one.step();
-    two.step();
-    if (k > 500) deepest = std::max(deepest, report.max_penetration);
-    if (k > 700) late = std::max(late, report.kinetic_energy);
-  }
-  EXPECT_EQ(state_hash(one.states()), state_hash(two.states()));
-  EXPECT_LT(deepest, 0.01 * 0.08);
-  EXPECT_LT(late, 1e-3);
 }
 
 }  // namespace

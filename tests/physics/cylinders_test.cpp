@@ -6,30 +6,10 @@
 #include <cmath>
 
 #include "host/state_hash.h"
-#include "shapes/capsule.h"
-#include "shapes/cylinder.h"
-#include "tests/physics/scene_builder.h"
+#include "tests/physics/round_bodies.h"
 
 namespace scree::physics {
 namespace {
-
-const Quatd kAlongX = exp_map(Vec3d{0, kPi / 2, 0});
-const Quatd kAlongY = exp_map(Vec3d{-kPi / 2, 0, 0});
-
-BodyDescription round_body(ShapeKind kind, const Vec3d& position, const Quatd& orientation,
-                           double radius, double half_length) {
-  BodyDescription body;
-  body.shape.kind = kind;
-  body.shape.half_extents = {radius, radius, half_length};
-  body.position = position;
-  body.orientation = orientation;
-  set_mass_from_density(body, 1000);
-  return body;
-}
-BodyDescription cylinder(const Vec3d& position, const Quatd& orientation, double radius,
-                         double length) {
-  return round_body(shapes::Cylinder::kind, position, orientation, radius, length / 2);
-}
 
 /// A level square of two triangles.
 void add_mesh_square(Scene& scene, double half) {
@@ -38,12 +18,7 @@ void add_mesh_square(Scene& scene, double half) {
   mesh.closed = false;
   mesh.vertices = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  BodyDescription body;
-  body.kind = BodyKind::fixed;
-  body.shape.kind = shapes::Mesh::kind;
-  body.shape.mesh = 0;
-  scene.meshes.push_back(mesh);
-  scene.bodies.push_back(body);
+  add_mesh(scene, mesh);
 }
 
 enum class Floor { plane, box, mesh };
@@ -143,7 +118,7 @@ TEST(Cylinders, APileWithBoxesAndCapsulesComesToRestWithTheSameBitsOnAnyNumberOf
     if (k % 4 == 0) {
       add_box(scene, at, {0.06, 0.05, 0.04}, 1).orientation = turn;
     } else if (k % 4 == 1) {
-      scene.bodies.push_back(round_body(shapes::Capsule::kind, at, turn, 0.04, 0.08));
+      scene.bodies.push_back(capsule(at, turn, 0.04, 0.08));
     } else if (k % 4 == 2) {
       scene.bodies.push_back(cylinder(at, turn, 0.05, 0.1));
     } else {
@@ -166,22 +141,7 @@ TEST(Cylinders, APileWithBoxesAndCapsulesComesToRestWithTheSameBitsOnAnyNumberOf
 }
 
 TEST(Cylinders, FastSpheresDoNotPassThroughFixedOnes) {
-  Scene scene = empty_scene(1e-2, 0.3);
-  scene.gravity = {};
-  BodyDescription rail = cylinder({0, 0, 0}, kAlongX, 0.1, 0.4);
-  rail.kind = BodyKind::fixed;
-  rail.mass = 0;
-  rail.inertia = {};
-  scene.bodies.push_back(rail);
-  add_sphere(scene, {0, 0.01, 0.5}, 0.05, 1).velocity = {0, 0, -60};
-  World world = reference_world(scene);
-  double lowest = INFINITY;
-  for (int k = 0; k < 20; ++k) {
-    world.step();
-    const Vec3d x = world.states().position[1];
-    if (std::abs(x.y) < 0.1) lowest = std::min(lowest, x.z);
-  }
-  EXPECT_GT(lowest, 0.1);
+  expect_stops_a_fast_sphere(cylinder({0, 0, 0}, kAlongX, 0.1, 0.4));
 }
 
 }  // namespace

@@ -12,13 +12,6 @@
 namespace scree::physics {
 namespace {
 
-WorldOptions in_double() {
-  WorldOptions options;
-  options.precision = Precision::double_precision;
-  options.threads = 2;
-  return options;
-}
-
 MeanForces forces_over(World& world, int steps) {
   for (int k = 0; k < steps; ++k) world.step();
   return world.take_forces();
@@ -34,7 +27,7 @@ TEST(Forces, ASphereAtRestLoadsItsFloorByItsWeight) {
   Scene scene = empty_scene(1e-3, 0.5);
   add_plane(scene);
   add_sphere(scene, {0.3, 0.2, 0.01}, 0.01, 2);
-  World world(scene, in_double());
+  World world = reference_world(scene);
   EXPECT_THROW(world.take_forces(), InputError);
   world.track_forces();
   const MeanForces forces = forces_over(world, 5);
@@ -52,7 +45,7 @@ TEST(Forces, ASlidingSphereDragsItsFloor) {
   Scene scene = empty_scene(1e-3, 0.2, Model::exact);
   add_plane(scene);
   add_sphere(scene, {0, 0, 0.01}, 0.01, 2).velocity = {3, 0, 0};
-  World world(scene, in_double());
+  World world = reference_world(scene);
   world.track_forces();
   world.step();  // lands
   world.take_forces();
@@ -68,7 +61,7 @@ TEST(Forces, GroupsPushEachOther) {
   for (const double x : {-0.05, 0.05})
     for (const double y : {-0.05, 0.05}) add_sphere(scene, {x, y, 0.01}, 0.01, 0.1).group = 1;
   add_box(scene, {0, 0, 0.025}, {0.1, 0.1, 0.005}, 3).group = 2;
-  World world(scene, in_double());
+  World world = reference_world(scene);
   for (int k = 0; k < 50; ++k) world.step();
   world.track_forces();
   const MeanForces forces = forces_over(world, 10);
@@ -86,7 +79,7 @@ TEST(Forces, AHingeCarriesThePendulumThatHangsOnIt) {
   Joint joint;
   joint.bodies = {kWorldBody, 0};
   scene.joints.push_back(joint);
-  World world(scene, in_double());
+  World world = reference_world(scene);
   world.track_forces();
   const MeanForces forces = forces_over(world, 20);
   ASSERT_EQ(forces.on_joints.size(), 1u);
@@ -143,7 +136,7 @@ TEST_P(ForceBalance, WallsGiveWhatTheBodiesGet) {
       ball.velocity = {speed(random), speed(random), speed(random) - 2};
       ball.angular_velocity = {9 * speed(random), 9 * speed(random), 9 * speed(random)};
     }
-    World world(scene, in_double());
+    World world = reference_world(scene);
     world.track_forces();
     const double h = scene.stepping.time_step, mass = 40 * 0.02;
     double largest = 0, tightest = 1;

@@ -104,6 +104,17 @@ inline BodyDescription& add_wall_box(Scene& scene, const Vec3d& position, const 
   return scene.bodies.back();
 }
 
+/// A fixed mesh.
+inline BodyDescription& add_mesh(Scene& scene, const TriangleMesh& mesh) {
+  BodyDescription body;
+  body.kind = BodyKind::fixed;
+  body.shape.kind = shapes::Mesh::kind;
+  body.shape.mesh = static_cast<int>(scene.meshes.size());
+  scene.meshes.push_back(mesh);
+  scene.bodies.push_back(body);
+  return scene.bodies.back();
+}
+
 /// A fixed square valley of four triangles that slope toward the middle.
 inline BodyDescription& add_valley(Scene& scene) {
   TriangleMesh valley;
@@ -112,13 +123,7 @@ inline BodyDescription& add_valley(Scene& scene) {
   valley.vertices = {
       {-0.1, -0.1, 0.01}, {0.1, -0.1, 0.01}, {0.1, 0.1, 0.01}, {-0.1, 0.1, 0.01}, {0, 0, 0}};
   valley.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
-  BodyDescription body;
-  body.kind = BodyKind::fixed;
-  body.shape.kind = shapes::Mesh::kind;
-  body.shape.mesh = static_cast<int>(scene.meshes.size());
-  scene.meshes.push_back(valley);
-  scene.bodies.push_back(body);
-  return scene.bodies.back();
+  return add_mesh(scene, valley);
 }
 
 /// Floor z = 0 and the walls of an upright box without a lid.

@@ -438,18 +438,9 @@ SCREE_HD Manifold box_box(const BoxPair& pair, double most, Listed&& listed) {
   Manifold m;
   const SeparatingAxis axis(pair, most, tie, kEdgeBias * size);
   if (axis.separation > most) return m;
-  const auto add = [&](std::uint32_t feature, const ContactGeometry& g) {
-    int at = m.count++;
-    for (; at > 0 && m.feature[at - 1] > feature; --at) {
-      m.feature[at] = m.feature[at - 1];
-      m.contact[at] = m.contact[at - 1];
-    }
-    m.feature[at] = feature;
-    m.contact[at] = g;
-  };
   const auto add_listed = [&](std::uint32_t feature) {
     const ContactGeometry g = box_box_contact(pair, feature);
-    if (listed(g)) add(feature, g);
+    if (listed(g)) m.add(feature, g);
   };
   if (axis.box < 0) {
     const EdgePair edges(pair, axis.i, axis.j);
@@ -462,7 +453,7 @@ SCREE_HD Manifold box_box(const BoxPair& pair, double most, Listed&& listed) {
     const int count = reduced(points, tie, kept);
     for (int k = 0; k < count; ++k) {
       const std::uint32_t feature = BoxFeature::face(axis.box, axis.i, points.point[kept[k]]);
-      add(feature, box_box_contact(pair, feature));
+      m.add(feature, box_box_contact(pair, feature));
     }
     if (m.count == 0 && axis.separation <= 0) {
       add_listed(BoxFeature::face(axis.box, axis.i, deepest_corner(pair, axis.box, axis.i)));

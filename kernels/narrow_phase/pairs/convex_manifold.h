@@ -223,15 +223,6 @@ SCREE_HD Manifold convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bo
                                   Wanted&& wanted, Listed&& listed) {
   Manifold m;
   bool is_left_out = false;
-  const auto add = [&](std::uint32_t feature, const ContactGeometry& g) {
-    int at = m.count++;
-    for (; at > 0 && m.feature[at - 1] > feature; --at) {
-      m.feature[at] = m.feature[at - 1];
-      m.contact[at] = m.contact[at - 1];
-    }
-    m.feature[at] = feature;
-    m.contact[at] = g;
-  };
   if (meeting.reference >= 0) {
     const Vec3d u = any_orthogonal(meeting.distance.normal);
     const Vec3d v = cross(meeting.distance.normal, u);
@@ -250,12 +241,12 @@ SCREE_HD Manifold convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bo
     const int count = box_box_parts::reduced(points, meeting.tie, kept);
     for (int k = 0; k < count; ++k) {
       const std::uint32_t feature = ConvexFeature::of(meeting.reference, points.point[kept[k]]);
-      add(feature, rounded_contact(meeting, meeting.contact(feature), d));
+      m.add(feature, rounded_contact(meeting, meeting.contact(feature), d));
     }
   }
   if (m.count == 0 && is_nearest && !is_left_out) {
     const ContactGeometry g = rounded_contact(meeting, meeting.nearest(), d);
-    if (listed(g)) add(ConvexFeature::kNearest, g);
+    if (listed(g)) m.add(ConvexFeature::kNearest, g);
   }
   return m;
 }

@@ -10,16 +10,14 @@
 #include <random>
 #include <vector>
 
+#include "tests/kernels/narrow_phase/convex_oracle.h"
+
 namespace scree {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-struct TestBox {
-  Vec3d center;
-  Quatd q;
-  Vec3d half;
-};
+using TestBox = PosedBody;
 
 BoxPair pair_of_boxes(const TestBox& a, const TestBox& b) {
   return {{BoxAxes(a.q, a.half), BoxAxes(b.q, b.half)}, b.center - a.center};
@@ -35,15 +33,6 @@ Manifold manifold(const TestBox& a, const TestBox& b, double envelope) {
   return box_box(pair_of_boxes(a, b), envelope, IsWithin{envelope});
 }
 
-std::vector<Vec3d> corners(const TestBox& box) {
-  std::vector<Vec3d> out;
-  for (const double x : {-1, 1})
-    for (const double y : {-1, 1})
-      for (const double z : {-1, 1})
-        out.push_back(box.center + rotate(box.q, hadamard(box.half, Vec3d{x, y, z})));
-  return out;
-}
-
 /// How far a point is outside a box, over its faces; negative inside.
 double outside(const TestBox& box, const Vec3d& x) {
   const Vec3d local = rotate_back(box.q, x - box.center);
@@ -54,45 +43,12 @@ double outside(const TestBox& box, const Vec3d& x) {
 
 /// Distance of two boxes by projections to and fro: zero when they meet.
 double projected_distance(const TestBox& a, const TestBox& b) {
-  const auto onto = [](const TestBox& box, const Vec3d& x) {
-    Vec3d local = rotate_back(box.q, x - box.center);
-    for (int k = 0; k < 3; ++k) local[k] = std::clamp(local[k], -box.half[k], box.half[k]);
-    return box.center + rotate(box.q, local);
-  };
   Vec3d x = a.center, y;
   for (int k = 0; k < 20000; ++k) {
-    y = onto(b, x);
-    x = onto(a, y);
+    y = nearest_in_box(b, x);
+    x = nearest_in_box(a, y);
   }
   return norm(y - x);
-}
-
-/// How far boxes overlap in a direction: what A must be moved against it to be free of B.
-double overlap_along(const TestBox& a, const TestBox& b, const Vec3d& n) {
-  double top = -1e300, bottom = 1e300;
-  for (const Vec3d& x : corners(a)) top = std::max(top, dot(x, n));
-  for (const Vec3d& x : corners(b)) bottom = std::min(bottom, dot(x, n));
-  return top - bottom;
-}
-
-/// The least overlap of all directions: sampled, then improved by smaller and smaller turns.
-double sampled_depth(const TestBox& a, const TestBox& b, std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  const auto any = [&] { return Vec3d{normal(random), normal(random), normal(random)}; };
-  double least = 1e300;
-  for (int start = 0; start < 30; ++start) {
-    Vec3d n = normalized(any());
-    double found = overlap_along(a, b, n);
-    for (double step = 0.5; step > 1e-5; step *= 0.8) {
-      for (int k = 0; k < 12; ++k) {
-        const Vec3d turned = normalized(n + step * any());
-        const double overlap = overlap_along(a, b, turned);
-        if (overlap < found) found = overlap, n = turned;
-      }
-    }
-    least = std::min(least, found);
-  }
-  return least;
 }
 
 void expect_sound(const TestBox& a, const TestBox& b, const Manifold& m) {
@@ -146,13 +102,13 @@ TEST(BoxBoxTest, OverlapIsPushedOutTheShortestWay) {
   for (int trial = 0; trial < 300; ++trial) {
     const TestBox a = random_box(random, 0.2), b = random_box(random, 1.4);
     if (projected_distance(a, b) > 1e-9) continue;
-    const double depth = sampled_depth(a, b, random);
+    const double depth = sampled_depth(corners(a), corners(b), random);
     if (depth < 1e-3) continue;
     ++deep;
     const Manifold m = manifold(a, b, 0);
     ASSERT_GE(m.count, 1) << "trial " << trial;
     expect_sound(a, b, m);
-    const double along = overlap_along(a, b, m.contact[0].normal);
+    const double along = overlap_along(corners(a), corners(b), m.contact[0].normal);
     EXPECT_GE(along, depth - 1e-3) << "the search found the least: trial " << trial;
     EXPECT_LE(along, depth + 2e-3) << "trial " << trial;
     double most = 0;

@@ -15,17 +15,12 @@
 #include "kernels/narrow_phase/pairs/cylinder_half_space.h"
 #include "kernels/narrow_phase/pairs/sphere_cylinder.h"
 #include "kernels/narrow_phase/pairs/sphere_triangle.h"
+#include "tests/kernels/narrow_phase/convex_oracle.h"
 
 namespace scree {
 namespace {
 
-struct Body {
-  Vec3d center;
-  Quatd q;
-  Vec3d half;
-
-  PairSide side() const { return {0, q, half}; }
-};
+using Body = PosedBody;
 
 struct IsWithin {
   double reach;
@@ -53,12 +48,6 @@ Body random_body(std::mt19937& random, double spread, bool is_capsule) {
   return b;
 }
 
-Vec3d nearest_in_box(const Body& box, const Vec3d& x) {
-  Vec3d local = rotate_back(box.q, x - box.center);
-  for (int k = 0; k < 3; ++k) local[k] = std::clamp(local[k], -box.half[k], box.half[k]);
-  return box.center + rotate(box.q, local);
-}
-
 /// Distance of the axis of a capsule from a box: a convex function along the axis.
 double distance_of_axis(const Body& capsule, const Body& box) {
   const double end = capsule.half.z - capsule.half.x;
@@ -72,44 +61,6 @@ double distance_of_axis(const Body& capsule, const Body& box) {
     (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
   }
   return at(0.5 * (low + high));
-}
-
-std::vector<Vec3d> corners(const Body& box) {
-  std::vector<Vec3d> out;
-  for (int k = 0; k < 8; ++k)
-    out.push_back(box.center + rotate(box.q, Vec3d{k & 1 ? box.half.x : -box.half.x,
-                                                   k & 2 ? box.half.y : -box.half.y,
-                                                   k & 4 ? box.half.z : -box.half.z}));
-  return out;
-}
-
-/// How far points overlap others in a direction.
-double overlap_along(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b, const Vec3d& n) {
-  double top = -1e300, bottom = 1e300;
-  for (const Vec3d& x : a) top = std::max(top, dot(x, n));
-  for (const Vec3d& x : b) bottom = std::min(bottom, dot(x, n));
-  return top - bottom;
-}
-
-/// The least overlap of all directions: sampled, then improved by smaller and smaller turns.
-double sampled_depth(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b,
-                     std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  const auto any = [&] { return Vec3d{normal(random), normal(random), normal(random)}; };
-  double least = 1e300;
-  for (int start = 0; start < 30; ++start) {
-    Vec3d n = normalized(any());
-    double found = overlap_along(a, b, n);
-    for (double step = 0.5; step > 1e-5; step *= 0.8) {
-      for (int k = 0; k < 12; ++k) {
-        const Vec3d turned = normalized(n + step * any());
-        const double overlap = overlap_along(a, b, turned);
-        if (overlap < found) found = overlap, n = turned;
-      }
-    }
-    least = std::min(least, found);
-  }
-  return least;
 }
 
 template <class P>

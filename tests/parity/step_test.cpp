@@ -7,11 +7,12 @@
 namespace scree::parity {
 namespace {
 
-/// The column of grains, which stands on its own for the one step checked. The velocities
-/// compared are those after the step, which starts it moving.
+/// The column of grains on a smooth floor, which carries it from the first step on: above the rough one it
+/// would fall freely in the one step checked.
 Scene standing_column(double residual) {
   static const Column column = cut_column(800);
   Scene scene = column_scene(column, 5e-4);
+  add_plane(scene);
   solve_to(scene, residual);
   scene.solver.max_iterations = 50000;
   scene.solver.check_every = 50;

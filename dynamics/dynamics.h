@@ -32,6 +32,14 @@ class Dynamics {
   virtual void track_forces() {}
   virtual MeanForces take_forces() { return {}; }
 
+  /// See World; models that cannot refuse. Bodies are in the simulation, and of the kind that the call is for.
+  virtual ForceRecord force_on_body(int body);
+  virtual ForceRecord force_on_group(int group);
+  virtual void set_gravity(const Vec3d& gravity);
+  virtual void set_velocity(int body, const Vec3d& velocity, const Vec3d& angular_velocity);
+  virtual void set_motion(int body, const Motion& motion);
+  virtual void apply_force(int body, const Vec3d& force, const Vec3d& torque);
+
   virtual std::vector<ArrayInfo> arrays() = 0;
   virtual ArrayView array(const std::string& name) = 0;
   virtual void arrays_changed(Written what) = 0;

@@ -83,8 +83,44 @@ void throw_stored_joints() {
   throw InputError("the contact problem of a scene with joints cannot be stored yet");
 }
 
-void throw_untracked_forces() {
-  throw InputError("take_forces() needs track_forces() before the steps");
+void throw_untracked_forces(const char* call) {
+  throw InputError(fmt::format("{} needs track_forces() before the steps", call));
+}
+
+void require_gravity(const Vec3d& g, double time_step) {
+  if (is_in_range(g) && is_speed_in_range(time_step * norm(g), time_step)) return;
+  throw InputError(fmt::format(
+      "set_gravity(): ({}, {}, {}) is not allowed: must move a body by {:g} m at most in a step of "
+      "{:g} s [m/s^2]",
+      g.x, g.y, g.z, kFarthest, time_step));
+}
+
+Vec3d saved_gravity(const WorldState& s, double time_step) {
+  const std::vector<Vec3d>& rows = s.at<Vec3d>("world/gravity");
+  if (rows.size() != 1 || !is_speed_in_range(time_step * norm(rows[0]), time_step))
+    throw InputError("checkpoint: world/gravity must be one vector that bodies can follow");
+  return rows[0];
+}
+
+void require_velocity(int body, const Vec3d& v, const Vec3d& w, double time_step) {
+  if (is_speed_in_range(norm(v), time_step) && is_speed_in_range(norm(w), time_step)) return;
+  throw InputError(fmt::format(
+      "set_velocity(): ({}, {}, {}) m/s and ({}, {}, {}) rad/s of body {} are not allowed: must be "
+      "{:g} m/s or rad/s at most, and {:g} m in a step of {:g} s",
+      v.x, v.y, v.z, w.x, w.y, w.z, body, kFastest, kFarthest, time_step));
+}
+
+void require_load(int body, const Vec3d& f, const Vec3d& t) {
+  if (is_finite(f) && is_finite(t)) return;
+  throw InputError(fmt::format(
+      "apply_force(): ({}, {}, {}) N and ({}, {}, {}) N m on body {} are not allowed: must be "
+      "finite numbers",
+      f.x, f.y, f.z, t.x, t.y, t.z, body));
+}
+
+void throw_no_force(int body) {
+  throw InputError(fmt::format(
+      "force_on(): body {} is free: give it a group of its own, and ask for that", body));
 }
 
 void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene) {

@@ -50,6 +50,18 @@ void require_joints(std::size_t found, std::size_t in_scene);
 void require_joint_states(std::size_t positions, std::size_t broken, std::size_t in_scene);
 /// Problems with joints have no file. @throws InputError
 [[noreturn]] void throw_stored_joints();
-[[noreturn]] void throw_untracked_forces();
+/// @throws InputError saying that a call needs track_forces()
+[[noreturn]] void throw_untracked_forces(const char* call);
+/// Gravity that no run can have. @throws InputError
+void require_gravity(const Vec3d& gravity, double time_step);
+/// That of a checkpoint. @throws InputError
+Vec3d saved_gravity(const WorldState& s, double time_step);
+/// A velocity that a program gives a body. @throws InputError
+void require_velocity(int body, const Vec3d& velocity, const Vec3d& angular_velocity,
+                      double time_step);
+/// @throws InputError when a force or torque that a program applies is not finite
+void require_load(int body, const Vec3d& force, const Vec3d& torque);
+/// Forces are told of fixed and kinematic bodies. @throws InputError
+[[noreturn]] void throw_no_force(int body);
 
 }  // namespace scree

@@ -46,7 +46,9 @@ inline constexpr std::size_t kMostMaterials = 256;
 struct Motion {
   enum class Kind { none, linear, rotating, oscillating, sampled };
   Kind kind = Kind::none;
-  Vec3d velocity;        ///< linear: constant velocity [m/s]
+  Vec3d velocity;  ///< linear: constant velocity [m/s]
+  Vec3d
+      angular_velocity;  ///< linear: about the position of the body, constant, world frame [rad/s]
   Vec3d axis{0, 0, 1};   ///< rotating: unit axis; oscillating: unit direction
   Vec3d center;          ///< rotating: a point on the axis [m]
   double rate = 0;       ///< rotating: angular velocity [rad/s]
@@ -298,9 +300,11 @@ struct Scene {
   std::vector<std::string> groups{"bodies"};
   std::vector<TriangleMesh> meshes;
   std::vector<BodyDescription> bodies;  ///< present at time zero, any kind and order
-  std::vector<ParticleSet> particles;   ///< present at time zero
-  std::vector<Insertion> insertions;    ///< increasing times
-  std::vector<Joint> joints;            ///< of `bodies`, from time zero
+  /// Names that some of the bodies have, those of insertions included, and their ids.
+  std::map<std::string, int> body_names;
+  std::vector<ParticleSet> particles;  ///< present at time zero
+  std::vector<Insertion> insertions;   ///< increasing times
+  std::vector<Joint> joints;           ///< of `bodies`, from time zero
   Periodicity periodicity;
   DynamicsSettings dynamics;
   SteppingSettings stepping;

@@ -3,6 +3,8 @@
 // visible here; the backend and the precision are chosen at run time.
 
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -139,6 +141,10 @@ class World {
   /// The same, and hands out the contact problem that the step solves, its warm start included. @throws InputError in scenes with joints
   StepReport step(BodyProblem& problem);
 
+  /// Steps for so long [s], to the nearest number of steps, and calls after_step(report) after each one,
+  /// which may call this World. It goes on while that returns true. @return the last report
+  StepReport run(double seconds, const std::function<bool(const StepReport&)>& after_step = {});
+
   std::int64_t steps_done() const;
   double time() const;
   int body_count() const;  ///< bodies inserted so far: free, fixed and kinematic
@@ -157,6 +163,28 @@ class World {
   /// Means over the steps since track_forces(), or since the call before. @throws InputError without
   /// track_forces()
   MeanForces take_forces();
+
+  /// By contacts in the last step, after track_forces(): on a fixed or kinematic body, torque about its position; on
+  /// a group from bodies of others, torque about the origin. Zero before the first step. @throws InputError
+  /// for a free body, unknown ones and without track_forces()
+  ForceRecord force_on(int body) const;
+  ForceRecord force_on_group(const std::string& name) const;
+
+  /// Id of the body of that name, see Scene::body_names. @throws InputError naming the nearest name
+  int body(const std::string& name) const;
+
+  /// Gravity of the steps from now on [m/s^2]; save() holds it. @throws InputError
+  void set_gravity(const Vec3d& gravity);
+  /// Of a free body, along its free axes; or of a kinematic one, which has no other motion from now on.
+  /// @param angular_velocity  world frame [rad/s]  @throws InputError for fixed bodies, values out of range
+  void set_velocity(int body, const Vec3d& velocity, const Vec3d& angular_velocity = {});
+  /// A kinematic body goes on from where it is by this motion, whose times count from now on; save() holds it.
+  /// It may turn in scenes one of whose bodies is not a sphere, or turns as a wall. @throws InputError
+  void set_motion(int body, const Motion& motion);
+  /// Acts on a free body in the next step, along its free axes; those of several calls add up, and to the arrays
+  /// "force" and "torque". Memory as for these. @param force  through the center of mass, world frame [N]
+  /// @param torque  about it [N m]  @throws InputError
+  void apply_force(int body, const Vec3d& force, const Vec3d& torque = {});
 
   /// Pairs of bodies that overlap where they are now, impulses left zero.
   std::vector<ContactRecord> overlaps() const;
@@ -196,7 +224,15 @@ class World {
 
  private:
   void release() noexcept;
+  BodyKind kind_of(int body) const;
 
+  /// What of the scene outlives it.
+  struct Names {
+    std::map<std::string, int> bodies;
+    std::vector<std::string> groups;
+    double time_step = 0;  ///< [s]
+  };
+  Names names_;
   std::unique_ptr<Dynamics> dynamics_;
 };
 

@@ -1,7 +1,12 @@
 #pragma once
 // Loads per body of a running simulation. They take no memory and no time until a program
-// asks for their arrays.
+// asks for their arrays or applies one.
 
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "kernels/step/applied_loads.h"
 #include "kernels/step/loads.h"
 
 namespace scree {
@@ -32,15 +37,28 @@ class BodyLoads {
   Span<Vec3<Real>> force() { return force_.view(); }
   Span<Vec3<Real>> torque() { return torque_.view(); }
 
+  /// Adds a load of the next step.
+  void apply(B& b, Index id, const Vec3d& force, const Vec3d& torque) {
+    use(b);
+    auto& [of_force, of_torque] = applied_[id];
+    of_force += force;
+    of_torque += torque;
+  }
+
   /// Works out what the loads add to velocities in a step; one host read.
   /// @param gravity_step  h g [m/s]
   LoadSums start(B& b, const BodyView<Real>& bodies, const Vec3<Real>& gravity_step, double h) {
     const Index n = bodies.owned_count;
+    Buffer<B, BodyLoad<Real>> before(b);
+    add_applied(b, before);
     reduce<LoadSums>(
         b, n,
         LoadGains<Real>{bodies, force_.view(), torque_.view(), gravity_step, static_cast<Real>(h),
                         linear_.resize_discard(n), angular_.resize_discard(n)},
         StoreResult<LoadSums>{sums_.data()});
+    for_each(b, static_cast<Index>(applied_.size()),
+             PutBodyLoads<Real>{before.view(), force_.view(), torque_.view()});
+    applied_.clear();
     return fetch(b, sums_.data());
   }
 
@@ -67,12 +85,26 @@ class BodyLoads {
   }
 
  private:
+  void add_applied(B& b, Buffer<B, BodyLoad<Real>>& before) {
+    if (applied_.empty()) return;
+    std::vector<BodyLoad<Real>> loads;
+    for (const auto& [id, load] : applied_)
+      loads.push_back({id, Vec3<Real>(load.first), Vec3<Real>(load.second)});
+    Buffer<B, BodyLoad<Real>> added(b);
+    upload(b, loads, added);
+    const auto n = static_cast<Index>(loads.size());
+    for_each(
+        b, n,
+        AddBodyLoads<Real>{added.view(), force_.view(), torque_.view(), before.resize_discard(n)});
+  }
+
   Index count_;
   bool is_used_ = false;
   Buffer<B, Vec3<Real>> force_, torque_;
   Buffer<B, Vec3<Real>> linear_, angular_;
   Buffer<B, Vec3<Real>> velocity_, angular_velocity_;
   Buffer<B, LoadSums> sums_;
+  std::map<Index, std::pair<Vec3d, Vec3d>> applied_;  ///< force and torque of the next step, by id
 };
 
 }  // namespace scree

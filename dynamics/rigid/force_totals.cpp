@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
+#include "dynamics/model_errors.h"
 #include "host/error.h"
 
 namespace scree {
@@ -11,11 +13,36 @@ ForceTotals::ForceTotals(const Scene& scene) : group_count_(scene.groups.size())
   for (std::size_t id = 0; id < scene.bodies.size(); ++id)
     if (scene.bodies[id].kind != BodyKind::free) fixed_.push_back(static_cast<int>(id));
   sums_.resize(fixed_.size() + group_count_ + scene.joints.size());
+  now_ = last_ = sums_;
 }
 
 void ForceTotals::add(std::size_t target, const Vec3d& impulse, const Vec3d& torque) {
-  sums_[target].impulse += impulse;
-  sums_[target].torque += torque;
+  now_[target].impulse += impulse;
+  now_[target].torque += torque;
+}
+
+void ForceTotals::count_step() {
+  for (std::size_t k = 0; k < sums_.size(); ++k) {
+    sums_[k].impulse += now_[k].impulse;
+    sums_[k].torque += now_[k].torque;
+  }
+  std::swap(now_, last_);
+  std::fill(now_.begin(), now_.end(), Sum{});
+  ++steps_;
+}
+
+ForceRecord ForceTotals::of_last(std::size_t target, double time_step) const {
+  return {(1 / time_step) * last_[target].impulse, (1 / time_step) * last_[target].torque};
+}
+
+ForceRecord ForceTotals::on_body(int id, double time_step) const {
+  const auto place = std::lower_bound(fixed_.begin(), fixed_.end(), id);
+  if (place == fixed_.end() || *place != id) throw_no_force(id);
+  return of_last(static_cast<std::size_t>(place - fixed_.begin()), time_step);
+}
+
+ForceRecord ForceTotals::on_group(int group, double time_step) const {
+  return of_last(fixed_.size() + static_cast<std::size_t>(group), time_step);
 }
 
 void ForceTotals::add_to_body(int id, const Vec3d& impulse, const Vec3d& torque) {
@@ -59,7 +86,8 @@ void ForceTotals::save(WorldState& s) const {
 }
 
 void ForceTotals::restore(const WorldState& s) {
-  std::fill(sums_.begin(), sums_.end(), Sum{});
+  for (std::vector<Sum>* sums : {&sums_, &now_, &last_})
+    std::fill(sums->begin(), sums->end(), Sum{});
   steps_ = 0;
   if (!s.has("force/sum") || !s.has("force/steps")) return;
   const std::vector<Vec3d>& rows = s.at<Vec3d>("force/sum");

@@ -15,7 +15,12 @@ class ForceTotals {
   void add_to_body(int id, const Vec3d& impulse, const Vec3d& torque);
   void add_to_group(int group, const Vec3d& impulse, const Vec3d& torque);
   void add_joints(const std::vector<JointRecord>& joints);
-  void count_step() { ++steps_; }
+  /// Ends a step: what was added since the one before is that of the step.
+  void count_step();
+
+  /// Of the last step [N], [N m]; zero before there is one. @throws InputError for free bodies
+  ForceRecord on_body(int id, double time_step) const;
+  ForceRecord on_group(int group, double time_step) const;
 
   /// Means over the steps so far; what comes later starts afresh. @param time_step  [s]
   MeanForces take(double time_step);
@@ -34,7 +39,12 @@ class ForceTotals {
   std::int64_t steps_ = 0;
   std::vector<int> fixed_;  ///< ids, rising
   std::size_t group_count_ = 0;
-  std::vector<Sum> sums_;  ///< of fixed bodies, groups, joints
+  ForceRecord of_last(std::size_t target, double time_step) const;
+
+  // Of fixed bodies, groups, joints:
+  std::vector<Sum> sums_;  ///< over steps
+  std::vector<Sum> now_;   ///< of the step that is being added
+  std::vector<Sum> last_;  ///< of the one before
 };
 
 }  // namespace scree

@@ -40,6 +40,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   RigidDynamics(std::unique_ptr<B> on, Scene scene, const SceneSummary& summary, bool near_pairs)
       : ModelOn<B, Real>(std::move(on), scene),
         scene_(std::move(scene)),
+        gravity_(scene_.gravity),
         summary_(summary),
         motion_(scene_),
         store_(backend(), summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
@@ -114,8 +115,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
       joints_.join(b, bodies, scene_.stepping, periodic_box().length, assembled, gamma);
       report.max_joint_error = joints_.largest_error(b);
     }
-    const double reference = reference_speed(loads_.is_used() ? &loads : nullptr,
-                                             h * scene_.gravity, sums, store_.owned_count());
+    const double reference = reference_speed(loads_.is_used() ? &loads : nullptr, h * gravity_,
+                                             sums, store_.owned_count());
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
       *stored = download_any_problem<B, Real>(b, problem, gamma, store_.ids(), bodies);
@@ -174,8 +175,35 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   void track_forces() override { tracks_forces_ = true; }
   MeanForces take_forces() override {
-    if (!tracks_forces_) throw_untracked_forces();
+    if (!tracks_forces_) throw_untracked_forces("take_forces()");
     return forces_.take(scene_.stepping.time_step);
+  }
+  ForceRecord force_on_body(int body) override {
+    if (!tracks_forces_) throw_untracked_forces("force_on()");
+    return forces_.on_body(body, scene_.stepping.time_step);
+  }
+  ForceRecord force_on_group(int group) override {
+    if (!tracks_forces_) throw_untracked_forces("force_on_group()");
+    return forces_.on_group(group, scene_.stepping.time_step);
+  }
+
+  void set_gravity(const Vec3d& gravity) override {
+    require_gravity(gravity, scene_.stepping.time_step);
+    gravity_ = gravity;
+  }
+  void set_velocity(int body, const Vec3d& velocity, const Vec3d& angular_velocity) override {
+    require_velocity(body, velocity, angular_velocity, scene_.stepping.time_step);
+    const BodyView<Real> bodies = store_.view();
+    for_each(backend(), bodies.owned_count,
+             WriteVelocity<Real>{bodies, body, Vec3<Real>(velocity), Vec3<Real>(angular_velocity)});
+  }
+  void set_motion(int body, const Motion& motion) override {
+    motion_.replace(scene_, body, motion, time(), has_arms());
+    motion_.set(store_, time(), steps_done() + 1);
+  }
+  void apply_force(int body, const Vec3d& force, const Vec3d& torque) override {
+    require_load(body, force, torque);
+    loads_.apply(backend(), body, force, torque);
   }
 
   std::vector<ContactRecord> overlaps() override {
@@ -221,6 +249,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     save_state(backend(), store_, detector_, *solver_, s);
     joints_.save(backend(), s);
     if (tracks_forces_) forces_.save(s);
+    motion_.save(s);
+    if (!(gravity_ == scene_.gravity)) s.add("world/gravity", std::vector<Vec3d>{gravity_});
   }
 
   void restore_arrays(const WorldState& s) override {
@@ -230,6 +260,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     restore_state(backend(), s, vectors(), store_, detector_, *solver_);
     joints_.restore(backend(), s);
     if (tracks_forces_) forces_.restore(s);
+    motion_.restore(scene_, s, has_arms());
+    gravity_ =
+        s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : scene_.gravity;
     motion_.set(store_, s.time, s.step + 1);
   }
 
@@ -315,7 +348,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
            scene_.stepping.restitution_law == RestitutionLaw::poisson;
   }
 
-  Vec3<Real> gravity_step() const { return Vec3<Real>(scene_.stepping.time_step * scene_.gravity); }
+  Vec3<Real> gravity_step() const { return Vec3<Real>(scene_.stepping.time_step * gravity_); }
+  bool has_arms() const { return summary_.layout != ContactLayout::radial; }
 
   PeriodicBox periodic_box() const { return scree::periodic_box(scene_.periodicity); }
 
@@ -353,7 +387,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     throw_bad_contact(steps_done() + 1, a, second);
   }
 
-  Scene scene_;  ///< without the descriptions already loaded
+  Scene scene_;    ///< without the descriptions already loaded
+  Vec3d gravity_;  ///< [m/s^2]
   SceneSummary summary_;
   PrescribedMotion motion_;
   BodyStore<B, Real> store_;

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
@@ -52,6 +53,14 @@ class OnDevice {
 #endif
 };
 
+[[noreturn]] void throw_unknown_name(const char* what, const std::string& name,
+                                     const std::vector<std::string>& known) {
+  std::string list;
+  for (const std::string& other : known) list += (list.empty() ? "\"" : ", \"") + other + '"';
+  throw InputError(std::string("no ") + what + " is called \"" + name + "\"; " +
+                   (known.empty() ? std::string("none has a name") : "there are " + list));
+}
+
 /// Host memory that can be had without swapping [bytes]; the largest number when unknown.
 std::size_t free_host_memory() {
   std::ifstream lines("/proc/meminfo");
@@ -64,12 +73,14 @@ std::size_t free_host_memory() {
 }  // namespace
 
 World::World(Scene scene, const WorldOptions& options)
-    : dynamics_(dynamics_for(std::move(scene), options)) {}
+    : names_{scene.body_names, scene.groups, scene.stepping.time_step},
+      dynamics_(dynamics_for(std::move(scene), options)) {}
 World::~World() { release(); }
 World::World(World&&) noexcept = default;
 World& World::operator=(World&& other) noexcept {
   if (this == &other) return *this;
   release();
+  names_ = std::move(other.names_);
   dynamics_ = std::move(other.dynamics_);
   return *this;
 }
@@ -87,6 +98,19 @@ void World::release() noexcept {
 
 StepReport World::step() { return OnDevice(*dynamics_)->step(nullptr); }
 StepReport World::step(BodyProblem& problem) { return OnDevice(*dynamics_)->step(&problem); }
+StepReport World::run(double seconds, const std::function<bool(const StepReport&)>& after_step) {
+  const double steps = std::round(seconds / names_.time_step);
+  if (!(steps >= 0 && steps <= 1e15))
+    throw InputError("run(): " + std::to_string(seconds) + " s is not allowed: must be from 0 to " +
+                     "1e15 time steps");
+  StepReport report;
+  for (auto left = static_cast<std::int64_t>(steps); left > 0; --left) {
+    report = step();
+    if (after_step && !after_step(report)) break;
+  }
+  return report;
+}
+
 std::int64_t World::steps_done() const { return dynamics_->steps_done(); }
 double World::time() const { return dynamics_->time(); }
 int World::body_count() const { return dynamics_->body_count(); }
@@ -96,6 +120,59 @@ std::vector<ContactRecord> World::contacts() const { return OnDevice(*dynamics_)
 std::vector<JointRecord> World::joints() const { return OnDevice(*dynamics_)->joints(); }
 void World::track_forces() { OnDevice(*dynamics_)->track_forces(); }
 MeanForces World::take_forces() { return OnDevice(*dynamics_)->take_forces(); }
+
+BodyKind World::kind_of(int body) const {
+  if (body < 0 || body >= dynamics_->body_count())
+    throw InputError("body " + std::to_string(body) + " is not in the simulation: it has " +
+                     std::to_string(dynamics_->body_count()) + " bodies now, numbered from 0");
+  return dynamics_->constants()[static_cast<std::size_t>(body)].kind;
+}
+
+ForceRecord World::force_on(int body) const {
+  kind_of(body);
+  return OnDevice(*dynamics_)->force_on_body(body);
+}
+
+ForceRecord World::force_on_group(const std::string& name) const {
+  const auto found = std::find(names_.groups.begin(), names_.groups.end(), name);
+  if (found == names_.groups.end()) throw_unknown_name("group", name, names_.groups);
+  return OnDevice(*dynamics_)->force_on_group(static_cast<int>(found - names_.groups.begin()));
+}
+
+int World::body(const std::string& name) const {
+  const auto found = names_.bodies.find(name);
+  if (found != names_.bodies.end()) return found->second;
+  std::vector<std::string> known;
+  for (const auto& [other, id] : names_.bodies) known.push_back(other);
+  throw_unknown_name("body", name, known);
+}
+
+void World::set_gravity(const Vec3d& gravity) { OnDevice(*dynamics_)->set_gravity(gravity); }
+
+void World::set_velocity(int body, const Vec3d& velocity, const Vec3d& angular_velocity) {
+  if (kind_of(body) == BodyKind::free) {
+    OnDevice(*dynamics_)->set_velocity(body, velocity, angular_velocity);
+    return;
+  }
+  Motion motion;
+  motion.kind = Motion::Kind::linear;
+  motion.velocity = velocity;
+  motion.angular_velocity = angular_velocity;
+  set_motion(body, motion);
+}
+
+void World::set_motion(int body, const Motion& motion) {
+  kind_of(body);
+  OnDevice(*dynamics_)->set_motion(body, motion);
+}
+
+void World::apply_force(int body, const Vec3d& force, const Vec3d& torque) {
+  if (kind_of(body) != BodyKind::free)
+    throw InputError("apply_force(): body " + std::to_string(body) +
+                     " is not free: forces do not move it");
+  OnDevice(*dynamics_)->apply_force(body, force, torque);
+}
+
 std::vector<ContactRecord> World::overlaps() const { return OnDevice(*dynamics_)->overlaps(); }
 std::vector<ArrayInfo> World::arrays() const { return OnDevice(*dynamics_)->arrays(); }
 ArrayView World::array(const std::string& name) { return OnDevice(*dynamics_)->array(name); }

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include "host/error.h"
@@ -55,10 +56,15 @@ std::uint64_t kept_bytes(const std::filesystem::path& path,
 }  // namespace
 
 ForceTargets::ForceTargets(const Scene& scene) {
-  for (std::size_t id = 0; id < scene.bodies.size(); ++id) {
-    const BodyKind kind = scene.bodies[id].kind;
-    if (kind != BodyKind::free)
-      bodies.push_back(fmt::format("{},{}", kind == BodyKind::fixed ? "fixed" : "kinematic", id));
+  std::map<int, std::string> names;
+  for (const auto& [name, id] : scene.body_names) names.emplace(id, field(name));
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const BodyKind kind = scene.bodies[k].kind;
+    if (kind == BodyKind::free) continue;
+    const auto id = static_cast<int>(k);
+    const auto named = names.find(id);
+    bodies.push_back(fmt::format("{},{}", kind == BodyKind::fixed ? "fixed" : "kinematic",
+                                 named == names.end() ? std::to_string(id) : named->second));
   }
   if (scene.groups.size() > 1)
     for (const std::string& name : scene.groups) groups.push_back("group," + field(name));

@@ -46,6 +46,8 @@ Pose pose_at(const BodyDescription& body, double t) {
       break;
     case Motion::Kind::linear:
       pose.position += running * m.velocity;
+      if (norm2(m.angular_velocity) > 0)
+        pose.orientation = normalized(exp_map(running * m.angular_velocity) * body.orientation);
       break;
     case Motion::Kind::rotating: {
       const Quatd turn = exp_map(running * m.rate * m.axis);
@@ -72,8 +74,20 @@ Rates rates_between(const Pose& from, const Pose& to, double h) {
 
 bool rotates(const BodyDescription& body) {
   if (body.kind != BodyKind::kinematic) return false;
-  return body.motion->kind == Motion::Kind::rotating ||
-         (body.motion->kind == Motion::Kind::sampled && !body.motion->orientations.empty());
+  return turns(body.motion);
+}
+
+bool turns(const Motion& motion) {
+  switch (motion.kind) {
+    case Motion::Kind::rotating:
+      return true;
+    case Motion::Kind::linear:
+      return norm2(motion.angular_velocity) > 0;
+    case Motion::Kind::sampled:
+      return !motion.orientations.empty();
+    default:
+      return false;
+  }
 }
 
 }  // namespace scree

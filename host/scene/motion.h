@@ -23,5 +23,6 @@ Rates rates_between(const Pose& from, const Pose& to, double h);
 
 /// Whether the body ever turns: decides between contact layouts.
 bool rotates(const BodyDescription& body);
+bool turns(const Motion& motion);
 
 }  // namespace scree

@@ -130,6 +130,9 @@ std::optional<Fault> motion_fault(const BodyDescription& body) {
     return Fault{"motion.axis", text(motion.axis), "must have length 1"};
   if (motion.kind == Motion::Kind::linear && !is_finite(motion.velocity))
     return Fault{"motion.velocity", text(motion.velocity), "must be three finite numbers [m/s]"};
+  if (motion.kind == Motion::Kind::linear && !is_finite(motion.angular_velocity))
+    return Fault{"motion.angular_velocity", text(motion.angular_velocity),
+                 "must be three finite numbers [rad/s]"};
   if (turning && !is_finite(motion.center))
     return Fault{"motion.center", text(motion.center), "must be three finite numbers [m]"};
   if (turning && !std::isfinite(motion.rate))
@@ -487,6 +490,16 @@ void check_periodicity(const Scene& scene) {
   });
 }
 
+void check_body_names(const Scene& scene) {
+  const BodyCounts count = count_bodies(scene);
+  for (const auto& [name, id] : scene.body_names) {
+    if (name.empty()) refuse("body_names", "an empty name", "must have a letter or more");
+    if (id < 0 || static_cast<std::size_t>(id) >= count.free + count.fixed)
+      refuse(fmt::format("body_names[{}]", quoted(printable(name, 80))), fmt::format("{}", id),
+             fmt::format("must be the id of one of {} bodies", count.free + count.fixed));
+  }
+}
+
 }  // namespace
 
 void validate(const Scene& scene) {
@@ -497,6 +510,7 @@ void validate(const Scene& scene) {
   check_meshes(scene);
   check_bodies(scene);
   check_insertions(scene);
+  check_body_names(scene);
   if (const auto fault = room_fault(scene)) refuse(fault->field, fault->value, fault->expected);
   check_pairs(scene);
   check_periodicity(scene);

@@ -67,6 +67,8 @@ std::optional<Fault> motion_range_fault(const BodyDescription& body, double h) {
   const Motion& motion = body.motion;
   if (motion.kind == Motion::Kind::none) return std::nullopt;
   if (!is_in_range(motion.velocity)) return too_far("motion.velocity", motion.velocity, "m/s");
+  if (!is_in_range(motion.angular_velocity))
+    return too_far("motion.angular_velocity", motion.angular_velocity, "rad/s");
   if (!is_in_range(motion.center)) return too_far("motion.center", motion.center, "m");
   const std::pair<const char*, double> numbers[] = {{"rate", motion.rate},
                                                     {"amplitude", motion.amplitude},

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "host/error.h"
+#include "host/scene/bodies_by_id.h"
 #include "host/scene_reader/parts.h"
 
 namespace scree {
@@ -27,6 +28,20 @@ Json document(const std::string& text, Source& source, const std::vector<std::st
   for (const std::string& text_of_one : overrides)
     source.overridden.push_back(apply_override(json, text_of_one));
   return json;
+}
+
+/// Gives the scene the names of its bodies, now that their ids are known.
+void name_bodies(Draft& draft) {
+  if (draft.entry_of_name.empty()) return;
+  std::vector<int> id_of_entry(draft.body_of_entry.size(), -1);
+  for_each_by_id(
+      draft.scene,
+      [&](std::size_t id, const BodyDescription& body) {
+        id_of_entry.at(static_cast<std::size_t>(body.entry)) = static_cast<int>(id);
+      },
+      [](std::size_t, const ParticleSet&) {});
+  for (const auto& [name, entry] : draft.entry_of_name)
+    draft.scene.body_names[name] = id_of_entry[entry];
 }
 
 }  // namespace
@@ -58,6 +73,7 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
     insertion.time = time;
     draft.scene.insertions.push_back(std::move(insertion));
   }
+  name_bodies(draft);
   try {
     validate(draft.scene);
   } catch (const InputError& fault) {

@@ -141,7 +141,7 @@ void read_pose(const Node& node, BodyDescription& body) {
   }
 }
 
-/// Keeps the name for joints.
+/// Keeps the name for joints and programs.
 void read_name(const Node& node, std::size_t index, Draft& draft) {
   const auto key = node.find("name");
   if (!key) return;
@@ -225,6 +225,7 @@ void read_motion(const Node& node, Motion& motion) {
                                          {"sampled", MotionKind::sampled}});
   const std::vector<std::pair<std::string, std::vector<MotionKind>>> motion_keys{
       {"velocity", {MotionKind::linear}},
+      {"angular_velocity", {MotionKind::linear}},
       {"axis", {MotionKind::rotating, MotionKind::oscillating}},
       {"center", {MotionKind::rotating}},
       {"rate", {MotionKind::rotating}},
@@ -247,6 +248,7 @@ void read_motion(const Node& node, Motion& motion) {
   switch (motion.kind) {
     case MotionKind::linear:
       motion.velocity = node.at("velocity", "must be three numbers [x, y, z] [m/s]").vector("m/s");
+      node.read("angular_velocity", motion.angular_velocity, "rad/s");
       break;
     case MotionKind::rotating:
       motion.axis = node.at("axis", "must be a direction [x, y, z]").direction();

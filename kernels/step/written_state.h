@@ -42,4 +42,21 @@ struct TakeWrittenState {
   }
 };
 
+/// Gives one owned body a velocity along its free axes.
+template <class Real>
+struct WriteVelocity {
+  static constexpr const char* name = "write_velocity";
+  BodyView<Real> bodies;
+  Index id;
+  Vec3<Real> velocity;          ///< [m/s]
+  Vec3<Real> angular_velocity;  ///< world frame [rad/s]
+
+  SCREE_HD void operator()(Index i) const {
+    if (bodies.id[i] != id) return;
+    const unsigned locks = bodies.locks[i];
+    bodies.velocity[i] = on_axes(velocity, free_linear_axes(locks));
+    bodies.angular_velocity[i] = on_axes(angular_velocity, free_angular_axes(locks));
+  }
+};
+
 }  // namespace scree

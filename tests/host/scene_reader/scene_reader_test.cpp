@@ -189,7 +189,8 @@ TEST(SceneReader, ReadsWalls) {
 TEST(SceneReader, ReadsMotions) {
   const Scene scene = parsed(with_body(R"(
     {"shape": "half_space", "kind": "kinematic",
-     "motion": {"type": "linear", "velocity": [1, 2, 3], "start": 0.5, "stop": 2}},
+     "motion": {"type": "linear", "velocity": [1, 2, 3], "angular_velocity": [0, 4, 0],
+                "start": 0.5, "stop": 2}},
     {"shape": "half_space", "kind": "kinematic",
      "motion": {"type": "rotating", "axis": [0, 3, 0], "center": [1, 0, 0], "rate": -2}},
     {"shape": "half_space", "kind": "kinematic",
@@ -200,6 +201,7 @@ TEST(SceneReader, ReadsMotions) {
   const Motion& linear = scene.bodies.at(1).motion;
   EXPECT_EQ(linear.kind, Motion::Kind::linear);
   EXPECT_EQ(linear.velocity, Vec3d(1, 2, 3));
+  EXPECT_EQ(linear.angular_velocity, Vec3d(0, 4, 0));
   EXPECT_EQ(linear.start, 0.5);
   EXPECT_EQ(linear.stop, 2);
   const Motion& rotating = scene.bodies.at(2).motion;
@@ -242,6 +244,26 @@ TEST(SceneReader, InsertedBodiesAreSortedAndMergedByTime) {
   EXPECT_EQ(scene.insertions[0].time, 1);
   ASSERT_EQ(scene.insertions[1].bodies.size(), 2u);
   EXPECT_EQ(scene.insertions[1].bodies[1].shape.radius, 3);
+}
+
+/// Ids number bodies, then particles, then what is inserted in the order of its times.
+TEST(SceneReader, NamesOfBodiesAreKeptWithTheirIds) {
+  const Scene scene = parsed(R"({"time_step": 1, "duration": 1, "bodies": [
+    {"name": "late", "shape": "sphere", "radius": 1, "mass": 1, "insert_at": 2},
+    {"name": "soon", "shape": "sphere", "radius": 1, "mass": 1, "insert_at": 1},
+    {"shape": "half_space"},
+    {"name": "ball, red", "shape": "sphere", "radius": 1, "mass": 1},
+    {"name": "last", "shape": "sphere", "radius": 1, "mass": 1, "insert_at": 2}],
+    "particles": [{"layout": "lattice", "count": 5, "radius": 0.1, "density": 1, "spacing": 0.3,
+                   "region": {"min": [9, 9, 9], "max": [10, 10, 10]}}]})");
+  const std::map<std::string, int> expected{
+      {"ball, red", 1}, {"soon", 7}, {"late", 8}, {"last", 9}};
+  EXPECT_EQ(scene.body_names, expected);
+  Scene wrong = scene;
+  wrong.body_names["ghost"] = 10;
+  EXPECT_THAT(
+      test::refusal([&] { validate(wrong); }),
+      HasSubstr("body_names[\"ghost\"]: 10 is not allowed: must be the id of one of 10 bodies"));
 }
 
 TEST(SceneReader, ReadsParticlesOfEveryLayout) {

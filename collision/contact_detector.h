@@ -8,6 +8,7 @@
 
 #include "collision/broad_phase.h"
 #include "collision/impact_margins.h"
+#include "collision/mixed_contacts.h"
 #include "collision/numbering.h"
 #include "collision/obstacle_buffers.h"
 #include "collision/pair_candidates.h"
@@ -63,7 +64,8 @@ class ContactDetector {
   ///
   /// Three host reads: whether the list still serves, the number of contacts, and the largest push;
   /// one more to extend the list and three more for a new one; up to five more for each
-  /// detection with margins. Where there are solid walls, one more, and one for each detection.
+  /// detection with margins. Where there are solid walls, one more, and one for each detection;
+  /// where bodies are not all spheres, two more for each detection, see MixedContacts.
   ///
   /// Bytes moved a body by a listing, spheres in float with m candidates and k contacts each,
   /// every array counted once: check 60, candidates 56 + 12 m, scan 12, keys 24 + 12 k,
@@ -192,6 +194,7 @@ class ContactDetector {
   PairFilter<B> held_pairs_;
   PairCandidates<B, Real> candidates_;
   SolidContacts<B, Real> solids_;
+  MixedContacts<B, Real> mixed_;
   PersistentContacts<B, Real> memory_;
   ContactKeys keys_;
   Index contact_count_ = 0;
@@ -208,6 +211,7 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
       held_pairs_(b, settings.held_pairs),
       candidates_(b),
       solids_(b),
+      mixed_(b),
       memory_(b),
       needed_(b),
       found_(b) {
@@ -241,6 +245,7 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   });
   list_with_margins(b, bodies, range);
   solids_.release();
+  mixed_.release();
   needed_.release();
   if (!settings_.keep_candidates) candidates_.release();
 }
@@ -324,9 +329,7 @@ template <ShapeMix kMix>
 void ContactDetector<B, Real>::count_contacts(B& b, const ContactTest<kMix, Real>& test,
                                               Span<Index> count, Span<std::uint32_t> touching) {
   const Index pieces = test.candidates.piece_count();
-  if constexpr (kMix == ShapeMix::any) {  // no notes: boxes are read again
-    for_each(b, pieces, ListMixedContacts<Real>{test, count, touching, {}, {}});
-  } else if (needed_.capacity() > 0) {
+  if (needed_.capacity() > 0) {
     for_each(b, pieces,
              RecountContacts<kMix, Real>{test, needed_.view(needed_.capacity()), count, touching});
   } else {
@@ -341,9 +344,13 @@ template <ShapeMix kMix>
 void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>& test) {
   const Index pieces = test.candidates.piece_count();
   Buffer<B, Index> count(b, pieces);
-  Buffer<B, std::uint32_t> touching(b, pieces);
+  Buffer<B, std::uint32_t> touching(b);
   Buffer<B, Offset> begin(b, static_cast<Offset>(pieces) + 1);
-  count_contacts(b, test, count.view(), touching.view());
+  if constexpr (kMix == ShapeMix::any) {  // no notes: bodies are read again
+    mixed_.find(b, test, count.view());
+  } else {
+    count_contacts(b, test, count.view(), touching.resize_discard(pieces));
+  }
   if constexpr (kMix != ShapeMix::spheres_and_planes) {
     if (solids_.is_used()) solids_.find(b, test, count.view());
   }
@@ -352,8 +359,7 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
   contact_count_ = checked_index(total, can_number(total), "contacts");
   Span<std::uint64_t> key = found_.key.resize_discard(total);
   if constexpr (kMix == ShapeMix::any) {
-    for_each(b, pieces,
-             ListMixedContacts<Real>{test, count.view(), touching.view(), begin.view(), key});
+    mixed_.write_keys(b, test, begin.view(), key);
   } else {
     for_each(b, pieces, WriteContactKeys<kMix, Real>{test, begin.view(), touching.view(), key});
   }
@@ -366,15 +372,19 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
   }
   found_.resize_discard(ContactParts(settings_.layout), total, radial_count_);  // keeps the keys
   const ContactArrays<Real> out{found_.spans(), radial_count_};
-  const auto fill_contacts = [&]<bool kPasses>(std::bool_constant<kPasses>) {
-    for_each(b, contact_count_,
-             FillContacts<kMix, kPasses, Real>{test.bodies, test.shapes, test.walls.planes,
-                                               test.range, keys_, key, out});
-  };
-  if (candidates_.has_passes()) {
-    fill_contacts(std::true_type{});
+  if constexpr (kMix == ShapeMix::any) {
+    mixed_.fill(b, test, candidates_.has_passes(), key, out);
   } else {
-    fill_contacts(std::false_type{});
+    const auto fill_contacts = [&]<bool kPasses>(std::bool_constant<kPasses>) {
+      for_each(b, contact_count_,
+               FillContacts<kMix, kPasses, Real>{test.bodies, test.shapes, test.walls.planes,
+                                                 test.range, keys_, key, out});
+    };
+    if (candidates_.has_passes()) {
+      fill_contacts(std::true_type{});
+    } else {
+      fill_contacts(std::false_type{});
+    }
   }
   if constexpr (kMix != ShapeMix::spheres_and_planes) {
     if (solids_.is_used()) solids_.fill(b, test, key, out);
@@ -396,6 +406,7 @@ void ContactDetector<B, Real>::group_keys(B& b, const BodyView<Real>& bodies,
   exclusive_scan(b, Span<const Index>(flag.view()), before.view());
   radial_count_ = n - static_cast<Index>(fetch(b, before.data() + n));
   for_each(b, n, GroupKeys{key, flag.view(), before.view(), radial_count_, grouped.view(n)});
+  if (obstacles_.mix() == ShapeMix::any) mixed_.group(b, flag.view(), before.view(), radial_count_);
   swap(found_.key, grouped);
 }
 

@@ -75,24 +75,6 @@ struct OrderedPair {
   }
 };
 
-/// Contact `feature` of two bodies.
-/// @param d  center of A to center of B, nearest image [m]
-template <ShapeMix kMix>
-SCREE_HD ContactGeometry body_pair(const BodySample& a, const BodySample& b, const Vec3d& d,
-                                   [[maybe_unused]] std::uint32_t feature) {
-  if constexpr (kMix != ShapeMix::any) {
-    return sphere_sphere(d, a.radius, b.radius);
-  } else {
-    ContactGeometry g = no_contact();
-    PairList::visit_bodies(a.kind, b.kind, [&](auto pair, bool is_reversed) {
-      using P = decltype(pair);
-      const OrderedPair<P> p(a, b, d, is_reversed);
-      g = p.in_memory(P::contact(p.a, p.b, p.d, feature));
-    });
-    return g;
-  }
-}
-
 /// Largest speed with which points of two bodies may approach [m/s].
 SCREE_HD inline double most_speed(const BodySample& a, const RigidMotion& motion_b,
                                   double radius_b) {
@@ -113,22 +95,6 @@ SCREE_HD void list_features(const PairSide& a, const PairSide& b, const Vec3d& d
     const Manifold m = P::manifold(a, b, d, most, listed);
     for (int k = 0; k < m.count; ++k) emit(m.feature[k]);
   }
-}
-
-/// Calls emit(feature) for each listed contact of two bodies of any shapes, features ascending.
-/// @param reach  contacts are listed up to this gap [m], see is_listed()
-template <class Emit>
-SCREE_HD void visit_pair(const BodySample& a, const BodySample& b, const Vec3d& d, double reach,
-                         double h, Emit&& emit) {
-  PairList::visit_bodies(a.kind, b.kind, [&](auto pair, bool is_reversed) {
-    using P = decltype(pair);
-    const OrderedPair<P> p(a, b, d, is_reversed);
-    const auto listed = [&](const ContactGeometry& found) {
-      const ContactGeometry g = p.in_memory(found);
-      return is_listed(g.gap, separation_speed(g, a.motion, b.motion), reach, h);
-    };
-    list_features<P>(p.a, p.b, p.d, reach + h * most_speed(a, b.motion, b.radius), listed, emit);
-  });
 }
 
 }  // namespace scree

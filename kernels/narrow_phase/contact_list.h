@@ -44,13 +44,9 @@ struct ContactTest {
     return needed_envelope(gap, dot(u, d) / distance, range.h) - falls(body.radius, radius_j);
   }
 
-  /// Calls emit(feature) for each contact of body a with the higher body j, of any shapes.
-  template <class Emit>
-  SCREE_HD void pair(Index a, const BodySample& body, Index j, Emit&& emit) const {
-    const Vec3d d = minimum_image(bodies.position[j] - body.position, range.period);
-    const BodySample other = load_body<kMix>(bodies, shapes, range, j);
-    const double reach = envelope(a, j) + falls(body.radius, other.radius);
-    visit_pair(body, other, d, reach, range.h, emit);
+  /// The same with how much nearer gravity may bring them in the step [m].
+  SCREE_HD double reach(Index a, const BodySample& body, Index j, const BodySample& other) const {
+    return envelope(a, j) + falls(body.radius, other.radius);
   }
 
   /// How far two bodies may come nearer because gravity acts on one of them only [m].
@@ -86,7 +82,7 @@ SCREE_HD inline bool note_decides(float note, double envelope) {
 template <ShapeMix kMix, class Real>
 struct CountContacts {
   static constexpr const char* name = "count_contacts";
-  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? 4 : 1;
+  static constexpr int kLeastBlocks = 4;
   ContactTest<kMix, Real> test;
   Span<Index> count;             ///< [piece count] out
   Span<std::uint32_t> touching;  ///< [piece count] out: bit k, the k-th candidate is in contact
@@ -121,7 +117,7 @@ struct CountContacts {
 template <ShapeMix kMix, class Real>
 struct RecountContacts {
   static constexpr const char* name = "recount_contacts";
-  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? 4 : 1;
+  static constexpr int kLeastBlocks = 4;
   ContactTest<kMix, Real> test;
   Span<float> needed;  ///< [candidates] by CountContacts; in: kNotNoted, out: noted, where added
   Span<Index> count;
@@ -162,7 +158,7 @@ struct RecountContacts {
 template <ShapeMix kMix, class Real>
 struct WriteContactKeys {
   static constexpr const char* name = "write_contact_keys";
-  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? 5 : 1;
+  static constexpr int kLeastBlocks = 5;
   ContactTest<kMix, Real> test;
   Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
   Span<const std::uint32_t> touching;
@@ -187,77 +183,49 @@ struct WriteContactKeys {
   }
 };
 
-/// Both of the above for bodies of any shape. One program that runs twice, first without keys: what
-/// rounding decides about features is then decided alike when they are counted and when they are
-/// written, however the two loops are compiled.
-/// Bytes per piece, besides neighbors from the caches: 8 and 4 per candidate, 40 of its body; 8
-/// written, the second time 8 per contact.
-template <class Real>
-struct ListMixedContacts {
-  static constexpr const char* name = "list_mixed_contacts";
-  ContactTest<ShapeMix::any, Real> test;
-  Span<Index> count;             ///< [piece count] out, the first time
-  Span<std::uint32_t> touching;  ///< [piece count] out, the first time; see CountContacts
-  Span<const Offset> begin;      ///< [piece count + 1] scan of the counts; empty the first time
-  Span<std::uint64_t> key;       ///< [contact count] out, the second time
-
-  SCREE_HD void operator()(Index p) const {
-    const bool is_counted = !begin.empty();
-    const CandidateView& list = test.candidates;
-    const Index a = list.body[p];
-    const Index first = list.begin[p], end = list.begin[p + 1];
-    const Offset place = is_counted ? begin[p] : 0;
-    if (is_counted && place == begin[p + 1]) return;
-    const std::uint32_t wanted = is_counted ? touching[p] : ~0u;
-    const BodySample body = test.load(a);
-    std::uint32_t found = 0;
-    Index n = 0;
-    const auto add = [&](std::uint32_t element) {
-      if (is_counted) key[place + n] = make_key(a, element);
-      ++n;
-    };
-    for (Index k = first; k < end; ++k) {
-      if ((wanted >> (k - first) & 1) == 0) continue;
-      const Index j = list.other[k];
-      test.pair(a, body, j, [&](std::uint32_t feature) {
-        found |= 1u << (k - first);
-        add(test.keys.body_element(j, feature));
-      });
-    }
-    // Planes come after them: their elements are above those of all bodies.
-    if (list.is_last_of_body(p)) test.with_planes(a, body, add);
-    if (is_counted) return;
-    count[p] = n;
-    touching[p] = found;
-  }
-};
-
 /// Where contacts are stored.
 template <class Real>
 struct ContactArrays : FoundFields<InSpans<Real>> {
   Index radial_count = 0;  ///< the first ones have no stored arms
 
   SCREE_HD void store(Index c, Index a, Index b, const ContactGeometry& g) const {
+    store(c, a, b, Vec3<Real>(g.normal), static_cast<Real>(g.gap), Vec3<Real>(g.arm_a),
+          Vec3<Real>(g.arm_b));
+  }
+  SCREE_HD void store(Index c, Index a, Index b, const Vec3<Real>& n, Real g,
+                      const Vec3<Real>& from_a, const Vec3<Real>& from_b) const {
     this->body_a[c] = a;
     this->body_b[c] = b;
-    this->normal[c] = Vec3<Real>(g.normal);
-    this->gap[c] = static_cast<Real>(g.gap);
+    this->normal[c] = n;
+    this->gap[c] = g;
     if (c >= radial_count) {
-      this->arm_a[c - radial_count] = Vec3<Real>(g.arm_a);
-      this->arm_b[c - radial_count] = Vec3<Real>(g.arm_b);
+      this->arm_a[c - radial_count] = from_a;
+      this->arm_b[c - radial_count] = from_b;
     }
   }
 };
 
-/// Turns keys of contacts with bodies and planes into contacts: bodies, normal, gap, lever arms.
+/// The contact of two spheres.
+/// @tparam kPasses  whether they may pass each other within the step, see spheres_on_way()
+template <bool kPasses>
+SCREE_HD ContactGeometry two_spheres(const BodySample& a, const BodySample& b,
+                                     const ContactRange& range) {
+  const Vec3d d = minimum_image(b.position - a.position, range.period);
+  ContactGeometry g = sphere_sphere(d, a.radius, b.radius);
+  if (kPasses && g.gap > 0) {
+    const Vec3d way = range.h * (b.motion.linear - a.motion.linear);
+    g = spheres_on_way(g, d, way, a.radius, b.radius);
+  }
+  return g;
+}
+
+/// Turns keys of contacts with bodies and planes into contacts: bodies, normal, gap, lever arms. Spheres only.
 /// Bytes per contact (float, radial), besides bodies from the caches: 8 read, 24 written.
-/// @tparam kPasses  whether spheres may pass each other within the step, see spheres_on_way(): a
-///                  program of its own, since that takes half as many registers again
+/// @tparam kPasses  see two_spheres(): a program of its own, since that takes half as many registers again
 template <ShapeMix kMix, bool kPasses, class Real>
 struct FillContacts {
   static constexpr const char* name = "fill_contacts";
-  // Of any shapes: closed forms need no more, and what the others lack goes to the stack.
-  static constexpr int kLeastBlocks = kMix != ShapeMix::any ? (kPasses ? 3 : 4) : kPasses ? 1 : 2;
+  static constexpr int kLeastBlocks = kPasses ? 3 : 4;
   BodyView<Real> bodies;
   Span<const ShapeRecord<Real>> shapes;
   Span<const WallPlane> planes;
@@ -275,14 +243,7 @@ struct FillContacts {
     Index b;
     if (keys.is_body(element)) {
       b = keys.body(element);
-      const BodySample other = load_body<kMix>(bodies, shapes, range, b);
-      const Vec3d d = minimum_image(other.position - body.position, range.period);
-      g = body_pair<kMix>(body, other, d, keys.feature(element));
-      if (kPasses && g.gap > 0 && body.kind == shapes::Sphere::kind &&
-          other.kind == shapes::Sphere::kind) {
-        const Vec3d way = range.h * (other.motion.linear - body.motion.linear);
-        g = spheres_on_way(g, d, way, body.radius, other.radius);
-      }
+      g = two_spheres<kPasses>(body, load_body<kMix>(bodies, shapes, range, b), range);
     } else {
       g = plane_contact<kMix>(planes, keys, body, element, b);
     }

@@ -33,6 +33,23 @@ constexpr int feature_bits_of() {
 
 template <class... P>
 struct PairTypes {
+  /// Pair functions of two bodies.
+  static constexpr int kBodyPairs = (0 + ... + (IsBodyPair<P> ? 1 : 0));
+  /// Number of the pair function of two bodies, from 0; kBodyPairs: there is none.
+  SCREE_HD static int number_of(ShapeKind a, ShapeKind b) {
+    int number = 0;
+    (void)(is_found<P>(a, b, number) || ...);
+    return number;
+  }
+  /// Calls f(P{}, number) for each pair function of two bodies.
+  template <class F>
+  static void for_each_body_pair(F&& f) {
+    int number = 0;
+    const auto visit = [&]<class One>(One pair) {
+      if constexpr (IsBodyPair<One>) f(pair, number++);
+    };
+    (visit(P{}), ...);
+  }
   /// Calls f(P{}, is_reversed) for the pair function of two bodies, if there is one.
   template <class F>
   SCREE_HD static void visit_bodies(ShapeKind a, ShapeKind b, F&& f) {
@@ -55,6 +72,15 @@ struct PairTypes {
   }
 
  private:
+  template <class One>
+  SCREE_HD static bool is_found(ShapeKind a, ShapeKind b, int& number) {
+    if constexpr (IsBodyPair<One>) {
+      constexpr ShapeKind own_a = One::A::kind, own_b = One::B::kind;
+      if ((a == own_a && b == own_b) || (a == own_b && b == own_a)) return true;
+      ++number;
+    }
+    return false;
+  }
   template <class One, class F>
   SCREE_HD static bool visit_one(ShapeKind a, ShapeKind b, F&& f) {
     if constexpr (IsBodyPair<One>) {

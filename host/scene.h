@@ -130,11 +130,12 @@ class PerParticle {
   std::shared_ptr<const std::vector<T>> values_;
 };
 
-/// Many free spheres. Runs of hundreds of millions of particles are described this way, so what
-/// they have in common is stored once.
+/// Many free bodies. Runs of hundreds of millions of spheres are described this way, so what
+/// particles have in common is stored once.
 struct ParticleSet {
   std::vector<Vec3d> position;          ///< centers, world [m]; gives the number of particles
-  PerParticle<double> radius;           ///< [m]
+  PerParticle<double> radius;           ///< of spheres, else of bounding spheres [m]
+  PerParticle<Shape> shape;             ///< of kind kNoShape: a sphere of that radius
   PerParticle<double> density;          ///< [kg/m^3]; not used where the mass is given
   PerParticle<double> mass;             ///< [kg]; 0: from the density
   PerParticle<Quatd> orientation;       ///< body to world
@@ -325,6 +326,8 @@ void validate(const Scene& scene);
 /// @throws InputError for shapes that have no mass
 void set_mass_from_density(BodyDescription& body, double density);
 
+/// Shape of one particle of a set; a sphere has its radius.
+Shape particle_shape(const ParticleSet& set, std::size_t i);
 /// One particle of a set as a body of its own.
 BodyDescription particle_body(const ParticleSet& set, std::size_t i);
 /// Its mass alone [kg].

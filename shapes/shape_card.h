@@ -79,7 +79,7 @@ struct ShapeCard {
   const char* name;         ///< in scenes and files: that of its file
   const char* description;  ///< what it is, in one line
   std::span<const ShapeKey> keys;
-  bool is_ball;   ///< the shape of particles: bodies have no shape record, contacts are radial
+  bool is_ball;   ///< bodies have no shape record, contacts are radial
   bool has_mesh;  ///< its surface is a mesh of the scene
   /// Reads what the keys say. @param position  of the body [m]; a shape may set it
   void (*read)(const ShapeSource& source, Shape& shape, Vec3d& position);
@@ -96,24 +96,40 @@ struct ShapeCard {
   std::vector<WallFace> (*faces)(const Shape& shape);
   /// By how much its vertices are rounded [m]; null: not at all.
   double (*rounding)(const Shape& shape);
+  /// The same shape with all its lengths multiplied by a factor; null: there is no such shape.
+  Shape (*scaled)(const Shape& shape, double factor);
 
   bool may_be_free() const { return mass != nullptr; }
   /// Planes around a bounded inside.
   bool is_room() const { return faces != nullptr && support != nullptr; }
 };
 
+/// Scales a shape that is what its lengths are.
+inline Shape with_scaled_lengths(const Shape& shape, double factor) {
+  Shape scaled = shape;
+  scaled.radius *= factor;
+  scaled.half_extents *= factor;
+  return scaled;
+}
+
 /// The card of a shape from what its file holds.
 template <class S>
 constexpr ShapeCard card_of() {
-  ShapeCard card{S::kind,  S::name,   S::description,      S::keys,     false, false,
-                 &S::read, &S::fault, &S::bounding_radius, &S::surface, {},    {},
-                 {},       {}};
+  ShapeCard card{S::kind,     S::name,   S::description,
+                 S::keys,     false,     false,
+                 &S::read,    &S::fault, &S::bounding_radius,
+                 &S::surface, {},        {},
+                 {},          {},        {}};
   card.is_ball = S::outline == Outline::ball;
   card.has_mesh = S::outline == Outline::triangles;
   if constexpr (requires { &S::mass; }) card.mass = &S::mass;
   if constexpr (requires { &S::farthest; }) card.support = &S::farthest;
   if constexpr (requires { &S::faces; }) card.faces = &S::faces;
   if constexpr (requires { &S::rounding; }) card.rounding = &S::rounding;
+  if constexpr (requires { &S::scaled; })
+    card.scaled = &S::scaled;
+  else if (!card.has_mesh)
+    card.scaled = &with_scaled_lengths;
   return card;
 }
 

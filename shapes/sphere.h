@@ -1,6 +1,5 @@
 #pragma once
-// A solid ball about the center of its body. Bodies of this shape need no shape record: particles are
-// spheres.
+// A solid ball about the center of its body. Bodies of this shape need no shape record.
 
 #include "shapes/ray.h"
 #include "shapes/shape_card.h"

@@ -3,6 +3,7 @@
 
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/obstacles.h"
+#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_summary.h"
 
 namespace scree {
@@ -49,8 +50,10 @@ class BodyLoading {
     }
     bodies = {};
     for (ParticleSet& set : sets) {
-      for (std::size_t i = 0; i < set.position.size(); ++i)
-        free.add(particle_body(set, i), next_id_++, kSphereShape, set.radius[i]);
+      const bool spheres = are_spheres(set);
+      for (std::size_t i = 0; i < set.position.size(); ++i, ++next_id_)
+        free.add(particle_body(set, i), next_id_,
+                 spheres ? kSphereShape : obstacles_->shape(next_id_), set.radius[i]);
       set = {};
     }
     sets = {};

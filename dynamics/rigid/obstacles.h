@@ -7,6 +7,7 @@
 #include "collision/obstacles.h"
 #include "host/scene.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/particle_shapes.h"
 #include "kernels/backend/backend.h"
 #include "kernels/bodies/body_view.h"
 #include "shapes/shape_card.h"
@@ -24,13 +25,19 @@ class Obstacles {
       const auto id = static_cast<Index>(body_id);
       const bool is_free = body.kind == BodyKind::free;
       if (!shape_card(body.shape.kind).is_ball) {
-        shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
+        add_shape(id, body.shape, is_free ? -1 : fixed);
         if (!is_free) data_.walls.push_back(shape_of_id_[id]);
-        data_.shapes.push_back(record(body.shape, is_free ? -1 : fixed));
       }
       if (!is_free) ++fixed;
     };
-    for_each_by_id(scene, add, [](std::size_t, const ParticleSet&) {});
+    const auto add_set = [&](std::size_t first, const ParticleSet& set) {
+      if (are_spheres(set)) return;
+      for (std::size_t i = 0; i < set.position.size(); ++i) {
+        if (!shape_card(particle_kind(set, i)).is_ball)
+          add_shape(static_cast<Index>(first + i), particle_shape(set, i), -1);
+      }
+    };
+    for_each_by_id(scene, add, add_set);
     for (const TriangleMesh& mesh : scene.meshes) {
       data_.meshes.push_back({mesh.vertices, mesh.triangles, mesh.closed});
     }
@@ -54,6 +61,12 @@ class Obstacles {
   }
 
  private:
+  /// @param body  storage index of a fixed or kinematic body; -1: it is free
+  void add_shape(Index id, const Shape& shape, Index body) {
+    shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
+    data_.shapes.push_back(record(shape, body));
+  }
+
   static ShapeRecord<Real> record(const Shape& shape, Index body) {
     ShapeRecord<Real> r;
     const ShapeCard& card = shape_card(shape.kind);

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/particle_shapes.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
@@ -48,10 +49,13 @@ SharedConstants shared_constants(const Scene& scene) {
   };
   const auto see_set = [&](std::size_t, const ParticleSet& set) {
     const std::size_t n = set.position.size();
+    spheres = spheres && are_spheres(set);
     const auto of = [](const auto& values) { return [&](std::size_t i) { return values[i]; }; };
     radius.see_all(n, set.radius.uniform(), of(set.radius));
-    mass.see_all(n, set.radius.uniform() && set.density.uniform() && set.mass.uniform(),
-                 [&](std::size_t i) { return particle_mass(set, i); });
+    mass.see_all(
+        n,
+        set.radius.uniform() && set.shape.uniform() && set.density.uniform() && set.mass.uniform(),
+        [&](std::size_t i) { return particle_mass(set, i); });
     locks.see_all(n, true, [&](std::size_t) { return set.locks; });
     material.see_all(n, set.material.uniform(), of(set.material));
     group.see_all(n, set.group.uniform(), of(set.group));

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "host/scene.h"
+#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/contact/contact_fields.h"
 #include "shapes/shape_card.h"
@@ -13,14 +14,15 @@ namespace scree {
 
 /// Whether free bodies have vertices, insertions included.
 inline bool has_vertices(const Scene& scene) {
-  const auto any = [](const std::vector<BodyDescription>& bodies) {
-    return std::any_of(bodies.begin(), bodies.end(), [](const BodyDescription& body) {
-      return body.kind == BodyKind::free && !shape_card(body.shape.kind).is_ball;
-    });
+  const auto in = [](const auto& batch) {
+    return std::any_of(batch.bodies.begin(), batch.bodies.end(),
+                       [](const BodyDescription& body) {
+                         return body.kind == BodyKind::free && !shape_card(body.shape.kind).is_ball;
+                       }) ||
+           std::any_of(batch.particles.begin(), batch.particles.end(),
+                       [](const ParticleSet& set) { return !are_spheres(set); });
   };
-  return any(scene.bodies) ||
-         std::any_of(scene.insertions.begin(), scene.insertions.end(),
-                     [&](const Insertion& insertion) { return any(insertion.bodies); });
+  return in(scene) || std::any_of(scene.insertions.begin(), scene.insertions.end(), in);
 }
 
 /// @tparam Real    in which numbers of the run are compared

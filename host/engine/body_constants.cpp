@@ -5,10 +5,23 @@
 #include <utility>
 
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_summary.h"
-#include "shapes/sphere.h"
 
 namespace scree {
+namespace {
+
+/// Masses of the particles of a set, where finding one from the density takes long.
+PerParticle<double> found_masses(const ParticleSet& set) {
+  if (are_spheres(set)) return set.mass;
+  if (set.shape.uniform() && set.density.uniform() && set.mass.uniform())
+    return particle_mass(set, 0);
+  std::vector<double> masses(set.position.size());
+  for (std::size_t i = 0; i < masses.size(); ++i) masses[i] = particle_mass(set, i);
+  return PerParticle<double>(std::move(masses));
+}
+
+}  // namespace
 
 BodyConstants::BodyConstants(const Scene& scene) {
   const auto add_body = [&](std::size_t id, const BodyDescription& body) {
@@ -22,7 +35,8 @@ BodyConstants::BodyConstants(const Scene& scene) {
     Range range{first, {}, {}};
     range.particles.radius = set.radius;
     range.particles.density = set.density;
-    range.particles.mass = set.mass;
+    range.particles.shape = set.shape;
+    range.particles.mass = found_masses(set);
     range.particles.group = set.group;
     range.particles.entry = set.entry;
     ranges_.push_back(std::move(range));
@@ -38,7 +52,7 @@ BodyConstant BodyConstants::operator[](std::size_t id) const {
   const std::size_t i = id - range.begin;
   if (!range.bodies.empty()) return range.bodies[i];
   BodyConstant particle;
-  particle.shape = shapes::Sphere::kind;
+  particle.shape = particle_kind(range.particles, i);
   particle.radius = range.particles.radius[i];
   particle.mass = particle_mass(range.particles, i);
   particle.group = range.particles.group[i];

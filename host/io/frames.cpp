@@ -12,6 +12,7 @@
 #include "host/io/values.h"
 #include "host/io/vtkhdf.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_summary.h"
 #include "shapes/shape_card.h"
 
@@ -69,13 +70,17 @@ void write_constant(h5::Group& data, const std::string& name, const BodyConstant
 template <class Real>
 std::vector<Real> half_extents(const Scene& scene, std::size_t count) {
   std::vector<Real> column(3 * count, Real(0));
+  const auto write = [&](std::size_t id, const Shape& shape) {
+    for (std::size_t k = 0; k < 3; ++k)
+      column[3 * id + k] = static_cast<Real>(shape.half_extents[static_cast<int>(k)]);
+  };
   for_each_by_id(
-      scene,
-      [&](std::size_t id, const BodyDescription& body) {
-        for (std::size_t k = 0; k < 3; ++k)
-          column[3 * id + k] = static_cast<Real>(body.shape.half_extents[static_cast<int>(k)]);
-      },
-      [](std::size_t, const ParticleSet&) {});
+      scene, [&](std::size_t id, const BodyDescription& body) { write(id, body.shape); },
+      [&](std::size_t first, const ParticleSet& set) {
+        if (are_spheres(set)) return;
+        for (std::size_t i = 0; i < set.position.size(); ++i)
+          write(first + i, particle_shape(set, i));
+      });
   return column;
 }
 

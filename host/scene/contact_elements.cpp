@@ -6,6 +6,7 @@
 #include <map>
 
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/narrow_phase/pair_table.h"
@@ -21,22 +22,25 @@ int bits_of(ShapeKind a, ShapeKind b) {
 }
 
 /// Shapes of free bodies but for spheres, each with how many there are.
-std::map<ShapeKind, int> free_shapes(const Scene& scene) {
-  std::map<ShapeKind, int> count;
+std::map<ShapeKind, std::size_t> free_shapes(const Scene& scene) {
+  std::map<ShapeKind, std::size_t> count;
   for_each_by_id(
       scene,
       [&](std::size_t, const BodyDescription& body) {
         if (body.kind == BodyKind::free && !shape_card(body.shape.kind).is_ball)
           ++count[body.shape.kind];
       },
-      [](std::size_t, const ParticleSet&) {});
+      [&](std::size_t, const ParticleSet& set) {
+        for (const auto& [kind, particles] : particle_shape_counts(set))
+          if (!shape_card(kind).is_ball) count[kind] += particles;
+      });
   return count;
 }
 
 ContactElements count_elements(const Scene& scene) {
   ContactElements elements;
   elements.bodies = count_bodies(scene).all();
-  const std::map<ShapeKind, int> free = free_shapes(scene);
+  const std::map<ShapeKind, std::size_t> free = free_shapes(scene);
   for (const auto& [a, count] : free)
     for (const auto& [b, other] : free)
       if (a != b || count > 1)

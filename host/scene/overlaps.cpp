@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/error.h"
+#include "host/scene/particle_shapes.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
@@ -36,9 +37,13 @@ std::vector<Ball> balls_at_start(const Scene& scene) {
       if (is_there && is_ball) balls.push_back({body.position, body.shape.radius, id});
       ++id;
     }
-    for (const ParticleSet& set : batch.particles)
-      for (std::size_t i = 0; i < set.position.size(); ++i, ++id)
-        if (is_there) balls.push_back({set.position[i], set.radius[i], id});
+    for (const ParticleSet& set : batch.particles) {
+      const bool spheres = are_spheres(set);
+      for (std::size_t i = 0; i < set.position.size(); ++i, ++id) {
+        const bool is_ball = spheres || shape_card(particle_kind(set, i)).is_ball;
+        if (is_there && is_ball) balls.push_back({set.position[i], set.radius[i], id});
+      }
+    }
   };
   pass(scene, true);
   for (const Insertion& insertion : scene.insertions) pass(insertion, insertion.time <= 0);

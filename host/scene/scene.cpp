@@ -10,6 +10,7 @@
 #include "host/error.h"
 #include "host/io/printable.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/bodies/range.h"
@@ -366,20 +367,25 @@ ShapeKind met_shape(ShapeKind kind) {
 void check_pairs(const Scene& scene) {
   struct Place {
     std::string path;
-    int count = 0;
+    std::size_t count = 0;
   };
   std::map<ShapeKind, Place> free, walls;
-  const auto add = [](std::map<ShapeKind, Place>& places, ShapeKind kind, auto path) {
+  const auto add = [](std::map<ShapeKind, Place>& places, ShapeKind kind, std::size_t count,
+                      auto path) {
     Place& place = places[kind];
-    if (place.count++ == 0) place.path = path();
+    if (place.count == 0) place.path = path();
+    place.count += count;
   };
   for_each_body(scene, [&](const BodyDescription& body, auto path) {
-    add(body.kind == BodyKind::free ? free : walls, body.shape.kind, path);
+    add(body.kind == BodyKind::free ? free : walls, body.shape.kind, 1, path);
   });
   for_each_by_id(
       scene, [](std::size_t, const BodyDescription&) {},
-      [&](std::size_t, const ParticleSet&) {
-        add(free, shapes::Sphere::kind, [] { return std::string("particles"); });
+      [&](std::size_t, const ParticleSet& set) {
+        for (const auto& [kind, count] : particle_shape_counts(set))
+          add(free, kind, count, [&set] {
+            return set.entry < 0 ? "particles" : fmt::format("particles[{}]", set.entry);
+          });
       });
   const auto require = [](ShapeKind a, const Place& at_a, ShapeKind b, const Place& at_b) {
     if (find_pair(a, met_shape(b)) != nullptr) return;
@@ -419,9 +425,21 @@ void check_count(const std::string& path, bool fits, std::size_t count) {
            fmt::format("must be one value for all, or one for each of {} particles", count));
 }
 
+/// What the list of bodies cannot say of a particle: that it is free, and how large.
+std::optional<Fault> particle_fault(const Scene& scene, const ParticleSet& set, std::size_t i) {
+  BodyDescription body;
+  body.shape = particle_shape(set, i);
+  if (auto fault = shape_fault(scene, body)) return fault;
+  const double radius = bounding_radius(scene, body);
+  if (set.radius[i] == radius) return std::nullopt;
+  return Fault{"radius", text(set.radius[i]),
+               fmt::format("must be that of the bounding sphere, {} [m]", radius)};
+}
+
 void check_particles(const Scene& scene, const ParticleSet& set, const std::string& path) {
   const std::size_t count = set.position.size();
   check_count(path + ".radius", set.radius.fits(count), count);
+  check_count(path + ".shape", set.shape.fits(count), count);
   check_count(path + ".density", set.density.fits(count), count);
   check_count(path + ".mass", set.mass.fits(count), count);
   check_count(path + ".orientation", set.orientation.fits(count), count);
@@ -429,13 +447,16 @@ void check_particles(const Scene& scene, const ParticleSet& set, const std::stri
   check_count(path + ".angular_velocity", set.angular_velocity.fits(count), count);
   check_count(path + ".material", set.material.fits(count), count);
   check_count(path + ".group", set.group.fits(count), count);
-  const bool uniform = set.radius.uniform() && set.density.uniform() && set.mass.uniform() &&
-                       set.orientation.uniform() && set.velocity.uniform() &&
+  const bool uniform = set.radius.uniform() && set.shape.uniform() && set.density.uniform() &&
+                       set.mass.uniform() && set.orientation.uniform() && set.velocity.uniform() &&
                        set.angular_velocity.uniform() && set.material.uniform() &&
                        set.group.uniform();
+  const bool spheres = are_spheres(set);
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0 && uniform && is_in_range(set.position[i])) continue;  // as good as the first
-    if (const auto fault = body_fault(scene, particle_body(set, i)))
+    auto fault = spheres ? std::nullopt : particle_fault(scene, set, i);
+    if (!fault) fault = body_fault(scene, particle_body(set, i));
+    if (fault)
       refuse(fmt::format("{}[{}].{}", path, i, fault->field), fault->value, fault->expected);
   }
 }
@@ -547,8 +568,7 @@ void set_mass_from_density(BodyDescription& body, double density) {
 
 BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
   BodyDescription body;
-  body.shape.kind = shapes::Sphere::kind;
-  body.shape.radius = set.radius[i];
+  body.shape = particle_shape(set, i);
   body.position = set.position[i];
   body.orientation = set.orientation[i];
   body.velocity = set.velocity[i];
@@ -560,7 +580,7 @@ BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
   if (mass == 0) {
     set_mass(body, set.density[i]);
   } else {
-    // Moments of a solid sphere of that mass: they are proportional to the density.
+    // Moments of a solid body of that mass: they are proportional to the density.
     set_mass(body, 1.0);
     body.inertia *= mass / body.mass;
     body.mass = mass;
@@ -569,7 +589,11 @@ BodyDescription particle_body(const ParticleSet& set, std::size_t i) {
 }
 
 double particle_mass(const ParticleSet& set, std::size_t i) {
-  return set.mass[i] == 0 ? shapes::Sphere::mass_of(set.radius[i], set.density[i]) : set.mass[i];
+  if (set.mass[i] != 0) return set.mass[i];
+  if (particle_kind(set, i) == shapes::Sphere::kind)
+    return shapes::Sphere::mass_of(set.radius[i], set.density[i]);
+  const Shape shape = particle_shape(set, i);
+  return shape_card(shape.kind).mass(shape, set.density[i]).mass;
 }
 
 }  // namespace scree

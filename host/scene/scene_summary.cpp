@@ -7,6 +7,7 @@
 
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/motion.h"
+#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_checks.h"
 
 namespace scree {
@@ -41,8 +42,12 @@ bool is_free_solid_sphere(const BodyDescription& body) {
 
 }  // namespace
 
+double bounding_radius(const Scene& scene, const Shape& shape) {
+  return shape_card(shape.kind).bounding_radius(shape, mesh_of(scene, shape));
+}
+
 double bounding_radius(const Scene& scene, const BodyDescription& body) {
-  return shape_card(body.shape.kind).bounding_radius(body.shape, mesh_of(scene, body.shape));
+  return bounding_radius(scene, body.shape);
 }
 
 namespace {
@@ -115,9 +120,13 @@ SceneSummary summarize(const Scene& scene) {
             s.solid_spheres && (body.kind != BodyKind::free || is_free_solid_sphere(body));
       },
       [&](std::size_t, const ParticleSet& set) {
-        radial = radial && fits_radial_layout(set.locks);
-        see_free(fits_radial_layout(set.locks));
-        s.solid_spheres = s.solid_spheres && set.locks == 0;
+        for (const auto& [kind, particles] : particle_shape_counts(set)) {
+          const bool is_ball = shape_card(kind).is_ball;
+          const bool fits = is_ball && fits_radial_layout(set.locks);
+          radial = radial && fits;
+          see_free(fits);
+          s.solid_spheres = s.solid_spheres && is_ball && set.locks == 0;
+        }
       });
   find_diameters(scene, count.free, s);
   s.envelope =

@@ -29,6 +29,7 @@ struct SceneSummary {
 };
 
 /// Radius of the sphere about a body's center that holds it [m]; 0: unbounded (half-spaces).
+double bounding_radius(const Scene& scene, const Shape& shape);
 double bounding_radius(const Scene& scene, const BodyDescription& body);
 
 SceneSummary summarize(const Scene& scene);

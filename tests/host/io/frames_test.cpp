@@ -11,6 +11,8 @@
 
 #include "host/error.h"
 #include "host/io/h5.h"
+#include "shapes/box.h"
+#include "shapes/capsule.h"
 #include "tests/host/io/output_fixtures.h"
 #include "tests/host/io/vtkhdf_rows.h"
 
@@ -153,6 +155,36 @@ TEST_F(FramesTest, DoubleRunsKeepAllDigits) {
   }
   EXPECT_NO_THROW(FrameWriter(file, spheres, Precision::double_precision, 1.0));
   EXPECT_THROW(FrameWriter(file, spheres, single, 1.0), InputError);
+}
+
+/// Sizes of particles are where those of bodies are.
+TEST_F(FramesTest, ParticlesHaveTheConstantsOfTheSameBodies) {
+  ParticleSet set;
+  set.position = {{0, 0, 1}, {0, 0, 5}, {0, 0, 9}};
+  std::vector<Shape> shapes(3);
+  shapes[0].kind = shapes::Box::kind;
+  shapes[0].half_extents = {1, 2, 2};
+  shapes[2].kind = shapes::Capsule::kind;
+  shapes[2].half_extents = {0.5, 0.5, 2};
+  set.shape = PerParticle(shapes);
+  set.radius = PerParticle(std::vector<double>{3, 0.25, 2});
+  set.density = 10.0;
+  Scene sets, bodies;
+  sets.particles = {set};
+  for (std::size_t i = 0; i < 3; ++i) bodies.bodies.push_back(particle_body(set, i));
+  const auto written = [&](const Scene& from, const char* name) {
+    FrameWriter writer(directory / name, from, single);
+    writer.append(0, states_of(0, 3));
+    return h5::File::open(directory / name);
+  };
+  const h5::File a = written(sets, "sets.vtkhdf"), b = written(bodies, "bodies.vtkhdf");
+  const h5::Group of_sets = a.root().open_group("VTKHDF/PointData");
+  const h5::Group of_bodies = b.root().open_group("VTKHDF/PointData");
+  EXPECT_EQ(of_sets.read<float>("half_extents"),
+            (std::vector<float>{1, 2, 2, 0, 0, 0, 0.5, 0.5, 2}));
+  EXPECT_EQ(of_sets.read<float>("radius"), (std::vector<float>{0, 0.25, 0}));
+  EXPECT_EQ(of_sets.read<std::uint8_t>("shape"), of_bodies.read<std::uint8_t>("shape"));
+  EXPECT_EQ(of_sets.read<double>("mass"), of_bodies.read<double>("mass"));
 }
 
 TEST_F(FramesTest, NothingIsPublishedBeforeTheFirstFrame) {

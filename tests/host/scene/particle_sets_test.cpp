@@ -5,8 +5,14 @@
 #include <algorithm>
 
 #include "host/error.h"
+#include "host/scene/overlaps.h"
+#include "host/scene/scene_summary.h"
 #include "host/world.h"
+#include "shapes/box.h"
+#include "shapes/capsule.h"
+#include "shapes/cylinder.h"
 #include "shapes/half_space.h"
+#include "shapes/sphere.h"
 
 namespace scree {
 namespace {
@@ -46,6 +52,10 @@ void expect_same_states(const BodyStates& a, const BodyStates& b) {
   EXPECT_EQ(a.position, b.position);
   EXPECT_EQ(a.velocity, b.velocity);
   EXPECT_EQ(a.angular_velocity, b.angular_velocity);
+  for (std::size_t i = 0; i < a.orientation.size(); ++i) {
+    EXPECT_EQ(a.orientation[i].w, b.orientation[i].w) << i;
+    EXPECT_EQ(a.orientation[i].vec(), b.orientation[i].vec()) << i;
+  }
 }
 
 TEST(ParticleSets, RunAsTheSameBodiesOneByOne) {
@@ -67,6 +77,122 @@ TEST(ParticleSets, RunAsTheSameBodiesOneByOne) {
   }
   ASSERT_EQ(a.body_count(), 117);
   expect_same_states(a.states(), b.states());
+}
+
+/// A loose grid of all shapes that may be free, turned and of several sizes; spheres among them.
+ParticleSet shapes_in_grid(int edge, int layers, double bottom) {
+  std::vector<Shape> samples(4);
+  samples[0].kind = shapes::Box::kind;
+  samples[0].half_extents = {0.01, 0.008, 0.006};
+  samples[1].kind = shapes::Capsule::kind;
+  samples[1].half_extents = {0.006, 0.006, 0.012};
+  samples[2].kind = shapes::Cylinder::kind;
+  samples[2].half_extents = {0.007, 0.007, 0.01};
+  samples[3].kind = shapes::Sphere::kind;
+  samples[3].radius = 0.011;
+  ParticleSet set = grid(edge, layers, bottom);
+  std::vector<Shape> shapes;
+  std::vector<double> radii;
+  std::vector<Quatd> orientations;
+  for (std::size_t i = 0; i < set.position.size(); ++i) {
+    const double scale = 0.6 + 0.05 * static_cast<double>(i % 7);
+    const ShapeCard& card = shape_card(samples[i % 4].kind);
+    shapes.push_back(card.scaled(samples[i % 4], scale));
+    radii.push_back(card.bounding_radius(shapes[i], nullptr));
+    orientations.push_back(exp_map(Vec3d{0.3, 0.2, -0.1} * static_cast<double>(i + 1)));
+  }
+  set.shape = PerParticle(std::move(shapes));
+  set.radius = PerParticle(std::move(radii));
+  set.orientation = PerParticle(std::move(orientations));
+  set.angular_velocity = Vec3d{3, -2, 1};
+  return set;
+}
+
+/// Scenes of sets, some of which come later, and of the same bodies one by one.
+struct TwoWays {
+  Scene sets, bodies;
+};
+TwoWays two_ways(const ParticleSet& below, const ParticleSet& above) {
+  TwoWays scenes{floor_scene(), floor_scene()};
+  scenes.sets.particles = {below};
+  scenes.sets.insertions = {{0.005, {}, {above}}};
+  append_one_by_one(below, scenes.bodies.bodies);
+  scenes.bodies.insertions = {{0.005, {}, {}}};
+  append_one_by_one(above, scenes.bodies.insertions[0].bodies);
+  return scenes;
+}
+
+void expect_same_runs(const TwoWays& scenes, const WorldOptions& options, int steps) {
+  World a(scenes.sets, options);
+  World b(scenes.bodies, options);
+  std::int64_t contacts = 0;
+  for (int step = 0; step < steps; ++step) {
+    const StepReport ra = a.step(), rb = b.step();
+    ASSERT_EQ(ra.contact_count, rb.contact_count) << step;
+    ASSERT_EQ(ra.residual_rms, rb.residual_rms) << step;
+    contacts += ra.contact_count;
+  }
+  EXPECT_GT(contacts, 50 * steps);
+  expect_same_states(a.states(), b.states());
+  EXPECT_EQ(a.memory(), b.memory());
+}
+
+TEST(ParticleSets, OfMixedShapesRunAsTheSameBodiesOneByOne) {
+  ParticleSet below = shapes_in_grid(6, 4, 0.0101);
+  const ParticleSet above = shapes_in_grid(4, 1, 0.12);
+  for (const Precision precision : {Precision::single_precision, Precision::double_precision})
+    expect_same_runs(two_ways(below, above), {.precision = precision}, 40);
+  below.locks = lock_ry | lock_rz;
+  expect_same_runs(two_ways(below, above), {}, 40);
+}
+
+TEST(ParticleSets, OfOneShapeRunAsTheSameBodiesOneByOne) {
+  ParticleSet below = grid(6, 4, 0.0101);
+  Shape box;
+  box.kind = shapes::Box::kind;
+  box.half_extents = {0.01, 0.008, 0.006};
+  below.shape = box;
+  below.radius = norm(box.half_extents);
+  below.mass = 0.02;
+  ParticleSet above = grid(4, 1, 0.12);
+  expect_same_runs(two_ways(below, above), {}, 40);
+}
+
+TEST(ParticleSets, OfMixedShapesGoOnFromACheckpointBitForBit) {
+  const Scene scene = two_ways(shapes_in_grid(6, 4, 0.0101), shapes_in_grid(4, 1, 0.12)).sets;
+  for (const int before : {3, 15}) {  // the second set comes with step 6
+    World whole(scene, {});
+    for (int step = 0; step < before; ++step) whole.step();
+    World resumed(scene, {});
+    resumed.restore(whole.save());
+    for (int step = 0; step < 20; ++step) {
+      whole.step();
+      resumed.step();
+    }
+    expect_same_states(whole.states(), resumed.states());
+  }
+}
+
+/// `scree check` and the forecast of memory see them, too.
+TEST(ParticleSets, OfMixedShapesAreCheckedAsTheSameBodiesOneByOne) {
+  const TwoWays scenes = two_ways(shapes_in_grid(6, 4, 0.0101), shapes_in_grid(4, 1, 0.12));
+  validate(scenes.sets);
+  EXPECT_EQ(expected_memory(scenes.sets, {}), expected_memory(scenes.bodies, {}));
+  const SceneSummary a = summarize(scenes.sets), b = summarize(scenes.bodies);
+  EXPECT_EQ(a.layout, b.layout);
+  EXPECT_EQ(a.layout, ContactLayout::mixed);
+  EXPECT_EQ(a.solid_spheres, b.solid_spheres);
+  EXPECT_EQ(a.radial_bodies, b.radial_bodies);
+  EXPECT_EQ(a.envelope, b.envelope);
+  ParticleSet tight = shapes_in_grid(6, 4, 0.0101);
+  for (Vec3d& x : tight.position) x *= 0.7;
+  const TwoWays squeezed = two_ways(tight, shapes_in_grid(4, 1, 0.12));
+  const Overlaps in_sets = find_overlaps(squeezed.sets, {});
+  const Overlaps in_bodies = find_overlaps(squeezed.bodies, {});
+  EXPECT_GT(in_sets.pairs, 10);
+  EXPECT_EQ(in_sets.pairs, in_bodies.pairs);
+  EXPECT_EQ(in_sets.depth, in_bodies.depth);
+  EXPECT_EQ(in_sets.body_a, in_bodies.body_a);
 }
 
 TEST(ParticleSets, OfMoreThanOneTransferChunkKeepTheirOrder) {

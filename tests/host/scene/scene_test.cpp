@@ -254,6 +254,34 @@ TEST(Validate, RefusesBadParticles) {
   EXPECT_EQ(refused_set([](ParticleSet& set) { set.mass = PerParticle(std::vector<double>{1.0}); }),
             "particles[1].mass: a list of another length is not allowed: must be one value for "
             "all, or one for each of 2 particles");
+  EXPECT_EQ(refused_set([](ParticleSet& set) { set.shape = PerParticle(std::vector<Shape>(3)); }),
+            "particles[1].shape: a list of another length is not allowed: must be one value for "
+            "all, or one for each of 2 particles");
+  Shape box;
+  box.kind = shapes::Box::kind;
+  box.half_extents = {2, 2, 1};
+  EXPECT_EQ(
+      refused_set([&](ParticleSet& set) { set.shape = box; }),
+      "particles[1][0].radius: 0.1 is not allowed: must be that of the bounding sphere, 3 [m]");
+  EXPECT_EQ(refused_set([&](ParticleSet& set) {
+              set.radius = 3.0;
+              std::vector<Shape> shapes{box, box};
+              shapes[1].half_extents.z = -1;
+              set.shape = PerParticle(shapes);
+            }),
+            "particles[1][1].half_extents: [2, 2, -1] is not allowed: must be positive [m]");
+  EXPECT_THAT(refused_set([&](ParticleSet& set) {
+                Shape wall;
+                wall.kind = shapes::HalfSpace::kind;
+                set.shape = wall;
+              }),
+              StartsWith("particles[1][0].kind: \"free\" is not allowed: only sphere, box"));
+  EXPECT_THAT(refused_set([&](ParticleSet& set) {
+                Shape none;
+                none.kind = ShapeKind{200};
+                set.shape = none;
+              }),
+              StartsWith("particles[1][0].shape: number 200 is not allowed: must be one of"));
   EXPECT_THAT(refused([](Scene& s) {
                 s.insertions = {{1, {}, {two_particles()}}};
                 s.insertions[0].particles[0].group = 3;

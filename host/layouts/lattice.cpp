@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/layouts/drawn_sizes.h"
 #include "host/layouts/lattice_sites.h"
 
 namespace scree {
@@ -16,15 +17,11 @@ namespace {
 /// and so away from its neighbors. @return its center
 class Placer {
  public:
-  Placer(const LatticeLayout& layout, const RadiusLaw& law, std::size_t count,
-         RandomNumbers& random)
-      : layout_(layout), law_(law), random_(random) {
-    if (varied()) radii_.reserve(count);
-  }
+  Placer(const LatticeLayout& layout, const SizeLaw& law, std::size_t count, RandomNumbers& random)
+      : layout_(layout), sizes_(law, count), random_(random) {}
 
   Vec3d place(const Vec3d& site) {
-    const double radius = law_.draw(random_);
-    if (varied()) radii_.push_back(radius);
+    const double radius = sizes_.draw(random_);
     const double room = layout_.jitter * (layout_.spacing / 2 - radius);
     // Named, because the order of evaluation of arguments differs between compilers.
     const double x = random_.uniform(-room, room);
@@ -33,17 +30,12 @@ class Placer {
     return site + Vec3d{x, y, z};
   }
 
-  PerParticle<double> radii() {
-    return varied() ? PerParticle<double>(std::move(radii_)) : PerParticle<double>(law_.low);
-  }
+  void move_sizes_to(PlacedSpheres& spheres) { sizes_.move_to(spheres); }
 
  private:
-  bool varied() const { return law_.kind != RadiusLaw::Kind::constant; }
-
   const LatticeLayout& layout_;
-  const RadiusLaw& law_;
+  DrawnSizes sizes_;
   RandomNumbers& random_;
-  std::vector<double> radii_;
 };
 
 /// The numbers 0 to count - 1 in random order, as a shuffle in place would bring them forth. Those
@@ -75,9 +67,9 @@ class Shuffle {
 
 }  // namespace
 
-PlacedSpheres place_on_lattice(const LatticeLayout& layout, const RadiusLaw& radius,
-                               long long count, RandomNumbers& random) {
-  const LatticeSites sites(layout, radius);
+PlacedSpheres place_on_lattice(const LatticeLayout& layout, const SizeLaw& size, long long count,
+                               RandomNumbers& random) {
+  const LatticeSites sites(layout, size);
   const bool all = count < 0;
   if (all && sites.cell_count() > std::numeric_limits<Index>::max())
     throw DoesNotFit(
@@ -87,8 +79,8 @@ PlacedSpheres place_on_lattice(const LatticeLayout& layout, const RadiusLaw& rad
   if (!all && fit < count)
     throw DoesNotFit(
         fmt::format("the region holds {} spheres at a spacing of {} m", fit, layout.spacing));
-  require_host_memory(fit, radius);
-  Placer placer(layout, radius, static_cast<std::size_t>(fit), random);
+  require_host_memory(fit, size);
+  Placer placer(layout, size, static_cast<std::size_t>(fit), random);
   PlacedSpheres spheres;
   spheres.center.reserve(static_cast<std::size_t>(fit));
   long long left = fit;
@@ -97,24 +89,24 @@ PlacedSpheres place_on_lattice(const LatticeLayout& layout, const RadiusLaw& rad
       spheres.center.push_back(placer.place(sites.position(run.plane, run.row, x)));
     return left > 0;
   });
-  spheres.radius = placer.radii();
+  placer.move_sizes_to(spheres);
   return spheres;
 }
 
-PlacedSpheres place_rain_batch(const LatticeLayout& layout, const RadiusLaw& radius,
-                               long long count, RandomNumbers& random, double& thickness) {
-  const LatticeSites all_sites(layout, radius);
+PlacedSpheres place_rain_batch(const LatticeLayout& layout, const SizeLaw& size, long long count,
+                               RandomNumbers& random, double& thickness) {
+  const LatticeSites all_sites(layout, size);
   const LowestSites sites(all_sites, layout, count);
-  require_host_memory(count, radius);
+  require_host_memory(count, size);
   thickness = static_cast<double>(sites.planes()) * layout.spacing;
   const auto wanted = static_cast<std::size_t>(count);
-  Placer placer(layout, radius, wanted, random);
+  Placer placer(layout, size, wanted, random);
   PlacedSpheres spheres;
   spheres.center.reserve(wanted);
   Shuffle shuffle(sites.count());
   for (long long i = 0; i < count; ++i)
     spheres.center.push_back(placer.place(sites.position(shuffle.draw(i, random))));
-  spheres.radius = placer.radii();
+  placer.move_sizes_to(spheres);
   return spheres;
 }
 

@@ -18,9 +18,9 @@ constexpr double kMostSites = 4e18;
 
 }  // namespace
 
-LatticeSites::LatticeSites(const LatticeLayout& layout, const RadiusLaw& radius)
+LatticeSites::LatticeSites(const LatticeLayout& layout, const SizeLaw& size)
     : region_(layout.region), spacing_(layout.spacing) {
-  require_resolution(region_, radius.smallest());
+  require_resolution(region_, size.smallest());
   Vec3d low;
   Vec3d high;
   region_.bounds(low, high);
@@ -35,7 +35,7 @@ LatticeSites::LatticeSites(const LatticeLayout& layout, const RadiusLaw& radius)
   }
   // In a box whole cells fit; in a cylinder every sphere must, anywhere in its jitter range. How
   // far it reaches from its site is linear in its radius, so the two ends are the worst cases.
-  const double margin = radius.largest();
+  const double margin = size.largest();
   const double shift = std::sqrt(3.0) * layout.jitter;
   reach_ = std::max(margin + shift * (s / 2 - margin), shift * s / 2);
 }

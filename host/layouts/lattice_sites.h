@@ -21,7 +21,7 @@ struct SiteRun {
 class LatticeSites {
  public:
   /// @throws DoesNotFit when positions cannot be told apart so far out, see require_resolution()
-  LatticeSites(const LatticeLayout& layout, const RadiusLaw& radius);
+  LatticeSites(const LatticeLayout& layout, const SizeLaw& size);
 
   /// Lattice cells of the box around the region.
   double cell_count() const;

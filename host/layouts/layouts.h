@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/layouts/random_numbers.h"
@@ -28,7 +29,7 @@ struct Region {
   void bounds(Vec3d& low, Vec3d& high) const;
 };
 
-/// How radii are drawn [m].
+/// How radii are drawn [m], or factors of the lengths of shapes [-].
 struct RadiusLaw {
   enum class Kind { constant, uniform, discrete, normal };
   Kind kind = Kind::constant;
@@ -47,10 +48,37 @@ struct RadiusLaw {
   double draw_normal(RandomNumbers& random) const;
 };
 
-struct PlacedSpheres {
-  std::vector<Vec3d> center;   ///< [m]
-  PerParticle<double> radius;  ///< [m]
+/// How particles are drawn: spheres by their radius, others by a shape and a factor of its lengths.
+struct SizeLaw {
+  SizeLaw(RadiusLaw law) : scale(std::move(law)) {}
+
+  struct Size {
+    double radius = 0;  ///< of the sphere that holds it [m]
+    double scale = 0;   ///< as drawn by the law `scale`
+    int shape = 0;      ///< number of its shape
+  };
+  Size draw(RandomNumbers& random) const;
+  double smallest() const;  ///< radius [m]
+  double largest() const;
+  bool has_shapes() const { return !radii.empty(); }
+  /// Whether all particles are drawn alike.
+  bool is_constant() const;
+
+  RadiusLaw scale;              ///< spheres: of their radii
+  std::vector<double> radii;    ///< of the spheres about the shapes at scale one [m]; none: spheres
+  std::vector<double> weights;  ///< relative numbers of particles, one per shape
 };
+
+/// Particles, or the spheres that hold them.
+struct PlacedSpheres {
+  std::vector<Vec3d> center;       ///< [m]
+  PerParticle<double> radius;      ///< [m]
+  PerParticle<double> scale{1.0};  ///< where the law has shapes
+  PerParticle<int> shape;          ///< where the law has shapes
+};
+
+/// A rotation, all of them alike likely.
+Quatd random_orientation(RandomNumbers& random);
 
 /// The region cannot hold as many spheres as were asked for.
 struct DoesNotFit : std::runtime_error {
@@ -61,8 +89,10 @@ struct DoesNotFit : std::runtime_error {
 /// of a sphere. @throws DoesNotFit
 void require_resolution(const Region& region, double smallest_radius);
 
-/// @throws DoesNotFit when so many spheres would not fit in the memory that is free
-void require_host_memory(long long count, const RadiusLaw& radius);
+/// @throws DoesNotFit when so many particles would not fit in the memory that is free
+void require_host_memory(long long count, const SizeLaw& size);
+/// The same of a part of what they take. @param bytes  of a particle
+void require_host_memory(long long count, double bytes);
 
 /// A cubic lattice, filled from the bottom (lowest z) up.
 struct LatticeLayout {
@@ -73,18 +103,18 @@ struct LatticeLayout {
 
 /// Takes time and memory by the spheres placed, however wide the region is.
 /// @param count  spheres; -1: as many as the region holds. @throws DoesNotFit
-PlacedSpheres place_on_lattice(const LatticeLayout& layout, const RadiusLaw& radius,
-                               long long count, RandomNumbers& random);
+PlacedSpheres place_on_lattice(const LatticeLayout& layout, const SizeLaw& size, long long count,
+                               RandomNumbers& random);
 
 /// Random sequential addition, the largest spheres first (they come first in the result too).
 /// Reaches a solid fraction of about 0.35. @throws DoesNotFit naming how many fitted
-PlacedSpheres place_at_random(const Region& region, const RadiusLaw& radius, long long count,
+PlacedSpheres place_at_random(const Region& region, const SizeLaw& size, long long count,
                               RandomNumbers& random);
 
 /// One batch of rain: `count` sites of a jittered lattice, chosen at random from as few of its
 /// lowest planes as hold them. @param thickness  out: height taken by the batch [m]
 /// @throws DoesNotFit
-PlacedSpheres place_rain_batch(const LatticeLayout& layout, const RadiusLaw& radius,
-                               long long count, RandomNumbers& random, double& thickness);
+PlacedSpheres place_rain_batch(const LatticeLayout& layout, const SizeLaw& size, long long count,
+                               RandomNumbers& random, double& thickness);
 
 }  // namespace scree

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <utility>
 #include <vector>
 
-#include "host/layouts/layouts.h"
+#include "host/layouts/drawn_sizes.h"
 
 namespace scree {
 namespace {
@@ -31,14 +30,14 @@ class SphereGrid {
     heads_.assign(static_cast<std::size_t>(cells_[0] * cells_[1] * cells_[2]), kNone);
   }
 
-  /// @param centers, radii  of the spheres inserted so far, and of more
+  /// @param centers, sizes  of the spheres inserted so far, and of more
   bool is_clear(const Vec3d& center, double radius, const std::vector<Vec3d>& centers,
-                const std::vector<double>& radii) const {
+                const DrawnSizes& sizes) const {
     bool clear = true;
     for_cells(center, radius, [&](std::size_t cell) {
       for (std::size_t e = heads_[cell]; clear && e != kNone; e = entries_[e].next) {
         const std::size_t other = entries_[e].sphere;
-        const double reach = radius + radii[other];
+        const double reach = radius + sizes.radius(other);
         clear = norm2(center - centers[other]) >= reach * reach;
       }
     });
@@ -114,17 +113,18 @@ bool can_hold(const Region& region, const Vec3d& low, const Vec3d& high, double 
 
 }  // namespace
 
-PlacedSpheres place_at_random(const Region& region, const RadiusLaw& radius, long long count,
+PlacedSpheres place_at_random(const Region& region, const SizeLaw& size, long long count,
                               RandomNumbers& random) {
-  require_resolution(region, radius.smallest());
-  require_host_memory(count, radius);
-  std::vector<double> radii(static_cast<std::size_t>(count));
-  for (double& r : radii) r = radius.draw(random);
-  std::sort(radii.begin(), radii.end(), std::greater<>());
+  require_resolution(region, size.smallest());
+  require_host_memory(count, size);
+  const auto wanted = static_cast<std::size_t>(count);
+  DrawnSizes sizes(size, wanted);
+  for (std::size_t i = 0; i < wanted; ++i) sizes.draw(random);
+  sizes.sort_largest_first();
   PlacedSpheres spheres;
-  if (radii.empty()) return spheres;
+  if (wanted == 0) return spheres;
   std::vector<Vec3d>& centers = spheres.center;
-  centers.reserve(radii.size());
+  centers.reserve(wanted);
 
   Vec3d low;
   Vec3d high;
@@ -132,10 +132,11 @@ PlacedSpheres place_at_random(const Region& region, const RadiusLaw& radius, lon
   const auto fail = [&](const char* why) {
     throw DoesNotFit(fmt::format("{} of {} spheres fit{}", centers.size(), count, why));
   };
-  if (!can_hold(region, low, high, radii.front()))
+  if (!can_hold(region, low, high, sizes.radius(0)))
     fail(": the largest sphere is wider than the region");
-  SphereGrid grid(low, high, 2 * radii[radii.size() / 2], 4 * radii.size() + 64);
-  for (const double r : radii) {
+  SphereGrid grid(low, high, 2 * sizes.radius(wanted / 2), 4 * wanted + 64);
+  for (std::size_t i = 0; i < wanted; ++i) {
+    const double r = sizes.radius(i);
     Vec3d center;
     for (int attempt = 0;; ++attempt) {
       if (attempt == kAttempts)
@@ -143,17 +144,13 @@ PlacedSpheres place_at_random(const Region& region, const RadiusLaw& radius, lon
             " without overlap; random placement fills about a third of a region, use a larger one "
             "or the layout \"lattice\" or \"rain\"");
       if (draw_center(region, low, high, r, random, center) &&
-          grid.is_clear(center, r, centers, radii))
+          grid.is_clear(center, r, centers, sizes))
         break;
     }
     grid.insert(center, r, centers.size());
     centers.push_back(center);
   }
-  if (radius.kind == RadiusLaw::Kind::constant) {
-    spheres.radius = radius.low;
-  } else {
-    spheres.radius = PerParticle<double>(std::move(radii));
-  }
+  sizes.move_to(spheres);
   return spheres;
 }
 

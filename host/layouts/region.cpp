@@ -8,6 +8,21 @@
 #include "host/world.h"
 
 namespace scree {
+namespace {
+
+/// One of several, by their weights.
+std::size_t draw_index(const std::vector<double>& weights, RandomNumbers& random) {
+  double total = 0;
+  for (const double weight : weights) total += weight;
+  double left = total * random.unit();
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    left -= weights[i];
+    if (left < 0) return i;
+  }
+  return weights.size() - 1;
+}
+
+}  // namespace
 
 bool Region::contains(const Vec3d& point, double r) const {
   if (kind == Kind::box) {
@@ -43,14 +58,28 @@ double RadiusLaw::draw(RandomNumbers& random) const {
     case Kind::discrete:
       break;
   }
-  double total = 0;
-  for (const double weight : weights) total += weight;
-  double left = total * random.unit();
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    left -= weights[i];
-    if (left < 0) return values[i];
-  }
-  return values.back();
+  return values[draw_index(weights, random)];
+}
+
+SizeLaw::Size SizeLaw::draw(RandomNumbers& random) const {
+  Size size;
+  const std::size_t shape = radii.size() > 1 ? draw_index(weights, random) : 0;
+  size.scale = scale.draw(random);
+  size.radius = has_shapes() ? size.scale * radii[shape] : size.scale;
+  size.shape = static_cast<int>(shape);
+  return size;
+}
+
+double SizeLaw::smallest() const {
+  return scale.smallest() * (has_shapes() ? *std::min_element(radii.begin(), radii.end()) : 1);
+}
+
+double SizeLaw::largest() const {
+  return scale.largest() * (has_shapes() ? *std::max_element(radii.begin(), radii.end()) : 1);
+}
+
+bool SizeLaw::is_constant() const {
+  return scale.kind == RadiusLaw::Kind::constant && radii.size() <= 1;
 }
 
 /// Redraws what lies outside. From a range so narrow that few draws would hit it, draws evenly and
@@ -96,10 +125,16 @@ void require_resolution(const Region& region, double smallest_radius) {
         farthest, smallest_radius, most));
 }
 
-void require_host_memory(long long count, const RadiusLaw& radius) {
-  const double bytes = static_cast<double>(count) * (radius.kind == RadiusLaw::Kind::constant
-                                                         ? sizeof(Vec3d)
-                                                         : sizeof(Vec3d) + 2 * sizeof(double));
+void require_host_memory(long long count, const SizeLaw& size) {
+  double bytes = sizeof(Vec3d);
+  if (!size.is_constant()) bytes += 2 * sizeof(double);
+  if (!size.is_constant() && size.has_shapes())
+    bytes += sizeof(double) + sizeof(int) + sizeof(Shape);
+  require_host_memory(count, bytes);
+}
+
+void require_host_memory(long long count, double bytes_each) {
+  const double bytes = static_cast<double>(count) * bytes_each;
   constexpr double kSmall = 1 << 26;  // not worth asking for
   if (bytes < kSmall) return;
   const auto free = static_cast<double>(device_info(BackendKind::cpu).free_bytes);

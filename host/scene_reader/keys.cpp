@@ -17,6 +17,19 @@ std::vector<std::string> solver_keys() {
   return keys;
 }
 
+void add_new(const std::string& key, std::vector<std::string>& keys) {
+  if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+}
+
+template <class Fits>
+std::vector<std::string> keys_of_shapes(Fits fits) {
+  std::vector<std::string> keys;
+  for (const ShapeCard& card : shape_cards())
+    if (fits(card))
+      for (const ShapeKey& own : card.keys) add_new(own.key, keys);
+  return keys;
+}
+
 std::vector<std::string> body_keys() {
   std::vector<std::string> keys = shape_keys();
   keys.insert(keys.begin(), {"name", "shape", "kind"});
@@ -24,6 +37,22 @@ std::vector<std::string> body_keys() {
        {"position", "orientation", "rotation_deg", "velocity", "angular_velocity", "mass",
         "density", "inertia", "material", "group", "lock", "motion", "insert_at"})
     keys.emplace_back(key);
+  return keys;
+}
+
+std::vector<std::string> free_shape_keys() {
+  return keys_of_shapes([](const ShapeCard& card) { return card.may_be_free(); });
+}
+
+std::vector<std::string> particle_keys() {
+  std::vector<std::string> keys = own_particle_keys();
+  for (const std::string& key : free_shape_keys()) add_new(key, keys);
+  return keys;
+}
+
+std::vector<std::string> particle_shape_keys() {
+  std::vector<std::string> keys = free_shape_keys();
+  keys.insert(keys.begin(), {"shape", "weight"});
   return keys;
 }
 
@@ -37,10 +66,16 @@ std::vector<std::string> dynamics_keys() {
 }  // namespace
 
 std::vector<std::string> shape_keys() {
-  std::vector<std::string> keys;
-  for (const ShapeCard& card : shape_cards())
-    for (const ShapeKey& own : card.keys)
-      if (std::find(keys.begin(), keys.end(), own.key) == keys.end()) keys.emplace_back(own.key);
+  return keys_of_shapes([](const ShapeCard&) { return true; });
+}
+
+const std::vector<std::string>& own_particle_keys() {
+  static const std::vector<std::string> keys{
+      "layout",       "count",    "radius",           "shape", "shapes",
+      "scale",        "density",  "material",         "group", "orientation",
+      "rotation_deg", "velocity", "angular_velocity", "lock",  "region",
+      "spacing",      "jitter",   "layers",           "rate",  "start",
+      "interval",     "file"};
   return keys;
 }
 
@@ -64,9 +99,8 @@ const std::vector<KeyTable>& scene_key_tables() {
        {"type", "bodies", "anchor", "axis", "anchors", "second_axis", "length", "limits", "motor",
         "friction", "stiffness", "damping", "break_force", "break_moment"}},
       {"joint_motor", {"speed", "position", "stiffness", "damping", "max_force"}},
-      {"particles",
-       {"layout", "count", "radius", "density", "material", "group", "velocity", "angular_velocity",
-        "lock", "region", "spacing", "jitter", "layers", "rate", "start", "interval", "file"}},
+      {"particles", particle_keys()},
+      {"particle_shape", particle_shape_keys()},
       {"radius", {"min", "max", "values", "weights", "normal"}},
       {"radius_normal", {"mean", "deviation", "min", "max"}},
       {"region", {"min", "max", "cylinder"}},

@@ -19,6 +19,9 @@ const std::vector<KeyTable>& scene_key_tables();
 /// Keys of bodies that say something about their shape, each once.
 std::vector<std::string> shape_keys();
 
+/// Keys of entries of `particles` but for those that say something about a shape alone.
+const std::vector<std::string>& own_particle_keys();
+
 /// The table of that name, which must exist.
 const KeyTable& scene_keys(const std::string& object);
 

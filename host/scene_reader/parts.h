@@ -38,6 +38,12 @@ int group_index(const std::string& name, Draft& draft);
 /// Bits of Lock from "x" or ["x", "rz"].
 std::uint8_t read_locks(const Node& node);
 
+/// Shape that the key "shape" names, from the keys beside it.
+/// @param must_be_free  only shapes of bodies that can be free may be named
+/// @param position      of the body [m]; a shape may set it
+void read_shape(const Node& node, bool must_be_free, Shape& shape, Vec3d& position, Draft& draft);
+/// Reads "orientation" or "rotation_deg" where one is given.
+void read_orientation(const Node& node, Quatd& orientation);
 /// @param index  position in the list `bodies`
 void read_body(const Node& node, std::size_t index, Draft& draft);
 /// An entry of `joints`; all bodies were read.

@@ -96,21 +96,6 @@ void check_sizes(const Node& node, const Shape& shape, const ShapeCard& card) {
                         fault->value, fault->expected));
 }
 
-void read_shape(const Node& node, BodyDescription& body, Draft& draft) {
-  std::vector<std::pair<std::string, ShapeKind>> names;
-  std::string list;
-  for (const ShapeCard& card : shape_cards()) {
-    names.emplace_back(card.name, card.kind);
-    list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", card.name);
-  }
-  const Node shape = node.at("shape", "must be one of " + list);
-  body.shape.kind = shape.choice(names);
-  const ShapeCard& card = shape_card(body.shape.kind);
-  refuse_keys_of_other_shapes(node, card);
-  card.read(NodeSource(node, draft), body.shape, body.position);
-  check_sizes(node, body.shape, card);
-}
-
 void read_kind(const Node& node, BodyDescription& body) {
   const bool may_be_free = shape_card(body.shape.kind).may_be_free();
   body.kind = may_be_free ? BodyKind::free : BodyKind::fixed;
@@ -129,16 +114,7 @@ void read_kind(const Node& node, BodyDescription& body) {
 
 void read_pose(const Node& node, BodyDescription& body) {
   node.read("position", body.position, "m");
-  if (const auto orientation = node.find("orientation")) {
-    refuse_keys(node, {"rotation_deg"}, "give either orientation or rotation_deg");
-    body.orientation = orientation->orientation();
-  }
-  if (const auto rotation = node.find("rotation_deg")) {
-    rotation->check_keys(scene_keys("rotation"));
-    const Vec3d axis = rotation->at("axis", "must be a direction [x, y, z]").direction();
-    const double angle = rotation->at("angle", "must be a number [deg]").number(kFinite, "deg");
-    body.orientation = exp_map(angle * kDegree * axis);
-  }
+  read_orientation(node, body.orientation);
 }
 
 /// Keeps the name for joints and programs.
@@ -175,12 +151,40 @@ void read_mass(const Node& node, BodyDescription& body) {
 
 }  // namespace
 
+void read_shape(const Node& node, bool must_be_free, Shape& shape, Vec3d& position, Draft& draft) {
+  std::vector<std::pair<std::string, ShapeKind>> names;
+  std::string list;
+  for (const ShapeCard& card : shape_cards()) {
+    if (must_be_free && !card.may_be_free()) continue;
+    names.emplace_back(card.name, card.kind);
+    list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", card.name);
+  }
+  shape.kind = node.at("shape", "must be one of " + list).choice(names);
+  const ShapeCard& card = shape_card(shape.kind);
+  refuse_keys_of_other_shapes(node, card);
+  card.read(NodeSource(node, draft), shape, position);
+  check_sizes(node, shape, card);
+}
+
+void read_orientation(const Node& node, Quatd& orientation) {
+  if (const auto key = node.find("orientation")) {
+    refuse_keys(node, {"rotation_deg"}, "give either orientation or rotation_deg");
+    orientation = key->orientation();
+  }
+  if (const auto rotation = node.find("rotation_deg")) {
+    rotation->check_keys(scene_keys("rotation"));
+    const Vec3d axis = rotation->at("axis", "must be a direction [x, y, z]").direction();
+    const double angle = rotation->at("angle", "must be a number [deg]").number(kFinite, "deg");
+    orientation = exp_map(angle * kDegree * axis);
+  }
+}
+
 void read_body(const Node& node, std::size_t index, Draft& draft) {
   node.check_keys(scene_keys("body"));
   BodyDescription body;
   body.entry = static_cast<int>(index);
   read_name(node, index, draft);
-  read_shape(node, body, draft);
+  read_shape(node, false, body.shape, body.position, draft);
   read_kind(node, body);
   read_pose(node, body);
   if (body.kind == BodyKind::free) {

@@ -1,4 +1,4 @@
-// Entries of `particles`: many spheres from a generator or a file.
+// Entries of `particles`: many free bodies from a generator or a file.
 
 #include <fmt/format.h>
 
@@ -10,6 +10,7 @@
 
 #include "host/layouts/layouts.h"
 #include "host/scene/particle_table.h"
+#include "host/scene_reader/particle_shapes.h"
 #include "host/scene_reader/parts.h"
 
 namespace scree::reader {
@@ -17,7 +18,7 @@ namespace {
 
 enum class Layout { lattice, random, rain, file };
 
-/// What all spheres of an entry share, and the values of those a file does not give: a set without
+/// What all particles of an entry share, and the values of those a file does not give: a set without
 /// positions and radii. Without a density in the entry that is 0.
 ParticleSet read_common(const Node& node, Draft& draft) {
   Vec3d velocity;
@@ -39,55 +40,6 @@ ParticleSet read_common(const Node& node, Draft& draft) {
 
 double size(const Node& node, const char* key) {
   return node.at(key, "must be positive [m]").number(kPositive, "m");
-}
-
-RadiusLaw read_radius(const Node& node) {
-  RadiusLaw law;
-  if (node.json().is_number()) {
-    law.low = law.high = node.number(kPositive, "m");
-    return law;
-  }
-  if (!node.json().is_object())
-    node.refuse("must be a positive number [m] or one of {min, max}, {values, weights}, {normal}");
-  node.check_keys(scene_keys("radius"));
-  if (node.has("values") + node.has("normal") + (node.has("min") || node.has("max")) != 1)
-    node.refuse("must have exactly one of {min, max}, {values, weights}, {normal} [m]");
-  if (const auto values = node.find("values")) {
-    law.kind = RadiusLaw::Kind::discrete;
-    for (const Node& value : values->elements()) law.values.push_back(value.number(kPositive, "m"));
-    if (law.values.empty()) values->refuse("must hold one radius or more [m]");
-    law.weights.assign(law.values.size(), 1.0);
-    if (const auto weights = node.find("weights")) {
-      const std::vector<Node> entries = weights->elements();
-      if (entries.size() != law.values.size()) weights->refuse("must be one weight per value");
-      double sum = 0;
-      for (std::size_t i = 0; i < entries.size(); ++i)
-        sum += law.weights[i] = entries[i].number(kNonNegative, "");
-      if (!(sum > 0 && sum < kInfinity))
-        weights->refuse("must have a positive sum, and a finite one");
-    }
-    return law;
-  }
-  if (const auto weights = node.find("weights")) weights->fail("weights belong to values");
-  const auto normal = node.find("normal");
-  const Node& ends = normal ? *normal : node;
-  if (normal) {
-    normal->check_keys(scene_keys("radius_normal"));
-    law.kind = RadiusLaw::Kind::normal;
-    law.mean = size(*normal, "mean");
-    law.deviation =
-        normal->at("deviation", "must be zero or positive [m]").number(kNonNegative, "m");
-  } else {
-    law.kind = RadiusLaw::Kind::uniform;
-  }
-  law.low = size(ends, "min");
-  const Node max = ends.at("max", "must be positive [m]");
-  law.high = max.number(kPositive, "m");
-  if (law.high < law.low) max.refuse("must not be below min [m]");
-  // A range that holds the mean is likely enough for draws to hit it, or narrow.
-  if (normal && !(law.low <= law.mean && law.mean <= law.high))
-    normal->at("mean", "").refuse("must be from min to max [m]");
-  return law;
 }
 
 Region read_region(const Node& node) {
@@ -113,26 +65,68 @@ Region read_region(const Node& node) {
   return region;
 }
 
-LatticeLayout read_lattice(const Node& node, const Region& region, const RadiusLaw& radius) {
+LatticeLayout read_lattice(const Node& node, const Region& region, const SizeLaw& size) {
   LatticeLayout lattice;
   lattice.region = region;
-  lattice.spacing = 2 * radius.largest() * 1.01;
+  lattice.spacing = 2 * size.largest() * 1.01;
   if (const auto spacing = node.find("spacing")) {
     lattice.spacing = spacing->number(kPositive, "m");
-    if (lattice.spacing < 2 * radius.largest() * (1 - 1e-12))
+    if (lattice.spacing < 2 * size.largest() * (1 - 1e-12))
       spacing->refuse(
-          fmt::format("must be at least the largest diameter, {:.6g} [m]", 2 * radius.largest()));
+          fmt::format("must be at least the largest diameter, {:.6g} [m]", 2 * size.largest()));
   }
   node.read("jitter", lattice.jitter, kFraction, "-");
   return lattice;
 }
 
-ParticleSet particles(const ParticleSet& common, PlacedSpheres spheres) {
-  ParticleSet set = common;
-  set.position = std::move(spheres.center);
-  set.radius = std::move(spheres.radius);
-  return set;
-}
+/// How the particles of an entry are turned.
+class Orientations {
+ public:
+  /// Their random numbers are a sequence of their own: sequences of places count up from zero,
+  /// these down from the last.
+  Orientations(const Node& node, std::uint64_t seed, std::size_t index) : random_(seed, ~index) {
+    const auto key = node.find("orientation");
+    is_random_ = key && key->json().is_string();
+    if (!is_random_) {
+      read_orientation(node, same_);
+      return;
+    }
+    if (key->text() != "random")
+      key->refuse("must be \"random\" or a quaternion [w, x, y, z] of length 1");
+    if (const auto both = node.find("rotation_deg"))
+      both->fail("give either orientation or rotation_deg");
+  }
+
+  PerParticle<Quatd> draw(std::size_t count) {
+    if (!is_random_) return same_;
+    std::vector<Quatd> drawn(count);
+    for (Quatd& q : drawn) q = random_orientation(random_);
+    return PerParticle<Quatd>(std::move(drawn));
+  }
+  /// Of the host for a particle.
+  double bytes() const { return is_random_ ? sizeof(Quatd) : 0; }
+
+ private:
+  bool is_random_ = false;
+  Quatd same_;
+  RandomNumbers random_;
+};
+
+/// What placed particles need to become a set.
+struct Recipe {
+  ParticleSet common;
+  ParticleShapes shapes;
+  Orientations orientations;
+
+  ParticleSet make(PlacedSpheres placed, const Scene& scene) {
+    ParticleSet set = common;
+    const std::size_t count = placed.center.size();
+    require_host_memory(static_cast<long long>(count), orientations.bytes());
+    set.orientation = orientations.draw(count);
+    set_placed(shapes, std::move(placed), scene, set);
+    return set;
+  }
+};
 
 /// Batches of rain must have left the region before the next one enters it.
 void check_fall(const Node& node, const Draft& draft, const ParticleSet& common, double interval,
@@ -154,8 +148,8 @@ void check_fall(const Node& node, const Draft& draft, const ParticleSet& common,
                       thickness, norm(fall)));
 }
 
-void read_rain(const Node& node, const ParticleSet& common, const LatticeLayout& lattice,
-               const RadiusLaw& radius, RandomNumbers& random, Draft& draft) {
+void read_rain(const Node& node, Recipe& recipe, const LatticeLayout& lattice,
+               RandomNumbers& random, Draft& draft) {
   constexpr long long most = std::numeric_limits<Index>::max();
   const long long count = node.at("count", "must be a whole number, 1 or more").integer(1, most);
   const double interval =
@@ -186,14 +180,15 @@ void read_rain(const Node& node, const ParticleSet& common, const LatticeLayout&
     // Equal shares, with the remainder spread over the batches.
     const long long upto = count / layers * (k + 1) + count % layers * (k + 1) / layers;
     double thickness = 0;
-    PlacedSpheres batch = place_rain_batch(lattice, radius, upto - placed, random, thickness);
+    PlacedSpheres batch =
+        place_rain_batch(lattice, recipe.shapes.size, upto - placed, random, thickness);
     placed = upto;
     tallest = std::max(tallest, thickness);
-    if (k == 0 && layers > 1) check_fall(node, draft, common, interval, lattice, thickness);
+    if (k == 0 && layers > 1) check_fall(node, draft, recipe.common, interval, lattice, thickness);
     draft.inserted[start + static_cast<double>(k) * interval].particles.push_back(
-        particles(common, std::move(batch)));
+        recipe.make(std::move(batch), draft.scene));
   }
-  if (layers > 1) check_fall(node, draft, common, interval, lattice, tallest);
+  if (layers > 1) check_fall(node, draft, recipe.common, interval, lattice, tallest);
 }
 
 /// Indices into the names of a file as those of the scene.
@@ -205,7 +200,9 @@ PerParticle<int> renumbered(const PerParticle<int>& index, std::size_t count,
   return PerParticle<int>(std::move(out));
 }
 
-void read_file(const Node& node, const ParticleSet& common, Draft& draft) {
+void read_file(const Node& node, const ParticleSet& common, Orientations orientations,
+               Draft& draft) {
+  refuse_particle_shapes(node, "particles of the layout \"file\" are spheres");
   const Node named = node.at("file", "must be the name of a .csv or .h5 file");
   const std::filesystem::path path = named.file();
   ParticleTable table;
@@ -233,6 +230,7 @@ void read_file(const Node& node, const ParticleSet& common, Draft& draft) {
   if (set.velocity.uniform()) set.velocity = common.velocity;
   if (set.angular_velocity.uniform()) set.angular_velocity = common.angular_velocity;
   const std::size_t count = set.position.size();
+  if (set.orientation.uniform()) set.orientation = orientations.draw(count);
   set.group = set.group.uniform() ? common.group : renumbered(set.group, count, groups);
   set.material =
       set.material.uniform() ? common.material : renumbered(set.material, count, materials);
@@ -255,6 +253,7 @@ void check_layout_keys(const Node& node, Layout layout, const std::string& name)
       {"file", {Layout::file}}};
   for (const auto& [key, layouts] : layout_keys) {
     if (std::find(layouts.begin(), layouts.end(), layout) != layouts.end()) continue;
+    if (key == "file" && (node.has("shape") || node.has("shapes"))) continue;  // of a shape
     if (const auto found = node.find(key))
       found->fail("the layout \"" + name + "\" has no such key");
   }
@@ -273,12 +272,14 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
   check_layout_keys(node, layout, named.text());
   ParticleSet common = read_common(node, draft);
   common.entry = static_cast<int>(index);
+  Orientations orientations(node, draft.scene.seed, index);
   if (layout == Layout::file) {
-    read_file(node, common, draft);
+    read_file(node, common, std::move(orientations), draft);
     return;
   }
   if (common.density[0] == 0) node.fail_missing("density", "must be positive [kg/m^3]");
-  const RadiusLaw radius = read_radius(node.at("radius", "must be positive [m]"));
+  Recipe recipe{std::move(common), read_particle_shapes(node, draft), std::move(orientations)};
+  const SizeLaw& size = recipe.shapes.size;
   const Region region =
       read_region(node.at("region", "the space to fill, {min, max} or {cylinder}"));
   RandomNumbers random(draft.scene.seed, index);
@@ -289,15 +290,15 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
       const long long wanted =
           node.at("count", "must be a whole number, 1 or more").integer(1, most);
       draft.scene.particles.push_back(
-          particles(common, place_at_random(region, radius, wanted, random)));
+          recipe.make(place_at_random(region, size, wanted, random), draft.scene));
     } else if (layout == Layout::lattice) {
-      const LatticeLayout lattice = read_lattice(node, region, radius);
+      const LatticeLayout lattice = read_lattice(node, region, size);
       const long long wanted = count ? count->integer(1, most) : -1;
       draft.scene.particles.push_back(
-          particles(common, place_on_lattice(lattice, radius, wanted, random)));
+          recipe.make(place_on_lattice(lattice, size, wanted, random), draft.scene));
     } else {
-      const LatticeLayout lattice = read_lattice(node, region, radius);
-      read_rain(node, common, lattice, radius, random, draft);
+      const LatticeLayout lattice = read_lattice(node, region, size);
+      read_rain(node, recipe, lattice, random, draft);
     }
   } catch (const DoesNotFit& fault) {
     (count ? *count : node.at("region", "")).refuse(fault.what());

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <stdexcept>
 #include <utility>
 
 #include "dynamics/dynamics_card.h"
 #include "host/scene.h"
+#include "host/scene_reader/keys.h"
 #include "shapes/shape_card.h"
 #include "solvers/solver_card.h"
 
@@ -64,10 +66,14 @@ Json schema_of(ShapeKey::Type type) {
   return {};
 }
 
+bool is_any(const ShapeCard&) { return true; }
+bool may_be_free(const ShapeCard& card) { return card.may_be_free(); }
+
 /// "box, container: full edge lengths [m], positive.": what the shapes that have a key say of it.
-std::string text_of_key(const std::string& key) {
+std::string text_of_key(const std::string& key, bool (*fits)(const ShapeCard&)) {
   std::vector<std::pair<std::string, std::string>> texts;  // of one or more shapes, their names
-  for (const ShapeCard& card : shape_cards())
+  for (const ShapeCard& card : shape_cards()) {
+    if (!fits(card)) continue;
     for (const ShapeKey& own : card.keys) {
       if (key != own.key) continue;
       if (!texts.empty() && texts.back().first == own.text)
@@ -75,6 +81,7 @@ std::string text_of_key(const std::string& key) {
       else
         texts.emplace_back(own.text, card.name);
     }
+  }
   std::string all;
   for (const auto& [text, names] : texts)
     all += fmt::format("{}{}: {}", all.empty() ? "" : " ", names, text);
@@ -92,34 +99,41 @@ Json shape_condition(const ShapeCard& card) {
       {"then", {{"required", required}}}};
 }
 
-/// Takes the place of what the schema says of shapes.
-void put_shapes(Json& body) {
-  Json& properties = body.at("properties");
+/// Takes the place of what the schema says of the shapes that an object may name, but for the keys
+/// that mean something else there.
+void put_shapes(Json& object, bool (*fits)(const ShapeCard&),
+                const std::vector<std::string>& kept = {}) {
+  Json& properties = object.at("properties");
   std::vector<std::string> names;
   std::string description;
   for (const ShapeCard& card : shape_cards()) {
+    if (!fits(card)) continue;
     names.emplace_back(card.name);
     description +=
         fmt::format("{}{}: {}.", description.empty() ? "" : " ", card.name, card.description);
+    for (const ShapeKey& key : card.keys) {
+      if (std::find(kept.begin(), kept.end(), key.key) != kept.end()) continue;
+      properties[key.key] = schema_of(key.type);
+      properties[key.key]["description"] = text_of_key(key.key, fits);
+    }
   }
   properties["shape"] = {{"enum", names}, {"description", description}};
-  properties["kind"]["description"] = fmt::format(
+  Json conditions = Json::array();
+  for (const ShapeCard& card : shape_cards())
+    if (Json condition = shape_condition(card); fits(card) && !condition.is_null())
+      conditions.push_back(condition);
+  for (const Json& condition : object.at("allOf"))
+    if (!condition.contains("if") || !condition.at("if").at("properties").contains("shape"))
+      conditions.push_back(condition);
+  object["allOf"] = conditions;
+}
+
+void put_shapes_of_bodies(Json& body) {
+  put_shapes(body, is_any);
+  body.at("properties")["kind"]["description"] = fmt::format(
       "free: moves by forces. fixed: never moves. kinematic: follows its motion. "
       "Default: free for {}, fixed for the others, which cannot be free.",
       shape_names(&ShapeCard::may_be_free));
-  require_same_types(shape_cards());
-  for (const ShapeCard& card : shape_cards())
-    for (const ShapeKey& key : card.keys) {
-      properties[key.key] = schema_of(key.type);
-      properties[key.key]["description"] = text_of_key(key.key);
-    }
-  Json conditions = Json::array();
-  for (const ShapeCard& card : shape_cards())
-    if (Json condition = shape_condition(card); !condition.is_null())
-      conditions.push_back(condition);
-  for (const Json& condition : body.at("allOf"))
-    if (!condition.at("if").at("properties").contains("shape")) conditions.push_back(condition);
-  body["allOf"] = conditions;
 }
 
 }  // namespace
@@ -162,7 +176,10 @@ void require_same_types(const std::vector<ShapeCard>& cards) {
 }
 
 Json schema_with_cards(Json schema) {
-  put_shapes(schema.at("$defs").at("body"));
+  require_same_types(shape_cards());
+  put_shapes_of_bodies(schema.at("$defs").at("body"));
+  put_shapes(schema.at("$defs").at("particles"), may_be_free, own_particle_keys());
+  put_shapes(schema.at("$defs").at("particle_shape"), may_be_free);
   Json& dynamics = schema.at("$defs").at("dynamics").at("properties");
   dynamics["type"] = type_schema();
   dynamics.update(parameter_schemas(dynamics_cards()));

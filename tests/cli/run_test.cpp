@@ -349,6 +349,25 @@ INSTANTIATE_TEST_SUITE_P(Solvers, CliResume,
                                          "schwarz"),
                          [](const auto& info) { return std::string(info.param); });
 
+TEST_F(CliRun, ParticlesOfMixedShapesContinueBitForBit) {
+  nlohmann::json json = small_scene();
+  json["particles"] =
+      nlohmann::json::parse(R"([{"layout": "rain", "count": 60, "density": 1000, "layers": 3,
+    "interval": 0.006, "velocity": [0, 0, -8], "region": {"min": [-0.1, -0.1, 0.03], "max": [0.1, 0.1, 0.1]},
+    "orientation": "random", "scale": {"min": 0.5, "max": 1}, "shapes": [
+      {"shape": "box", "size": [0.02, 0.015, 0.01]}, {"shape": "sphere", "radius": 0.01},
+      {"shape": "capsule", "radius": 0.006, "length": 0.01},
+      {"shape": "cylinder", "radius": 0.008, "length": 0.02}]}])");
+  scene = put_scene(scratch, json);
+  must_run("whole", {"--steps", "20"});
+  must_run("parts", {"--steps", "10"});
+  must_run("parts", {"--steps", "20", "--resume"});
+  EXPECT_GT(read_steps_csv(scratch / "whole/steps.csv").back().contact_count, 10);
+  expect_same_run(scratch / "whole", scratch / "parts");
+  EXPECT_EQ(contents(scratch / "whole/picture_00000.png"),
+            contents(scratch / "parts/picture_00000.png"));
+}
+
 TEST_F(CliRun, ResumeWithALongerDuration) {
   must_run("whole", {"--set", "duration=0.02"});
   must_run("parts", {"--set", "duration=0.007"});

@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "host/scene/scene_summary.h"
+#include "host/scene_reader/particle_shapes.h"
+#include "shapes/shape_card.h"
+
+namespace scree::reader {
+namespace {
+
+void check_weights(const Node& node, const std::vector<double>& weights) {
+  double sum = 0;
+  for (const double weight : weights) sum += weight;
+  if (!(sum > 0 && sum < kInfinity)) node.refuse("must have a positive sum, and a finite one");
+}
+
+/// @param what  that is drawn, in its unit
+RadiusLaw read_law(const Node& node, const char* what, const char* unit) {
+  const std::string must_be_positive = fmt::format("must be positive [{}]", unit);
+  const auto size = [&](const Node& ends, const char* key) {
+    return ends.at(key, must_be_positive).number(kPositive, unit);
+  };
+  RadiusLaw law;
+  if (node.json().is_number()) {
+    law.low = law.high = node.number(kPositive, unit);
+    return law;
+  }
+  if (!node.json().is_object())
+    node.refuse(fmt::format(
+        "must be a positive number [{}] or one of {{min, max}}, {{values, weights}}, {{normal}}",
+        unit));
+  node.check_keys(scene_keys("radius"));
+  if (node.has("values") + node.has("normal") + (node.has("min") || node.has("max")) != 1)
+    node.refuse(fmt::format(
+        "must have exactly one of {{min, max}}, {{values, weights}}, {{normal}} [{}]", unit));
+  if (const auto values = node.find("values")) {
+    law.kind = RadiusLaw::Kind::discrete;
+    for (const Node& value : values->elements())
+      law.values.push_back(value.number(kPositive, unit));
+    if (law.values.empty())
+      values->refuse(fmt::format("must hold one {} or more [{}]", what, unit));
+    law.weights.assign(law.values.size(), 1.0);
+    if (const auto weights = node.find("weights")) {
+      const std::vector<Node> entries = weights->elements();
+      if (entries.size() != law.values.size()) weights->refuse("must be one weight per value");
+      for (std::size_t i = 0; i < entries.size(); ++i)
+        law.weights[i] = entries[i].number(kNonNegative, "");
+      check_weights(*weights, law.weights);
+    }
+    return law;
+  }
+  if (const auto weights = node.find("weights")) weights->fail("weights belong to values");
+  const auto normal = node.find("normal");
+  const Node& ends = normal ? *normal : node;
+  if (normal) {
+    normal->check_keys(scene_keys("radius_normal"));
+    law.kind = RadiusLaw::Kind::normal;
+    law.mean = size(*normal, "mean");
+    law.deviation = normal->at("deviation", fmt::format("must be zero or positive [{}]", unit))
+                        .number(kNonNegative, unit);
+  } else {
+    law.kind = RadiusLaw::Kind::uniform;
+  }
+  law.low = size(ends, "min");
+  const Node max = ends.at("max", must_be_positive);
+  law.high = max.number(kPositive, unit);
+  if (law.high < law.low) max.refuse(fmt::format("must not be below min [{}]", unit));
+  // A range that holds the mean is likely enough for draws to hit it, or narrow.
+  if (normal && !(law.low <= law.mean && law.mean <= law.high))
+    normal->at("mean", "").refuse(fmt::format("must be from min to max [{}]", unit));
+  return law;
+}
+
+/// The keys that say something of a shape, without those that mean something else in `particles`.
+std::vector<std::string> keys_of_shapes_alone() {
+  const std::vector<std::string>& own = own_particle_keys();
+  std::vector<std::string> keys;
+  for (const std::string& key : shape_keys())
+    if (std::find(own.begin(), own.end(), key) == own.end()) keys.push_back(key);
+  return keys;
+}
+
+void refuse_keys(const Node& node, const std::vector<std::string>& keys, const std::string& why) {
+  for (const std::string& key : keys)
+    if (const auto found = node.find(key)) found->fail(why);
+}
+
+void add_shape(const Node& node, Draft& draft, ParticleShapes& read) {
+  Shape shape;
+  Vec3d position;
+  read_shape(node, true, shape, position, draft);
+  read.size.radii.push_back(bounding_radius(draft.scene, shape));
+  read.shapes.push_back(shape);
+}
+
+/// Reads the shape of all particles. What the entry says beside it, it says of the particles.
+void add_only_shape(const Node& node, Draft& draft, ParticleShapes& read) {
+  Json shape = node.json();
+  for (const std::string& key : own_particle_keys())
+    if (key != "shape" && key != "radius" && key != "file") shape.erase(key);
+  add_shape(Node(shape, node.path(), node.source()), draft, read);
+  read.size.weights = {1.0};
+}
+
+void add_shapes(const Node& list, Draft& draft, ParticleShapes& read) {
+  for (const Node& entry : list.elements()) {
+    entry.check_keys(scene_keys("particle_shape"));
+    double weight = 1;
+    entry.read("weight", weight, kNonNegative, "-");
+    read.size.weights.push_back(weight);
+    add_shape(entry, draft, read);
+  }
+  if (read.shapes.empty()) list.refuse("must hold one shape or more");
+  check_weights(list, read.size.weights);
+}
+
+Shape scaled(const Shape& shape, double factor) {
+  return factor == 1 ? shape : shape_card(shape.kind).scaled(shape, factor);
+}
+
+void check_scale(const Node& node, const ParticleShapes& read) {
+  for (const Shape& shape : read.shapes) {
+    const ShapeCard& card = shape_card(shape.kind);
+    if (card.scaled == nullptr) node.fail(fmt::format("a {} cannot be scaled", card.name));
+    for (const double factor : {read.size.scale.smallest(), read.size.scale.largest()})
+      if (const auto fault = card.fault(scaled(shape, factor)))
+        node.fail(fmt::format("a scale of {} makes the {} of a {} {}, {}", factor, fault->field,
+                              card.name, fault->value, fault->expected));
+  }
+}
+
+}  // namespace
+
+ParticleShapes read_particle_shapes(const Node& node, Draft& draft) {
+  const auto one = node.find("shape"), several = node.find("shapes"), scale = node.find("scale");
+  if (one && several) several->fail("give either shape or shapes");
+  if (!one && !several) {
+    const std::string why = "this key goes with a shape, and none is given; spheres have a radius";
+    refuse_keys(node, keys_of_shapes_alone(), why);
+    if (scale) scale->fail(why);
+    return {{}, read_law(node.at("radius", "must be positive [m]"), "radius", "m")};
+  }
+  RadiusLaw law;
+  law.low = law.high = 1;
+  ParticleShapes read{{}, scale ? read_law(*scale, "scale", "-") : law};
+  if (one) {
+    add_only_shape(node, draft, read);
+  } else {
+    const std::string why = "give it in the entries of shapes; here, a scale is for all of them";
+    refuse_keys(node, keys_of_shapes_alone(), why);
+    refuse_keys(node, {"radius", "file"}, why);
+    add_shapes(*several, draft, read);
+  }
+  if (scale) check_scale(*scale, read);
+  return read;
+}
+
+void refuse_particle_shapes(const Node& node, const std::string& why) {
+  refuse_keys(node, {"shape", "shapes", "scale"}, why);
+  refuse_keys(node, keys_of_shapes_alone(), why);
+}
+
+void set_placed(const ParticleShapes& from, PlacedSpheres placed, const Scene& scene,
+                ParticleSet& set) {
+  set.position = std::move(placed.center);
+  set.radius = std::move(placed.radius);
+  if (std::all_of(from.shapes.begin(), from.shapes.end(),
+                  [](const Shape& shape) { return shape_card(shape.kind).is_ball; }))
+    return;
+  const auto shape_of = [&](std::size_t i) {
+    return scaled(from.shapes[static_cast<std::size_t>(placed.shape[i])], placed.scale[i]);
+  };
+  if (placed.shape.uniform() && placed.scale.uniform()) {
+    set.shape = shape_of(0);
+    set.radius = bounding_radius(scene, set.shape[0]);
+    return;
+  }
+  std::vector<Shape> shapes(set.position.size());
+  std::vector<double> radii(shapes.size());
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    shapes[i] = shape_of(i);
+    // The radius that was drawn may differ from it in the last bit.
+    radii[i] = bounding_radius(scene, shapes[i]);
+  }
+  set.shape = PerParticle<Shape>(std::move(shapes));
+  set.radius = PerParticle<double>(std::move(radii));
+}
+
+}  // namespace scree::reader

@@ -47,7 +47,8 @@ struct Simplex {
   }
 
   /// Keeps what holds the nearest point. @return  whether that is the origin, inside of a tetrahedron
-  SCREE_HD bool reduce() {
+  /// @param size  of the cores, for rounding [m]
+  SCREE_HD bool reduce(double size) {
     double best[4] = {}, best2 = 1e300;
     if (count == 1) best[0] = 1;
     if (count == 2) offer_edge(0, 1, best, best2);
@@ -56,9 +57,11 @@ struct Simplex {
       bool is_inside = true;
       for (int k = 0; k < 4; ++k) {
         const int i = (k + 1) % 4, j = (k + 2) % 4, l = (k + 3) % 4;
-        const Vec3d n = cross(point[j].w - point[i].w, point[l].w - point[i].w);
+        const Vec3d e = point[j].w - point[i].w, f = point[l].w - point[i].w, n = cross(e, f);
         const double own = dot(point[k].w - point[i].w, n), origin = -dot(point[i].w, n);
-        if (own * origin > 0) continue;
+        // A tetrahedron that is flat but for rounding has no inside.
+        const double rounding2 = 1e-24 * size * size * norm2(e) * norm2(f);
+        if (own * origin > 0 && own * own > rounding2) continue;
         is_inside = false;
         offer_triangle(i, j, l, best, best2);
       }
@@ -130,7 +133,7 @@ SCREE_HD inline bool find_nearest(const ConvexCore& a, const ConvexCore& b, doub
     if (bound > most * length || length2 - bound <= 1e-14 * length2 + 4e-16 * size * length) break;
     const Simplex before = s;
     s.point[s.count++] = p;
-    if (s.reduce()) return false;
+    if (s.reduce(size)) return false;
     const Vec3d next = s.nearest();
     if (!(norm2(next) < length2)) {
       s = before;

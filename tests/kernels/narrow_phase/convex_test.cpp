@@ -328,6 +328,37 @@ TEST(CylindersTest, MeetCapsulesAtTheirDistanceAndDepth) {
       12, [](std::mt19937& r) { return random_body(r, 0.6, true); }, on_axis, ends, 1);
 }
 
+/// Points of a rim lie so near each other that four of them make a tetrahedron of nothing but rounding: the origin is not
+/// inside of it. A pair of a pile, and its neighborhood.
+TEST(CylindersTest, ACapsuleAtARimIsNotTakenForOneInside) {
+  std::mt19937 random(14);
+  std::normal_distribution<double> normal(0, 1e-6);
+  const auto near = [&](const Quatd& q) {
+    return normalized(Quatd{q.w + normal(random), q.x + normal(random), q.y + normal(random),
+                            q.z + normal(random)});
+  };
+  for (int trial = 0; trial < 5000; ++trial) {
+    Body a, c;
+    a.half = {0.0170933, 0.0170933, 0.0408341};
+    a.q = near({0.465864, -0.5536722, 0.63479716, -0.27101737});
+    c.half = {0.0233159, 0.0233159, 0.0317945};
+    c.q = near({-0.34623772, 0.2694514, 0.42868426, -0.78977555});
+    c.center = {0.0136867, 0.0457102, -0.0395083};
+    const auto distance = [&](double s) {
+      const Vec3d x = rotate_back(c.q, rotate(a.q, Vec3d{0, 0, s}) - c.center);
+      return norm(x - shapes::Cylinder::nearest(c.half, x));
+    };
+    double low = a.half.x - a.half.z, high = -low;
+    for (int k = 0; k < 100; ++k) {
+      const double s = low + (high - low) / 3, t = high - (high - low) / 3;
+      (distance(s) < distance(t) ? high : low) = distance(s) < distance(t) ? t : s;
+    }
+    const Manifold m = manifold<CapsuleCylinder>(a, c, 1e-3);
+    ASSERT_EQ(m.count, 1) << trial;
+    ASSERT_NEAR(m.contact[0].gap, distance(low) - a.half.x, 1e-8) << trial;
+  }
+}
+
 TEST(CylindersTest, MeetEachOtherAtTheirDistanceAndDepth) {
   const auto onto = [](const Body& a, const Vec3d& x) {
     return a.center +

@@ -52,7 +52,7 @@ std::vector<std::string> particle_keys() {
 
 std::vector<std::string> particle_shape_keys() {
   std::vector<std::string> keys = free_shape_keys();
-  keys.insert(keys.begin(), {"shape", "weight"});
+  keys.insert(keys.begin(), {"shape", "weight", "group"});
   return keys;
 }
 

@@ -11,6 +11,7 @@ namespace scree::reader {
 
 struct ParticleShapes {
   std::vector<Shape> shapes;  ///< at scale one; none: spheres
+  std::vector<int> groups;    ///< of the shapes; -1: that of the entry
   SizeLaw size;
 };
 
@@ -20,7 +21,7 @@ ParticleShapes read_particle_shapes(const Node& node, Draft& draft);
 /// Refuses the keys that say something of shapes and of scales.
 void refuse_particle_shapes(const Node& node, const std::string& why);
 
-/// Gives a set the shapes and sizes of placed particles, and takes their centers over.
+/// Gives a set the shapes, sizes and groups of placed particles, and takes their centers over.
 /// @param scene  has the meshes
 void set_placed(const ParticleShapes& from, PlacedSpheres placed, const Scene& scene,
                 ParticleSet& set);

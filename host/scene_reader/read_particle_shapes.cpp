@@ -93,6 +93,8 @@ void add_shape(const Node& node, Draft& draft, ParticleShapes& read) {
   read_shape(node, true, shape, position, draft);
   read.size.radii.push_back(bounding_radius(draft.scene, shape));
   read.shapes.push_back(shape);
+  const auto group = node.find("group");
+  read.groups.push_back(group ? group_index(group->text(), draft) : -1);
 }
 
 /// Reads the shape of all particles. What the entry says beside it, it says of the particles.
@@ -120,6 +122,22 @@ Shape scaled(const Shape& shape, double factor) {
   return factor == 1 ? shape : shape_card(shape.kind).scaled(shape, factor);
 }
 
+void set_groups(const ParticleShapes& from, const PerParticle<int>& shape, ParticleSet& set) {
+  if (std::all_of(from.groups.begin(), from.groups.end(), [](int group) { return group < 0; }))
+    return;
+  const auto group_of = [&](std::size_t i) {
+    const int own = from.groups[static_cast<std::size_t>(shape[i])];
+    return own < 0 ? set.group[i] : own;
+  };
+  if (shape.uniform()) {
+    set.group = group_of(0);
+    return;
+  }
+  std::vector<int> groups(set.position.size());
+  for (std::size_t i = 0; i < groups.size(); ++i) groups[i] = group_of(i);
+  set.group = PerParticle<int>(std::move(groups));
+}
+
 void check_scale(const Node& node, const ParticleShapes& read) {
   for (const Shape& shape : read.shapes) {
     const ShapeCard& card = shape_card(shape.kind);
@@ -140,11 +158,11 @@ ParticleShapes read_particle_shapes(const Node& node, Draft& draft) {
     const std::string why = "this key goes with a shape, and none is given; spheres have a radius";
     refuse_keys(node, keys_of_shapes_alone(), why);
     if (scale) scale->fail(why);
-    return {{}, read_law(node.at("radius", "must be positive [m]"), "radius", "m")};
+    return {{}, {}, read_law(node.at("radius", "must be positive [m]"), "radius", "m")};
   }
   RadiusLaw law;
   law.low = law.high = 1;
-  ParticleShapes read{{}, scale ? read_law(*scale, "scale", "-") : law};
+  ParticleShapes read{{}, {}, scale ? read_law(*scale, "scale", "-") : law};
   if (one) {
     add_only_shape(node, draft, read);
   } else {
@@ -166,6 +184,7 @@ void set_placed(const ParticleShapes& from, PlacedSpheres placed, const Scene& s
                 ParticleSet& set) {
   set.position = std::move(placed.center);
   set.radius = std::move(placed.radius);
+  set_groups(from, placed.shape, set);
   if (std::all_of(from.shapes.begin(), from.shapes.end(),
                   [](const Shape& shape) { return shape_card(shape.kind).is_ball; }))
     return;

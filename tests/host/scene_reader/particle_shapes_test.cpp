@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "host/body_constants.h"
 #include "host/scene/scene_checks.h"
@@ -126,6 +127,24 @@ TEST(ParticleShapes, WithWeightZeroAreNotDrawn) {
     "spacing": 1.8)",
                                  "lattice", 100);
   for (std::size_t i = 0; i < 100; ++i) ASSERT_EQ(particle_shape(set, i).half_extents.x, 0.05);
+}
+
+TEST(ParticleShapes, OfAMixMayHaveGroups) {
+  const std::string some = R"("group": "stones", "shapes": [
+    {"shape": "box", "size": [0.1, 0.1, 0.1], "group": "boxes"}, {"shape": "sphere", "radius": 0.1}])";
+  const Scene scene = parsed(with_particles(entry(some)));
+  const ParticleSet& set = scene.particles[0];
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const std::string& group = scene.groups[static_cast<std::size_t>(set.group[i])];
+    ASSERT_EQ(group, particle_kind(set, i) == shapes::Box::kind ? "boxes" : "stones");
+    names.insert(group);
+  }
+  EXPECT_EQ(names.size(), 2u);
+  const Scene one = parsed(with_particles(
+      entry(R"("shapes": [{"shape": "box", "size": [0.1, 0.1, 0.1], "group": "boxes"}])")));
+  EXPECT_TRUE(one.particles[0].group.uniform());
+  EXPECT_EQ(one.groups[static_cast<std::size_t>(one.particles[0].group[0])], "boxes");
 }
 
 TEST(ParticleShapes, BoundingSpheresDoNotOverlap) {

@@ -105,9 +105,9 @@ class MixedContacts {
     PairList::for_each_body_pair([&]<class P>(P, int number) {
       const auto f = static_cast<std::size_t>(number);
       const Span<const Index> of_function{pair.data() + begin[f], begin[f + 1] - begin[f]};
-      for_each(
-          b, static_cast<Index>(of_function.size),
-          FindPairContacts<P, Real>{test, body_a_.view(), body_b_.view(), of_function, found()});
+      for_each(b, static_cast<Index>(of_function.size),
+               FindPairContacts<ProgramOf<P>, Real>{test, P::A::kind, body_a_.view(),
+                                                    body_b_.view(), of_function, found()});
     });
   }
 

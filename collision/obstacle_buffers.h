@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "collision/hull_buffers.h"
 #include "collision/obstacles.h"
 #include "kernels/backend/backend.h"
 #include "kernels/narrow_phase/pair_table.h"
@@ -23,6 +24,7 @@ class ObstacleBuffers {
   ObstacleBuffers(B& b, const ObstacleData<Real>& data, const Vec3d& period)
       : images_(static_cast<std::uint64_t>(image_count(period))),
         shapes_(b),
+        hulls_(b, data.hulls),
         sources_(b),
         planes_(b),
         solids_(b),
@@ -79,16 +81,17 @@ class ObstacleBuffers {
   }
   /// Contact elements that solid walls take.
   std::uint64_t solid_elements() const { return solid_elements_; }
-  Span<const ShapeRecord<Real>> shapes() const { return whole(shapes_); }
+  ShapeSet<Real> shapes() const { return {whole(shapes_), hulls_.view()}; }
 
   /// Takes over the poses and motions of the wall bodies.
   void refresh(B& b, const BodyView<Real>& bodies, const ContactRange& range,
                const ContactKeys& keys) {
-    for_each(
-        b, plane_count_,
-        RefreshPlanes<Real>{bodies, range, shapes(), whole(sources_), planes_.view(plane_count_)});
+    for_each(b, plane_count_,
+             RefreshPlanes<Real>{bodies, range, whole(shapes_), whole(sources_),
+                                 planes_.view(plane_count_)});
     for_each(b, solid_count_,
-             RefreshSolids<Real>{bodies, range, keys.solid_begin, solids_.view(solid_count_)});
+             RefreshSolids<Real>{bodies, range, hulls_.view(), keys.solid_begin,
+                                 solids_.view(solid_count_)});
   }
 
   WallView<Real> walls() const {
@@ -164,7 +167,7 @@ class ObstacleBuffers {
     int bits = 0;
     for (const auto& [a, count] : free_) bits = std::max(bits, bits_of(a, shape.kind));
     solid.slots = 1u << bits;
-    if (card.has_mesh) {
+    if (card.has_mesh && !card.is_hull) {
       if (shape.mesh < 0 || shape.mesh >= static_cast<Index>(topology.meshes.size())) {
         throw std::runtime_error("wall names mesh " + std::to_string(shape.mesh) + " of " +
                                  std::to_string(topology.meshes.size()));
@@ -200,6 +203,7 @@ class ObstacleBuffers {
   std::uint64_t solid_elements_ = 0;
   std::uint64_t images_ = 1;  ///< of each solid wall
   Buffer<B, ShapeRecord<Real>> shapes_;
+  HullBuffers<B> hulls_;
   Buffer<B, PlaneSource> sources_;
   Buffer<B, WallPlane> planes_;
   Buffer<B, WallSolid> solids_;

@@ -14,6 +14,7 @@ struct ObstacleData {
   std::vector<ShapeRecord<Real>> shapes;
   std::vector<Index> walls;        ///< indices into `shapes`: fixed and kinematic bodies
   std::vector<MeshSource> meshes;  ///< ShapeRecord::mesh points here
+  std::vector<MeshSource> hulls;   ///< that of hulls points here
 };
 
 }  // namespace scree

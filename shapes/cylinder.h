@@ -18,12 +18,7 @@ struct Cylinder {
     const double r = source.length("radius");
     shape.half_extents = {r, r, 0.5 * source.length("length")};
   }
-  static std::optional<Fault> fault(const Shape& shape) {
-    const Vec3d& e = shape.half_extents;
-    if (auto fault = lengths_fault("half_extents", e)) return fault;
-    if (e.x == e.y) return std::nullopt;
-    return Fault{"half_extents", vector_text(e), "must be the radius twice [m]"};
-  }
+  static std::optional<Fault> fault(const Shape& shape) { return round_fault(shape); }
   static double bounding_radius(const Shape& shape, const TriangleMesh*) {
     return std::sqrt(shape.half_extents.x * shape.half_extents.x +
                      shape.half_extents.z * shape.half_extents.z);

@@ -28,7 +28,9 @@ struct Shape {
   /// half_space: unit outward normal in the body frame (bodies are on this side).
   Vec3d normal{0, 0, 1};
   unsigned open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
-  int mesh = -1;            ///< mesh: index into Scene::meshes
+  int mesh = -1;            ///< mesh, hull: index into Scene::meshes
+  double volume = 0;        ///< hull [m^3]
+  Vec3d moments;            ///< hull: principal moments of a unit mass [m^2]
 };
 
 }  // namespace scree

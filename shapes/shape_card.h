@@ -32,12 +32,15 @@ std::optional<Fault> lengths_fault(const char* field, const Vec3d& value);
 /// Fault of a vector whose length is not one.
 std::optional<Fault> unit_fault(const char* field, const Vec3d& value);
 
+/// Of the half extents of a shape that is round about z.
+std::optional<Fault> round_fault(const Shape& shape);
+
 /// "[1, 2, 3]", for messages.
 std::string vector_text(const Vec3d& value);
 
 /// A key of scene files that says something about a shape.
 struct ShapeKey {
-  enum class Type { length, vector, faces, file, scale, flag };
+  enum class Type { length, vector, points, faces, file, scale, flag };
   const char* key;
   Type type;
   const char* text;  ///< what it is, with its unit
@@ -58,6 +61,8 @@ class ShapeSource {
   virtual unsigned faces(const char* key) const = 0;
   /// Index of the mesh that the keys `file`, `scale` and `closed` describe.
   virtual int mesh() const = 0;
+  /// Makes a shape the convex hull of `points`, or of those of a `file` with a `scale`.
+  virtual void read_hull(Shape& shape) const = 0;
   virtual void exclude(std::span<const char* const> keys, const char* why) const = 0;
   [[noreturn]] virtual void refuse(const char* key, const char* expected) const = 0;
 };
@@ -81,6 +86,7 @@ struct ShapeCard {
   std::span<const ShapeKey> keys;
   bool is_ball;   ///< bodies have no shape record, contacts are radial
   bool has_mesh;  ///< its surface is a mesh of the scene
+  bool is_hull;   ///< that mesh is convex, and scaled to the half extents
   /// Reads what the keys say. @param position  of the body [m]; a shape may set it
   void (*read)(const ShapeSource& source, Shape& shape, Vec3d& position);
   std::optional<Fault> (*fault)(const Shape& shape);
@@ -115,20 +121,19 @@ inline Shape with_scaled_lengths(const Shape& shape, double factor) {
 /// The card of a shape from what its file holds.
 template <class S>
 constexpr ShapeCard card_of() {
-  ShapeCard card{S::kind,     S::name,   S::description,
-                 S::keys,     false,     false,
-                 &S::read,    &S::fault, &S::bounding_radius,
-                 &S::surface, {},        {},
-                 {},          {},        {}};
+  ShapeCard card{S::kind,  S::name,   S::description,      S::keys,     false, false, false,
+                 &S::read, &S::fault, &S::bounding_radius, &S::surface, {},    {},    {},
+                 {},       {}};
   card.is_ball = S::outline == Outline::ball;
-  card.has_mesh = S::outline == Outline::triangles;
+  if constexpr (requires { S::is_hull; }) card.is_hull = S::is_hull;
+  card.has_mesh = S::outline == Outline::triangles || card.is_hull;
   if constexpr (requires { &S::mass; }) card.mass = &S::mass;
   if constexpr (requires { &S::farthest; }) card.support = &S::farthest;
   if constexpr (requires { &S::faces; }) card.faces = &S::faces;
   if constexpr (requires { &S::rounding; }) card.rounding = &S::rounding;
   if constexpr (requires { &S::scaled; })
     card.scaled = &S::scaled;
-  else if (!card.has_mesh)
+  else if (!card.has_mesh || card.is_hull)
     card.scaled = &with_scaled_lengths;
   return card;
 }

@@ -43,6 +43,13 @@ std::optional<Fault> unit_fault(const char* field, const Vec3d& value) {
   return Fault{field, vector_text(value), "must have length 1"};
 }
 
+std::optional<Fault> round_fault(const Shape& shape) {
+  const Vec3d& e = shape.half_extents;
+  if (auto fault = lengths_fault("half_extents", e)) return fault;
+  if (e.x == e.y) return std::nullopt;
+  return Fault{"half_extents", vector_text(e), "must be the radius twice [m]"};
+}
+
 bool is_shape(ShapeKind kind) {
   for (const ShapeCard& card : shape_cards())
     if (card.kind == kind) return true;

@@ -1,9 +1,12 @@
 #pragma once
 // Shape records of all bodies that are not spheres, and the meshes, for collision and for pictures.
 
+#include <map>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "collision/hull_buffers.h"
 #include "collision/obstacles.h"
 #include "host/scene.h"
 #include "host/scene/bodies_by_id.h"
@@ -25,7 +28,7 @@ class Obstacles {
       const auto id = static_cast<Index>(body_id);
       const bool is_free = body.kind == BodyKind::free;
       if (!shape_card(body.shape.kind).is_ball) {
-        add_shape(id, body.shape, is_free ? -1 : fixed);
+        add_shape(scene, id, body.shape, is_free ? -1 : fixed);
         if (!is_free) data_.walls.push_back(shape_of_id_[id]);
       }
       if (!is_free) ++fixed;
@@ -34,15 +37,13 @@ class Obstacles {
       if (are_spheres(set)) return;
       for (std::size_t i = 0; i < set.position.size(); ++i) {
         if (!shape_card(particle_kind(set, i)).is_ball)
-          add_shape(static_cast<Index>(first + i), particle_shape(set, i), -1);
+          add_shape(scene, static_cast<Index>(first + i), particle_shape(set, i), -1);
       }
     };
     for_each_by_id(scene, add, add_set);
-    for (const TriangleMesh& mesh : scene.meshes) {
-      data_.meshes.push_back({mesh.vertices, mesh.triangles, mesh.closed});
-    }
+    hulls_.emplace(b, data_.hulls);
     upload(b, data_.shapes, shapes_);
-    upload_meshes(b, scene);
+    upload_meshes(b);
   }
 
   const ObstacleData<Real>& data() const { return data_; }
@@ -51,7 +52,7 @@ class Obstacles {
   }
   MeshSetView<Real> mesh_set() const {
     return {vertices_.view(vertex_count_), triangles_.view(triangle_count_),
-            ranges_.view(range_count_)};
+            ranges_.view(range_count_), hulls_->view()};
   }
 
   /// Shape record of a body by id, -1 for a sphere.
@@ -62,29 +63,40 @@ class Obstacles {
 
  private:
   /// @param body  storage index of a fixed or kinematic body; -1: it is free
-  void add_shape(Index id, const Shape& shape, Index body) {
+  void add_shape(const Scene& scene, Index id, const Shape& shape, Index body) {
     shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
-    data_.shapes.push_back(record(shape, body));
+    data_.shapes.push_back(record(scene, shape, body));
   }
 
-  static ShapeRecord<Real> record(const Shape& shape, Index body) {
+  ShapeRecord<Real> record(const Scene& scene, const Shape& shape, Index body) {
     ShapeRecord<Real> r;
     const ShapeCard& card = shape_card(shape.kind);
     r.kind = shape.kind;
     r.rounding = card.rounding == nullptr ? Real(0) : static_cast<Real>(card.rounding(shape));
     r.open_faces = static_cast<std::uint8_t>(shape.open_faces);
-    r.mesh = shape.mesh;
+    if (card.is_hull) r.mesh = place_of(scene, shape, hull_of_mesh_, data_.hulls);
+    if (card.has_mesh && !card.is_hull)
+      r.mesh = place_of(scene, shape, place_of_mesh_, data_.meshes);
     r.body = body;
     r.half_extents = Vec3<Real>(shape.half_extents);
     r.normal = Vec3<Real>(shape.normal);
     return r;
   }
 
-  void upload_meshes(B& b, const Scene& scene) {
+  /// Where the mesh of a shape is among those of its sort.
+  static Index place_of(const Scene& scene, const Shape& shape, std::map<int, Index>& places,
+                        std::vector<MeshSource>& meshes) {
+    const auto [place, is_new] = places.emplace(shape.mesh, static_cast<Index>(meshes.size()));
+    const TriangleMesh& mesh = scene.meshes[static_cast<std::size_t>(shape.mesh)];
+    if (is_new) meshes.push_back({mesh.vertices, mesh.triangles, mesh.closed});
+    return place->second;
+  }
+
+  void upload_meshes(B& b) {
     std::vector<Vec3<Real>> vertices;
     std::vector<TriangleIndices> triangles;
     std::vector<MeshRange> ranges;
-    for (const TriangleMesh& mesh : scene.meshes) {
+    for (const MeshSource& mesh : data_.meshes) {
       const auto first_vertex = static_cast<Index>(vertices.size());
       ranges.push_back(
           {static_cast<Index>(triangles.size()), static_cast<Index>(mesh.triangles.size())});
@@ -103,6 +115,8 @@ class Obstacles {
 
   ObstacleData<Real> data_;
   std::unordered_map<Index, Index> shape_of_id_;
+  std::map<int, Index> place_of_mesh_, hull_of_mesh_;  ///< by index in Scene::meshes
+  std::optional<HullBuffers<B>> hulls_;
   Buffer<B, ShapeRecord<Real>> shapes_;
   Buffer<B, Vec3<Real>> vertices_;
   Buffer<B, TriangleIndices> triangles_;

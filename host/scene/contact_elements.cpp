@@ -57,7 +57,7 @@ ContactElements count_elements(const Scene& scene) {
     }
     int bits = 0;
     for (const auto& [a, count] : free) bits = std::max(bits, bits_of(a, body.shape.kind));
-    const TriangleMesh* mesh = mesh_of(scene, body.shape);
+    const TriangleMesh* mesh = card.is_hull ? nullptr : mesh_of(scene, body.shape);
     elements.solids +=
         images * (mesh ? mesh_slots(mesh->triangles.size(), bits) : std::uint64_t{1} << bits);
   }

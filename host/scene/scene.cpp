@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "dynamics/dynamics_card.h"
 #include "host/error.h"
 #include "host/io/printable.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/convex_hull.h"
 #include "host/scene/particle_shapes.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
@@ -82,6 +84,8 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
     return Fault{"mesh", fmt::format("{}", shape.mesh),
                  fmt::format("must be an index below {}", scene.meshes.size())};
   if (auto fault = card.fault(shape)) return fault;
+  if (card.is_hull && !(shape.volume > 0))
+    return Fault{"volume", text(shape.volume), "must be positive: set_hull() gives it [m^3]"};
   if (body.kind == BodyKind::free && !card.may_be_free())
     return Fault{
         "kind", "\"free\"",
@@ -345,6 +349,28 @@ void check_meshes(const Scene& scene) {
   }
 }
 
+/// Meshes of hulls must be convex, and in the principal frame where a body is free.
+void check_hulls(const Scene& scene) {
+  std::set<std::pair<int, bool>> seen;
+  const auto check = [&](const Shape& shape, bool is_free) {
+    const bool is_hull = is_shape(shape.kind) && shape_card(shape.kind).is_hull;
+    const TriangleMesh* mesh = is_hull ? mesh_of(scene, shape) : nullptr;
+    if (mesh == nullptr || !seen.emplace(shape.mesh, is_free).second) return;
+    if (const auto fault = hull_fault(*mesh, is_free))
+      refuse(fmt::format("meshes[{}] ({})", shape.mesh, mesh->name), "a mesh that " + *fault,
+             "must be that of a hull: set_hull() makes one");
+  };
+  for_each_by_id(
+      scene,
+      [&](std::size_t, const BodyDescription& body) {
+        check(body.shape, body.kind == BodyKind::free);
+      },
+      [&](std::size_t, const ParticleSet& set) {
+        if (set.shape.uniform() && set.shape[0].kind == kNoShape) return;
+        for (std::size_t i = 0; i < set.position.size(); ++i) check(set.shape[i], true);
+      });
+}
+
 /// Calls f(body, path maker) for the bodies that are described one by one, those of
 /// insertions included.
 template <class F>
@@ -529,6 +555,7 @@ void validate(const Scene& scene) {
   if (const auto fault = range_fault(scene)) refuse(fault->field, fault->value, fault->expected);
   if (scene.groups.empty()) refuse("groups", "an empty list", "must hold one name or more");
   check_meshes(scene);
+  check_hulls(scene);
   check_bodies(scene);
   check_insertions(scene);
   check_body_names(scene);

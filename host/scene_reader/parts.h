@@ -7,13 +7,22 @@
 #include <vector>
 
 #include "host/scene.h"
+#include "host/scene/convex_hull.h"
 #include "host/scene_reader/node.h"
 
 namespace scree::reader {
 
+/// A convex hull that several bodies may have.
+struct HullDraft {
+  Shape shape;
+  LocalFrame frame;  ///< of the body in that of the points
+};
+
 /// A scene being read.
 struct Draft {
   Scene scene;
+  std::map<std::string, HullDraft> hulls;  ///< by points
+  LocalFrame shape_frame;  ///< of the shape read last: the frame of its body in that of the file
   std::map<double, Insertion> inserted;  ///< by time [s], which the values get at the end
   std::map<std::string, int> meshes;     ///< file and options to index
   std::unordered_map<std::string, int> material_of_name;

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 
+#include "host/scene/convex_hull.h"
 #include "host/scene/mesh_reader.h"
 #include "host/scene/particle_table.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene_reader/parts.h"
+#include "shapes/hull.h"
 #include "shapes/shape_card.h"
 
 namespace scree::reader {
@@ -19,6 +21,24 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 void refuse_keys(const Node& node, const std::vector<std::string>& keys, const std::string& why) {
   for (const std::string& key : keys)
     if (const auto found = node.find(key)) found->fail(why);
+}
+
+/// Points of a hull, and what tells them apart from those of others.
+std::vector<Vec3d> read_points(const Node& node, std::string& key) {
+  std::vector<Vec3d> points;
+  if (const auto list = node.find("points")) {
+    refuse_keys(node, {"file", "scale"}, "give either points or a file");
+    for (const Node& point : list->elements()) points.push_back(point.vector("m"));
+    key = list->json().dump();
+    return points;
+  }
+  MeshOptions options;
+  options.closed = false;  // only its vertices count
+  const std::filesystem::path path =
+      node.at("file", "must be the name of an .stl or .obj file, or give points [m]").file();
+  node.read("scale", options.scale, kPositive, "m per unit of the file");
+  key = fmt::format("{}|{}", path.string(), options.scale);
+  return read_mesh(path, options).vertices;
 }
 
 int read_mesh_file(const Node& node, Draft& draft) {
@@ -37,7 +57,9 @@ int read_mesh_file(const Node& node, Draft& draft) {
 /// An entry of `bodies`.
 class NodeSource final : public ShapeSource {
  public:
-  NodeSource(const Node& node, Draft& draft) : node_(node), draft_(draft) {}
+  /// @param is_free  the body is
+  NodeSource(const Node& node, bool is_free, Draft& draft)
+      : node_(node), is_free_(is_free), draft_(draft) {}
 
   bool has(const char* key) const override { return node_.has(key); }
   double length(const char* key) const override {
@@ -64,6 +86,26 @@ class NodeSource final : public ShapeSource {
     return bits;
   }
   int mesh() const override { return read_mesh_file(node_, draft_); }
+  void read_hull(Shape& shape) const override {
+    std::string key;
+    const std::vector<Vec3d> points = read_points(node_, key);
+    const auto [hull, is_new] =
+        draft_.hulls.emplace(fmt::format("{}|{}", is_free_, key), HullDraft{});
+    if (is_new) {
+      TriangleMesh mesh;
+      try {
+        mesh = convex_hull(points, "hull");
+      } catch (const std::invalid_argument& error) {
+        node_.at(node_.has("points") ? "points" : "file", "").fail(error.what());
+      }
+      if (is_free_) hull->second.frame = move_to_principal_frame(mesh);
+      shapes::Hull::measure(mesh, hull->second.shape);
+      hull->second.shape.mesh = static_cast<int>(draft_.scene.meshes.size());
+      draft_.scene.meshes.push_back(std::move(mesh));
+    }
+    shape = hull->second.shape;
+    draft_.shape_frame = hull->second.frame;
+  }
   void exclude(std::span<const char* const> keys, const char* why) const override {
     refuse_keys(node_, {keys.begin(), keys.end()}, why);
   }
@@ -73,6 +115,7 @@ class NodeSource final : public ShapeSource {
 
  private:
   const Node& node_;
+  bool is_free_;
   Draft& draft_;
 };
 
@@ -162,7 +205,10 @@ void read_shape(const Node& node, bool must_be_free, Shape& shape, Vec3d& positi
   shape.kind = node.at("shape", "must be one of " + list).choice(names);
   const ShapeCard& card = shape_card(shape.kind);
   refuse_keys_of_other_shapes(node, card);
-  card.read(NodeSource(node, draft), shape, position);
+  const auto kind = node.find("kind");
+  const bool is_free = must_be_free || !kind || kind->json() == "free";
+  draft.shape_frame = {};
+  card.read(NodeSource(node, is_free, draft), shape, position);
   check_sizes(node, shape, card);
 }
 
@@ -186,7 +232,10 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
   read_name(node, index, draft);
   read_shape(node, false, body.shape, body.position, draft);
   read_kind(node, body);
+  const LocalFrame frame = draft.shape_frame;
   read_pose(node, body);
+  body.position += rotate(body.orientation, frame.origin);
+  body.orientation = body.orientation * frame.axes;
   if (body.kind == BodyKind::free) {
     node.read("velocity", body.velocity, "m/s");
     node.read("angular_velocity", body.angular_velocity, "rad/s");

@@ -54,6 +54,8 @@ Json schema_of(ShapeKey::Type type) {
       return {{"type", "number"}, {"exclusiveMinimum", 0}};
     case ShapeKey::Type::vector:
       return {{"$ref", "#/$defs/vector"}};
+    case ShapeKey::Type::points:
+      return {{"type", "array"}, {"minItems", 4}, {"items", {{"$ref", "#/$defs/vector"}}}};
     case ShapeKey::Type::faces:
       return {{"type", "array"}, {"items", {{"enum", {"-x", "+x", "-y", "+y", "-z", "+z"}}}}};
     case ShapeKey::Type::file:

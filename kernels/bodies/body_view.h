@@ -2,6 +2,7 @@
 // Bodies as structures of arrays, and records of the shapes that are not spheres.
 
 #include "kernels/bodies/body_ranges.h"
+#include "kernels/bodies/hull.h"
 #include "kernels/bodies/per_body.h"
 #include "kernels/math/quat.h"
 #include "shapes/shape_kind.h"
@@ -13,11 +14,18 @@ template <class Real>
 struct ShapeRecord {
   ShapeKind kind = kNoShape;
   std::uint8_t open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
-  Index mesh = -1;              ///< mesh: index into MeshSetView::ranges
+  Index mesh = -1;              ///< mesh: index into MeshSetView::ranges; hull: into HullSet::hulls
   Index body = -1;              ///< storage index of the body that has this shape
   Vec3<Real> half_extents;      ///< of the box about it [m]
   Real rounding = 0;            ///< by how much its vertices are rounded [m]
   Vec3<Real> normal;            ///< half_space: unit, bodies are on this side
+};
+
+/// What is known of shapes besides their kinds.
+template <class Real>
+struct ShapeSet {
+  Span<const ShapeRecord<Real>> records;
+  HullSet hulls;
 };
 
 struct TriangleIndices {
@@ -37,6 +45,7 @@ struct MeshSetView {
   /// Vertex indices into `vertices`, outside counter-clockwise.
   Span<const TriangleIndices> triangles;
   Span<const MeshRange> ranges;  ///< [mesh_count]
+  HullSet hulls;
 };
 
 /// Bodies in storage, see BodyRanges; owned ones in Morton order. Free bodies are those that move.

@@ -4,6 +4,7 @@
 #include "kernels/broad_phase/contact_range.h"
 #include "kernels/narrow_phase/pairs/pair_list.h"
 #include "kernels/narrow_phase/walls.h"
+#include "shapes/shape_list.h"
 
 namespace scree {
 
@@ -24,14 +25,15 @@ struct BodySample {
   // Not of spheres:
   Quatd orientation;
   Vec3d half_extents;
+  Hull hull;
   Index name = 0;  ///< stays when bodies change places in memory
 
-  SCREE_HD PairSide side() const { return {radius, orientation, half_extents}; }
+  SCREE_HD PairSide side() const { return {radius, orientation, half_extents, kind, hull}; }
 };
 
 /// @tparam kMix  without `any` no binned body has a shape record, so none is looked up
 template <ShapeMix kMix, class Real>
-SCREE_HD BodySample load_body(const BodyView<Real>& bodies, Span<const ShapeRecord<Real>> shapes,
+SCREE_HD BodySample load_body(const BodyView<Real>& bodies, const ShapeSet<Real>& shapes,
                               const ContactRange& range, Index i) {
   BodySample s;
   s.kind = shapes::Sphere::kind;
@@ -41,10 +43,11 @@ SCREE_HD BodySample load_body(const BodyView<Real>& bodies, Span<const ShapeReco
   if constexpr (kMix == ShapeMix::any) {
     s.motion.angular = Vec3d(bodies.angular_velocity[i]);
     if (bodies.shape[i] >= 0) {
-      const ShapeRecord<Real>& shape = shapes[bodies.shape[i]];
+      const ShapeRecord<Real>& shape = shapes.records[bodies.shape[i]];
       s.kind = shape.kind;
       s.half_extents = Vec3d(shape.half_extents);
       s.orientation = load_orientation(bodies, i);
+      if (s.kind == shapes::Hull::kind) s.hull = shapes.hulls.hull(shape.mesh, s.half_extents.x);
       s.name = bodies.id.empty() ? i : bodies.id[i];
     }
   }
@@ -54,6 +57,29 @@ SCREE_HD BodySample load_body(const BodyView<Real>& bodies, Span<const ShapeReco
 /// A contact that is never listed. A scene in which two bodies could meet that have no pair
 /// function is refused before a run.
 SCREE_HD inline ContactGeometry no_contact() { return {{0, 0, 1}, INFINITY, {}, {}}; }
+
+/// Runs the pair functions of all shapes that have cores, see ConvexPair.
+struct ConvexProgram {
+  static constexpr int kFeatureBits = ConvexFeature::kBits;
+
+  [[gnu::noinline]] SCREE_HD static ConvexCore core(const PairSide& side, const Vec3d& center) {
+    ConvexCore c;
+    ShapeList::visit(side.kind, [&](auto shape) {
+      using S = decltype(shape);
+      if constexpr (PairList::has_core<S>()) c = core_of<S>(side, center);
+    });
+    return c;
+  }
+  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                          std::uint32_t feature) {
+    return convex_contact(core(a, {}), core(b, d), d, feature);
+  }
+  template <class Listed>
+  SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                    double most, Listed&& listed) {
+    return convex_manifold(core(a, {}), core(b, d), d, most, listed);
+  }
+};
 
 /// Two bodies as a pair function takes them. Two of one shape with several contacts come in the
 /// order of their names, which outlives that in memory: so their contacts keep their features.
@@ -66,7 +92,7 @@ struct OrderedPair {
   SCREE_HD OrderedPair(const BodySample& first, const BodySample& second, const Vec3d& along,
                        bool is_reversed)
       : is_swapped(is_reversed ||
-                   (P::kFeatureBits > 0 && P::A::kind == P::B::kind && second.name < first.name)),
+                   (P::kFeatureBits > 0 && first.kind == second.kind && second.name < first.name)),
         a(is_swapped ? second.side() : first.side()),
         b(is_swapped ? first.side() : second.side()),
         d(is_swapped ? -along : along) {}

@@ -19,7 +19,7 @@ SCREE_HD inline double wall_envelope(const ContactRange& range, Index a, const B
 template <ShapeMix kMix, class Real>
 struct ContactTest {
   BodyView<Real> bodies;
-  Span<const ShapeRecord<Real>> shapes;
+  ShapeSet<Real> shapes;
   CandidateView candidates;
   WallView<Real> walls;
   ContactRange range;
@@ -227,7 +227,7 @@ struct FillContacts {
   static constexpr const char* name = "fill_contacts";
   static constexpr int kLeastBlocks = kPasses ? 3 : 4;
   BodyView<Real> bodies;
-  Span<const ShapeRecord<Real>> shapes;
+  ShapeSet<Real> shapes;
   Span<const WallPlane> planes;
   ContactRange range;
   ContactKeys keys;

@@ -106,12 +106,7 @@ struct ConvexOnMesh {
     }
   };
 
-  SCREE_HD ConvexCore core() const {
-    ConvexCore c;
-    PairList::visit_mesh(
-        a.kind, [&](auto pair) { c = core_of<typename decltype(pair)::A>(a.side(), Vec3d{}); });
-    return c;
-  }
+  SCREE_HD ConvexCore core() const { return ConvexProgram::core(a.side(), {}); }
 
   SCREE_HD std::uint32_t element(const MeshInfo& info, std::uint32_t image, Index t,
                                  std::uint32_t feature) const {

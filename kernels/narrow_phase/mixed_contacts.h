@@ -112,7 +112,7 @@ struct ListNearPairs {
  private:
   SCREE_HD ShapeKind kind_of(Index i) const {
     const Index shape = test.bodies.shape[i];
-    return shape < 0 ? shapes::Sphere::kind : test.shapes[shape].kind;
+    return shape < 0 ? shapes::Sphere::kind : test.shapes.records[shape].kind;
   }
 };
 
@@ -130,12 +130,13 @@ struct FindFunctionRanges {
 
 /// Finds the contacts of the pairs of one pair function: once, so that what rounding decides about features
 /// holds for all that follows.
-/// @tparam P  the pair function
+/// @tparam P  what runs the pair function, see ProgramOf
 template <class P, class Real>
 struct FindPairContacts {
   static constexpr const char* name = "find_pair_contacts";
   static constexpr int kBlockThreads = 64;  // pairs take different times, and there may be few
   ContactTest<ShapeMix::any, Real> test;
+  ShapeKind first;  ///< of the shapes of the pair function
   Span<const Index> body_a;
   Span<const Index> body_b;
   Span<const Index> pair;  ///< of this function
@@ -146,7 +147,7 @@ struct FindPairContacts {
     const BodySample body = test.load(i), other = test.load(j);
     const Vec3d d = minimum_image(other.position - body.position, test.range.period);
     const double reach = test.reach(i, body, j, other), h = test.range.h;
-    const OrderedPair<P> p(body, other, d, body.kind != P::A::kind);
+    const OrderedPair<P> p(body, other, d, body.kind != first);
     const auto listed = [&](const ContactGeometry& found_one) {
       const ContactGeometry g = p.in_memory(found_one);
       return is_listed(g.gap, separation_speed(g, body.motion, other.motion), reach, h);

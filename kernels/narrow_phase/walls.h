@@ -5,6 +5,7 @@
 
 #include "kernels/broad_phase/contact_range.h"
 #include "kernels/narrow_phase/pairs/contact_geometry.h"
+#include "shapes/hull.h"
 
 namespace scree {
 
@@ -34,6 +35,7 @@ struct WallSolid {
   std::uint32_t first_element = 0;   ///< of its contact elements
   std::uint32_t slots = 1;           ///< contact elements of one image
   Vec3d half_extents;                ///< of the box about it, body frame [m]
+  Hull hull;                         ///< of a hull
   Vec3d center;                      ///< position of the wall body [m]
   Quatd orientation;
   RigidMotion motion;  ///< on its course, see course_velocity()
@@ -82,6 +84,7 @@ struct RefreshSolids {
   static constexpr const char* name = "refresh_solids";
   BodyView<Real> bodies;
   ContactRange range;
+  HullSet hulls;
   std::uint32_t solid_begin;  ///< first element of all solids
   Span<WallSolid> solid;
 
@@ -91,6 +94,7 @@ struct RefreshSolids {
     w.center = bodies.position[w.body];
     w.orientation = load_orientation(bodies, w.body);
     w.motion = load_motion(bodies, range, w.body);
+    if (w.kind == shapes::Hull::kind) w.hull = hulls.hull(w.mesh, w.half_extents.x);
     w.middle = rotate(w.orientation, w.local_middle);
     for (int axis = 0; axis < 3; ++axis) {
       Vec3d local;

@@ -80,6 +80,7 @@ struct Solid {
   Vec3f vertex;        ///< triangle: first vertex [m]
   Vec3f edge1;         ///< triangle: to the second vertex [m]
   Vec3f edge2;         ///< triangle: to the third vertex [m]
+  Hull hull;           ///< of a hull
 
   /// Drawn samples the solid may cover.
   SCREE_HD SampleRect rect(const View& view) const {
@@ -154,6 +155,8 @@ SCREE_HD Solid resolve(const DrawList<Real>& list, const View& view, Index primi
     solid.half_extents = Vec3f(record.half_extents);
     solid.normal = Vec3f(record.normal);
     solid.open_faces = record.open_faces;
+    if (record.kind == shapes::Hull::kind)
+      solid.hull = list.meshes.hulls.hull(record.mesh, static_cast<double>(record.half_extents.x));
     if (is_backdrop(record.kind) ? !solid_only : !is_front_wall(list, body, record)) {
       solid.kind = record.kind;
     }

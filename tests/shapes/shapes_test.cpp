@@ -11,8 +11,10 @@
 #include "kernels/math/quat.h"
 #include "kernels/narrow_phase/pair_table.h"
 #include "shapes/capsule.h"
+#include "shapes/cone.h"
 #include "shapes/container.h"
 #include "shapes/cylinder.h"
+#include "shapes/ellipsoid.h"
 #include "shapes/shape_list.h"
 
 namespace scree {
@@ -23,7 +25,7 @@ using shapes::Sphere;
 
 /// A shape of each kind that is a solid of its own.
 std::vector<Shape> solids() {
-  Shape sphere, box, capsule, cylinder;
+  Shape sphere, box, capsule, cylinder, cone, ellipsoid;
   sphere.kind = Sphere::kind;
   sphere.radius = 0.7;
   box.kind = shapes::Box::kind;
@@ -32,7 +34,11 @@ std::vector<Shape> solids() {
   capsule.half_extents = {0.3, 0.3, 0.9};
   cylinder.kind = shapes::Cylinder::kind;
   cylinder.half_extents = {0.4, 0.4, 0.7};
-  return {sphere, box, capsule, cylinder};
+  cone.kind = shapes::Cone::kind;
+  cone.half_extents = {0.6, 0.6, 0.9};
+  ellipsoid.kind = shapes::Ellipsoid::kind;
+  ellipsoid.half_extents = {0.9, 0.5, 0.4};
+  return {sphere, box, capsule, cylinder, cone, ellipsoid};
 }
 
 Vec3d random_direction(std::mt19937& random) {

@@ -1,9 +1,11 @@
 #pragma once
 // Convex bodies as pair functions without a closed form see them: a core, and a radius by which it is rounded. A core is
 // known by its support, the point farthest along a direction, and by the polygon, edge or point that faces a direction.
-// A capsule is a segment that is rounded.
+// A capsule is a segment that is rounded, a sphere a point.
 
+#include "kernels/bodies/hull.h"
 #include "kernels/narrow_phase/pairs/contact_geometry.h"
+#include "shapes/cone.h"
 
 namespace scree {
 
@@ -28,10 +30,12 @@ struct CoreFacet {
   }
 };
 
-/// A convex body in world axes.
+/// A convex body in world axes. What is called from many places is one function each: inlined, all forms would be compiled
+/// at each of them.
 struct ConvexCore {
-  /// A brick is a box, or a segment along its last axis, which is that of a cylinder, too. A triangle is one of a mesh.
-  enum class Form : std::uint8_t { brick, triangle, cylinder };
+  /// A brick is a box, or a segment along its last axis, which is that of a cylinder and a cone, too. A triangle is one
+  /// of a mesh.
+  enum class Form : std::uint8_t { brick, triangle, cylinder, cone, ellipsoid, hull };
   /// Below every name of a point: those of one facet differ.
   static constexpr int kNames = 8;
 
@@ -39,8 +43,9 @@ struct ConvexCore {
   double rounding = 0;  ///< [m]
   Vec3d center;         ///< [m]
   Vec3d axis[3];        ///< brick: unit; triangle: its corners from the center [m]
-  Vec3d half;           ///< brick: half extents; (0, 0, h): a segment [m]
+  Vec3d half;           ///< half extents of the box about it; brick (0, 0, h): a segment [m]
   Vec3d normal;         ///< triangle: unit
+  Hull hull;
 
   SCREE_HD static ConvexCore brick(const Vec3d& center, const Quatd& q, const Vec3d& half_extents,
                                    double rounding) {
@@ -65,6 +70,12 @@ struct ConvexCore {
     return t;
   }
 
+  /// Round about its last axis.
+  SCREE_HD bool is_round() const { return form == Form::cylinder || form == Form::cone; }
+  /// Where the lower end of a round core is, along its axis [m].
+  SCREE_HD double base() const { return form == Form::cone ? shapes::Cone::base(half) : -half.z; }
+  /// What no polytope comes near with few corners; of a cylinder, core_distance() knows the normals.
+  SCREE_HD bool is_curved() const { return form == Form::ellipsoid || form == Form::cone; }
   SCREE_HD bool is_segment() const { return form == Form::brick && half.x == 0 && half.y == 0; }
 
   /// The size that rounding and ties are measured by [m].
@@ -74,37 +85,61 @@ struct ConvexCore {
   }
 
   /// The point farthest along a direction, from the center [m].
-  SCREE_HD Vec3d support(const Vec3d& n) const {
+  [[gnu::noinline]] SCREE_HD Vec3d support(const Vec3d& n) const {
     if (form == Form::triangle) {
       const double a = dot(axis[0], n), b = dot(axis[1], n), c = dot(axis[2], n);
       return a >= b ? (a >= c ? axis[0] : axis[2]) : (b >= c ? axis[1] : axis[2]);
     }
-    if (form == Form::cylinder) {
+    if (is_round()) {
       const double x = dot(axis[0], n), y = dot(axis[1], n), across = std::sqrt(x * x + y * y);
       const double part = across > 0 ? half.x / across : 0;
-      return (dot(axis[2], n) < 0 ? -half.z : half.z) * axis[2] + (part * x) * axis[0] +
-             (part * y) * axis[1];
+      const double up = dot(axis[2], n);
+      if (form == Form::cone && up * (half.z - base()) > across * half.x) return half.z * axis[2];
+      const double end = up < 0 || form == Form::cone ? base() : half.z;
+      return end * axis[2] + (part * x) * axis[0] + (part * y) * axis[1];
+    }
+    if (form == Form::hull) return at(hull.farthest(local(n)));
+    if (form == Form::ellipsoid) {
+      Vec3d x;
+      for (int k = 0; k < 3; ++k) x[k] = half[k] * dot(axis[k], n);
+      const double length = norm(x);
+      for (int k = 0; k < 3; ++k) x[k] *= half[k] / (length > 0 ? length : 1);
+      return world(x);
     }
     Vec3d x;
     for (int k = 0; k < 3; ++k) x += (dot(axis[k], n) < 0 ? -half[k] : half[k]) * axis[k];
     return x;
   }
 
-  /// Normals of faces, without their opposites.
-  SCREE_HD int normal_count() const { return form != Form::brick ? 1 : is_segment() ? 0 : 3; }
-  SCREE_HD Vec3d face_normal(int k) const {
-    return form == Form::brick ? axis[k] : form == Form::triangle ? normal : axis[2];
+  /// Normals that faces may have. Of a hull it is only the one nearest to a direction.
+  SCREE_HD int normal_count() const {
+    if (form == Form::brick) return is_segment() ? 0 : 6;
+    return form == Form::ellipsoid ? 0 : form == Form::cone || form == Form::hull ? 1 : 2;
   }
-  /// Directions of straight edges, and of what a round side consists of.
-  SCREE_HD int edge_count() const { return form == Form::cylinder || is_segment() ? 1 : 3; }
+  [[gnu::noinline]] SCREE_HD Vec3d face_normal(int k, const Vec3d& toward) const {
+    if (form == Form::hull) {
+      const Vec3d n = local(toward);
+      return world(hull.face[hull.facing(n)].normal);
+    }
+    if (form == Form::cone) return -axis[2];
+    const Vec3d n = form == Form::brick ? axis[k / 2] : form == Form::triangle ? normal : axis[2];
+    return k % 2 == 0 ? n : -n;
+  }
+  /// Directions of straight edges, and of what a round side consists of. Those of a hull, and of a cone, which are many,
+  /// are left to the search.
+  SCREE_HD int edge_count() const {
+    if (form == Form::hull || form == Form::ellipsoid || form == Form::cone) return 0;
+    return form == Form::cylinder || is_segment() ? 1 : 3;
+  }
   SCREE_HD Vec3d edge(int k) const {
     if (form == Form::triangle) return axis[(k + 1) % 3] - axis[k];
     return edge_count() == 1 ? axis[2] : axis[k];
   }
 
-  /// The face whose normal is nearest to a direction; of a segment all of it, of a cylinder eight points of an end, of
-  /// which the first is its farthest one, or a line on its round side.
-  SCREE_HD CoreFacet facing(const Vec3d& n) const {
+  /// The face whose normal is nearest to a direction; of a segment all of it, of a round core eight points of an end, of
+  /// which the first is its farthest one, or a line on its round side, of an ellipsoid its farthest point. Of a hull, a
+  /// face at its farthest point.
+  [[gnu::noinline]] SCREE_HD CoreFacet facing(const Vec3d& n) const {
     CoreFacet f;
     if (form == Form::triangle) {
       const bool is_front = dot(normal, n) >= 0;
@@ -119,7 +154,18 @@ struct ConvexCore {
       f.add(center + half.z * axis[2], 4);
       return f;
     }
-    if (form == Form::cylinder) return round_facing(n);
+    if (is_round()) return round_facing(n);
+    if (form == Form::ellipsoid) {
+      f.add(center + support(n), 0);
+      return f;
+    }
+    if (form == Form::hull) {
+      const std::uint32_t face = hull.facing(local(n)), count = hull.face[face].count;
+      const std::uint32_t most = CoreFacet::kMaxPoints, shown = count < most ? count : most;
+      for (std::uint32_t k = 0; k < shown; ++k)
+        f.add(center + at(hull.corner_of(face, k * count / shown)), static_cast<int>(k));
+      return f;
+    }
     int m = 0;
     for (int k = 1; k < 3; ++k) {
       if (std::abs(dot(axis[k], n)) > std::abs(dot(axis[m], n)) + 1e-9) m = k;
@@ -142,13 +188,13 @@ struct ConvexCore {
     const double across = std::sqrt(x * x + y * y);
     const bool is_level = across <= 1e-6 * (up < 0 ? -up : up);
     const Vec3d out = is_level ? axis[0] : (x / across) * axis[0] + (y / across) * axis[1];
-    if (across > std::abs(up)) {
-      f.add(center + half.x * out - half.z * axis[2], 0);
-      f.add(center + half.x * out + half.z * axis[2], 4);
+    if (faces_side(up, across)) {
+      f.add(center + half.x * out + base() * axis[2], 0);
+      f.add(center + (form == Form::cone ? 0 : half.x) * out + half.z * axis[2], 4);
       return f;
     }
     const Vec3d side = cross(up < 0 ? -axis[2] : axis[2], out);
-    const Vec3d middle = center + (up < 0 ? -half.z : half.z) * axis[2];
+    const Vec3d middle = center + (up < 0 ? base() : half.z) * axis[2];
     constexpr double kDiagonal = 0.70710678118654752440;
     const double cosine[] = {1, kDiagonal, 0, -kDiagonal, -1, -kDiagonal, 0, kDiagonal};
     for (int k = 0; k < CoreFacet::kMaxPoints; ++k) {
@@ -159,9 +205,11 @@ struct ConvexCore {
   }
 
   /// The edge of a polygon, or the point, that lies farthest along a direction. Edges count as facing it up to a slope.
-  SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope) const {
+  [[gnu::noinline]] SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope) const {
     CoreFacet best;
+    if (form == Form::hull) return hull_edge_toward(local(n), slope);
     const CoreFacet face = facing(n);
+    if (face.count == 1) return face;
     double most = -1e300;
     for (int k = 0; k < face.count; ++k)
       most = dot(face.point[k], n) > most ? dot(face.point[k], n) : most;
@@ -181,6 +229,51 @@ struct ConvexCore {
       }
     }
     return best;
+  }
+
+ private:
+  SCREE_HD Vec3d local(const Vec3d& n) const {
+    return {dot(axis[0], n), dot(axis[1], n), dot(axis[2], n)};
+  }
+  SCREE_HD Vec3d world(const Vec3d& x) const {
+    return x.x * axis[0] + x.y * axis[1] + x.z * axis[2];
+  }
+  /// Point k of a hull, from the center [m].
+  SCREE_HD Vec3d at(std::uint32_t k) const { return world(hull.scale * hull.point[k]); }
+
+  /// Whether the normal of a round side is nearer to a direction than that of an end. A cone ends in a point above.
+  SCREE_HD bool faces_side(double up, double across) const {
+    if (form == Form::cylinder) return across > std::abs(up);
+    const double height = half.z - base(), slant = std::sqrt(height * height + half.x * half.x);
+    return across * height + up * half.x > -up * slant;
+  }
+
+  /// The edge from the farthest point to the farthest of those it is joined with, or that point alone.
+  SCREE_HD CoreFacet hull_edge_toward(const Vec3d& n, double slope) const {
+    const std::uint32_t top = hull.farthest(n);
+    std::uint32_t next = top;
+    double least = 1e300;
+    for (std::uint32_t k = hull.first_face[top]; k < hull.first_face[top + 1]; ++k) {
+      const HullFace& face = hull.face[hull.face_at[k]];
+      // Of each face the edge that begins there: those of all faces are all edges.
+      std::uint32_t i = 0;
+      while (hull.corner[face.corner + i] != top) ++i;
+      const std::uint32_t to = hull.corner[face.corner + (i + 1) % face.count];
+      const Vec3d along = hull.point[to] - hull.point[top];
+      const double falls = -dot(along, n) / norm(along);
+      if (falls < least) {
+        least = falls;
+        next = to;
+      }
+    }
+    CoreFacet f;
+    if (least > slope) {
+      f.add(center + at(top), 0);
+      return f;
+    }
+    f.add(center + at(top < next ? top : next), 0);
+    f.add(center + at(top < next ? next : top), 4);
+    return f;
   }
 };
 

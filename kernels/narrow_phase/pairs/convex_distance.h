@@ -175,6 +175,24 @@ class Polytope {
     }
   }
 
+  /// Turns the direction to where the depth of curved cores is least, by steps of Newton on the sphere of directions: a
+  /// polytope only comes near it. The gradient of the depth is what of the farthest point lies across the direction.
+  SCREE_HD void turn() {
+    constexpr double kAngle = 1e-5;
+    for (int step = 0; step < 12; ++step) {
+      const double before = depth;
+      const Vec3d n = normal, u = any_orthogonal(n), v = cross(n, u), x = farthest(a_, b_, n).w;
+      const Vec3d by_u = support(normalized(n + kAngle * u)) - x;
+      const Vec3d by_v = support(normalized(n + kAngle * v)) - x;
+      const double uu = dot(by_u, u) / kAngle - before, vv = dot(by_v, v) / kAngle - before;
+      const double uv = 0.5 * (dot(by_u, v) + dot(by_v, u)) / kAngle, det = uu * vv - uv * uv;
+      if (!(uu > 0 && det > 0)) return;
+      const double xu = dot(x, u), xv = dot(x, v);
+      support(normalized(n + ((uv * xv - vv * xu) / det) * u + ((uv * xu - uu * xv) / det) * v));
+      if (!(depth < before)) return;
+    }
+  }
+
   Vec3d normal{0, 0, 1};  ///< unit, out of M
   double depth = 1e300;   ///< [m]
 
@@ -294,18 +312,17 @@ inline constexpr double kFaceBias = 1e-4;
   const double size = size_a + size_b, least = size_a < size_b ? size_a : size_b;
   CoreDistance out;
   // Normals of faces, which are what bodies rest on, without the rounding of a search.
-  const auto best_face = [&](Vec3d& normal) {
+  const auto best_face = [&](const Vec3d& toward, Vec3d& normal) {
     double best = -1e300;
     for (int side = 0; side < 2; ++side) {
       const ConvexCore& core = side == 0 ? a : b;
+      const double sign = side == 0 ? 1 : -1;
       for (int k = 0; k < core.normal_count(); ++k) {
-        for (int sign = 0; sign < 2; ++sign) {
-          const Vec3d n = sign == 0 ? core.face_normal(k) : -core.face_normal(k);
-          const double found = separation_along(a, b, n);
-          if (found > best + 1e-9 * size) {
-            best = found;
-            normal = n;
-          }
+        const Vec3d n = sign * core.face_normal(k, sign * toward);
+        const double found = separation_along(a, b, n);
+        if (found > best + 1e-9 * size) {
+          best = found;
+          normal = n;
         }
       }
     }
@@ -314,11 +331,14 @@ inline constexpr double kFaceBias = 1e-4;
   Vec3d face;
   if (convex_parts::find_nearest(a, b, size, most, out)) {
     if (out.separation > most) return out;
-    const double by_face = best_face(face);
+    const double by_face = best_face(out.normal, face);
     if (by_face >= out.separation * (1 - 1e-7)) out.normal = face;
     return out;
   }
-  const double by_face = best_face(face);
+  convex_parts::Polytope polytope(a, b, size);
+  polytope.grow();
+  if (a.is_curved() || b.is_curved()) polytope.turn();
+  const double by_face = best_face(-polytope.normal, face);
   // Of two edges, exactly: a polytope only comes near the normal of round sides that cross.
   Vec3d crossing;
   double by_edges = -1e300;
@@ -346,8 +366,6 @@ inline constexpr double kFaceBias = 1e-4;
     if (core.form != ConvexCore::Form::cylinder) continue;
     offer((1 / size) * (between - dot(between, core.axis[2]) * core.axis[2]));
   }
-  convex_parts::Polytope polytope(a, b, size);
-  polytope.grow();
   out.is_apart = false;
   const double most_apart = by_edges > -polytope.depth ? by_edges : -polytope.depth;
   if (by_face >= most_apart - kFaceBias * least) {

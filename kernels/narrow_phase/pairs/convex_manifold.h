@@ -8,6 +8,7 @@
 #include "kernels/narrow_phase/pairs/box_box.h"
 #include "kernels/narrow_phase/pairs/convex_distance.h"
 #include "kernels/narrow_phase/pairs/convex_shapes.h"
+#include "kernels/narrow_phase/pairs/manifold.h"
 
 namespace scree {
 
@@ -59,8 +60,9 @@ struct CoreMeeting {
     for (int turn = 0; turn < 2 && reference < 0; ++turn) {
       const int side = turn == 0 ? first_side : 1 - first_side;
       const ConvexCore& core = side == 0 ? a : b;
+      const Vec3d toward = side == 0 ? n : -n;
       for (int k = 0; k < core.normal_count(); ++k) {
-        if (std::abs(dot(core.face_normal(k), n)) >= kFaceCosine) reference = side;
+        if (dot(core.face_normal(k, toward), toward) >= kFaceCosine) reference = side;
       }
     }
     if (reference >= 0) {
@@ -110,6 +112,14 @@ struct CoreMeeting {
         offer(ConvexFeature::kSides + other.name[e] * ConvexFeature::kNames + own.name[k], take);
       }
     }
+  }
+
+  /// Whether the deepest point is on the sliver between a round rim and the eight points that stand for it.
+  SCREE_HD bool is_cut_off(const Manifold& m) const {
+    if (!a.is_round() && !b.is_round()) return false;
+    double least = m.contact[0].gap;
+    for (int k = 1; k < m.count; ++k) least = m.contact[k].gap < least ? m.contact[k].gap : least;
+    return least > distance.separation - a.rounding - b.rounding + 100 * tie;
   }
 
   /// The nearest points; of cores that overlap, those of the edges or points that are deepest.
@@ -244,35 +254,54 @@ SCREE_HD Manifold convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bo
       m.add(feature, rounded_contact(meeting, meeting.contact(feature), d));
     }
   }
-  if (m.count == 0 && is_nearest && !is_left_out) {
+  if (is_nearest && !is_left_out && (m.count == 0 || meeting.is_cut_off(m))) {
     const ContactGeometry g = rounded_contact(meeting, meeting.nearest(), d);
-    if (listed(g)) m.add(ConvexFeature::kNearest, g);
+    if (listed(g)) {
+      if (m.count == Manifold::kMaxContacts) m.drop_last();
+      m.add(ConvexFeature::kNearest, g);
+    }
   }
   return m;
 }
 
-/// Two bodies whose shapes give cores: what pair functions of convex shapes have in common.
+/// The contact of two bodies that a feature names.
+SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, const ConvexCore& second,
+                                               const Vec3d& d, std::uint32_t feature) {
+  const CoreMeeting m(first, second, core_distance(first, second, 1e300));
+  return rounded_contact(m, m.contact(feature), d);
+}
+
+/// The contacts of two bodies that are listed.
+/// @param most  cores that are farther apart have none [m]
+template <class Listed>
+SCREE_HD Manifold convex_manifold(const ConvexCore& first, const ConvexCore& second, const Vec3d& d,
+                                  double most, Listed&& listed) {
+  const double farthest = most + first.rounding + second.rounding;
+  const CoreDistance distance = core_distance(first, second, farthest);
+  if (distance.separation > farthest) return {};
+  const auto all = [](std::uint32_t) { return true; };
+  return convex_contacts(CoreMeeting(first, second, distance), d, true, all, listed);
+}
+
+struct ConvexProgram;
+
+/// Two bodies whose shapes give cores: what pair functions of convex shapes have in common. Where they run, one program
+/// serves all of them: cores tell their forms apart anyway.
 template <class ShapeA, class ShapeB>
 struct ConvexPair {
   using A = ShapeA;
   using B = ShapeB;
+  using Program = ConvexProgram;
   static constexpr int kFeatureBits = ConvexFeature::kBits;
 
   SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
                                           std::uint32_t feature) {
-    const ConvexCore first = core_of<A>(a, {}), second = core_of<B>(b, d);
-    const CoreMeeting m(first, second, core_distance(first, second, 1e300));
-    return rounded_contact(m, m.contact(feature), d);
+    return convex_contact(core_of<A>(a, {}), core_of<B>(b, d), d, feature);
   }
   template <class Listed>
   SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
                                     double most, Listed&& listed) {
-    const ConvexCore first = core_of<A>(a, {}), second = core_of<B>(b, d);
-    const double farthest = most + first.rounding + second.rounding;
-    const CoreDistance distance = core_distance(first, second, farthest);
-    if (distance.separation > farthest) return {};
-    const auto all = [](std::uint32_t) { return true; };
-    return convex_contacts(CoreMeeting(first, second, distance), d, true, all, listed);
+    return convex_manifold(core_of<A>(a, {}), core_of<B>(b, d), d, most, listed);
   }
 };
 

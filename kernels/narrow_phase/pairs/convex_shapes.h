@@ -5,7 +5,11 @@
 #include "kernels/narrow_phase/pairs/pair_side.h"
 #include "shapes/box.h"
 #include "shapes/capsule.h"
+#include "shapes/cone.h"
 #include "shapes/cylinder.h"
+#include "shapes/ellipsoid.h"
+#include "shapes/hull.h"
+#include "shapes/sphere.h"
 
 namespace scree {
 
@@ -26,6 +30,33 @@ template <>
 SCREE_HD inline ConvexCore core_of<shapes::Cylinder>(const PairSide& side, const Vec3d& center) {
   ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
   c.form = ConvexCore::Form::cylinder;
+  return c;
+}
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Cone>(const PairSide& side, const Vec3d& center) {
+  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
+  c.form = ConvexCore::Form::cone;
+  return c;
+}
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Ellipsoid>(const PairSide& side, const Vec3d& center) {
+  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
+  c.form = ConvexCore::Form::ellipsoid;
+  return c;
+}
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Hull>(const PairSide& side, const Vec3d& center) {
+  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
+  c.form = ConvexCore::Form::hull;
+  c.hull = side.hull;
+  return c;
+}
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Sphere>(const PairSide& side, const Vec3d& center) {
+  ConvexCore c;
+  c.center = center;
+  c.axis[2] = {0, 0, 1};
+  c.rounding = side.radius;
   return c;
 }
 

@@ -12,6 +12,7 @@ struct Manifold {
   std::uint32_t feature[kMaxContacts] = {};  ///< what touches what; the same from step to step
   ContactGeometry contact[kMaxContacts];
 
+  SCREE_HD void drop_last() { --count; }
   /// There must be room.
   SCREE_HD void add(std::uint32_t new_feature, const ContactGeometry& g) {
     int at = count++;

@@ -12,7 +12,9 @@
 // Shapes with a core have pair functions in one line each: ConvexPair and MeshPair.
 // The list of kernels/CMakeLists.txt names them.
 
+#include "kernels/bodies/hull.h"
 #include "kernels/narrow_phase/pairs/contact_geometry.h"
+#include "shapes/shape_kind.h"
 
 namespace scree {
 
@@ -21,6 +23,8 @@ struct PairSide {
   double radius = 0;  ///< of a sphere [m]
   Quatd orientation;
   Vec3d half_extents;  ///< [m]
+  ShapeKind kind = kNoShape;
+  Hull hull;  ///< of a hull
 };
 
 }  // namespace scree

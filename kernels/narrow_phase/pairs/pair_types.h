@@ -31,6 +31,18 @@ constexpr int feature_bits_of() {
   return 0;
 }
 
+struct ConvexProgram;
+/// Runs many pair functions: those of shapes that have cores.
+using SharedProgram = ConvexProgram;
+
+template <class P>
+inline constexpr bool kIsShared = requires {
+  typename P::Program;
+};
+/// What runs a pair function: itself, or the shared program.
+template <class P>
+using ProgramOf = std::conditional_t<kIsShared<P>, SharedProgram, P>;
+
 template <class... P>
 struct PairTypes {
   /// Pair functions of two bodies.
@@ -41,7 +53,7 @@ struct PairTypes {
     (void)(is_found<P>(a, b, number) || ...);
     return number;
   }
-  /// Calls f(P{}, number) for each pair function of two bodies.
+  /// Calls f(P{}, number) for each pair function of two bodies, on the host.
   template <class F>
   static void for_each_body_pair(F&& f) {
     int number = 0;
@@ -50,20 +62,23 @@ struct PairTypes {
     };
     (visit(P{}), ...);
   }
-  /// Calls f(P{}, is_reversed) for the pair function of two bodies, if there is one.
-  template <class F>
+  /// Calls f(program, is_reversed) for the pair function of two bodies, if there is one: in one place for all that the
+  /// shared program runs, so that f is compiled there once.
+  template <class F, class Shared = SharedProgram>
   SCREE_HD static void visit_bodies(ShapeKind a, ShapeKind b, F&& f) {
-    (void)(visit_one<P>(a, b, f) || ...);
+    if ((visit_one<P>(a, b, f) || ...)) return;
+    bool is_reversed = false;
+    if ((is_shared<P>(a, b, is_reversed) || ...)) f(Shared{}, is_reversed);
   }
   /// Calls f(P{}) for the pair function of a body and a plane, if there is one.
   template <class F>
   SCREE_HD static void visit_plane(ShapeKind a, F&& f) {
     (void)(visit_one_plane<P>(a, f) || ...);
   }
-  /// Calls f(P{}) for the pair function of a convex body and a mesh wall, if there is one.
-  template <class F>
-  SCREE_HD static void visit_mesh(ShapeKind a, F&& f) {
-    (void)(visit_one_mesh<P>(a, f) || ...);
+  /// Whether a shape has a core: the shared program serves it, or it meets meshes.
+  template <class S>
+  static constexpr bool has_core() {
+    return (needs_core<P, S>() || ...);
   }
   /// Calls f(P{}) for each.
   template <class F>
@@ -83,22 +98,31 @@ struct PairTypes {
   }
   template <class One, class F>
   SCREE_HD static bool visit_one(ShapeKind a, ShapeKind b, F&& f) {
-    if constexpr (IsBodyPair<One>) {
-      constexpr ShapeKind own_a = One::A::kind, own_b = One::B::kind;
-      const bool is_reversed = own_a != own_b && a == own_b && b == own_a;
-      if (!is_reversed && !(a == own_a && b == own_b)) return false;
+    if constexpr (IsBodyPair<One> && !kIsShared<One>) {
+      bool is_reversed = false;
+      if (!is_of<One>(a, b, is_reversed)) return false;
       f(One{}, is_reversed);
       return true;
     }
     return false;
   }
-  template <class One, class F>
-  SCREE_HD static bool visit_one_mesh(ShapeKind a, F&& f) {
-    if constexpr (IsMeshPair<One>) {
-      if (a != One::A::kind) return false;
-      f(One{});
-      return true;
-    }
+  template <class One>
+  SCREE_HD static bool is_shared(ShapeKind a, ShapeKind b, bool& is_reversed) {
+    if constexpr (kIsShared<One>) return is_of<One>(a, b, is_reversed);
+    return false;
+  }
+  /// Whether it is the pair function of these two, and whether in the other order.
+  template <class One>
+  SCREE_HD static bool is_of(ShapeKind a, ShapeKind b, bool& is_reversed) {
+    constexpr ShapeKind own_a = One::A::kind, own_b = One::B::kind;
+    is_reversed = own_a != own_b && a == own_b && b == own_a;
+    return is_reversed || (a == own_a && b == own_b);
+  }
+  template <class One, class S>
+  static constexpr bool needs_core() {
+    if constexpr (kIsShared<One>)
+      return std::is_same_v<S, typename One::A> || std::is_same_v<S, typename One::B>;
+    if constexpr (IsMeshPair<One>) return std::is_same_v<S, typename One::A>;
     return false;
   }
   template <class One, class F>

@@ -1,0 +1,36 @@
+#pragma once
+// Convex hulls of points, and the frame in which a body of that shape turns.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/scene.h"
+
+namespace scree {
+
+/// A frame within another.
+struct LocalFrame {
+  Vec3d origin;  ///< [m]
+  Quatd axes;    ///< from the one to the other
+};
+
+/// The convex hull of points, as triangles. Points that are nearer to its surface than 1e-10 of its size may be left out.
+/// (Barber, Dobkin, Huhdanpaa, The Quickhull algorithm for convex hulls, 1996.)
+/// @throws std::invalid_argument for points that are not finite, fewer than four, or in one plane
+TriangleMesh convex_hull(const std::vector<Vec3d>& points, const std::string& name);
+
+/// Puts the center of mass of a solid at the origin, and its principal axes along the axes. These stay when they are
+/// principal already. @return  the new frame in the old one
+LocalFrame move_to_principal_frame(TriangleMesh& mesh);
+
+/// Adds the hull of points to a scene, and makes it the shape of a body: its pose, as given, is that of the frame of the
+/// points; as left, that of the principal frame when the body is free.
+/// @throws std::invalid_argument as convex_hull()
+void set_hull(Scene& scene, BodyDescription& body, const std::vector<Vec3d>& points);
+
+/// What keeps a mesh from being that of a hull.
+/// @param is_free  the frame must be the principal one
+std::optional<std::string> hull_fault(const TriangleMesh& mesh, bool is_free);
+
+}  // namespace scree

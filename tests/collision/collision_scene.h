@@ -15,6 +15,15 @@
 
 namespace scree {
 
+// The library has compiled these: here they are called, and not compiled again.
+extern template class PairCandidates<TestBackend, float>;
+extern template class PairCandidates<TestBackend, double>;
+extern template class PersistentContacts<TestBackend, float>;
+extern template class PersistentContacts<TestBackend, double>;
+extern template class ContactDetector<TestBackend, float>;
+extern template class ContactDetector<TestBackend, double>;
+extern template class BodyOrder<TestBackend>;
+
 /// Bodies and obstacles on the host, in storage order: owned bodies, ghosts, room, fixed bodies.
 template <class Real>
 struct CollisionScene {

@@ -148,6 +148,8 @@ class MixedContactsTest : public BackendTest<Real> {
   /// How far apart normals and arms of two devices may be: depths are found to 1e-10 of the size of
   /// bodies, so normals to its root, and devices round differently.
   static constexpr double kTurn = 1e-3;
+  /// The same of depths: the polytope of bodies that overlap deeply may end when it is full.
+  static constexpr double kDepth = 1e-6;
 
   /// @return how many contacts there are
   std::size_t expect_found(const Scene& s) {
@@ -164,7 +166,7 @@ class MixedContactsTest : public BackendTest<Real> {
       EXPECT_EQ(found[c].a, a);
       EXPECT_EQ(found[c].b, b);
       EXPECT_EQ(keys.feature(key_element(found[c].key)), feature);
-      EXPECT_NEAR(found[c].gap, g.gap, tolerance);
+      EXPECT_NEAR(found[c].gap, g.gap, g.gap > 0 ? tolerance : std::max(tolerance, kDepth));
       EXPECT_NEAR(norm(found[c].normal - g.normal), 0, kTurn);
       EXPECT_NEAR(norm(found[c].arm_a - g.arm_a), 0, kTurn);
       EXPECT_NEAR(norm(found[c].arm_b - g.arm_b), 0, kTurn);

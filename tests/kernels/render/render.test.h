@@ -99,7 +99,7 @@ Image take_picture(TestBackend& b, const PictureScene<Real>& scene, const Pictur
   view.shape = shape.view();
   view.group = group.view();
   view.id = id.view();
-  const MeshSetView<Real> meshes{vertices.view(), triangles.view(), ranges.view()};
+  const MeshSetView<Real> meshes{vertices.view(), triangles.view(), ranges.view(), {}};
   const std::size_t bytes_before = b.allocated();
   Renderer<TestBackend, Real> renderer(b, sample_budget);
   const Image image = renderer.render(b, view, shapes.view(), meshes, settings);

@@ -10,15 +10,18 @@ function(scree_append_extra list)
   set(${list} "${${list}}" PARENT_SCOPE)
 endfunction()
 
-# scree_instantiate(<out> <folder> <header> <text>): appends <folder>/make_<name>, a source for every backend with the
-# header, whose name it takes, and <text> in namespace scree.
+# scree_instantiate(<out> <folder> <header> <text> [<more>...]): appends <folder>/make_<name>, a source for every backend with
+# the header, whose name it takes, more headers, and <text> in namespace scree.
 function(scree_instantiate out folder header text)
   cmake_path(GET header STEM name)
+  set(includes "")
+  foreach(included IN ITEMS "${header}" ${ARGN})
+    string(APPEND includes "#include \"${included}\"\n")
+  endforeach()
   set(sources ${${out}})
   foreach(backend IN LISTS SCREE_BACKENDS)
     scree_backend_source(source ${backend} "${folder}/make_${name}" BuildBackend
-"#include \"${header}\"
-namespace scree {
+"${includes}namespace scree {
 ${text}
 }")
     list(APPEND sources "${source}")

@@ -414,13 +414,4 @@ std::unique_ptr<Dynamics> make_rigid(Scene scene, const WorldOptions& options) {
                                                   summary, near_pairs);
 }
 
-// The library has compiled these: here they are called, and not compiled again.
-extern template class PairCandidates<BuildBackend, float>;
-extern template class PairCandidates<BuildBackend, double>;
-extern template class PersistentContacts<BuildBackend, float>;
-extern template class PersistentContacts<BuildBackend, double>;
-extern template class ContactDetector<BuildBackend, float>;
-extern template class ContactDetector<BuildBackend, double>;
-extern template class BodyOrder<BuildBackend>;
-
 }  // namespace scree

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/scene.h"
+#include "host/hulls.h"
 
 namespace scree {
 
@@ -23,11 +23,6 @@ TriangleMesh convex_hull(const std::vector<Vec3d>& points, const std::string& na
 /// Puts the center of mass of a solid at the origin, and its principal axes along the axes. These stay when they are
 /// principal already. @return  the new frame in the old one
 LocalFrame move_to_principal_frame(TriangleMesh& mesh);
-
-/// Adds the hull of points to a scene, and makes it the shape of a body: its pose, as given, is that of the frame of the
-/// points; as left, that of the principal frame when the body is free.
-/// @throws std::invalid_argument as convex_hull()
-void set_hull(Scene& scene, BodyDescription& body, const std::vector<Vec3d>& points);
 
 /// What keeps a mesh from being that of a hull.
 /// @param is_free  the frame must be the principal one

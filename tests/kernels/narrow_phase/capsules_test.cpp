@@ -8,6 +8,7 @@
 #include "kernels/narrow_phase/pairs/capsule_capsule.h"
 #include "kernels/narrow_phase/pairs/capsule_half_space.h"
 #include "kernels/narrow_phase/pairs/sphere_capsule.h"
+#include "tests/kernels/narrow_phase/convex_oracle.h"
 
 namespace scree {
 namespace {
@@ -18,7 +19,7 @@ struct TestCapsule {
   double radius;
   double half_length;
 
-  PairSide side() const { return {0, q, {radius, radius, radius + half_length}}; }
+  PairSide side() const { return {0, q, {radius, radius, radius + half_length}, kNoShape, {}}; }
   Vec3d on_axis(double s) const { return center + rotate(q, Vec3d{0, 0, s}); }
 };
 
@@ -139,7 +140,7 @@ TEST(SphereCapsuleTest, GapIsTheDistanceToTheAxis) {
   for (int trial = 0; trial < 200; ++trial) {
     const TestCapsule c = random_capsule(random, 1), s = random_capsule(random, 2);
     const Vec3d d = c.center - s.center;
-    const ContactGeometry g = SphereCapsule::contact({s.radius, {}, {}}, c.side(), d, 0);
+    const ContactGeometry g = SphereCapsule::contact(ball(s.radius), c.side(), d, 0);
     expect_sound(g, d);
     const double axis =
         least_on(c.half_length, [&](double t) { return norm(c.on_axis(t) - s.center); });
@@ -147,7 +148,7 @@ TEST(SphereCapsuleTest, GapIsTheDistanceToTheAxis) {
     EXPECT_NEAR(norm(g.arm_a), s.radius, 1e-12);
   }
   const TestCapsule c{{}, {}, 0.2, 1};
-  const ContactGeometry inside = SphereCapsule::contact({0.1, {}, {}}, c.side(), {0, 0, -0.4}, 0);
+  const ContactGeometry inside = SphereCapsule::contact(ball(0.1), c.side(), {0, 0, -0.4}, 0);
   expect_sound(inside, {0, 0, -0.4});
   EXPECT_NEAR(inside.gap, -0.3, 1e-12) << "a center on the axis";
 }

@@ -10,13 +10,15 @@
 
 namespace scree {
 
+inline PairSide ball(double radius) { return {radius, {}, {}, kNoShape, {}}; }
+
 /// A box, or a body with one about it.
 struct PosedBody {
   Vec3d center;
   Quatd q;
   Vec3d half;
 
-  PairSide side() const { return {0, q, half}; }
+  PairSide side() const { return {0, q, half, kNoShape, {}}; }
 };
 
 inline Vec3d nearest_in_box(const PosedBody& box, const Vec3d& x) {

@@ -396,7 +396,7 @@ TEST(CylindersTest, SpheresAreAsFarAsTheNearestPoint) {
   for (int trial = 0; trial < 500; ++trial) {
     const Body c = random_cylinder(random, 1), s = random_body(random, 1, false);
     const Vec3d d = c.center - s.center;
-    const ContactGeometry g = SphereCylinder::contact({0.1, {}, {}}, c.side(), d, 0);
+    const ContactGeometry g = SphereCylinder::contact(ball(0.1), c.side(), d, 0);
     EXPECT_LT(norm(d + g.arm_b - g.arm_a - g.gap * g.normal), 1e-12);
     // Over points of its surface: lines of both ends and of the round side.
     double least = INFINITY;

@@ -192,8 +192,8 @@ TEST(Validate, RefusesBadIndices) {
 
 TEST(Validate, RefusesImpossibleBodies) {
   EXPECT_THAT(refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
-              StartsWith("bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule or "
-                         "cylinder bodies"));
+              StartsWith("bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule, "
+                         "cylinder, hull, cone or ellipsoid bodies"));
   EXPECT_THAT(refused([](Scene& s) {
                 Motion motion;
                 motion.kind = Motion::Kind::linear;

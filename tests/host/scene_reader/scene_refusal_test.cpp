@@ -190,7 +190,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "bodies[1].shape: missing: must be one of"},
         Refusal{"UnknownShape", with_body(R"({"shape": "spere"})"),
                 "bodies[1].shape: \"spere\" is not allowed: must be one of \"sphere\", \"box\", "
-                "\"half_space\", \"container\", \"mesh\", \"capsule\", \"cylinder\"; did you mean "
+                "\"half_space\", \"container\", \"mesh\", \"capsule\", \"cylinder\", \"hull\", "
+                "\"cone\", \"ellipsoid\"; did you mean "
                 "\"sphere\"?"},
         Refusal{"KeyOfOtherShape", with_body(R"({"shape": "box", "radius": 1})"),
                 "bodies[1].radius: a box has no such key"},
@@ -204,7 +205,8 @@ INSTANTIATE_TEST_SUITE_P(
             with_body(R"({"shape": "sphere", "radius": 1, "mass": 1, "inertia": [1, 0, 1]})"),
             "bodies[1].inertia: [1,0,1] is not allowed: must be three positive principal moments"},
         Refusal{"FreeHalfSpace", with_body(R"({"shape": "half_space", "kind": "free"})"),
-                "bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule or cylinder "
+                "bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule, cylinder, "
+                "hull, cone or ellipsoid "
                 "bodies can be free"},
         Refusal{"VelocityOfAWall", with_body(R"({"shape": "half_space", "velocity": [1, 0, 0]})"),
                 "bodies[1].velocity: only free bodies have this key"},

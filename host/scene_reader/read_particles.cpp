@@ -274,11 +274,11 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
   common.entry = static_cast<int>(index);
   Orientations orientations(node, draft.scene.seed, index);
   if (layout == Layout::file) {
-    read_file(node, common, std::move(orientations), draft);
+    read_file(node, common, orientations, draft);
     return;
   }
   if (common.density[0] == 0) node.fail_missing("density", "must be positive [kg/m^3]");
-  Recipe recipe{std::move(common), read_particle_shapes(node, draft), std::move(orientations)};
+  Recipe recipe{std::move(common), read_particle_shapes(node, draft), orientations};
   const SizeLaw& size = recipe.shapes.size;
   const Region region =
       read_region(node.at("region", "the space to fill, {min, max} or {cylinder}"));

@@ -1,4 +1,3 @@
-#pragma once
 // What the library of collision has compiled for the backend that is named BuildBackend: the sources that instantiate this model
 // call it, and do not compile it again.
 

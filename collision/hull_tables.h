@@ -18,6 +18,15 @@ struct HullTables {
   std::vector<HullInfo> hulls;
 };
 
+/// The tables, where they are.
+inline HullSet view_of(const HullTables& t) {
+  const auto whole = []<class T>(const std::vector<T>& v) {
+    return Span<const T>(v.data(), static_cast<Offset>(v.size()));
+  };
+  return {whole(t.points), whole(t.first_face), whole(t.face_at),
+          whole(t.faces),  whole(t.corners),    whole(t.hulls)};
+}
+
 /// Triangles that lie in one plane become one face; points within faces are left out.
 /// @throws std::runtime_error for a surface that is not closed, or has fewer than four faces
 HullTables build_hull_tables(const std::vector<MeshSource>& meshes);

@@ -100,13 +100,9 @@ struct Ellipsoid {
   SCREE_HD static Vec3f normal_at(const M& m, const Ray& ray, float depth) {
     return normalized(shrunk(m, shrunk(m, ray.origin + depth * ray.direction)));
   }
-  /// Two unlike halves, so that turning shows.
   template <class M>
   SCREE_HD static float paint(const M& m, const Vec3f& p, const Vec3f&, float footprint) {
-    const float r = m.half_extents.x;
-    const float blur = 0.02f + footprint / r;
-    const float half = smooth_step(-blur, blur, p.x / r);
-    return 1.0f - smooth_step(2.0f, 7.0f, r / footprint) * 0.15f * half;
+    return two_halves(m.half_extents.x, p, footprint);
   }
 
  private:

@@ -33,4 +33,14 @@ SCREE_HD inline float smooth_step(float low, float high, float a) {
   return t * t * (3.0f - 2.0f * t);
 }
 
+/// Brightness of a body painted as two unlike halves, so that turning shows; far away they blend.
+/// @param r          its radius [m]
+/// @param p          point of its surface, body frame [m]
+/// @param footprint  of a pixel there [m]
+SCREE_HD inline float two_halves(float r, const Vec3f& p, float footprint) {
+  const float blur = 0.02f + footprint / r;
+  const float half = smooth_step(-blur, blur, p.x / r);
+  return 1.0f - smooth_step(2.0f, 7.0f, r / footprint) * 0.15f * half;
+}
+
 }  // namespace scree

@@ -28,6 +28,8 @@ struct HullInfo {
 
 /// A hull of some size.
 struct Hull {
+  static constexpr std::uint32_t kMostCorners = 8;  ///< of a face, in contacts
+
   const Vec3d* point = nullptr;               ///< [m], before scaling
   const std::uint32_t* first_face = nullptr;  ///< [point] of those that meet there, in `face_at`
   const std::uint32_t* face_at = nullptr;     ///< faces
@@ -58,9 +60,20 @@ struct Hull {
     return best;
   }
   SCREE_HD std::uint32_t facing(const Vec3d& n) const { return facing(farthest(n), n); }
-  /// Corner k of a face.
-  SCREE_HD std::uint32_t corner_of(std::uint32_t f, std::uint32_t k) const {
-    return corner[face[f].corner + k];
+  /// How many corners of a face make its contacts.
+  SCREE_HD std::uint32_t shown_count(std::uint32_t f) const {
+    return face[f].count < kMostCorners ? face[f].count : kMostCorners;
+  }
+  /// Corner k of those: all of a small face; of a large one the first of each part of the way around, or `top`, the
+  /// farthest point, in its own part: without it the deepest contact would be missing.
+  SCREE_HD std::uint32_t shown_corner(std::uint32_t f, std::uint32_t k, std::uint32_t top) const {
+    const std::uint32_t* around = corner + face[f].corner;
+    const std::uint32_t shown = shown_count(f);
+    const std::uint32_t first = k * face[f].count / shown, end = (k + 1) * face[f].count / shown;
+    for (std::uint32_t i = first; i < end; ++i) {
+      if (around[i] == top) return top;
+    }
+    return around[first];
   }
 };
 

@@ -14,15 +14,11 @@
 #include "shapes/mesh.h"
 
 namespace scree {
+using BuildBackend = TestBackend;
+}
+#include "collision/compiled_parts.inst.h"
 
-// The library has compiled these: here they are called, and not compiled again.
-extern template class PairCandidates<TestBackend, float>;
-extern template class PairCandidates<TestBackend, double>;
-extern template class PersistentContacts<TestBackend, float>;
-extern template class PersistentContacts<TestBackend, double>;
-extern template class ContactDetector<TestBackend, float>;
-extern template class ContactDetector<TestBackend, double>;
-extern template class BodyOrder<TestBackend>;
+namespace scree {
 
 /// Bodies and obstacles on the host, in storage order: owned bodies, ghosts, room, fixed bodies.
 template <class Real>

@@ -83,12 +83,7 @@ class MixedContactsTest : public BackendTest<Real> {
   }
 
   static Hull hull(const HullTables& tables, Index k, double half_x) {
-    const auto whole = []<class T>(const std::vector<T>& v) {
-      return Span<const T>(v.data(), static_cast<Offset>(v.size()));
-    };
-    const HullSet set{whole(tables.points), whole(tables.first_face), whole(tables.face_at),
-                      whole(tables.faces),  whole(tables.corners),    whole(tables.hulls)};
-    return set.hull(k, half_x);
+    return view_of(tables).hull(k, half_x);
   }
 
   static BodySample sample(const Scene& s, const HullTables& hulls, std::size_t i) {

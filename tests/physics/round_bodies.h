@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/state_hash.h"
 #include "shapes/capsule.h"
 #include "shapes/cylinder.h"
 #include "tests/physics/scene_builder.h"
@@ -35,6 +36,23 @@ inline BodyDescription capsule(const Vec3d& position, const Quatd& orientation, 
 inline BodyDescription cylinder(const Vec3d& position, const Quatd& orientation, double radius,
                                 double length) {
   return round_body(shapes::Cylinder::kind, position, orientation, radius, length / 2);
+}
+
+/// A scene comes to rest without deep overlaps, with equal bits on one and two threads. Returns its state.
+/// @param most_energy  after the last hundred steps [J]
+inline BodyStates expect_pile_rests(const Scene& scene, int steps, double most_energy) {
+  World one(scene, cpu_options(1)), two(scene, cpu_options(2));
+  double deepest = 0, late = 0;
+  for (int k = 0; k < steps; ++k) {
+    const StepReport report = one.step();
+    two.step();
+    if (k > 600) deepest = std::max(deepest, report.max_penetration);
+    if (k > steps - 100) late = std::max(late, report.kinetic_energy);
+  }
+  EXPECT_EQ(state_hash(one.states()), state_hash(two.states()));
+  EXPECT_LT(deepest, 0.01 * 0.08);
+  EXPECT_LT(late, most_energy);
+  return one.states();
 }
 
 /// A sphere that would cross a rail of radius 0.1 m along x in one step is held back: by contacts,

@@ -3,6 +3,7 @@
 // plane. Each of the eight corners is a contact of its own.
 
 #include "kernels/narrow_phase/pairs/pair_side.h"
+#include "kernels/narrow_phase/pairs/rim.h"
 #include "shapes/box.h"
 #include "shapes/half_space.h"
 
@@ -24,12 +25,7 @@ SCREE_HD inline Vec3d box_corner(const Vec3d& half_extents, int k) {
 SCREE_HD inline ContactGeometry box_half_space(double height, const Vec3d& normal, const Vec3d& d,
                                                const Quatd& orientation, const Vec3d& half_extents,
                                                int corner) {
-  ContactGeometry g;
-  g.arm_a = rotate(orientation, box_corner(half_extents, corner));
-  g.normal = -normal;
-  g.gap = height + dot(normal, g.arm_a);
-  g.arm_b = g.arm_a + g.gap * g.normal - d;
-  return g;
+  return vertex_on_plane(rotate(orientation, box_corner(half_extents, corner)), height, normal, d);
 }
 
 struct BoxHalfSpace {

@@ -160,10 +160,10 @@ struct ConvexCore {
       return f;
     }
     if (form == Form::hull) {
-      const std::uint32_t face = hull.facing(local(n)), count = hull.face[face].count;
-      const std::uint32_t most = CoreFacet::kMaxPoints, shown = count < most ? count : most;
-      for (std::uint32_t k = 0; k < shown; ++k)
-        f.add(center + at(hull.corner_of(face, k * count / shown)), static_cast<int>(k));
+      static_assert(Hull::kMostCorners <= CoreFacet::kMaxPoints);
+      const std::uint32_t top = hull.farthest(local(n)), face = hull.facing(top, local(n));
+      for (std::uint32_t k = 0; k < hull.shown_count(face); ++k)
+        f.add(center + at(hull.shown_corner(face, k, top)), static_cast<int>(k));
       return f;
     }
     int m = 0;

@@ -114,9 +114,10 @@ struct CoreMeeting {
     }
   }
 
-  /// Whether the deepest point is on the sliver between a round rim and the eight points that stand for it.
+  /// Whether the deepest point is on the sliver between a round rim, or a face of many corners, and the eight points that
+  /// stand for it.
   SCREE_HD bool is_cut_off(const Manifold& m) const {
-    if (!a.is_round() && !b.is_round()) return false;
+    if (own.count < CoreFacet::kMaxPoints && other.count < CoreFacet::kMaxPoints) return false;
     double least = m.contact[0].gap;
     for (int k = 1; k < m.count; ++k) least = m.contact[k].gap < least ? m.contact[k].gap : least;
     return least > distance.separation - a.rounding - b.rounding + 100 * tie;

@@ -13,12 +13,20 @@
 
 namespace scree {
 
+/// A core whose form is known by the box about it.
+SCREE_HD inline ConvexCore core_in_box(ConvexCore::Form form, const PairSide& side,
+                                       const Vec3d& center) {
+  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
+  c.form = form;
+  return c;
+}
+
 template <class S>
 ConvexCore core_of(const PairSide& side, const Vec3d& center);
 
 template <>
 SCREE_HD inline ConvexCore core_of<shapes::Box>(const PairSide& side, const Vec3d& center) {
-  return ConvexCore::brick(center, side.orientation, side.half_extents, 0);
+  return core_in_box(ConvexCore::Form::brick, side, center);
 }
 template <>
 SCREE_HD inline ConvexCore core_of<shapes::Capsule>(const PairSide& side, const Vec3d& center) {
@@ -28,26 +36,19 @@ SCREE_HD inline ConvexCore core_of<shapes::Capsule>(const PairSide& side, const 
 }
 template <>
 SCREE_HD inline ConvexCore core_of<shapes::Cylinder>(const PairSide& side, const Vec3d& center) {
-  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
-  c.form = ConvexCore::Form::cylinder;
-  return c;
+  return core_in_box(ConvexCore::Form::cylinder, side, center);
 }
 template <>
 SCREE_HD inline ConvexCore core_of<shapes::Cone>(const PairSide& side, const Vec3d& center) {
-  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
-  c.form = ConvexCore::Form::cone;
-  return c;
+  return core_in_box(ConvexCore::Form::cone, side, center);
 }
 template <>
 SCREE_HD inline ConvexCore core_of<shapes::Ellipsoid>(const PairSide& side, const Vec3d& center) {
-  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
-  c.form = ConvexCore::Form::ellipsoid;
-  return c;
+  return core_in_box(ConvexCore::Form::ellipsoid, side, center);
 }
 template <>
 SCREE_HD inline ConvexCore core_of<shapes::Hull>(const PairSide& side, const Vec3d& center) {
-  ConvexCore c = ConvexCore::brick(center, side.orientation, side.half_extents, 0);
-  c.form = ConvexCore::Form::hull;
+  ConvexCore c = core_in_box(ConvexCore::Form::hull, side, center);
   c.hull = side.hull;
   return c;
 }

@@ -23,11 +23,6 @@ BoxPair pair_of_boxes(const TestBox& a, const TestBox& b) {
   return {{BoxAxes(a.q, a.half), BoxAxes(b.q, b.half)}, b.center - a.center};
 }
 
-struct IsWithin {
-  double envelope;
-  SCREE_HD bool operator()(const ContactGeometry& g) const { return g.gap <= envelope; }
-};
-
 /// All contacts with gaps up to the envelope.
 Manifold manifold(const TestBox& a, const TestBox& b, double envelope) {
   return box_box(pair_of_boxes(a, b), envelope, IsWithin{envelope});

@@ -52,11 +52,6 @@ double distance_of_axes(const TestCapsule& a, const TestCapsule& b) {
   });
 }
 
-struct IsWithin {
-  double reach;
-  SCREE_HD bool operator()(const ContactGeometry& g) const { return g.gap <= reach; }
-};
-
 Manifold manifold(const TestCapsule& a, const TestCapsule& b, double reach) {
   return CapsuleCapsule::manifold(a.side(), b.side(), b.center - a.center, reach, IsWithin{reach});
 }

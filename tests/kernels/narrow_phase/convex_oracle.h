@@ -12,6 +12,12 @@ namespace scree {
 
 inline PairSide ball(double radius) { return {radius, {}, {}, kNoShape, {}}; }
 
+/// Lists contacts with gaps up to a reach [m].
+struct IsWithin {
+  double reach;
+  SCREE_HD bool operator()(const ContactGeometry& g) const { return g.gap <= reach; }
+};
+
 /// A box, or a body with one about it.
 struct PosedBody {
   Vec3d center;
@@ -45,25 +51,35 @@ inline double overlap_along(const std::vector<Vec3d>& a, const std::vector<Vec3d
   return top - bottom;
 }
 
-/// The least overlap of all directions: sampled, then improved by smaller and smaller turns.
-inline double sampled_depth(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b,
-                            std::mt19937& random) {
+inline Vec3d any_vector(std::mt19937& random) {
   std::normal_distribution<double> normal;
-  const auto any = [&] { return Vec3d{normal(random), normal(random), normal(random)}; };
+  const double x = normal(random), y = normal(random);
+  return {x, y, normal(random)};
+}
+
+/// The least overlap of all directions: sampled, then improved by smaller and smaller turns.
+/// @param overlap  overlap(n): of the bodies along a unit vector [m]
+template <class Overlap>
+double least_of_directions(Overlap&& overlap, int starts, std::mt19937& random) {
   double least = 1e300;
-  for (int start = 0; start < 30; ++start) {
-    Vec3d n = normalized(any());
-    double found = overlap_along(a, b, n);
+  for (int start = 0; start < starts; ++start) {
+    Vec3d n = normalized(any_vector(random));
+    double found = overlap(n);
     for (double step = 0.5; step > 1e-5; step *= 0.8) {
       for (int k = 0; k < 12; ++k) {
-        const Vec3d turned = normalized(n + step * any());
-        const double overlap = overlap_along(a, b, turned);
-        if (overlap < found) found = overlap, n = turned;
+        const Vec3d turned = normalized(n + step * any_vector(random));
+        const double next = overlap(turned);
+        if (next < found) found = next, n = turned;
       }
     }
     least = std::min(least, found);
   }
   return least;
+}
+
+inline double sampled_depth(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b,
+                            std::mt19937& random) {
+  return least_of_directions([&](const Vec3d& n) { return overlap_along(a, b, n); }, 30, random);
 }
 
 }  // namespace scree

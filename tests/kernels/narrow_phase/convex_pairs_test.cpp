@@ -11,6 +11,7 @@
 #include "host/scene/convex_hull.h"
 #include "kernels/narrow_phase/body_pairs.h"
 #include "shapes/shape_card.h"
+#include "tests/kernels/narrow_phase/convex_oracle.h"
 
 namespace scree {
 namespace {
@@ -23,13 +24,7 @@ class HullStore {
     tables_ = build_hull_tables(sources_);
   }
   Hull hull(double half_x) const {
-    const auto view = [](const auto& v) {
-      return Span<const typename std::decay_t<decltype(v)>::value_type>(
-          v.data(), static_cast<Offset>(v.size()));
-    };
-    const HullSet set{view(tables_.points), view(tables_.first_face), view(tables_.face_at),
-                      view(tables_.faces),  view(tables_.corners),    view(tables_.hulls)};
-    return set.hull(static_cast<Index>(tables_.hulls.size()) - 1, half_x);
+    return view_of(tables_).hull(static_cast<Index>(tables_.hulls.size()) - 1, half_x);
   }
 
  private:
@@ -55,11 +50,6 @@ struct Solid {
   }
 };
 
-Vec3d any(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  return {normal(random), normal(random), normal(random)};
-}
-
 Solid random_solid(std::mt19937& random, ShapeKind kind, double spread) {
   std::uniform_real_distribution<double> size(0.3, 0.9), unit(-1, 1);
   Solid s;
@@ -73,9 +63,16 @@ Solid random_solid(std::mt19937& random, ShapeKind kind, double spread) {
     s.shape.half_extents.z += 0.3;
   }
   if (kind == shapes::Hull::kind) {
+    // Half of them are prisms, whose ends have more corners than contacts show.
+    constexpr int kSides = 24;
+    const bool is_prism = unit(random) < 0;
     std::vector<Vec3d> points;
-    for (int k = 0; k < 30; ++k)
-      points.push_back(hadamard({0.5, 0.6, 0.8}, normalized(any(random))));
+    for (int k = 0; k < (is_prism ? 2 * kSides : 30); ++k) {
+      const double angle = 6.283185307179586 * k / kSides;
+      points.push_back(
+          is_prism ? Vec3d{0.6 * std::cos(angle), 0.5 * std::sin(angle), k < kSides ? 0.4 : -0.4}
+                   : hadamard({0.5, 0.6, 0.8}, normalized(any_vector(random))));
+    }
     s.mesh = convex_hull(points, "hull");
     move_to_principal_frame(s.mesh);
     shapes::Hull::measure(s.mesh, s.shape);
@@ -84,7 +81,7 @@ Solid random_solid(std::mt19937& random, ShapeKind kind, double spread) {
   }
   const double x = unit(random), y = unit(random);
   s.center = spread * Vec3d{x, y, unit(random)};
-  const Vec3d v = any(random);
+  const Vec3d v = any_vector(random);
   s.q = normalized(Quatd(unit(random), v.x, v.y, v.z));
   return s;
 }
@@ -95,26 +92,9 @@ double overlap_along(const Solid& a, const Solid& b, const Vec3d& n) {
 
 /// The least overlap of all directions, which is the distance with another sign where bodies are apart.
 double least_overlap(const Solid& a, const Solid& b, std::mt19937& random) {
-  double least = 1e300;
-  for (int start = 0; start < 24; ++start) {
-    Vec3d n = normalized(start == 0 ? b.center - a.center : any(random));
-    double found = overlap_along(a, b, n);
-    for (double step = 0.5; step > 1e-5; step *= 0.8) {
-      for (int k = 0; k < 12; ++k) {
-        const Vec3d turned = normalized(n + step * any(random));
-        const double overlap = overlap_along(a, b, turned);
-        if (overlap < found) found = overlap, n = turned;
-      }
-    }
-    least = std::min(least, found);
-  }
-  return least;
+  const auto overlap = [&](const Vec3d& n) { return overlap_along(a, b, n); };
+  return least_of_directions(overlap, 24, random);
 }
-
-struct IsWithin {
-  double reach;
-  SCREE_HD bool operator()(const ContactGeometry& g) const { return g.gap <= reach; }
-};
 
 /// All contacts of two bodies with gaps up to a reach.
 template <class P>
@@ -215,7 +195,7 @@ TEST(ConvexShapes, TouchPlanesAtTheirSupport) {
     SCOPED_TRACE(card.name);
     for (int trial = 0; trial < 100; ++trial) {
       const Solid a = random_solid(random, card.kind, 0);
-      const Vec3d normal = normalized(any(random));
+      const Vec3d normal = normalized(any_vector(random));
       double least = INFINITY;
       int count = 0;
       PairList::visit_plane(card.kind, [&](auto pair) {
@@ -241,7 +221,7 @@ TEST(ConvexShapes, EllipsoidsThatOverlapALittleAreExact) {
     Solid a = random_solid(random, shapes::Ellipsoid::kind, 0);
     Solid b = random_solid(random, shapes::Ellipsoid::kind, 0);
     // They touch at a point whose normal is known, and overlap along it by a known way.
-    const Vec3d n = normalized(any(random));
+    const Vec3d n = normalized(any_vector(random));
     const auto farthest = [](const Solid& s, const Vec3d& m) {
       return rotate(s.q, shapes::Ellipsoid::extreme(s.shape.half_extents, rotate_back(s.q, m)));
     };

@@ -22,11 +22,6 @@ namespace {
 
 using Body = PosedBody;
 
-struct IsWithin {
-  double reach;
-  SCREE_HD bool operator()(const ContactGeometry& g) const { return g.gap <= reach; }
-};
-
 template <class P>
 Manifold manifold(const Body& a, const Body& b, double reach) {
   return P::manifold(a.side(), b.side(), b.center - a.center, reach, IsWithin{reach});

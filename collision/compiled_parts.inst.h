@@ -1,5 +1,5 @@
-// What the library of collision has compiled for the backend that is named BuildBackend: the sources that instantiate this model
-// call it, and do not compile it again.
+// What the library of collision has compiled for the backend that is named BuildBackend: sources that include this call it, and
+// do not compile it again.
 
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"

@@ -16,12 +16,16 @@ struct JointRows {
   }
   static SCREE_HD Rows velocity(const ContactProblem<Real>& p, Index c, const Twist<Real>& a,
                                 const Twist<Real>& b) {
-    const JointRow<Real>& j = joint(p, c);
+    return as_rows(velocity(joint(p, c), a, b));
+  }
+  /// Velocities of the rows in the coordinates of solvers, bias included.
+  static SCREE_HD JointValues<Real> velocity(const JointRow<Real>& j, const Twist<Real>& a,
+                                             const Twist<Real>& b) {
     const Vec3<Real> linear =
         b.linear + cross(b.angular, j.arm_b) - a.linear - cross(a.angular, j.arm_a);
     JointValues<Real> u = j.rows(linear, j.length * (b.angular - a.angular));
     for (int k = 0; k < kJointRows; ++k) u[k] += j.bias[k];
-    return as_rows(j.scaled_velocity(u));
+    return j.scaled_velocity(u);
   }
   static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
                                      const Rows& z) {

@@ -1,6 +1,7 @@
 #pragma once
 // Where joints come to lie at the end of a step, and the bias that takes what is off away.
 
+#include "kernels/contact/joint_rows.h"
 #include "kernels/step/integrate.h"
 #include "kernels/step/joint_setup.h"
 
@@ -8,7 +9,8 @@ namespace scree {
 
 /// Moves the two bodies of joint k as the step will, and adds what the joint is off then, over the
 /// step, to the bias of its rows. Solved again, the rows hold at the end of the step: the constraints
-/// of SHAKE, by steps of Newton's method with the Jacobian of the start.
+/// of SHAKE, by steps of Newton's method with the Jacobian of the start. Limits and cables likewise:
+/// the velocities that take the joint to where they end come from the end of the step.
 /// Source: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977; docs/theory.md, "Joints".
 template <class Real>
 struct CorrectJoint {
@@ -27,13 +29,21 @@ struct CorrectJoint {
   SCREE_HD JointSums operator()(Index k) const {
     const Index j = order[k];
     const JointFrames& joint = places.joints[j];
-    if (state[j].is_broken != 0 || joint.held == 0) return {};
-    const int first = places.is_turned(j) ? 1 : 0, second = 1 - first;
+    JointRow<Real>& r = row[k];
+    const bool turned = places.is_turned(j);
+    const double sign = sign_of_joint(joint, turned);
+    const JointBounds bounds = bounds_of_joint(joint.drive, sign);
+    // A held last row has no limits; one that the bodies cannot follow has no velocity.
+    const bool is_limited = bounds.are_there() && (joint.held >> kJointAxisRow & 1u) == 0 &&
+                            r.inverse_pivot(kJointAxisRow) > Real(0);
+    if (state[j].is_broken != 0 || (joint.held == 0 && !is_limited)) return {};
+    const int first = turned ? 1 : 0, second = 1 - first;
     JointSide a = side_of_joint(bodies, places, joint, first);
     const JointSide b = side_of_joint(bodies, places, joint, second);
     const JointMeasure now = measure_joint(joint.form, joint.held, joint.zero, a, b, period);
-    JointSide a_end = moved(joint, first);
-    const JointSide b_end = moved(joint, second);
+    Twist<Real> a_twist, b_twist;
+    JointSide a_end = moved(joint, first, a_twist);
+    const JointSide b_end = moved(joint, second, b_twist);
     const JointMeasure end =
         measure_joint(joint.form, joint.held, joint.zero, a_end, b_end, period);
 
@@ -44,24 +54,51 @@ struct CorrectJoint {
     const Vec3<double> turn =
         length * end.turn -
         (length * now.turn - h * joint_recovery(now.turn, length, h, recovery_speed));
-    JointRow<Real>& r = row[k];
+    JointSums sums;
+    if (is_limited)
+      sums.max_error = correct_limits(joint, end, sign, state[j].position, bounds, length,
+                                      JointRows<Real>::velocity(r, a_twist, b_twist), r);
     const JointValues<Real> off = r.rows(Vec3<Real>((1 / h) * gap), Vec3<Real>((1 / h) * turn));
     for (int i = 0; i < kJointRows; ++i)
       if ((joint.held >> i & 1u) != 0) r.bias[i] += off[i];
-    JointSums sums;
-    sums.max_error = norm(gap);
+    if (norm(gap) > sums.max_error) sums.max_error = norm(gap);
     const double tilt = (joint.held >> 3) != 0 ? norm(turn) : 0;
     if (tilt > sums.max_error) sums.max_error = tilt;
     return sums;
   }
 
  private:
-  SCREE_HD JointSide moved(const JointFrames& joint, int which) const {
+  /// The bounds of the velocity become those that take the joint from the end of the step to its limits.
+  /// @param start  position at the start of the step [m or rad]
+  /// @param u      velocities of the rows in the coordinates of solvers
+  /// @return  how far the joint ends beyond them [m]
+  SCREE_HD double correct_limits(const JointFrames& joint, const JointMeasure& end, double sign,
+                                 double start, const JointBounds& bounds, double length,
+                                 const JointValues<Real>& u, JointRow<Real>& r) const {
+    const double h = time_step, unit = r.force_is_last ? 1 : length;
+    const double x = sign * start;
+    const double x_end = sign * joint_position(joint.form, end, sign, joint.zero, start);
+    // Where the joint is far beyond, a part of the way is allowed, see JointSetup.
+    const double part = h * recovery_speed / unit;
+    JointBounds allowed = bounds;
+    if (x - part > allowed.upper) allowed.upper = x - part;
+    if (x + part < allowed.lower) allowed.lower = x + part;
+    const double speed = u[kJointAxisRow];
+    const double scale = static_cast<double>(r.inverse_pivot(kJointAxisRow)) * unit / h;
+    r.fastest = limited_value<Real>(speed + scale * (allowed.upper - x_end));
+    r.slowest = limited_value<Real>(speed + scale * (allowed.lower - x_end));
+    return unit * allowed.beyond(x_end);
+  }
+
+  /// A side at the end of the step. @param twist  out: that of its body
+  SCREE_HD JointSide moved(const JointFrames& joint, int which, Twist<Real>& twist) const {
     const Index i = places.of(joint.body[which]);
+    twist = {};
     if (i == places.world) return side_of_joint(bodies, places, joint, which);
     const bool is_free = bodies.moves(i);
     const Vec3<Real> v = is_free ? solved[i].linear : bodies.velocity[i];
     Vec3<Real> w = is_free ? solved[i].angular : bodies.angular_velocity[i];
+    twist = {v, w};
     Quat<Real> q = bodies.orientation[i];
     const Real h = static_cast<Real>(time_step);
     if (is_free) {

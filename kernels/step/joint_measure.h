@@ -112,6 +112,18 @@ SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, double
   return m;
 }
 
+/// The position of a joint, from its measure: angles count whole turns, so that the one nearest to the last is meant.
+/// @param sign  -1: A of the problem is the second body of the joint, but for a line
+/// @param zero  position that counts as zero [m]
+/// @param last  position before [m or rad]
+SCREE_HD inline double joint_position(JointForm form, const JointMeasure& m, double sign,
+                                      double zero, double last) {
+  constexpr double kTurn = 6.283185307179586477;
+  const double position = sign * m.position - zero;
+  if (form != JointForm::point) return position;
+  return position + kTurn * std::rint((last - position) / kTurn);
+}
+
 /// Second derivatives of what the rows measure while the bodies turn freely.
 struct JointDrift {
   Vec3<double> linear;   ///< [m/s^2]

@@ -127,6 +127,33 @@ SCREE_HD JointSide side_of_joint(const BodyView<Real>& bodies, const JointPlaces
   return s;
 }
 
+/// -1: A of the problem is the second body of the joint. Lengths of lines are the same both ways.
+SCREE_HD inline double sign_of_joint(const JointFrames& joint, bool is_turned) {
+  return is_turned && joint.form != JointForm::line ? -1 : 1;
+}
+
+/// Where the limits of a joint are, as the problem sees it: along from A to B.
+struct JointBounds {
+  double lower = -INFINITY, upper = INFINITY;  ///< [m or rad]
+
+  SCREE_HD bool are_there() const { return lower > -INFINITY || upper < INFINITY; }
+  /// By how much a position is beyond them.
+  SCREE_HD double beyond(double x) const {
+    return x > upper ? x - upper : (x < lower ? lower - x : 0);
+  }
+};
+SCREE_HD inline JointBounds bounds_of_joint(const JointDrive& drive, double sign) {
+  if (sign > 0) return {drive.lower, drive.upper};
+  return {-drive.upper, -drive.lower};
+}
+
+/// A value in the precision of a run; what is too large for it has no bound.
+template <class Real>
+SCREE_HD Real limited_value(double value) {
+  constexpr double kMost = static_cast<double>(largest_number<Real>());
+  return static_cast<Real>(value > kMost ? kMost : (value < -kMost ? -kMost : value));
+}
+
 /// Scale of the moment rows: the radius of the smaller free body [m].
 SCREE_HD inline double length_of_joint(const JointSide& a, const JointSide& b) {
   return b.is_free && b.radius < a.radius ? b.radius : a.radius;
@@ -188,10 +215,8 @@ struct JointSetup {
 
     const JointMeasure m = measure_joint(joint.form, joint.held, joint.zero, a, b, period);
     const JointDrift drift = drift_of_joint(joint.form, m, a, b, time_step);
-    const bool is_line = joint.form == JointForm::line;
-    // Of a line the same in both directions.
-    const double sign = turned && !is_line ? -1 : 1;
-    const double position = follow(sign * m.position - joint.zero, state[j].position, joint.form);
+    const double sign = sign_of_joint(joint, turned);
+    const double position = joint_position(joint.form, m, sign, joint.zero, state[j].position);
     state[j].position = position;
     const bool is_last_held = (joint.held >> kJointAxisRow & 1u) != 0;
 
@@ -263,13 +288,6 @@ struct JointSetup {
     return s;
   }
 
-  /// The angle about the axis that is nearest to the last one: it counts whole turns.
-  static SCREE_HD double follow(double position, double last, JointForm form) {
-    constexpr double kTurn = 6.283185307179586477;
-    if (form != JointForm::point) return position;
-    return position + kTurn * std::rint((last - position) / kTurn);
-  }
-
   /// Adds J M^-1 J^T of one body.
   static SCREE_HD void add_block(const JointRow<Real>& r, const JointSide& s,
                                  double (&block)[kJointTriangle]) {
@@ -306,8 +324,8 @@ struct JointSetup {
     const double inverse = r.inverse_pivot(kJointAxisRow), h = time_step;
     const double unit = r.force_is_last ? 1 : static_cast<double>(r.length);
     const double x = sign * position;
-    const double upper = sign > 0 ? d.upper : -d.lower, lower = sign > 0 ? d.lower : -d.upper;
-    const double beyond = x > upper ? x - upper : (x < lower ? lower - x : 0);
+    const JointBounds bounds = bounds_of_joint(d, sign);
+    const double beyond = bounds.beyond(x);
     if (!(inverse > 0)) return unit * beyond;  // nothing can follow
 
     const double drift = static_cast<double>(r.bias[kJointAxisRow]);
@@ -329,25 +347,20 @@ struct JointSetup {
     } else {
       level = sign * unit * d.target;
     }
-    double fastest = unit * (upper - x) / h, slowest = unit * (lower - x) / h;
+    double fastest = unit * (bounds.upper - x) / h, slowest = unit * (bounds.lower - x) / h;
     if (fastest < -recovery_speed) fastest = -recovery_speed;
     if (slowest > recovery_speed) slowest = recovery_speed;
     r.bias[kJointAxisRow] = static_cast<Real>(drift - level);
     // In the coordinates of solvers.
     const double impulse = h / (unit * inverse);
-    r.most = limited(impulse * d.most);
+    r.most = limited_value<Real>(impulse * d.most);
     r.least = -r.most;
     r.compliance = static_cast<Real>(inverse * inverse * compliance);
-    r.friction = limited(impulse * d.friction);
+    r.friction = limited_value<Real>(impulse * d.friction);
     r.rest = static_cast<Real>(inverse * (drift - level));
-    r.fastest = limited(inverse * (fastest - level));
-    r.slowest = limited(inverse * (slowest - level));
+    r.fastest = limited_value<Real>(inverse * (fastest - level));
+    r.slowest = limited_value<Real>(inverse * (slowest - level));
     return unit * beyond;
-  }
-
-  static SCREE_HD Real limited(double value) {
-    constexpr double kMost = static_cast<double>(largest_number<Real>());
-    return static_cast<Real>(value > kMost ? kMost : (value < -kMost ? -kMost : value));
   }
 };
 

@@ -14,14 +14,17 @@ namespace scree {
 ///                   `particles.0.count=500`; the value is JSON or a bare string
 /// @throws InputError "<file>: <key path>: <value> is not allowed: <expected>", or with the line
 ///         and column of broken JSON
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
+/// @param notes  gets what files that the scene names came in as, and what of them is not represented
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides = {},
+                 std::vector<std::string>* notes = nullptr);
 
 /// The same for a text already in memory.
 /// @param file_name       how messages name it
 /// @param base_directory  where files named in the scene are
 Scene parse_scene(const std::string& text, const std::string& file_name,
                   const std::filesystem::path& base_directory,
-                  const std::vector<std::string>& overrides = {});
+                  const std::vector<std::string>& overrides = {},
+                  std::vector<std::string>* notes = nullptr);
 
 /// The document that read_scene reads, with overrides applied and without comments: the record of
 /// what was run. @throws InputError

@@ -40,7 +40,8 @@ CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
 }
 
 int check_scene(const CheckOptions& options) {
-  Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
+  std::vector<std::string> notes;
+  Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides, &notes);
   const WorldOptions world = resolve_options(options.target, scene);
   require_solver(scene, world);
   const SceneSummary s = summarize_run(scene, world);
@@ -67,6 +68,7 @@ int check_scene(const CheckOptions& options) {
                           {"free_bodies", s.free_capacity},
                           {"fixed_bodies", s.fixed_count},
                           {"joints", joints},
+                          {"notes", notes},
                           {"median_diameter_m", s.median_diameter},
                           {"envelope_m", s.envelope},
                           {"dynamics", settings.dynamics.type},
@@ -92,6 +94,7 @@ int check_scene(const CheckOptions& options) {
   fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
              s.fixed_count, s.median_diameter);
   if (joints > 0) fmt::print("joints      {}\n", joints);
+  for (const std::string& note : notes) fmt::print("urdf        {}\n", note);
   fmt::print("dynamics    {}: {}\n", card.name, card.description);
   if (card.has_contacts)
     fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", to_string(s.layout),

@@ -37,7 +37,8 @@ void name_bodies(Draft& draft) {
   for_each_by_id(
       draft.scene,
       [&](std::size_t id, const BodyDescription& body) {
-        id_of_entry.at(static_cast<std::size_t>(body.entry)) = static_cast<int>(id);
+        if (body.entry >= 0)  // not of a URDF file
+          id_of_entry.at(static_cast<std::size_t>(body.entry)) = static_cast<int>(id);
       },
       [](std::size_t, const ParticleSet&) {});
   for (const auto& [name, entry] : draft.entry_of_name)
@@ -48,7 +49,7 @@ void name_bodies(Draft& draft) {
 
 Scene parse_scene(const std::string& text, const std::string& file_name,
                   const std::filesystem::path& base_directory,
-                  const std::vector<std::string>& overrides) {
+                  const std::vector<std::string>& overrides, std::vector<std::string>* notes) {
   Source source{file_name, base_directory, {}};
   const Json json = document(text, source, overrides);
   const Node root(json, "", source);
@@ -62,6 +63,8 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
     const std::vector<Node> entries = bodies->elements();
     for (std::size_t i = 0; i < entries.size(); ++i) read_body(entries[i], i, draft);
   }
+  if (const auto models = root.find("urdf"))
+    for (const Node& entry : models->elements()) read_urdf_entry(entry, draft);
   if (const auto particles = root.find("particles")) {
     const std::vector<Node> entries = particles->elements();
     for (std::size_t i = 0; i < entries.size(); ++i) read_particles(entries[i], i, draft);
@@ -79,11 +82,13 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   } catch (const InputError& fault) {
     throw InputError(file_name + ": " + fault.what());
   }
+  if (notes != nullptr) *notes = std::move(draft.notes);
   return std::move(draft.scene);
 }
 
-Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  return parse_scene(read_text(file), file.string(), file.parent_path(), overrides);
+Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides,
+                 std::vector<std::string>* notes) {
+  return parse_scene(read_text(file), file.string(), file.parent_path(), overrides, notes);
 }
 
 std::string scene_text(const std::filesystem::path& file,

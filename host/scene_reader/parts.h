@@ -30,6 +30,7 @@ struct Draft {
   /// Of each entry of `bodies`: index in Scene::bodies, or kInserted.
   std::vector<int> body_of_entry;
   std::map<std::string, std::size_t> entry_of_name;  ///< of the bodies that have one
+  std::vector<std::string> notes;  ///< what other files came in as
 };
 
 /// In Draft::body_of_entry: a body that joins the run later.
@@ -55,6 +56,9 @@ void read_shape(const Node& node, bool must_be_free, Shape& shape, Vec3d& positi
 void read_orientation(const Node& node, Quatd& orientation);
 /// @param index  position in the list `bodies`
 void read_body(const Node& node, std::size_t index, Draft& draft);
+/// An entry of `urdf`; all of `bodies` were read.
+void read_urdf_entry(const Node& node, Draft& draft);
+JointMotor read_joint_motor(const Node& node);
 /// An entry of `joints`; all bodies were read.
 void read_joint(const Node& node, Draft& draft);
 void read_motion(const Node& node, Motion& motion);

@@ -13,7 +13,7 @@ namespace {
 std::size_t entry_of(const Node& node, const Draft& draft) {
   const std::size_t count = draft.body_of_entry.size();
   if (!node.json().is_string()) {
-    if (count == 0) node.refuse("must be \"world\": the scene has no `bodies`");
+    if (count == 0) node.refuse("must be a name or \"world\": the scene has no `bodies`");
     return static_cast<std::size_t>(node.integer(0, static_cast<long long>(count) - 1));
   }
   const std::string name = node.text();
@@ -21,6 +21,7 @@ std::size_t entry_of(const Node& node, const Draft& draft) {
   if (found != draft.entry_of_name.end()) return found->second;
   std::vector<std::string> known{kWorldName};
   for (const auto& [other, entry] : draft.entry_of_name) known.push_back(other);
+  for (const auto& [other, body] : draft.scene.body_names) known.push_back(other);
   node.refuse(
       "must be the `name` of one of `bodies`, its number in that list from 0, or \"world\"" +
       nearest_hint(name, known));
@@ -28,7 +29,11 @@ std::size_t entry_of(const Node& node, const Draft& draft) {
 
 /// Index in Scene::bodies, or kWorldBody.
 int read_body_of_joint(const Node& node, const Draft& draft) {
-  if (node.json().is_string() && node.text() == kWorldName) return kWorldBody;
+  if (node.json().is_string()) {
+    if (node.text() == kWorldName) return kWorldBody;
+    const auto of_model = draft.scene.body_names.find(node.text());  // those of `urdf` so far
+    if (of_model != draft.scene.body_names.end()) return of_model->second;
+  }
   const int body = draft.body_of_entry[entry_of(node, draft)];
   if (body == kInserted) node.refuse("must be there from the start, without insert_at");
   return body;
@@ -66,7 +71,35 @@ void read_anchors(const Node& node, const JointCard& card, Joint& joint) {
   joint.second_anchor = ends[1].vector("m");
 }
 
-JointMotor read_motor(const Node& node) {
+/// What moves and holds a joint along or about its axis.
+void read_drive(const Node& node, const JointCard& card, Joint& joint) {
+  if (!card.has_drive)
+    for (const char* key : {"limits", "motor", "friction"})
+      if (const auto value = node.find(key)) refuse_key(*value, card);
+  if (!card.has_two_points)
+    if (const auto value = node.find("length")) refuse_key(*value, card);
+  if (card.kind != JointKind::spring)
+    for (const char* key : {"stiffness", "damping"})
+      if (const auto value = node.find(key)) refuse_key(*value, card);
+  if (const auto limits = node.find("limits")) {
+    const auto [low, high] = limits->interval("rad, or m");
+    joint.limits = {low, high};
+  }
+  if (const auto motor = node.find("motor")) joint.motor = read_joint_motor(*motor);
+  node.read("friction", joint.friction, kNonNegative, "N m, or N");
+  node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
+            "m");
+  if (card.kind == JointKind::spring)
+    joint.stiffness = node.at("stiffness", "must be that of the spring [N/m], or 0 for a damper")
+                          .number(kNonNegative, "N/m");
+  node.read("damping", joint.damping, kNonNegative, "N s/m");
+  node.read("break_force", joint.break_force, kPositive, "N");
+  node.read("break_moment", joint.break_moment, kPositive, "N m");
+}
+
+}  // namespace
+
+JointMotor read_joint_motor(const Node& node) {
   node.check_keys(scene_keys("joint_motor"));
   JointMotor motor;
   const auto speed = node.find("speed"), position = node.find("position");
@@ -86,34 +119,6 @@ JointMotor read_motor(const Node& node) {
   node.read("max_force", motor.max_force, kPositive, "N m, or N");
   return motor;
 }
-
-/// What moves and holds a joint along or about its axis.
-void read_drive(const Node& node, const JointCard& card, Joint& joint) {
-  if (!card.has_drive)
-    for (const char* key : {"limits", "motor", "friction"})
-      if (const auto value = node.find(key)) refuse_key(*value, card);
-  if (!card.has_two_points)
-    if (const auto value = node.find("length")) refuse_key(*value, card);
-  if (card.kind != JointKind::spring)
-    for (const char* key : {"stiffness", "damping"})
-      if (const auto value = node.find(key)) refuse_key(*value, card);
-  if (const auto limits = node.find("limits")) {
-    const auto [low, high] = limits->interval("rad, or m");
-    joint.limits = {low, high};
-  }
-  if (const auto motor = node.find("motor")) joint.motor = read_motor(*motor);
-  node.read("friction", joint.friction, kNonNegative, "N m, or N");
-  node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
-            "m");
-  if (card.kind == JointKind::spring)
-    joint.stiffness = node.at("stiffness", "must be that of the spring [N/m], or 0 for a damper")
-                          .number(kNonNegative, "N/m");
-  node.read("damping", joint.damping, kNonNegative, "N s/m");
-  node.read("break_force", joint.break_force, kPositive, "N");
-  node.read("break_moment", joint.break_moment, kPositive, "N m");
-}
-
-}  // namespace
 
 void read_joint(const Node& node, Draft& draft) {
   node.check_keys(scene_keys("joint"));

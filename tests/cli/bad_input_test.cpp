@@ -10,6 +10,7 @@
 #include "host/io/seal.h"
 #include "host/scene_reader.h"
 #include "tests/cli/program.h"
+#include "tests/urdf_support.h"
 
 namespace scree::test {
 namespace {
@@ -198,6 +199,25 @@ TEST_P(CliBadScene, IsRefused) {
   for (const Arguments& command :
        {run_arguments(file, scratch / "a"), Arguments{"check", file.string()}})
     expect_refusal(scree(scratch, command), GetParam().words);
+  EXPECT_FALSE(fs::exists(scratch / "a"));
+}
+
+TEST(CliBadUrdf, IsRefusedByFileLineAndElement) {
+  const Scratch scratch;
+  json scene = small_scene();
+  scene["urdf"] = {{{"file", "arm.urdf"}}};
+  const fs::path file = put_scene(scratch, scene);
+  put(scratch / "arm.urdf",
+      "<robot name=\"arm\">\n<link name=\"a\"><inertial><mass "
+      "value=\"-1\"/></inertial></link>\n</robot>");
+  std::vector<std::string> words{file.string(), "urdf[0].file", "arm.urdf"};
+  const std::vector<std::string> more =
+      reads_urdf() ? std::vector<std::string>{"line 2", "link \"a\"", "value \"-1\"", "[kg]"}
+                   : std::vector<std::string>{"tinyxml2", "libtinyxml2-dev"};
+  words.insert(words.end(), more.begin(), more.end());
+  for (const Arguments& command :
+       {run_arguments(file, scratch / "a"), Arguments{"check", file.string()}})
+    expect_refusal(scree(scratch, command), words);
   EXPECT_FALSE(fs::exists(scratch / "a"));
 }
 

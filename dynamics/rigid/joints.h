@@ -7,6 +7,7 @@
 
 #include "dynamics/model_errors.h"
 #include "dynamics/rigid/collision_settings.h"
+#include "dynamics/rigid/held_joints.h"
 #include "dynamics/rigid/problem_assembly.h"
 #include "host/scene/joint_cards.h"
 #include "host/scene/motion.h"
@@ -113,7 +114,8 @@ class Joints {
         joined_(b),
         row_(b, count_),
         sums_(b, 1),
-        lists_(b) {
+        lists_(b),
+        velocity_(b) {
     std::vector<JointFrames> frames;
     for (const Joint& joint : scene.joints) frames.push_back(joint_frames(scene, joint));
     upload(b, frames, frames_);
@@ -174,6 +176,18 @@ class Joints {
     p.joints = row_.view();
     p.later[0] = lists_.build(b, p.bodies.owned_count, setup.body_a, setup.body_b);
     p.later[0].first = contacts;
+  }
+
+  /// Makes the impulses of joints a better guess of those of the problem of join(): see HeldJoints. Only where the problem is
+  /// in host memory.
+  void guess(B& b, const ContactProblem<Real>& problem, Span<Vec3<Real>> gamma) {
+    if constexpr (!B::kIsDevice) {
+      using R = JointedRows<Real>;
+      const Index owned = problem.bodies.owned_count;
+      velocity_.reserve_discard(owned);
+      for_each(b, owned, BodyVelocity<R, Real>{problem, gamma, velocity_.view(owned)});
+      held_.improve(problem, velocity_.view(owned), gamma);
+    }
   }
 
   /// Largest distance of two anchors, or turn of two axes times the size of a body, at the start of
@@ -290,6 +304,8 @@ class Joints {
   Buffer<B, JointRow<Real>> row_;
   Buffer<B, JointSums> sums_;
   GroupContacts<B> lists_;
+  Buffer<B, Twist<Real>> velocity_;  ///< under the impulses that a guess starts from
+  HeldJoints<Real> held_;
 };
 
 }  // namespace scree

@@ -126,6 +126,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
     const double tolerance =
         residual_tolerance(scene_.solver.stop, reference, summary_.median_diameter, h);
+    if (joints_.count() > 0 && tolerance > 0 && scene_.solver.warm_start)
+      joints_.guess(b, problem, gamma);
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
       correct_joints(bodies, problem, gamma, tolerance, stats);
@@ -319,6 +321,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       if (!(error > enough && error < kProgress * before)) return;
       before = error;
       const SolveStats first = stats;
+      if (scene_.solver.warm_start) joints_.guess(backend(), problem, gamma);
       stats = solver_->solve(backend(), problem, gamma, tolerance);
       stats.iterations += first.iterations;
       stats.applications += first.applications;

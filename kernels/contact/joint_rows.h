@@ -29,8 +29,11 @@ struct JointRows {
   }
   static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
                                      const Rows& z) {
-    const JointRow<Real>& j = joint(p, c);
-    const JointValues<Real> g = j.impulse(as_values(z));
+    return wrench(joint(p, c), side_b, as_values(z));
+  }
+  static SCREE_HD Twist<Real> wrench(const JointRow<Real>& j, bool side_b,
+                                     const JointValues<Real>& z) {
+    const JointValues<Real> g = j.impulse(z);
     const Vec3<Real> force = j.world_force(g);
     const Vec3<Real> moment = j.length * j.world_moment(g);
     if (side_b) return {force, cross(j.arm_b, force) + moment};

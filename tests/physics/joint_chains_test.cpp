@@ -1,0 +1,127 @@
+// Long chains and nets of joints: their held rows are solved all at once, so steps need no iteration while nothing else acts.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/state_hash.h"
+#include "tests/physics/joint_scenes.h"
+
+namespace scree::physics {
+namespace {
+
+constexpr double kLink = 0.03;
+
+/// Links between two hooks, on an arc: it is no line of equilibrium, so the chain swings.
+Scene hanging_chain(int links) {
+  constexpr double kHalfAngle = 1;
+  Scene scene = empty_scene(1e-3, 0);
+  scene.solver.stop = StopRule();
+  const double angle = 2 * kHalfAngle / links;
+  const double radius = 0.5 * kLink / std::sin(angle / 2);
+  const auto at = [&](int k) {
+    const double turn = -kHalfAngle + angle * k;
+    return Vec3d{radius * std::sin(turn), 0, -radius * std::cos(turn)};
+  };
+  for (int k = 0; k < links; ++k) {
+    BodyDescription& link =
+        add_box(scene, 0.5 * (at(k) + at(k + 1)), {kLink / 2, 0.004, 0.004}, 0.01);
+    link.orientation = exp_map(Vec3d{0, kHalfAngle - angle * (k + 0.5), 0});
+    scene.joints.push_back(joint_of(JointKind::ball, k - 1, k, at(k)));
+  }
+  scene.joints[0].bodies[0] = kWorldBody;
+  scene.joints.push_back(joint_of(JointKind::ball, links - 1, kWorldBody, at(links)));
+  return scene;
+}
+
+// With the stop level that runs have by default.
+TEST(JointChains, AThousandLinksHangWithoutIterations) {
+  const Scene scene = hanging_chain(1000);
+  World world = reference_world(scene);
+  double error = 0;
+  int iterations = 0;
+  for (int k = 0; k < 500; ++k) {
+    const StepReport report = world.step();
+    ASSERT_TRUE(report.converged) << k;
+    error = std::max(error, report.max_joint_error);
+    iterations += report.iterations;
+  }
+  EXPECT_LT(error, 1e-6);
+  EXPECT_EQ(iterations, 0);
+  // It swings down as it must: the middle has fallen.
+  EXPECT_LT(world.states().position[500].z, scene.bodies[500].position.z - 1e-3);
+}
+
+/// Knots in a square, held at the rim; rods between neighbors. It sags from there.
+Scene hanging_net(int knots) {
+  constexpr double kSpacing = 0.027;
+  const double zigzag = std::sqrt(kLink * kLink - kSpacing * kSpacing) / 2;
+  Scene scene = empty_scene(5e-4, 0);
+  scene.solver.stop = StopRule();
+  const auto at = [&](int i, int j) {
+    return Vec3d{i * kSpacing, j * kSpacing, (i + j) % 2 == 0 ? zigzag : -zigzag};
+  };
+  const auto id = [&](int i, int j) { return i * knots + j; };
+  for (int i = 0; i < knots; ++i)
+    for (int j = 0; j < knots; ++j) {
+      add_sphere(scene, at(i, j), 0.004, 0.002);
+      const bool is_rim = i == 0 || i == knots - 1 || j == 0 || j == knots - 1;
+      if (is_rim) scene.joints.push_back(joint_of(JointKind::ball, kWorldBody, id(i, j), at(i, j)));
+      if (i > 0)
+        scene.joints.push_back(
+            line_of(JointKind::distance, id(i - 1, j), id(i, j), at(i - 1, j), at(i, j)));
+      if (j > 0)
+        scene.joints.push_back(
+            line_of(JointKind::distance, id(i, j - 1), id(i, j), at(i, j - 1), at(i, j)));
+    }
+  return scene;
+}
+
+TEST(JointChains, ANetOf32By32KnotsHoldsAndFallsWithItsMiddle) {
+  const Scene scene = hanging_net(32);
+  World world = reference_world(scene);
+  double error = 0;
+  for (int k = 0; k < 400; ++k) {
+    const StepReport report = world.step();
+    ASSERT_TRUE(report.converged) << k;
+    error = std::max(error, report.max_joint_error);
+  }
+  EXPECT_LT(error, 1e-6);
+  EXPECT_LT(world.states().position[16 * 32 + 16].z, -0.02);
+}
+
+TEST(JointChains, HaveTheSameBitsOnAnyNumberOfThreads) {
+  const Scene scene = hanging_net(8);
+  World one(scene, cpu_options(1)), two(scene, cpu_options(2));
+  for (int k = 0; k < 100; ++k) {
+    one.step();
+    two.step();
+  }
+  EXPECT_EQ(state_hash(one.states()), state_hash(two.states()));
+}
+
+// A rod on three collinear points of the world: two hold it, the third adds nothing. Its impulses are not defined, its rest is.
+TEST(JointChains, JointsThatOthersMakeSuperfluousDoNoHarm) {
+  Scene scene = empty_scene(1e-3, 0);
+  scene.solver.stop = StopRule();
+  add_box(scene, {}, {0.5, 0.05, 0.05}, 1);
+  for (const double x : {-0.5, 0.0, 0.5})
+    scene.joints.push_back(joint_of(JointKind::ball, kWorldBody, 0, {x, 0, 0}));
+  World world = reference_world(scene);
+  for (int k = 0; k < 200; ++k) {
+    const StepReport report = world.step();
+    ASSERT_TRUE(report.converged);
+    ASSERT_EQ(report.iterations, 0);
+  }
+  EXPECT_LT(norm(world.states().position[0]), 1e-9);
+  Vec3d force;
+  for (const JointRecord& joint : world.joints()) {
+    force += 1e3 * joint.force;
+    EXPECT_LT(norm(joint.force), 0.1);
+  }
+  EXPECT_LT(norm(force - Vec3d{0, 0, kGravity}), 1e-5);
+}
+
+}  // namespace
+}  // namespace scree::physics

@@ -114,8 +114,7 @@ class Joints {
         joined_(b),
         row_(b, count_),
         sums_(b, 1),
-        lists_(b),
-        velocity_(b) {
+        lists_(b) {
     std::vector<JointFrames> frames;
     for (const Joint& joint : scene.joints) frames.push_back(joint_frames(scene, joint));
     upload(b, frames, frames_);
@@ -184,9 +183,9 @@ class Joints {
     if constexpr (!B::kIsDevice) {
       using R = JointedRows<Real>;
       const Index owned = problem.bodies.owned_count;
-      velocity_.reserve_discard(owned);
-      for_each(b, owned, BodyVelocity<R, Real>{problem, gamma, velocity_.view(owned)});
-      held_.improve(problem, velocity_.view(owned), gamma);
+      Buffer<B, Twist<Real>> velocity(b, owned);  // under the impulses that there are
+      for_each(b, owned, BodyVelocity<R, Real>{problem, gamma, velocity.view()});
+      held_.improve(problem, velocity.view(), gamma);
     }
   }
 
@@ -304,7 +303,6 @@ class Joints {
   Buffer<B, JointRow<Real>> row_;
   Buffer<B, JointSums> sums_;
   GroupContacts<B> lists_;
-  Buffer<B, Twist<Real>> velocity_;  ///< under the impulses that a guess starts from
   HeldJoints<Real> held_;
 };
 

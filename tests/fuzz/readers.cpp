@@ -19,8 +19,10 @@
 #include "host/scene/particle_table.h"
 #include "host/scene_reader.h"
 #include "host/solve/solve_problem.h"
+#include "host/urdf.h"
 #include "host/world.h"
 #include "tests/fuzz/hdf5_edits.h"
+#include "tests/urdf_support.h"
 
 namespace scree::fuzz {
 namespace {
@@ -142,6 +144,11 @@ void give(const std::string& reader, std::string_view bytes) {
     return read_as_file(bytes, ".csv", [](const fs::path& path) { read_particle_csv(path); });
   if (reader == "mesh") return read_mesh_bytes(bytes);
   if (reader == "motion") return read_motion_bytes(bytes);
+  if (reader == "urdf") {
+    Scene scene;
+    add_urdf(scene, parse_urdf(std::string(bytes), "x.urdf"));
+    return;
+  }
   if (reader == "problem" || reader == "fclib")
     return edit_and_use(reader, problem_format_name, problem_format_version, bytes, use_problem);
   if (reader == "checkpoint")
@@ -153,8 +160,12 @@ void give(const std::string& reader, std::string_view bytes) {
 }  // namespace
 
 const std::vector<std::string>& readers() {
-  static const std::vector<std::string> names{"scene",   "particles",  "mesh", "motion",
-                                              "problem", "checkpoint", "fclib"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all{"scene",   "particles",  "mesh", "motion",
+                                 "problem", "checkpoint", "fclib"};
+    if (test::reads_urdf()) all.emplace_back("urdf");
+    return all;
+  }();
   return names;
 }
 

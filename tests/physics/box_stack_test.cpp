@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 #include <tuple>
 
 #include "host/state_hash.h"
@@ -161,6 +162,32 @@ TEST_P(BoxStack, AFixedBoxHoldsAStackToo) {
   for (int k = 0; k < 200; ++k) EXPECT_EQ(w.step().contact_count, 12);
   const BodyStates s = w.states();
   EXPECT_LT(norm(s.position[2] - scene.bodies[2].position), 1e-5);
+}
+
+// A light cube that carries one of up to a thousand times its mass; in double, as the user guide says of such ratios.
+TEST(BoxStack, A61_ALightCubeCarriesAHeavyOne) {
+  for (const Model model : {Model::convex, Model::exact}) {
+    for (const double heavy : {10.0, 100.0, 1000.0}) {
+      SCOPED_TRACE(std::string(name_of(model)) + " " + std::to_string(heavy));
+      Scene scene = empty_scene(1e-2, 0.5, model);
+      solve_to(scene, 1e-10);
+      add_box(scene, {0, 0, 0.5 * kEdge}, kHalf, 1);
+      add_box(scene, {0, 0, 1.5 * kEdge}, kHalf, heavy);
+      add_plane(scene);
+      World w = reference_world(scene);
+      double deepest = 0;
+      for (int k = 0; k < 300; ++k) {
+        const StepReport report = w.step();
+        ASSERT_TRUE(report.converged) << "step " << k;
+        deepest = std::max(deepest, report.max_penetration);
+      }
+      EXPECT_LT(deepest, 1e-4);
+      EXPECT_LT(norm(w.states().position[1] - Vec3d{0, 0, 1.5 * kEdge}), 1e-4);
+      const double impulse = kGravity * scene.stepping.time_step;
+      EXPECT_NEAR(normal_impulse(w, 1), heavy * impulse, 1e-4 * heavy * impulse);
+      EXPECT_NEAR(normal_impulse(w, 2), (heavy + 1) * impulse, 1e-4 * (heavy + 1) * impulse);
+    }
+  }
 }
 
 TEST(BoxStack, ContactsAreTheSameForAnyNumberOfThreads) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "collision/broad_phase.h"
 #include "collision/impact_margins.h"
@@ -18,6 +19,7 @@
 #include "kernels/contact/contact_elements.h"
 #include "kernels/narrow_phase/contact_groups.h"
 #include "kernels/narrow_phase/contact_list.h"
+#include "kernels/narrow_phase/part_contacts.h"
 
 namespace scree {
 
@@ -84,10 +86,12 @@ class ContactDetector {
   /// @param h             time step [s]
   /// @param gravity_step  what gravity adds to the velocity of free bodies in the step, h g [m/s]
   /// @param load_speed    most that other loads add to it, which `bodies` has already [m/s]
+  /// @param parts         where `bodies` are parts: contacts are those of the bodies that have them, and parts
+  ///                      of one body have none
   /// @throws std::runtime_error when there are more contacts, or pairs of near bodies, than
   ///         an Index can number, or more bodies and wall features than fit a contact key
   void detect(B& b, const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step,
-              double load_speed = 0);
+              double load_speed = 0, const BodyParts<Real>& parts = {});
 
   /// The contacts found by the last detect(); valid until the next one.
   ContactView<Real> contacts() const;
@@ -168,7 +172,8 @@ class ContactDetector {
   void list_contacts(B& b, const ContactTest<kMix, Real>& test);
   template <ShapeMix kMix>
   ContactTest<kMix, Real> test_of(const BodyView<Real>& bodies, const ContactRange& range) const {
-    return {bodies, obstacles_.shapes(), candidates_.view(), obstacles_.walls(), range, keys_};
+    return {bodies, obstacles_.shapes(), candidates_.view(), obstacles_.walls(), range,
+            keys_,  parts_.is_used()};
   }
   /// Calls f with what the run holds.
   template <class F>
@@ -190,6 +195,7 @@ class ContactDetector {
   void release_contacts();
 
   CollisionSettings settings_;
+  BodyParts<Real> parts_;  ///< while detect() works
   ObstacleBuffers<B, Real> obstacles_;
   PairFilter<B> held_pairs_;
   PairCandidates<B, Real> candidates_;
@@ -231,8 +237,10 @@ ContactDetector<B, Real>::ContactDetector(B& b, const CollisionSettings& setting
 
 template <class B, class Real>
 void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double h,
-                                      const Vec3<double>& gravity_step, double load_speed) {
+                                      const Vec3<double>& gravity_step, double load_speed,
+                                      const BodyParts<Real>& parts) {
   release_contacts();
+  parts_ = parts;
   needed_.release();
   name_elements(bodies);
   if (bodies.owned_count == 0) return;
@@ -248,6 +256,7 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   mixed_.release();
   needed_.release();
   if (!settings_.keep_candidates) candidates_.release();
+  parts_ = {};
 }
 
 template <class B, class Real>
@@ -270,16 +279,23 @@ void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bod
   list_within(b, bodies, range);
   if (!(settings_.margin_limit > 0) || contact_count_ == 0) return;
   ImpactMargins<B, Real> margins(b);
+  Buffer<B, float> of_parts(b);
+  const BodyView<Real>& owners = parts_.is_used() ? parts_.bodies : bodies;
   const double least = 0.5 * settings_.envelope;
   for (int k = 0; k < kMaxWidenings; ++k) {
     const Index before = contact_count_;
-    const ImpactGraph<Real> graph{bodies,         contacts(),       range,
+    const ImpactGraph<Real> graph{owners,         contacts(),       range,
                                   settings_.lift, settings_.bounce, settings_.bounce_threshold};
     const double largest_push = margins.start(b, graph);
     if (k == 0 && !(largest_push > least)) return;
     range.margin = margins.spread(b, graph);
+    if (parts_.is_used()) {
+      const Span<float> spread = of_parts.resize_discard(bodies.moving_count);
+      for_each(b, bodies.moving_count, SpreadToParts{parts_.owner, range.margin, spread});
+      range.margin = std::as_const(of_parts).view(bodies.moving_count);
+    }
     // Margins that grew by less than calls for margins at all are not worth another detection.
-    if (k > 0 && !(margins.growth(b, bodies.moving_count) > least)) return;
+    if (k > 0 && !(margins.growth(b, owners.moving_count) > least)) return;
     list_within(b, bodies, range);
     if (contact_count_ == before) return;
   }
@@ -389,9 +405,15 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
   if constexpr (kMix != ShapeMix::spheres_and_planes) {
     if (solids_.is_used()) solids_.fill(b, test, key, out);
   }
+  if (parts_.is_used()) {
+    if (radial_count_ > 0) throw std::logic_error("parts of bodies have contacts with arms");
+    for_each(b, contact_count_,
+             MoveContactsToBodies<Real>{parts_, out.body_a, out.body_b, out.arm_a, out.arm_b});
+  }
   if (!held_pairs_.is_used()) return;
   if (radial_count_ > 0) throw std::logic_error("bodies that joints hold have contacts with arms");
-  contact_count_ = held_pairs_.apply(b, test.bodies.id, contact_count_, found_);
+  const Span<const Index> id = parts_.is_used() ? parts_.bodies.id : test.bodies.id;
+  contact_count_ = held_pairs_.apply(b, id, contact_count_, found_);
 }
 
 /// Brings the keys into groups; one host read.

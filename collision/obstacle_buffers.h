@@ -11,6 +11,7 @@
 #include "kernels/backend/backend.h"
 #include "kernels/narrow_phase/pair_table.h"
 #include "kernels/narrow_phase/solid_walls.h"
+#include "shapes/compound.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
@@ -45,10 +46,10 @@ class ObstacleBuffers {
     for (const Index s : data.walls) {
       add_wall(s, data.shapes[static_cast<std::size_t>(s)], topology, sources, solids);
     }
-    const bool is_mixed =
-        !free_.empty() || std::any_of(solids.begin(), solids.end(), [](const WallSolid& solid) {
-          return !is_solid_of_spheres(solid.kind);
-        });
+    const bool is_mixed = !free_.empty() || !data.parts.empty() ||
+                          std::any_of(solids.begin(), solids.end(), [](const WallSolid& solid) {
+                            return !is_solid_of_spheres(solid.kind);
+                          });
     mix_ = is_mixed         ? ShapeMix::any
            : solids.empty() ? ShapeMix::spheres_and_planes
                             : ShapeMix::spheres;
@@ -112,7 +113,8 @@ class ObstacleBuffers {
     std::vector<bool> is_wall(data.shapes.size(), false);
     for (const Index s : data.walls) is_wall[static_cast<std::size_t>(s)] = true;
     for (std::size_t s = 0; s < data.shapes.size(); ++s)
-      if (!is_wall[s]) ++free_[data.shapes[s].kind];
+      if (!is_wall[s] && data.shapes[s].kind != shapes::Compound::kind)  // its parts count
+        ++free_[data.shapes[s].kind];
   }
 
   /// Refuses bodies that could meet without a word. Spheres may come at any time, and have no

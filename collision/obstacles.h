@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "collision/mesh_topology.h"
-#include "kernels/bodies/body_view.h"
+#include "kernels/bodies/parts.h"
 
 namespace scree {
 
@@ -12,9 +12,11 @@ template <class Real>
 struct ObstacleData {
   /// Of all bodies that are not spheres; BodyView::shape points here.
   std::vector<ShapeRecord<Real>> shapes;
-  std::vector<Index> walls;        ///< indices into `shapes`: fixed and kinematic bodies
-  std::vector<MeshSource> meshes;  ///< ShapeRecord::mesh points here
-  std::vector<MeshSource> hulls;   ///< that of hulls points here
+  std::vector<Index> walls;             ///< indices into `shapes`: fixed and kinematic bodies
+  std::vector<MeshSource> meshes;       ///< ShapeRecord::mesh points here
+  std::vector<MeshSource> hulls;        ///< that of hulls points here
+  std::vector<PartRecord<Real>> parts;  ///< of all compounds
+  std::vector<Index> first_part{0};     ///< [compounds + 1] that of compounds points here
 };
 
 }  // namespace scree

@@ -62,6 +62,11 @@ struct Box {
     return {direction.x < 0 ? -e.x : e.x, direction.y < 0 ? -e.y : e.y,
             direction.z < 0 ? -e.z : e.z};
   }
+  static Chord chord(const Shape& shape, const TriangleMesh*, const Vec3d& x, const Vec3d& d) {
+    Chord c;
+    for (int k = 0; k < 3; ++k) c.cut_slab(x[k], d[k], shape.half_extents[k]);
+    return c;
+  }
   static Surface surface(const Shape& shape, const TriangleMesh*, double) {
     return box_surface(shape.half_extents, 0);
   }

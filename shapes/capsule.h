@@ -2,6 +2,8 @@
 // A cylinder with round ends about the center of its body, its axis along z of the body. The half extents are those of
 // the box about it: its radius twice, and half its whole length.
 
+#include <algorithm>
+
 #include "shapes/ray.h"
 #include "shapes/shape_card.h"
 #include "shapes/sphere.h"
@@ -54,6 +56,21 @@ struct Capsule {
     return {cylinder + ends, {across, across, along}};
   }
   static double rounding(const Shape& shape) { return radius(shape.half_extents); }
+  static Chord chord(const Shape& shape, const TriangleMesh*, const Vec3d& x, const Vec3d& d) {
+    const double r = radius(shape.half_extents), end = half_length(shape.half_extents);
+    Chord whole;
+    whole.cut_quadric(d.x * d.x + d.y * d.y, x.x * d.x + x.y * d.y, x.x * x.x + x.y * x.y - r * r);
+    whole.cut_slab(x.z, d.z, end);
+    for (const double z : {-end, end}) {
+      const Vec3d from = x - Vec3d{0, 0, z};
+      Chord ball;
+      ball.cut_quadric(norm2(d), dot(from, d), norm2(from) - r * r);
+      if (ball.is_empty()) continue;
+      whole = whole.is_empty() ? ball
+                               : Chord{std::min(whole.in, ball.in), std::max(whole.out, ball.out)};
+    }
+    return whole;
+  }
   static Vec3d farthest(const Shape& shape, const TriangleMesh*, const Vec3d& direction) {
     const double end = half_length(shape.half_extents);
     return Vec3d{0, 0, direction.z < 0 ? -end : end} +

@@ -49,6 +49,27 @@ struct Cone {
     const Vec3d out = e.x * normalized(across, {1, 0, 0});
     return {out.x, out.y, base(e)};
   }
+  static Chord chord(const Shape& shape, const TriangleMesh*, const Vec3d& x, const Vec3d& d) {
+    const Vec3d& e = shape.half_extents;
+    const double slope = e.x / length(e), below = slope * (e.z - x.z), falls = slope * d.z;
+    const double square = d.x * d.x + d.y * d.y - falls * falls;
+    const double linear = x.x * d.x + x.y * d.y + below * falls;
+    const double constant = x.x * x.x + x.y * x.y - below * below;
+    Chord c;
+    if (square > 0) {
+      c.cut_quadric(square, linear, constant);
+    } else {  // through the base: the double cone is left between its two parts
+      const double root = std::sqrt(std::max(0.0, linear * linear - square * constant));
+      const double first = (-linear + root) / square, last = (-linear - root) / square;
+      if (d.z > 0)
+        c.cut(c.in, first);
+      else
+        c.cut(last, c.out);
+    }
+    c.cut_above(x.z - e.z, d.z);
+    c.cut_above(base(e) - x.z, -d.z);
+    return c;
+  }
   static Surface surface(const Shape& shape, const TriangleMesh*, double) {
     constexpr int kAround = 24;
     constexpr double pi = 3.14159265358979323846;

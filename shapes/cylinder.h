@@ -37,6 +37,13 @@ struct Cylinder {
     const Vec3d out = e.x * normalized(Vec3d{direction.x, direction.y, 0}, {1, 0, 0});
     return {out.x, out.y, direction.z < 0 ? -e.z : e.z};
   }
+  static Chord chord(const Shape& shape, const TriangleMesh*, const Vec3d& x, const Vec3d& d) {
+    const double r = shape.half_extents.x;
+    Chord c;
+    c.cut_quadric(d.x * d.x + d.y * d.y, x.x * d.x + x.y * d.y, x.x * x.x + x.y * x.y - r * r);
+    c.cut_slab(x.z, d.z, shape.half_extents.z);
+    return c;
+  }
   static Surface surface(const Shape& shape, const TriangleMesh*, double) {
     constexpr int kAround = 24;
     constexpr double pi = 3.14159265358979323846;

@@ -47,6 +47,13 @@ struct Ellipsoid {
   static Vec3d farthest(const Shape& shape, const TriangleMesh*, const Vec3d& direction) {
     return extreme(shape.half_extents, direction);
   }
+  static Chord chord(const Shape& shape, const TriangleMesh*, const Vec3d& x, const Vec3d& d) {
+    const Vec3d& e = shape.half_extents;
+    const Vec3d from{x.x / e.x, x.y / e.y, x.z / e.z}, along{d.x / e.x, d.y / e.y, d.z / e.z};
+    Chord c;
+    c.cut_quadric(norm2(along), dot(from, along), norm2(from) - 1);
+    return c;
+  }
   static Surface surface(const Shape& shape, const TriangleMesh*, double) {
     Shape ball;
     ball.radius = 1;

@@ -60,6 +60,18 @@ struct Hull {
                                                      return dot(a, direction) < dot(b, direction);
                                                    });
   }
+  static Chord chord(const Shape& shape, const TriangleMesh* mesh, const Vec3d& x, const Vec3d& d) {
+    const double size = scale(shape, *mesh);
+    Chord c;
+    for (const std::array<int, 3>& t : mesh->triangles) {
+      const auto corner = [&](std::size_t k) {
+        return mesh->vertices[static_cast<std::size_t>(t[k])];
+      };
+      const Vec3d n = cross(corner(1) - corner(0), corner(2) - corner(0));
+      c.cut_above(dot(n, x - size * corner(0)), dot(n, d));
+    }
+    return c;
+  }
   static Surface surface(const Shape& shape, const TriangleMesh* mesh, double) {
     Surface surface{mesh->vertices, {}};
     for (Vec3d& v : surface.vertices) v *= scale(shape, *mesh);

@@ -5,20 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "kernels/math/quat.h"
 #include "kernels/math/vec3.h"
 #include "shapes/shape_kind.h"
 
 namespace scree {
 
 using Vec3d = Vec3<double>;
-
-/// A closed (or declared open) triangle surface in its body's frame.
-struct TriangleMesh {
-  std::string name;                           ///< file it came from, for messages
-  std::vector<Vec3d> vertices;                ///< [m]
-  std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise seen from outside
-  bool closed = true;
-};
 
 /// The shape of one body.
 struct Shape {
@@ -28,9 +21,28 @@ struct Shape {
   /// half_space: unit outward normal in the body frame (bodies are on this side).
   Vec3d normal{0, 0, 1};
   unsigned open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
-  int mesh = -1;            ///< mesh, hull: index into Scene::meshes
-  double volume = 0;        ///< hull [m^3]
-  Vec3d moments;            ///< hull: principal moments of a unit mass [m^2]
+  int mesh = -1;            ///< mesh, hull, compound: index into Scene::meshes
+  double volume = 0;        ///< hull, compound: what its mass is the density times of [m^3]
+  Vec3d moments;            ///< hull, compound: principal moments of a unit mass [m^2]
+};
+
+/// A part of a compound.
+struct ShapePart {
+  Shape shape;               ///< of a body that may be free, not itself a compound
+  Vec3d position;            ///< of its center, in the frame of the compound [m]
+  Quat<double> orientation;  ///< part to compound
+  int first_vertex = 0;      ///< of its surface among the vertices of the mesh
+  int vertex_count = 0;
+};
+
+/// A closed (or declared open) triangle surface in its body's frame.
+struct TriangleMesh {
+  std::string name;                           ///< file it came from, for messages
+  std::vector<Vec3d> vertices;                ///< [m]
+  std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise seen from outside
+  bool closed = true;
+  std::vector<ShapePart> parts =
+      {};  ///< of a compound: the mesh is their surfaces, one after the other
 };
 
 }  // namespace scree

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "shapes/chord.h"
 #include "shapes/ray.h"
 #include "shapes/shape.h"
 #include "shapes/surface.h"
@@ -40,7 +41,7 @@ std::string vector_text(const Vec3d& value);
 
 /// A key of scene files that says something about a shape.
 struct ShapeKey {
-  enum class Type { length, vector, points, faces, file, scale, flag };
+  enum class Type { length, vector, points, faces, file, scale, flag, parts, overlaps };
   const char* key;
   Type type;
   const char* text;  ///< what it is, with its unit
@@ -63,6 +64,8 @@ class ShapeSource {
   virtual int mesh() const = 0;
   /// Makes a shape the convex hull of `points`, or of those of a `file` with a `scale`.
   virtual void read_hull(Shape& shape) const = 0;
+  /// Makes a shape the compound of `parts`.
+  virtual void read_compound(Shape& shape) const = 0;
   virtual void exclude(std::span<const char* const> keys, const char* why) const = 0;
   [[noreturn]] virtual void refuse(const char* key, const char* expected) const = 0;
 };
@@ -84,9 +87,10 @@ struct ShapeCard {
   const char* name;         ///< in scenes and files: that of its file
   const char* description;  ///< what it is, in one line
   std::span<const ShapeKey> keys;
-  bool is_ball;   ///< bodies have no shape record, contacts are radial
-  bool has_mesh;  ///< its surface is a mesh of the scene
-  bool is_hull;   ///< that mesh is convex, and scaled to the half extents
+  bool is_ball;      ///< bodies have no shape record, contacts are radial
+  bool has_mesh;     ///< its surface is a mesh of the scene
+  bool is_hull;      ///< that mesh is convex, and scaled to the half extents
+  bool is_compound;  ///< that mesh holds its parts, and is scaled to the half extents
   /// Reads what the keys say. @param position  of the body [m]; a shape may set it
   void (*read)(const ShapeSource& source, Shape& shape, Vec3d& position);
   std::optional<Fault> (*fault)(const Shape& shape);
@@ -102,10 +106,13 @@ struct ShapeCard {
   std::vector<WallFace> (*faces)(const Shape& shape);
   /// By how much its vertices are rounded [m]; null: not at all.
   double (*rounding)(const Shape& shape);
+  /// What of a line x + t d is in it, body frame [m]; null: it cannot be where parts overlap.
+  Chord (*chord)(const Shape& shape, const TriangleMesh* mesh, const Vec3d& x, const Vec3d& d);
   /// The same shape with all its lengths multiplied by a factor; null: there is no such shape.
   Shape (*scaled)(const Shape& shape, double factor);
 
   bool may_be_free() const { return mass != nullptr; }
+  bool may_be_part() const { return may_be_free() && !is_compound; }
   /// Planes around a bounded inside.
   bool is_room() const { return faces != nullptr && support != nullptr; }
 };
@@ -121,16 +128,18 @@ inline Shape with_scaled_lengths(const Shape& shape, double factor) {
 /// The card of a shape from what its file holds.
 template <class S>
 constexpr ShapeCard card_of() {
-  ShapeCard card{S::kind,  S::name,   S::description,      S::keys,     false, false, false,
-                 &S::read, &S::fault, &S::bounding_radius, &S::surface, {},    {},    {},
+  ShapeCard card{S::kind,  S::name,   S::description,      S::keys,     false, false, false, false,
+                 &S::read, &S::fault, &S::bounding_radius, &S::surface, {},    {},    {},    {},
                  {},       {}};
   card.is_ball = S::outline == Outline::ball;
   if constexpr (requires { S::is_hull; }) card.is_hull = S::is_hull;
-  card.has_mesh = S::outline == Outline::triangles || card.is_hull;
+  if constexpr (requires { S::is_compound; }) card.is_compound = S::is_compound;
+  card.has_mesh = S::outline == Outline::triangles || card.is_hull || card.is_compound;
   if constexpr (requires { &S::mass; }) card.mass = &S::mass;
   if constexpr (requires { &S::farthest; }) card.support = &S::farthest;
   if constexpr (requires { &S::faces; }) card.faces = &S::faces;
   if constexpr (requires { &S::rounding; }) card.rounding = &S::rounding;
+  if constexpr (requires { &S::chord; }) card.chord = &S::chord;
   if constexpr (requires { &S::scaled; })
     card.scaled = &S::scaled;
   else if (!card.has_mesh || card.is_hull)

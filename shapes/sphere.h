@@ -34,6 +34,11 @@ struct Sphere {
     return shape.radius * normalized(direction);
   }
   static double rounding(const Shape& shape) { return shape.radius; }
+  static Chord chord(const Shape& shape, const TriangleMesh*, const Vec3d& x, const Vec3d& d) {
+    Chord c;
+    c.cut_quadric(norm2(d), dot(x, d), norm2(x) - shape.radius * shape.radius);
+    return c;
+  }
 
   /// An octahedron refined twice: enough to see where it is.
   static Surface surface(const Shape& shape, const TriangleMesh*, double) {

@@ -21,12 +21,15 @@ class BodyLoading {
 
   /// A batch enters before the first step that starts at or after its time; sums and products of
   /// times differ by less than the slack.
-  void insert_due(double time) {
+  /// @return  whether there was one
+  bool insert_due(double time) {
+    const std::uint64_t before = insertions_done_;
     const double now = time + 1e-9 * scene_->stepping.time_step;
     while (insertions_done_ < scene_->insertions.size() &&
            scene_->insertions[insertions_done_].time <= now) {
       insert_next();
     }
+    return insertions_done_ > before;
   }
 
   /// The first insertions of the scene, however late it is: for a restored simulation.

@@ -17,9 +17,11 @@ class Integration {
   /// @param solved  of the problem of the step [bodies.count]
   /// @param walls   that spheres may not pass
   /// @param held    bodies that do not touch each other
+  /// @param parts   that `walls` names
   IntegrateSums run(B& b, const BodyView<Real>& bodies, Span<const Twist<Real>> solved,
                     ContactLayout layout, double h, const PeriodicBox& box,
-                    const WallView<Real>& walls, const IgnoredPairs& held = {}) {
+                    const WallView<Real>& walls, const IgnoredPairs& held,
+                    const BodyView<Real>& parts) {
     const Index n = bodies.owned_count;
     Buffer<B, Twist<Real>> plain(b);
     if (layout == ContactLayout::mixed) {
@@ -34,7 +36,7 @@ class Integration {
                             StoreResult<IntegrateSums>{sums_.data()});
     };
     if (walls.solids.size > 0) {
-      along(GuardedWay<Real>{bodies, walls, box.length, h, held});
+      along(GuardedWay<Real>{bodies, walls, box.length, h, held, parts});
     } else {
       along(StraightWay<Real>{bodies, h});
     }

@@ -10,7 +10,9 @@
 #include "collision/obstacles.h"
 #include "host/scene.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/compound.h"
 #include "host/scene/particle_shapes.h"
+#include "host/scene/scene_summary.h"
 #include "kernels/backend/backend.h"
 #include "kernels/bodies/body_view.h"
 #include "shapes/shape_card.h"
@@ -24,20 +26,21 @@ class Obstacles {
   Obstacles(B& b, const Scene& scene, Index fixed_begin)
       : shapes_(b), vertices_(b), triangles_(b), ranges_(b) {
     Index fixed = fixed_begin;
+    Index fixed_part = first_fixed_part(scene, fixed_begin);
     const auto add = [&](std::size_t body_id, const BodyDescription& body) {
       const auto id = static_cast<Index>(body_id);
       const bool is_free = body.kind == BodyKind::free;
-      if (!shape_card(body.shape.kind).is_ball) {
-        add_shape(scene, id, body.shape, is_free ? -1 : fixed);
-        if (!is_free) data_.walls.push_back(shape_of_id_[id]);
-      }
-      if (!is_free) ++fixed;
+      if (!shape_card(body.shape.kind).is_ball)
+        add_shape(scene, id, body.shape, is_free ? -1 : fixed, is_free ? -1 : fixed_part);
+      if (is_free) return;
+      ++fixed;
+      fixed_part += part_count(scene, body.shape);
     };
     const auto add_set = [&](std::size_t first, const ParticleSet& set) {
       if (are_spheres(set)) return;
       for (std::size_t i = 0; i < set.position.size(); ++i) {
         if (!shape_card(particle_kind(set, i)).is_ball)
-          add_shape(scene, static_cast<Index>(first + i), particle_shape(set, i), -1);
+          add_shape(scene, static_cast<Index>(first + i), particle_shape(set, i), -1, -1);
       }
     };
     for_each_by_id(scene, add, add_set);
@@ -63,9 +66,55 @@ class Obstacles {
 
  private:
   /// @param body  storage index of a fixed or kinematic body; -1: it is free
-  void add_shape(const Scene& scene, Index id, const Shape& shape, Index body) {
+  /// @param part  that of its first part
+  void add_shape(const Scene& scene, Index id, const Shape& shape, Index body, Index part) {
     shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
-    data_.shapes.push_back(record(scene, shape, body));
+    const bool is_compound = shape_card(shape.kind).is_compound;
+    ShapeRecord<Real> own = record(scene, shape, is_compound ? body : part);
+    if (is_compound) own.mesh = static_cast<Index>(data_.first_part.size()) - 1;
+    data_.shapes.push_back(own);
+    if (is_compound) {
+      add_parts(scene, shape, part);
+    } else if (body >= 0) {
+      data_.walls.push_back(shape_of_id_[id]);
+    }
+  }
+
+  void add_parts(const Scene& scene, const Shape& shape, Index place) {
+    for (const ShapePart& part : parts_of(scene, shape)) {
+      const ShapeCard& card = shape_card(part.shape.kind);
+      PartRecord<Real> r;
+      r.radius = static_cast<Real>(bounding_radius(scene, part.shape));
+      r.position = part.position;
+      r.orientation = part.orientation;
+      if (!card.is_ball) {
+        r.shape = static_cast<Index>(data_.shapes.size());
+        if (place >= 0) data_.walls.push_back(r.shape);
+        data_.shapes.push_back(record(scene, part.shape, place));
+      }
+      if (place >= 0) ++place;
+      data_.parts.push_back(r);
+    }
+    data_.first_part.push_back(static_cast<Index>(data_.parts.size()));
+  }
+
+  /// Place of the first part of a fixed body, which is that of the first fixed body where there are no compounds.
+  static Index first_fixed_part(const Scene& scene, Index fixed_begin) {
+    Index place = fixed_begin;
+    for_each_by_id(
+        scene,
+        [&](std::size_t, const BodyDescription& body) {
+          if (body.kind == BodyKind::free) place += part_count(scene, body.shape) - 1;
+        },
+        [&](std::size_t, const ParticleSet& set) {
+          if (are_spheres(set)) return;
+          for (std::size_t i = 0; i < set.position.size(); ++i)
+            place += part_count(scene, set.shape[i]) - 1;
+        });
+    return place;
+  }
+  static Index part_count(const Scene& scene, const Shape& shape) {
+    return static_cast<Index>(part_count_of(scene, shape));
   }
 
   ShapeRecord<Real> record(const Scene& scene, const Shape& shape, Index body) {
@@ -75,7 +124,7 @@ class Obstacles {
     r.rounding = card.rounding == nullptr ? Real(0) : static_cast<Real>(card.rounding(shape));
     r.open_faces = static_cast<std::uint8_t>(shape.open_faces);
     if (card.is_hull) r.mesh = place_of(scene, shape, hull_of_mesh_, data_.hulls);
-    if (card.has_mesh && !card.is_hull)
+    if (card.has_mesh && !card.is_hull && !card.is_compound)
       r.mesh = place_of(scene, shape, place_of_mesh_, data_.meshes);
     r.body = body;
     r.half_extents = Vec3<Real>(shape.half_extents);

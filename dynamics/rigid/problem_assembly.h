@@ -58,10 +58,12 @@ class ProblemAssembly {
 
   /// @param bodies, contacts  the problem points at them: they must not change while it is in use
   /// @param loaded            the bodies with the velocities that loads beside gravity give them
+  /// @param parts             the bodies as collision detection saw them
   /// @param gravity_step      h g [m/s]
   StepProblem<B, Real> assemble(B& b, const BodyView<Real>& bodies, const BodyView<Real>& loaded,
-                                const ContactView<Real>& contacts, const SteppingSettings& stepping,
-                                double cohesion_range, const Vec3<Real>& gravity_step) {
+                                const BodyView<Real>& parts, const ContactView<Real>& contacts,
+                                const SteppingSettings& stepping, double cohesion_range,
+                                const Vec3<Real>& gravity_step) {
     StepProblem<B, Real> step(b);
     ContactProblem<Real>& p = step.problem;
     p.layout = layout_;
@@ -98,8 +100,8 @@ class ProblemAssembly {
     p.friction.uniform = uniform_friction_;
     if (own_.drift)
       for_each(b, general,
-               ContactDrift<Real>{bodies, contacts, p.general_inertia, shapes_, setup.time_step / 2,
-                                  own.drift});
+               ContactDrift<Real>{bodies, parts, contacts, p.general_inertia, shapes_,
+                                  setup.time_step / 2, own.drift});
     point_to(p, step.contacts);
     reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
     step.lists.build(b, p);

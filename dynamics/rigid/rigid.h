@@ -17,6 +17,7 @@
 #include "dynamics/rigid/joints.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
+#include "dynamics/rigid/part_store.h"
 #include "dynamics/rigid/prescribed_motion.h"
 #include "dynamics/rigid/problem_assembly.h"
 #include "dynamics/rigid/rigid_card.h"
@@ -47,6 +48,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
                summary_.solid_spheres),
         loads_(backend(), store_.count()),
         obstacles_(backend(), scene_, store_.fixed_begin()),
+        parts_(backend(), obstacles_.data(), obstacles_.shapes(), store_.ranges(), periodic_box()),
         detector_(backend(), collision_settings(scene_, summary_, near_pairs), obstacles_.data()),
         assembly_(backend(), scene_, summary_, obstacles_.shapes()),
         joints_(backend(), scene_),
@@ -57,7 +59,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
         loading_(scene_, store_, obstacles_) {
     loading_.load_first();
     motion_.set(store_, 0, 1);
-    loading_.insert_due(0);
+    insert_due(0);
   }
 
   using ModelOn<B, Real>::steps_done;
@@ -71,13 +73,14 @@ class RigidDynamics final : public ModelOn<B, Real> {
     StepReport report;
     forget_solved_contacts();  // a step that fails leaves none
 
-    loading_.insert_due(time());
+    insert_due(time());
     motion_.set(store_, time(), steps_done() + 1);
     if (steps_done() % kReorderEvery == 0) reorder();
     const BodyView<Real> bodies = store_.view();
     const LoadSums loads = start_loads(bodies);
     BodyView<Real> loaded = loads_.loaded(b, bodies);
-    detector_.detect(b, loaded, h, Vec3d(gravity_step()), loads.largest);
+    const BodyView<Real> seen = parts_.place(loaded);
+    detector_.detect(b, seen, h, Vec3d(gravity_step()), loads.largest, parts_.of(loaded));
     const ContactView<Real> contacts = detector_.contacts();
     const Offset vectors =
         static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
@@ -103,7 +106,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const double impact_ms = clock.lap();
 
     StepProblem<B, Real> assembled = assembly_.assemble(
-        b, bodies, loaded, contacts, scene_.stepping, summary_.envelope, gravity_step());
+        b, bodies, loaded, seen, contacts, scene_.stepping, summary_.envelope, gravity_step());
     ContactProblem<Real>& problem = assembled.problem;
     SetupSums& sums = assembled.sums;
     if (impacts.rounds > 0) {  // the speeds of before measure what the step had to do
@@ -141,7 +144,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (tracks_forces_) sum_forces(bodies, contacts, gamma, problem.rolling);
     const IntegrateSums moved =
         integration_.run(b, bodies, solver_->velocity(), summary_.layout, h, periodic_box(),
-                         detector_.walls(), detector_.held_pairs());
+                         detector_.walls(), detector_.held_pairs(), seen);
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
     if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
@@ -210,7 +213,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   std::vector<ContactRecord> overlaps() override {
     forget_solved_contacts();
-    detector_.detect(backend(), store_.view(), 0, {});
+    const BodyView<Real> bodies = store_.view();
+    detector_.detect(backend(), parts_.place(bodies), 0, {}, 0, parts_.of(bodies));
     std::vector<ContactRecord> found = records({});
     std::erase_if(found, [](const ContactRecord& contact) { return !(contact.gap < 0); });
     return found;
@@ -248,7 +252,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   void save_arrays(WorldState& s) override {
     s.insertions_done = loading_.insertions_done();
-    save_state(backend(), store_, detector_, *solver_, s);
+    save_state(backend(), store_, parts_, detector_, *solver_, s);
     joints_.save(backend(), s);
     if (tracks_forces_) forces_.save(s);
     motion_.save(s);
@@ -259,7 +263,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     loading_.insert_first(s.insertions_done);
     forget_solved_contacts();
     joints_.check(s);
-    restore_state(backend(), s, vectors(), store_, detector_, *solver_);
+    restore_state(backend(), s, vectors(), store_, parts_, detector_, *solver_);
     joints_.restore(backend(), s);
     if (tracks_forces_) forces_.restore(s);
     motion_.restore(scene_, s, has_arms());
@@ -269,7 +273,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   typename ModelOn<B, Real>::Drawn drawn() override {
-    return {store_.view(), obstacles_.shapes(), obstacles_.mesh_set()};
+    return {parts_.place(store_.view()), obstacles_.shapes(), obstacles_.mesh_set()};
   }
 
   void for_each_array(const typename ModelOn<B, Real>::VisitArray& visit) override {
@@ -354,6 +358,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
   Vec3<Real> gravity_step() const { return Vec3<Real>(scene_.stepping.time_step * gravity_); }
   bool has_arms() const { return summary_.layout != ContactLayout::radial; }
 
+  void insert_due(double time) {
+    if (loading_.insert_due(time)) parts_.forget();
+  }
+
   PeriodicBox periodic_box() const { return scree::periodic_box(scene_.periodicity); }
 
   ProblemSource problem_source(double reference) const {
@@ -372,10 +380,13 @@ class RigidDynamics final : public ModelOn<B, Real> {
   /// Sorts the owned bodies along the Morton curve and renames the kept contacts accordingly.
   void reorder() {
     B& b = backend();
+    parts_.place(store_.view());  // by the old order
     BodyOrder<B> order(b);
     order.compute(b, store_.view().position.first(store_.owned_count()));
     store_.for_each_array([&](auto& array) { order.apply(b, array.view()); });
-    detector_.remap(b, store_.view(), order.new_of_old());
+    Buffer<B, Index> place(b);
+    const Span<const Index> new_of_old = parts_.follow(store_.view(), order.new_of_old(), place);
+    detector_.remap(b, parts_.place(store_.view()), new_of_old);
   }
 
   [[noreturn]] void report_bad_body(Index storage) {
@@ -397,6 +408,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   BodyStore<B, Real> store_;
   BodyLoads<B, Real> loads_;
   Obstacles<B, Real> obstacles_;
+  PartStore<B, Real> parts_;
   ContactDetector<B, Real> detector_;
   ProblemAssembly<B, Real> assembly_;
   Joints<B, Real> joints_;

@@ -6,19 +6,21 @@
 #include "collision/contact_detector.h"
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/contact_names.h"
+#include "dynamics/rigid/part_store.h"
 #include "host/world_state.h"
 #include "solvers/solver.h"
 
 namespace scree {
 
 template <class B, class Real>
-void save_state(B& b, BodyStore<B, Real>& store, const ContactDetector<B, Real>& detector,
-                const Solver<B, Real>& solver, WorldState& s) {
+void save_state(B& b, BodyStore<B, Real>& store, PartStore<B, Real>& parts,
+                const ContactDetector<B, Real>& detector, const Solver<B, Real>& solver,
+                WorldState& s) {
   std::vector<std::uint64_t> key;
   std::vector<Vec3d> impulse;
   detector.save(b, key, impulse);  // first: needs room to convert
   store.save_owned(s);
-  NamedContacts names = names_of(key, detector.keys(), store.ids());
+  NamedContacts names = names_of(key, detector.keys(), parts.names(store.view(), store.ids()));
   s.add("contact/body_a", std::move(names.body_a));
   s.add("contact/body_b", std::move(names.body_b));
   s.add("contact/feature", std::move(names.feature));
@@ -83,15 +85,18 @@ inline RememberedContacts remembered_contacts(const WorldState& s, const Contact
 /// @param vectors  of an impulse  @throws InputError when the state is not one of these bodies
 template <class B, class Real>
 void restore_state(B& b, const WorldState& s, int vectors, BodyStore<B, Real>& store,
-                   ContactDetector<B, Real>& detector, Solver<B, Real>& solver) {
+                   PartStore<B, Real>& parts, ContactDetector<B, Real>& detector,
+                   Solver<B, Real>& solver) {
   const auto n = static_cast<std::size_t>(store.owned_count());
   const std::vector<std::int32_t>& id = s.at<std::int32_t>("body/id");
   if (id.size() != n) throw_wrong_body_count(id.size(), n);
   store.arrange(id);
   store.restore_owned(s);
+  parts.forget();
+  const BodyView<Real> seen = parts.place(store.view());
   const RememberedContacts contacts =
-      remembered_contacts(s, detector.name_elements(store.view()), store.ids(), store.owned_count(),
-                          static_cast<std::size_t>(vectors));
+      remembered_contacts(s, detector.name_elements(seen), parts.names(store.view(), store.ids()),
+                          seen.owned_count, static_cast<std::size_t>(vectors));
   detector.restore(b, contacts.key, contacts.impulse);
   // Marks of a checkpoint of version 1 are in the memory of the solver, and are lost.
   const bool has_own = !(s.has("contact/key") && solver.keeps_marks());

@@ -155,8 +155,7 @@ TriangleMesh convex_hull(const std::vector<Vec3d>& points, const std::string& na
   return mesh;
 }
 
-LocalFrame move_to_principal_frame(TriangleMesh& mesh) {
-  const SolidMoments solid = moments_of(mesh);
+LocalFrame principal_frame(const SolidMoments& solid) {
   LocalFrame frame;
   frame.origin = solid.center;
   Eigen::Matrix3d second;
@@ -170,6 +169,11 @@ LocalFrame move_to_principal_frame(TriangleMesh& mesh) {
     const Eigen::Quaterniond q(axes);
     frame.axes = normalized(Quatd(q.w(), q.x(), q.y(), q.z()));
   }
+  return frame;
+}
+
+LocalFrame move_to_principal_frame(TriangleMesh& mesh) {
+  const LocalFrame frame = principal_frame(moments_of(mesh));
   for (Vec3d& v : mesh.vertices) v = rotate_back(frame.axes, v - frame.origin);
   return frame;
 }

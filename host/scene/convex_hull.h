@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/hulls.h"
+#include "shapes/polyhedron.h"
 
 namespace scree {
 
@@ -19,6 +20,9 @@ struct LocalFrame {
 /// (Barber, Dobkin, Huhdanpaa, The Quickhull algorithm for convex hulls, 1996.)
 /// @throws std::invalid_argument for points that are not finite, fewer than four, or in one plane
 TriangleMesh convex_hull(const std::vector<Vec3d>& points, const std::string& name);
+
+/// The frame of the center of mass and the principal axes. These are the old ones when they are principal already.
+LocalFrame principal_frame(const SolidMoments& solid);
 
 /// Puts the center of mass of a solid at the origin, and its principal axes along the axes. These stay when they are
 /// principal already. @return  the new frame in the old one

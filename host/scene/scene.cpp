@@ -11,6 +11,7 @@
 #include "host/error.h"
 #include "host/io/printable.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/compound.h"
 #include "host/scene/convex_hull.h"
 #include "host/scene/particle_shapes.h"
 #include "host/scene/scene_checks.h"
@@ -86,6 +87,8 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
   if (auto fault = card.fault(shape)) return fault;
   if (card.is_hull && !(shape.volume > 0))
     return Fault{"volume", text(shape.volume), "must be positive: set_hull() gives it [m^3]"};
+  if (card.is_compound && !(shape.volume > 0))
+    return Fault{"volume", text(shape.volume), "must be positive: set_compound() gives it [m^3]"};
   if (body.kind == BodyKind::free && !card.may_be_free())
     return Fault{
         "kind", "\"free\"",
@@ -349,16 +352,24 @@ void check_meshes(const Scene& scene) {
   }
 }
 
-/// Meshes of hulls must be convex, and in the principal frame where a body is free.
+/// Meshes of hulls must be convex, and in the principal frame where a body is free; those of compounds have parts.
 void check_hulls(const Scene& scene) {
   std::set<std::pair<int, bool>> seen;
-  const auto check = [&](const Shape& shape, bool is_free) {
-    const bool is_hull = is_shape(shape.kind) && shape_card(shape.kind).is_hull;
-    const TriangleMesh* mesh = is_hull ? mesh_of(scene, shape) : nullptr;
+  const auto check_one = [&](const Shape& shape, bool is_free, const auto& check_again) {
+    if (!is_shape(shape.kind)) return;
+    const bool is_hull = shape_card(shape.kind).is_hull;
+    const bool is_compound = shape_card(shape.kind).is_compound;
+    const TriangleMesh* mesh = is_hull || is_compound ? mesh_of(scene, shape) : nullptr;
     if (mesh == nullptr || !seen.emplace(shape.mesh, is_free).second) return;
-    if (const auto fault = hull_fault(*mesh, is_free))
+    const auto fault = is_hull ? hull_fault(*mesh, is_free) : compound_fault(scene, *mesh);
+    if (fault)
       refuse(fmt::format("meshes[{}] ({})", shape.mesh, mesh->name), "a mesh that " + *fault,
-             "must be that of a hull: set_hull() makes one");
+             is_hull ? "must be that of a hull: set_hull() makes one"
+                     : "must be that of a compound: set_compound() makes one");
+    for (const ShapePart& part : mesh->parts) check_again(part.shape, true, check_again);
+  };
+  const auto check = [&](const Shape& shape, bool is_free) {
+    check_one(shape, is_free, check_one);
   };
   for_each_by_id(
       scene,
@@ -403,12 +414,14 @@ void check_pairs(const Scene& scene) {
     place.count += count;
   };
   for_each_body(scene, [&](const BodyDescription& body, auto path) {
-    add(body.kind == BodyKind::free ? free : walls, body.shape.kind, 1, path);
+    for_each_part(scene, body.shape, [&](const Shape& part) {
+      add(body.kind == BodyKind::free ? free : walls, part.kind, 1, path);
+    });
   });
   for_each_by_id(
       scene, [](std::size_t, const BodyDescription&) {},
       [&](std::size_t, const ParticleSet& set) {
-        for (const auto& [kind, count] : particle_shape_counts(set))
+        for (const auto& [kind, count] : part_shape_counts(scene, set))
           add(free, kind, count, [&set] {
             return set.entry < 0 ? "particles" : fmt::format("particles[{}]", set.entry);
           });

@@ -106,7 +106,7 @@ SceneSummary summarize(const Scene& scene) {
   SceneSummary s;
   s.free_capacity = static_cast<int>(count.free);
   s.fixed_count = static_cast<int>(count.fixed);
-  bool radial = true, has_spheres = false;
+  bool radial = true, has_spheres = false, has_compounds = false;
   const auto see_free = [&](bool fits) {
     has_spheres = has_spheres || fits;
     s.radial_bodies = s.radial_bodies && fits;
@@ -115,6 +115,7 @@ SceneSummary summarize(const Scene& scene) {
       scene,
       [&](std::size_t, const BodyDescription& body) {
         radial = radial && fits_radial_layout(body);
+        has_compounds = has_compounds || shape_card(body.shape.kind).is_compound;
         if (body.kind == BodyKind::free) see_free(fits_radial_layout(body));
         s.solid_spheres =
             s.solid_spheres && (body.kind != BodyKind::free || is_free_solid_sphere(body));
@@ -124,6 +125,7 @@ SceneSummary summarize(const Scene& scene) {
           const bool is_ball = shape_card(kind).is_ball;
           const bool fits = is_ball && fits_radial_layout(set.locks);
           radial = radial && fits;
+          has_compounds = has_compounds || shape_card(kind).is_compound;
           see_free(fits);
           s.solid_spheres = s.solid_spheres && is_ball && set.locks == 0;
         }
@@ -136,8 +138,8 @@ SceneSummary summarize(const Scene& scene) {
     s.layout = ContactLayout::jointed;
   } else if (has_rolling_friction(scene)) {
     s.layout = ContactLayout::rolling;
-  } else if (!radial) {
-    s.layout = has_spheres ? ContactLayout::mixed : ContactLayout::general;
+  } else if (!radial || has_compounds) {
+    s.layout = has_spheres && !has_compounds ? ContactLayout::mixed : ContactLayout::general;
   }
   return s;
 }

@@ -56,6 +56,14 @@ std::vector<std::string> particle_shape_keys() {
   return keys;
 }
 
+std::vector<std::string> shape_part_keys() {
+  std::vector<std::string> keys =
+      keys_of_shapes([](const ShapeCard& card) { return card.may_be_part(); });
+  keys.insert(keys.begin(), "shape");
+  for (const char* key : {"position", "orientation", "rotation_deg"}) keys.emplace_back(key);
+  return keys;
+}
+
 std::vector<std::string> dynamics_keys() {
   std::vector<std::string> keys{"type"};
   for (const DynamicsCard& card : dynamics_cards())
@@ -105,6 +113,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"joint_motor", {"speed", "position", "stiffness", "damping", "max_force"}},
       {"particles", particle_keys()},
       {"particle_shape", particle_shape_keys()},
+      {"shape_part", shape_part_keys()},
       {"radius", {"min", "max", "values", "weights", "normal"}},
       {"radius_normal", {"mean", "deviation", "min", "max"}},
       {"region", {"min", "max", "cylinder"}},

@@ -12,16 +12,16 @@
 
 namespace scree::reader {
 
-/// A convex hull that several bodies may have.
-struct HullDraft {
+/// A hull or compound that several bodies may have.
+struct SharedShape {
   Shape shape;
-  LocalFrame frame;  ///< of the body in that of the points
+  LocalFrame frame;  ///< of the body in that of the points, or parts
 };
 
 /// A scene being read.
 struct Draft {
   Scene scene;
-  std::map<std::string, HullDraft> hulls;  ///< by points
+  std::map<std::string, SharedShape> shapes;  ///< by points, or parts
   LocalFrame shape_frame;  ///< of the shape read last: the frame of its body in that of the file
   std::map<double, Insertion> inserted;  ///< by time [s], which the values get at the end
   std::map<std::string, int> meshes;     ///< file and options to index
@@ -48,10 +48,18 @@ int group_index(const std::string& name, Draft& draft);
 /// Bits of Lock from "x" or ["x", "rz"].
 std::uint8_t read_locks(const Node& node);
 
+/// Whose shape the key "shape" names, which is a choice of shapes.
+enum class Named {
+  body,       ///< any
+  free_body,  ///< one of those that can be free
+  part        ///< the same, but for compounds
+};
+
 /// Shape that the key "shape" names, from the keys beside it.
-/// @param must_be_free  only shapes of bodies that can be free may be named
-/// @param position      of the body [m]; a shape may set it
-void read_shape(const Node& node, bool must_be_free, Shape& shape, Vec3d& position, Draft& draft);
+/// @param position  of the body [m]; a shape may set it
+void read_shape(const Node& node, Named named, Shape& shape, Vec3d& position, Draft& draft);
+/// A shape of `parts`, and its frame in the draft.
+void read_compound(const Node& node, bool is_free, Shape& shape, Draft& draft);
 /// Reads "orientation" or "rotation_deg" where one is given.
 void read_orientation(const Node& node, Quatd& orientation);
 /// @param index  position in the list `bodies`

@@ -90,7 +90,7 @@ class NodeSource final : public ShapeSource {
     std::string key;
     const std::vector<Vec3d> points = read_points(node_, key);
     const auto [hull, is_new] =
-        draft_.hulls.emplace(fmt::format("{}|{}", is_free_, key), HullDraft{});
+        draft_.shapes.emplace(fmt::format("hull|{}|{}", is_free_, key), SharedShape{});
     if (is_new) {
       TriangleMesh mesh;
       try {
@@ -105,6 +105,9 @@ class NodeSource final : public ShapeSource {
     }
     shape = hull->second.shape;
     draft_.shape_frame = hull->second.frame;
+  }
+  void read_compound(Shape& shape) const override {
+    reader::read_compound(node_, is_free_, shape, draft_);
   }
   void exclude(std::span<const char* const> keys, const char* why) const override {
     refuse_keys(node_, {keys.begin(), keys.end()}, why);
@@ -194,11 +197,12 @@ void read_mass(const Node& node, BodyDescription& body) {
 
 }  // namespace
 
-void read_shape(const Node& node, bool must_be_free, Shape& shape, Vec3d& position, Draft& draft) {
+void read_shape(const Node& node, Named named, Shape& shape, Vec3d& position, Draft& draft) {
   std::vector<std::pair<std::string, ShapeKind>> names;
   std::string list;
   for (const ShapeCard& card : shape_cards()) {
-    if (must_be_free && !card.may_be_free()) continue;
+    if (named == Named::free_body && !card.may_be_free()) continue;
+    if (named == Named::part && !card.may_be_part()) continue;
     names.emplace_back(card.name, card.kind);
     list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", card.name);
   }
@@ -206,7 +210,7 @@ void read_shape(const Node& node, bool must_be_free, Shape& shape, Vec3d& positi
   const ShapeCard& card = shape_card(shape.kind);
   refuse_keys_of_other_shapes(node, card);
   const auto kind = node.find("kind");
-  const bool is_free = must_be_free || !kind || kind->json() == "free";
+  const bool is_free = named != Named::body || !kind || kind->json() == "free";
   draft.shape_frame = {};
   card.read(NodeSource(node, is_free, draft), shape, position);
   check_sizes(node, shape, card);
@@ -230,7 +234,7 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
   BodyDescription body;
   body.entry = static_cast<int>(index);
   read_name(node, index, draft);
-  read_shape(node, false, body.shape, body.position, draft);
+  read_shape(node, Named::body, body.shape, body.position, draft);
   read_kind(node, body);
   const LocalFrame frame = draft.shape_frame;
   read_pose(node, body);

@@ -90,7 +90,7 @@ void refuse_keys(const Node& node, const std::vector<std::string>& keys, const s
 void add_shape(const Node& node, Draft& draft, ParticleShapes& read) {
   Shape shape;
   Vec3d position;
-  read_shape(node, true, shape, position, draft);
+  read_shape(node, Named::free_body, shape, position, draft);
   read.size.radii.push_back(bounding_radius(draft.scene, shape));
   read.shapes.push_back(shape);
   const auto group = node.find("group");

@@ -64,10 +64,15 @@ Json schema_of(ShapeKey::Type type) {
       return {{"type", "number"}, {"exclusiveMinimum", 0}, {"default", 1}};
     case ShapeKey::Type::flag:
       return {{"type", "boolean"}, {"default", true}};
+    case ShapeKey::Type::parts:
+      return {{"type", "array"}, {"minItems", 1}, {"items", {{"$ref", "#/$defs/shape_part"}}}};
+    case ShapeKey::Type::overlaps:
+      return {{"enum", {"once", "each"}}, {"default", "once"}};
   }
   return {};
 }
 
+bool may_be_part(const ShapeCard& card) { return card.may_be_part(); }
 bool is_any(const ShapeCard&) { return true; }
 bool may_be_free(const ShapeCard& card) { return card.may_be_free(); }
 
@@ -182,6 +187,7 @@ Json schema_with_cards(Json schema) {
   put_shapes_of_bodies(schema.at("$defs").at("body"));
   put_shapes(schema.at("$defs").at("particles"), may_be_free, own_particle_keys());
   put_shapes(schema.at("$defs").at("particle_shape"), may_be_free);
+  put_shapes(schema.at("$defs").at("shape_part"), may_be_part);
   Json& dynamics = schema.at("$defs").at("dynamics").at("properties");
   dynamics["type"] = type_schema();
   dynamics.update(parameter_schemas(dynamics_cards()));

@@ -24,6 +24,7 @@ struct ContactTest {
   WallView<Real> walls;
   ContactRange range;
   ContactKeys keys;
+  bool has_parts = false;  ///< `bodies` are parts; those of one body have its id, and never meet
 
   SCREE_HD BodySample load(Index a) const { return load_body<kMix>(bodies, shapes, range, a); }
 

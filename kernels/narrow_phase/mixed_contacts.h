@@ -55,6 +55,7 @@ struct FlagNearPairs {
     Index n = 0;
     for (Index k = first; k < end; ++k) {
       const Index j = list.other[k];
+      if (test.has_parts && test.bodies.id[a] == test.bodies.id[j]) continue;
       const BodySample other = test.load(j);
       const Vec3d d = minimum_image(other.position - body.position, test.range.period);
       const double reach = test.reach(a, body, j, other);

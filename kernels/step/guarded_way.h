@@ -46,9 +46,10 @@ template <class Real>
 struct GuardedWay {
   BodyView<Real> bodies;
   WallView<Real> walls;
-  Vec3d period;       ///< [m]; zero: not periodic
-  double time_step;   ///< h [s]
-  IgnoredPairs held;  ///< bodies that do not touch each other
+  Vec3d period;          ///< [m]; zero: not periodic
+  double time_step;      ///< h [s]
+  IgnoredPairs held;     ///< bodies that do not touch each other
+  BodyView<Real> parts;  ///< that `walls` names
 
   /// Where sphere i is after the step.
   /// @param v        its velocity [m/s]
@@ -134,12 +135,12 @@ struct GuardedWay {
   /// Takes what the leg meets of one wall if it is earlier.
   SCREE_HD void find(Index i, const Leg& leg, Index s, double radius, Hit& hit) const {
     const WallSolid& solid = walls.solids[s];
-    const Vec3d wall_way = time_step * Vec3d(bodies.velocity[solid.body]);
-    const Vec3d wall_turn = time_step * Vec3d(bodies.angular_velocity[solid.body]);
+    const Vec3d wall_way = time_step * Vec3d(parts.velocity[solid.body]);
+    const Vec3d wall_turn = time_step * Vec3d(parts.angular_velocity[solid.body]);
     const double rest = 1 - leg.from;
     const double most = rest * most_way(leg, solid, wall_way, wall_turn);
     if (!(most > kUnguardedWay * radius)) return;
-    if (held.pair.size > 0 && held.contains(bodies.id[i], bodies.id[solid.body])) return;
+    if (held.pair.size > 0 && held.contains(bodies.id[i], parts.id[solid.body])) return;
     const Frame frame{s, {}, wall_way, wall_turn, solid.orientation};
     find_near(leg, solid, frame, radius, radius + most, hit);
   }

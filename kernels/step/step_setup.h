@@ -183,6 +183,7 @@ template <class Real>
 struct ContactDrift {
   static constexpr const char* name = "contact_drift";
   BodyView<Real> bodies;
+  BodyView<Real> parts;  ///< the bodies as collision detection saw them
   ContactView<Real> contacts;
   Span<const GeneralInertia<Real>> inertia;
   Span<const ShapeRecord<Real>> shapes;
@@ -197,7 +198,9 @@ struct ContactDrift {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
     if (bodies.shape[a] < 0 || !bodies.is_fixed(b) || bodies.shape[b] < 0) return;
     const Vec3<Real> w = on_axes(bodies.angular_velocity[a], free_angular_axes(bodies.locks[a]));
-    const Vec3<Real> r = contacts.arm_a[k] - shapes[bodies.shape[a]].rounding * contacts.normal[c];
+    const Index part = contact_body(contacts.key[c]), shape = parts.shape[part];
+    const Real rounding = shape < 0 ? parts.radius[part] : shapes[shape].rounding;
+    const Vec3<Real> r = contacts.arm_a[k] - rounding * contacts.normal[c];
     const GeneralInertia<Real>& body = inertia[a];
     const Vec3<Real> turn = body.inv_inertia * cross(body.inertia * w, w);
     drift[k] = -half_step * (cross(turn, r) + cross(w, cross(w, r)));

@@ -68,7 +68,7 @@ class WorldOfPart {
     stepping.time_step = part_.scene.h;
     const Vec3<Real> gravity_step(part_.scene.h * part_.scene.gravity);
     const ContactView<Real> view = run_.detector().contacts();
-    step_ = assembly_.assemble(*b_, bodies(), bodies(), view, stepping, 0, gravity_step);
+    step_ = assembly_.assemble(*b_, bodies(), bodies(), bodies(), view, stepping, 0, gravity_step);
     return step_.problem;
   }
   const ContactProblem<Real>& problem() const { return step_.problem; }
@@ -416,8 +416,8 @@ TYPED_TEST(GhostStepTest, IntegrationLeavesGhostsAlone) {
         upload(b, solved, rates);
         const WallView<Real> walls = world.run().detector().walls();
         EXPECT_EQ(walls.solids.size > 0, has_box);
-        const IntegrateSums sums =
-            Integration<TestBackend, Real>(b).run(b, bodies, rates.view(), layout, 1e-3, {}, walls);
+        const IntegrateSums sums = Integration<TestBackend, Real>(b).run(
+            b, bodies, rates.view(), layout, 1e-3, {}, walls, {}, bodies);
         EXPECT_NEAR(sums.kinetic_energy, expected, this->tolerance(1e-12, 1e-5) * expected);
         EXPECT_EQ(sums.bad_body, -1);
         energy[k] = sums.kinetic_energy;

@@ -4,7 +4,9 @@
 
 #include <functional>
 
+#include "host/compounds.h"
 #include "shapes/container.h"
+#include "tests/host/scene/shape_samples.h"
 #include "tests/parity/parity.h"
 
 namespace scree::parity {
@@ -76,6 +78,37 @@ Scene boxes() {
   }
   add_wall_box(scene, {0, 0, 0}, {0.02, 0.1, 0.007}).orientation = exp_map(Vec3d{0, 0, 0.1});
   add_plane(scene);
+  return scene;
+}
+
+/// Bodies of several parts that fall onto a fixed one, spheres among them.
+Scene compounds() {
+  Scene scene = falling_spheres(0.05);
+  for (int k = 0; k < 25; ++k) {
+    BodyDescription body;
+    body.position = {0.018 * (k % 5) - 0.036, 0.018 * (k / 5) - 0.036, 0.025};
+    body.orientation = exp_map(Vec3d{0.3, 0.2, 0.37 * k});
+    body.velocity = {0.1, 0.05, -0.5};
+    const double r = 0.003;
+    if (k % 2 == 0) {
+      set_compound(scene, body,
+                   {test::part(test::ball_of(r), {}), test::part(test::ball_of(r), {r, 0, 0}),
+                    test::part(test::ball_of(r), {0, r, 0})});
+    } else {
+      set_compound(scene, body,
+                   {test::part(test::box_of({2 * r, r, r}), {}),
+                    test::part(test::round_of("cylinder", r / 2, 2 * r), {0, r, 0})},
+                   SharedMass::each_part);
+    }
+    set_mass_from_density(body, 2500);
+    scene.bodies.push_back(body);
+  }
+  BodyDescription floor;
+  floor.kind = BodyKind::fixed;
+  set_compound(scene, floor,
+               {test::part(test::box_of({0.1, 0.1, 0.005}), {0, 0, 0.012}),
+                test::part(test::ball_of(0.004), {0.01, 0.01, 0.018})});
+  scene.bodies.push_back(floor);
   return scene;
 }
 
@@ -187,9 +220,9 @@ INSTANTIATE_TEST_SUITE_P(
     All, ParityScenes,
     ::testing::Values(Case{"walls", walls}, Case{"container", container}, Case{"mesh", mesh},
                       Case{"fixed_boxes", fixed_boxes}, Case{"free_box", free_box},
-                      Case{"boxes", boxes}, Case{"cohesion", cohesion},
-                      Case{"rolling_friction", rolling_friction}, Case{"kinematic", kinematic},
-                      Case{"kinematic_exact", kinematic_exact},
+                      Case{"boxes", boxes}, Case{"compounds", compounds},
+                      Case{"cohesion", cohesion}, Case{"rolling_friction", rolling_friction},
+                      Case{"kinematic", kinematic}, Case{"kinematic_exact", kinematic_exact},
                       Case{"kinematic_restitution", kinematic_restitution},
                       Case{"boxes_among_spheres", boxes_among_spheres}, Case{"periodic", periodic},
                       Case{"exact_coulomb", exact_coulomb}, Case{"restitution", restitution},

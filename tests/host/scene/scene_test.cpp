@@ -193,7 +193,7 @@ TEST(Validate, RefusesBadIndices) {
 TEST(Validate, RefusesImpossibleBodies) {
   EXPECT_THAT(refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
               StartsWith("bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule, "
-                         "cylinder, hull, cone or ellipsoid bodies"));
+                         "cylinder, hull, cone, ellipsoid or compound bodies"));
   EXPECT_THAT(refused([](Scene& s) {
                 Motion motion;
                 motion.kind = Motion::Kind::linear;

@@ -191,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"UnknownShape", with_body(R"({"shape": "spere"})"),
                 "bodies[1].shape: \"spere\" is not allowed: must be one of \"sphere\", \"box\", "
                 "\"half_space\", \"container\", \"mesh\", \"capsule\", \"cylinder\", \"hull\", "
-                "\"cone\", \"ellipsoid\"; did you mean "
+                "\"cone\", \"ellipsoid\", \"compound\"; did you mean "
                 "\"sphere\"?"},
         Refusal{"KeyOfOtherShape", with_body(R"({"shape": "box", "radius": 1})"),
                 "bodies[1].radius: a box has no such key"},
@@ -206,7 +206,7 @@ INSTANTIATE_TEST_SUITE_P(
             "bodies[1].inertia: [1,0,1] is not allowed: must be three positive principal moments"},
         Refusal{"FreeHalfSpace", with_body(R"({"shape": "half_space", "kind": "free"})"),
                 "bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule, cylinder, "
-                "hull, cone or ellipsoid "
+                "hull, cone, ellipsoid or compound "
                 "bodies can be free"},
         Refusal{"VelocityOfAWall", with_body(R"({"shape": "half_space", "velocity": [1, 0, 0]})"),
                 "bodies[1].velocity: only free bodies have this key"},

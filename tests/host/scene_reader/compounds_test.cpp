@@ -1,0 +1,112 @@
+// Compounds in scene files: the pose of their parts, what bodies share, and what is refused.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "host/scene/compound.h"
+#include "host/scene_reader.h"
+#include "tests/host/input_files.h"
+#include "tests/host/scene_texts.h"
+
+namespace scree {
+namespace {
+
+using test::parsed;
+using test::with_body;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string compound(const std::string& parts, const std::string& more = R"(, "density": 1000)") {
+  return R"({"shape": "compound", "parts": [)" + parts + "]" + more + "}";
+}
+constexpr const char* kBalls = R"({"shape": "sphere", "radius": 1},
+  {"shape": "sphere", "radius": 1, "position": [1, 0, 0]})";
+
+TEST(CompoundsOfScenes, AFreeOneHasThePoseOfItsCenterOfMass) {
+  const Scene scene = parsed(with_body(compound(
+      R"({"shape": "box", "size": [2, 4, 6], "position": [1, 2, 3]})",
+      R"(, "density": 10, "position": [1, 0, 0], "rotation_deg": {"axis": [0, 0, 1], "angle": 90})")));
+  const BodyDescription& body = scene.bodies.at(1);
+  EXPECT_NEAR(body.mass, 480, 1e-9);
+  EXPECT_LT(norm(body.position - Vec3d{1 - 2, 1, 3}), 1e-12);
+  validate(scene);
+}
+
+TEST(CompoundsOfScenes, PartsHavePosesAndHullsTheirOwnFrames) {
+  const Scene scene = parsed(with_body(compound(
+      R"({"shape": "hull", "points": [[0,0,0],[2,0,0],[0,2,0],[2,2,0],[0,0,2],[2,0,2],[0,2,2],[2,2,2]],
+          "position": [0, 0, 5], "rotation_deg": {"axis": [0, 0, 1], "angle": 90}})",
+      R"(, "kind": "fixed")")));
+  const std::vector<ShapePart> parts = parts_of(scene, scene.bodies.at(1).shape);
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_LT(norm(parts[0].position - Vec3d{-1, 1, 6}), 1e-12);
+}
+
+TEST(CompoundsOfScenes, OverlapsCountOnceOrForEachPart) {
+  const auto mass = [](const std::string& more) {
+    return parsed(with_body(compound(kBalls, more))).bodies.at(1).mass;
+  };
+  const double ball = 4.0 / 3 * 3.14159265358979323846;
+  EXPECT_NEAR(mass(R"(, "density": 1, "overlaps": "each")"), 2 * ball, 1e-9);
+  EXPECT_NEAR(mass(R"(, "density": 1, "overlaps": "once")"), 27.0 / 16 * ball, 1e-4);
+  EXPECT_EQ(mass(R"(, "density": 1)"), mass(R"(, "density": 1, "overlaps": "once")"));
+}
+
+TEST(CompoundsOfScenes, BodiesWithTheSamePartsShareThem) {
+  const Scene scene = parsed(with_body(compound(kBalls) + "," + compound(kBalls)));
+  EXPECT_EQ(scene.bodies.at(1).shape.mesh, scene.bodies.at(2).shape.mesh);
+  EXPECT_EQ(scene.meshes.size(), 1u);
+}
+
+TEST(CompoundsOfScenes, ParticlesMayBeCompoundsOfManySizes) {
+  const Scene scene = parsed(R"({"time_step": 1e-3, "duration": 1,
+    "bodies": [{"shape": "half_space"}],
+    "particles": [{"layout": "random", "count": 20, "region": {"min": [0, 0, 0], "max": [30, 30, 30]},
+      "shape": "compound", "parts": [)" +
+                             std::string(kBalls) + R"(], "density": 1,
+      "scale": {"min": 0.5, "max": 1}, "orientation": "random"}]})");
+  validate(scene);
+  const ParticleSet& set = scene.particles.at(0);
+  for (std::size_t i = 0; i < 20; ++i) {
+    const double size = parts_of(scene, set.shape[i]).at(0).shape.radius;
+    EXPECT_GE(size, 0.5);
+    EXPECT_LE(size, 1);
+    EXPECT_NEAR(set.radius[i], 1.5 * size, 1e-9);
+  }
+}
+
+std::string refused(const std::string& body) {
+  try {
+    parsed(with_body(body));
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+TEST(CompoundsOfScenes, WhatIsWrongIsNamed) {
+  EXPECT_THAT(refused(R"({"shape": "compound", "density": 1})"),
+              HasSubstr("bodies[1].parts: missing: must be a list of shapes"));
+  EXPECT_THAT(refused(compound("")), HasSubstr("must hold one shape or more"));
+  EXPECT_THAT(refused(compound(R"({"shape": "sphere", "radius": -1})")),
+              HasSubstr("bodies[1].parts[0].radius: -1 is not allowed"));
+  EXPECT_THAT(refused(compound(R"({"shape": "sphere", "radius": 1, "mass": 2})")),
+              HasSubstr("bodies[1].parts[0].mass"));
+  EXPECT_THAT(refused(compound(R"({"shape": "compound"})")),
+              HasSubstr("bodies[1].parts[0].shape: \"compound\" is not allowed"));
+  EXPECT_THAT(refused(compound(R"({"shape": "half_space"})")),
+              HasSubstr("bodies[1].parts[0].shape: \"half_space\" is not allowed"));
+  EXPECT_THAT(refused(compound(kBalls, R"(, "density": 1, "overlaps": "twice")")),
+              HasSubstr("bodies[1].overlaps: \"twice\" is not allowed"));
+  EXPECT_THAT(refused(R"({"shape": "sphere", "radius": 1, "density": 1, "parts": []})"),
+              HasSubstr("a sphere has no such key"));
+}
+
+TEST(CompoundsOfScenes, MeshesWithoutPartsAreRefused) {
+  Scene scene = parsed(with_body(compound(kBalls)));
+  scene.meshes.at(0).parts.clear();
+  EXPECT_THROW(validate(scene), std::exception);
+}
+
+}  // namespace
+}  // namespace scree

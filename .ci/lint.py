@@ -53,12 +53,17 @@ def main():
     tidy = sys.argv[2]
     deadline = time.monotonic() + float(sys.argv[3] if len(sys.argv) > 3 else 120)
     stamps = ROOT / "build" / "lint"
+    stamps.mkdir(parents=True, exist_ok=True)
+    entries = json.loads((build / "compile_commands.json").read_text())
+    for entry in entries:  # precompiled headers are those of another compiler
+        entry["command"] = re.sub(r" -include \S+/cmake_pch\.hxx| -Winvalid-pch", "", entry["command"])
+    (stamps / "compile_commands.json").write_text(json.dumps(entries))
     # omp.h comes from GCC, whose other headers must stay behind those of clang.
     gcc_include = os.path.dirname(output("g++", "-print-file-name=include/omp.h").strip())
-    settings = [tidy, "-p", str(build), "--quiet", "--extra-arg=-Wno-unknown-warning-option",
+    settings = [tidy, "-p", str(stamps), "--quiet", "--extra-arg=-Wno-unknown-warning-option",
                 "--extra-arg=-Wno-ignored-optimization-argument",
                 "--extra-arg=-Wno-unused-command-line-argument", f"--extra-arg=-idirafter{gcc_include}"]
-    base = output(tidy, "--version") + (ROOT / ".clang-tidy").read_text() + " ".join(settings[2:])
+    base = output(tidy, "--version") + (ROOT / ".clang-tidy").read_text() + " ".join(settings[3:])
 
     git = ("git", "-c", f"safe.directory={ROOT}")
     commit = output(*git, "rev-parse", "HEAD")
@@ -75,7 +80,7 @@ def main():
     work = []
     seen = set()  # a source may belong to several targets
     unchanged = 0
-    for entry in json.loads((build / "compile_commands.json").read_text()):
+    for entry in entries:
         source = os.path.normpath(build / entry["file"])
         name = in_tree(source, build)
         if name is None or not source.endswith(".cpp") or source in seen:

@@ -81,3 +81,10 @@ function(scree_add_library folder)
   add_library(scree::${folder} ALIAS ${target})
   set_property(GLOBAL APPEND PROPERTY SCREE_LIBRARIES ${target})
 endfunction()
+
+# scree_precompile(<target> <header>...): headers that most sources of a target include, and that change with the system only,
+# are read once for all of them. Sources include what they use all the same.
+function(scree_precompile target)
+  list(TRANSFORM ARGN REPLACE "(.+)" "$<$<COMPILE_LANGUAGE:CXX>:<\\1$<ANGLE-R>>" OUTPUT_VARIABLE headers)
+  target_precompile_headers(${target} PRIVATE ${headers})
+endfunction()

@@ -230,6 +230,32 @@ void add_surface(const Scene& scene, ShapePart& part, TriangleMesh& mesh) {
       mesh.triangles.push_back({first + face[0], first + face[k - 1], first + face[k]});
 }
 
+void check_parts(const Scene& scene, const std::vector<ShapePart>& parts) {
+  if (parts.empty()) throw std::invalid_argument("a compound must have one part or more");
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (const auto fault = part_fault(scene, parts[k]))
+      throw std::invalid_argument(fmt::format("part {} {}", k, *fault));
+}
+
+/// The parts as one body with a frame of its own.
+CompoundBody assembled(const Scene& scene, std::vector<ShapePart> parts, const SolidMoments& solid,
+                       const LocalFrame& frame) {
+  CompoundBody body;
+  body.frame = frame;
+  for (ShapePart& part : parts) {
+    part.position = rotate_back(frame.axes, part.position - frame.origin);
+    part.orientation = conjugate(frame.axes) * part.orientation;
+  }
+  body.mesh.name = "compound";
+  for (ShapePart& part : parts) add_surface(scene, part, body.mesh);
+  body.mesh.parts = std::move(parts);
+  body.shape.kind = shapes::Compound::kind;
+  body.shape.half_extents = shapes::Compound::box_about_parts(body.mesh);
+  body.shape.volume = solid.volume;
+  body.shape.moments = seen_from(solid, frame).principal_moments();
+  return body;
+}
+
 }  // namespace
 
 SolidMoments moments_of(const Scene& scene, const std::vector<ShapePart>& parts,
@@ -249,29 +275,17 @@ SolidMoments moments_of(const Scene& scene, const std::vector<ShapePart>& parts,
 
 CompoundBody make_compound(const Scene& scene, std::vector<ShapePart> parts, SharedMass shared,
                            bool is_free) {
-  if (parts.empty()) throw std::invalid_argument("a compound must have one part or more");
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    if (const auto fault = part_fault(scene, parts[k]))
-      throw std::invalid_argument(fmt::format("part {} {}", k, *fault));
+  check_parts(scene, parts);
   // The mass of bodies that are not free counts nowhere.
-  SolidMoments solid = moments_of(scene, parts, is_free ? shared : SharedMass::each_part);
-  CompoundBody body;
-  if (is_free) {
-    body.frame = principal_frame(solid);
-    for (ShapePart& part : parts) {
-      part.position = rotate_back(body.frame.axes, part.position - body.frame.origin);
-      part.orientation = conjugate(body.frame.axes) * part.orientation;
-    }
-    solid = seen_from(solid, body.frame);
-  }
-  body.mesh.name = "compound";
-  for (ShapePart& part : parts) add_surface(scene, part, body.mesh);
-  body.mesh.parts = std::move(parts);
-  body.shape.kind = shapes::Compound::kind;
-  body.shape.half_extents = shapes::Compound::box_about_parts(body.mesh);
-  body.shape.volume = solid.volume;
-  body.shape.moments = solid.principal_moments();
-  return body;
+  const SolidMoments solid = moments_of(scene, parts, is_free ? shared : SharedMass::each_part);
+  return assembled(scene, std::move(parts), solid, is_free ? principal_frame(solid) : LocalFrame{});
+}
+
+CompoundBody make_compound_in(const Scene& scene, std::vector<ShapePart> parts,
+                              const LocalFrame& frame) {
+  check_parts(scene, parts);
+  const SolidMoments solid = moments_of(scene, parts, SharedMass::each_part);
+  return assembled(scene, std::move(parts), solid, frame);
 }
 
 void set_compound(Scene& scene, BodyDescription& body, std::vector<ShapePart> parts,

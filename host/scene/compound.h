@@ -28,6 +28,11 @@ struct CompoundBody {
 CompoundBody make_compound(const Scene& scene, std::vector<ShapePart> parts, SharedMass shared,
                            bool is_free);
 
+/// The same of a body whose mass is given, and with it its frame.
+/// @param frame  in that of the parts
+CompoundBody make_compound_in(const Scene& scene, std::vector<ShapePart> parts,
+                              const LocalFrame& frame);
+
 /// What keeps parts of a mesh from being those of a compound.
 std::optional<std::string> compound_fault(const Scene& scene, const TriangleMesh& mesh);
 

@@ -104,10 +104,10 @@ struct UrdfBodies {
   std::vector<std::string> notes = {};     ///< what of the placement does nothing
 };
 
-/// Adds a model to a scene: a body for each link with mass and collision, and the joints between them. A link that
-/// lacks one of both and is fixed to another is one body with it. Links fixed to a root that rests are
-/// fixed bodies, one for each collision. Scene::body_names has NAME/LINK for links with a body, so add models
-/// before there are names of particles or of bodies that join later: these have higher ids.
+/// Adds a model to a scene: its links as bodies, and the joints between them. Links that fixed joints hold are one
+/// body, whose shape is a compound where it has several. Links fixed to a root that rests are fixed bodies, one for
+/// each collision. Scene::body_names has NAME/LINK for links with a body, so add models before there are names
+/// of particles or of bodies that join later: these have higher ids.
 /// @throws InputError naming what the engine cannot represent
 UrdfBodies add_urdf(Scene& scene, const UrdfModel& model, const UrdfPlacement& placement = {});
 

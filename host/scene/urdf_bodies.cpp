@@ -9,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/io/printable.h"
+#include "host/scene/compound.h"
 #include "host/scene/convex_hull.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/urdf_checks.h"
@@ -69,8 +70,6 @@ struct Cluster {
   Sym3<double> inertia;  ///< about the center, axes of the root
   std::vector<PlacedShape> shapes;
   int body = kWorldBody;
-
-  bool is_complete() const { return mass > 0 && !shapes.empty(); }
 };
 
 Sym3<double> sum(const Sym3<double>& a, const Sym3<double>& b) {
@@ -115,11 +114,8 @@ std::vector<Cluster> clusters_of(const UrdfModel& model, const std::vector<UrdfP
   cluster_of.assign(model.links.size(), 0);
   add_link(model, 0, poses[0], clusters[0]);
   for (const UrdfJoint& joint : model.joints) {
-    const UrdfLink& link = model.links[joint.child];
     const std::size_t above = cluster_of[joint.parent];
-    const bool is_body = link.mass > 0 && !link.collisions.empty();
-    const bool is_one = joint.kind == UrdfJointKind::fixed &&
-                        (clusters[above].rests || !is_body || !clusters[above].is_complete());
+    const bool is_one = joint.kind == UrdfJointKind::fixed;
     if (!is_one) {
       clusters.emplace_back();
       clusters.back().first = clusters.back().owner = joint.child;
@@ -179,9 +175,7 @@ class Builder {
   UrdfPose in_world(const UrdfPose& pose) const { return placement_.pose * pose; }
 
   int add(BodyDescription body, std::size_t link) {
-    const auto own = placement_.surfaces.find(model_.links[link].name);
-    const UrdfSurface& surface =
-        own == placement_.surfaces.end() ? placement_.surface : own->second;
+    const UrdfSurface& surface = surface_of(link);
     body.material = surface.material;
     body.group = surface.group;
     if (const auto fault = body_fault(scene_, body))
@@ -192,9 +186,9 @@ class Builder {
   }
 
   /// Gives a body the shape, in its own size and with its own frame.
-  void set_shape(const PlacedShape& placed, BodyDescription& body) {
+  /// @param pose  of the collision
+  void set_shape(const PlacedShape& placed, const UrdfPose& pose, BodyDescription& body) {
     body.shape = placed.collision->shape;
-    const UrdfPose pose = in_world(placed.pose);
     body.position = pose.position;
     body.orientation = pose.orientation;
     if (!shape_card(body.shape.kind).is_hull) return;
@@ -210,7 +204,7 @@ class Builder {
     for (const PlacedShape& placed : cluster.shapes) {
       BodyDescription body;
       body.kind = BodyKind::fixed;
-      set_shape(placed, body);
+      set_shape(placed, in_world(placed.pose), body);
       const int id = add(std::move(body), placed.link);
       if (names_.emplace(model_.links[placed.link].name, id).second)
         body_of_link_[placed.link] = id;
@@ -227,20 +221,18 @@ class Builder {
       throw InputError(first.place +
                        ": no <collision>: a body must have a shape; give it one, or fix it to a "
                        "link that has one");
-    if (cluster.shapes.size() > 1)
-      throw InputError(
-          fmt::format("{}: {} collisions, with those of links fixed to it: a body of several "
-                      "shapes is not represented yet",
-                      model_.links[cluster.owner].place, cluster.shapes.size()));
     BodyDescription body;
-    set_shape(cluster.shapes[0], body);
-    const UrdfPose center = in_world({cluster.center, {}});
     body.mass = cluster.mass;
-    set_inertia(cluster, center.position, body);
+    const std::size_t meshes = scene_.meshes.size();
+    if (cluster.shapes.size() > 1 || !has_frame_of_shape(cluster, body)) {
+      scene_.meshes.resize(meshes);
+      set_parts(cluster, body);
+    }
     const Vec3d arm = body.position - placement_.pose.position;
     body.velocity = placement_.velocity + cross(placement_.angular_velocity, arm);
     body.angular_velocity = placement_.angular_velocity;
     result_.mass += body.mass;
+    refuse_other_surfaces(cluster);
     cluster.body = add(std::move(body), cluster.owner);
     for (std::size_t i = 0; i < model_.links.size(); ++i)
       if (&clusters_[cluster_of_[i]] == &cluster) {
@@ -249,17 +241,31 @@ class Builder {
       }
   }
 
-  /// A body has the frame of its shape, so that must be the principal one too.
-  void set_inertia(const Cluster& cluster, const Vec3d& center, BodyDescription& body) const {
-    const std::string& place = model_.links[cluster.owner].place;
-    const double size = bounding_size(body);
-    const Vec3d apart =
-        rotate_back(in_world(cluster.shapes[0].pose).orientation, center - body.position);
-    if (norm(apart) > kTolerance * size)
-      throw InputError(fmt::format(
-          "{}: its center of mass is at {} m from that of its collision: a body whose shape is "
-          "off its center of mass is not represented yet",
-          place, vector_text(apart)));
+  const UrdfSurface& surface_of(std::size_t link) const {
+    const auto own = placement_.surfaces.find(model_.links[link].name);
+    return own == placement_.surfaces.end() ? placement_.surface : own->second;
+  }
+  /// A body has one material and one group.
+  void refuse_other_surfaces(const Cluster& cluster) const {
+    const UrdfSurface& one = surface_of(cluster.owner);
+    for (std::size_t i = 0; i < model_.links.size(); ++i) {
+      if (&clusters_[cluster_of_[i]] != &cluster ||
+          placement_.surfaces.count(model_.links[i].name) == 0)
+        continue;
+      const UrdfSurface& other = surface_of(i);
+      if (other.material != one.material || other.group != one.group)
+        throw InputError(
+            fmt::format("{}: has a material or group of its own, but is one body with link \"{}\": "
+                        "give both the same",
+                        model_.links[i].place, printable(model_.links[cluster.owner].name, 60)));
+    }
+  }
+
+  /// Makes a body the one shape, if center of mass and principal axes are those of it.
+  bool has_frame_of_shape(const Cluster& cluster, BodyDescription& body) {
+    set_shape(cluster.shapes[0], in_world(cluster.shapes[0].pose), body);
+    const Vec3d center = in_world({cluster.center, {}}).position;
+    if (norm(center - body.position) > kTolerance * bounding_size(body)) return false;
     body.position = center;
     const Quatd to_root = conjugate(placement_.pose.orientation);
     Sym3<double> m = seen_from(to_root * body.orientation, cluster.inertia);
@@ -278,12 +284,45 @@ class Builder {
       turn(cluster, exp_map(Vec3d{0, 0, angle}), body, m);
     }
     if (std::max({std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)}) > kTolerance * m.trace())
-      throw InputError(
-          fmt::format("{}: its principal axes are not those of its collision, in whose frame ixy "
-                      "is {:g}, ixz {:g} and "
-                      "iyz {:g} kg m^2: such a body is not represented yet",
-                      place, m.xy, m.xz, m.yz));
+      return false;
     body.inertia = {m.xx, m.yy, m.zz};
+    return true;
+  }
+
+  /// Makes a body the compound of all shapes, with the center of mass and the principal axes of the links.
+  void set_parts(const Cluster& cluster, BodyDescription& body) {
+    std::vector<ShapePart> parts;
+    for (const PlacedShape& placed : cluster.shapes) {
+      BodyDescription one;
+      set_shape(placed, placed.pose, one);
+      ShapePart part;
+      part.shape = one.shape;
+      part.position = one.position;
+      part.orientation = one.orientation;
+      parts.push_back(part);
+    }
+    const Sym3<double>& m = cluster.inertia;
+    const double half = 0.5 * m.trace();
+    SolidMoments solid;
+    solid.center = cluster.center;
+    solid.second = {
+        {{half - m.xx, -m.xy, -m.xz}, {-m.xy, half - m.yy, -m.yz}, {-m.xz, -m.yz, half - m.zz}}};
+    const LocalFrame frame = principal_frame(solid);
+    try {
+      CompoundBody made = make_compound_in(scene_, std::move(parts), frame);
+      made.mesh.name = model_.links[cluster.owner].name;
+      body.shape = made.shape;
+      body.shape.mesh = static_cast<int>(scene_.meshes.size());
+      scene_.meshes.push_back(std::move(made.mesh));
+    } catch (const std::invalid_argument& error) {
+      throw InputError(
+          fmt::format("{}: its collisions: {}", model_.links[cluster.owner].place, error.what()));
+    }
+    const UrdfPose pose = in_world({frame.origin, frame.axes});
+    body.position = pose.position;
+    body.orientation = pose.orientation;
+    const Sym3<double> own = seen_from(frame.axes, cluster.inertia);
+    body.inertia = {own.xx, own.yy, own.zz};
   }
 
   /// Turns the frame of a round body.

@@ -211,11 +211,12 @@ fs::path mesh_file(const Element& mesh, const fs::path& urdf) {
 }
 
 void read_mesh_collision(const Element& mesh, const fs::path& urdf, UrdfCollision& collision) {
-  const char* const scales = "must be three positive factors";
+  const char* const scales = "must be three factors other than zero";
   Vec3d scale{1, 1, 1};
   if (mesh.has("scale")) {
     scale = mesh.vector("scale", scales);
-    if (!(scale.x > 0 && scale.y > 0 && scale.z > 0)) mesh.refuse("scale", scales);
+    // A negative factor mirrors: the hull of points has no sense that it could turn.
+    if (scale.x == 0 || scale.y == 0 || scale.z == 0) mesh.refuse("scale", scales);
   }
   collision.shape.kind = shapes::Hull::kind;
   MeshOptions options;

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "shapes/half_space.h"
+#include "shapes/shape_card.h"
 #include "tests/physics/joint_scenes.h"
 #include "tests/urdf_support.h"
 
@@ -31,12 +33,8 @@ std::string hanging(const std::string& joint) {
          joint + "</joint></robot>";
 }
 
-TEST_F(UrdfPhysics, APendulumSwingsAsItsInertiaSays) {
-  const UrdfModel model = model_of(hanging(""));
-  Scene scene = empty_scene(1e-3, 0.5);
-  UrdfPlacement placement;
-  placement.joint_positions = {{"j", 0.2}};
-  add_urdf(scene, model, placement);
+/// Lets what hangs swing from 0.2 rad.
+void expect_period_of_inertia(const Scene& scene) {
   World world = joint_world(scene, Precision::double_precision);
   const double period = period_of(
       world, 8000, [&] { return world.states().position[0].x; }, [](const StepReport&) {});
@@ -45,6 +43,56 @@ TEST_F(UrdfPhysics, APendulumSwingsAsItsInertiaSays) {
   const double small = 2 * kPi * std::sqrt(about_hinge / (2 * 9.81 * 0.3));
   const double expected = small * (1 + 0.2 * 0.2 / 16 + 11.0 / 3072 * std::pow(0.2, 4));
   EXPECT_NEAR(period, expected, 1e-4 * expected);
+}
+
+TEST_F(UrdfPhysics, APendulumSwingsAsItsInertiaSays) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  UrdfPlacement placement;
+  placement.joint_positions = {{"j", 0.2}};
+  add_urdf(scene, model_of(hanging("")), placement);
+  expect_period_of_inertia(scene);
+}
+
+/// Its shapes do not change how a body swings, wherever they are on it.
+TEST_F(UrdfPhysics, APendulumOfOtherShapesSwingsTheSame) {
+  std::string text = hanging("");
+  text.insert(text.find("</link>", text.find("<collision>")),
+              R"(<collision><origin xyz="0.1 0.05 -0.6" rpy="0.4 0.3 0.2"/>)"
+              R"(<geometry><cylinder radius="0.1" length="0.2"/></geometry></collision>)");
+  Scene scene = empty_scene(1e-3, 0.5);
+  UrdfPlacement placement;
+  placement.joint_positions = {{"j", 0.2}};
+  add_urdf(scene, model_of(text), placement);
+  ASSERT_TRUE(shape_card(scene.bodies.at(0).shape.kind).is_compound);
+  expect_period_of_inertia(scene);
+}
+
+/// The floor carries a body at the places where its shapes are.
+TEST_F(UrdfPhysics, ABodyOfTwoShapesStandsOnBoth) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  BodyDescription floor;
+  floor.kind = BodyKind::fixed;
+  floor.shape.kind = shapes::HalfSpace::kind;
+  scene.bodies.push_back(floor);
+  UrdfPlacement placement;
+  placement.pose.position = {0, 0, 0.1};
+  add_urdf(scene, model_of(R"(<robot name="m"><link name="a">
+      <inertial><origin xyz="0.2 0 0.3"/><mass value="2"/><inertia ixx="0.07" iyy="0.05" izz="0.03"/></inertial>
+      <collision><origin xyz="-0.5 0 0" rpy="1.5707963267948966 0 0"/>
+        <geometry><cylinder radius="0.1" length="1"/></geometry></collision>
+      <collision><origin xyz="0.5 0 0" rpy="1.5707963267948966 0 0"/>
+        <geometry><cylinder radius="0.1" length="1"/></geometry></collision></link></robot>)"),
+           placement);
+  World world = joint_world(scene, Precision::double_precision);
+  world.run(0.5);
+  const Vec3d at = world.states().position[1];
+  EXPECT_NEAR(at.x, 0.2, 1e-4);
+  EXPECT_NEAR(at.z, 0.4, 1e-4);
+  double left = 0, right = 0;  // of its weight, as the levers say
+  for (const ContactRecord& contact : world.contacts())
+    (contact.point.x < 0 ? left : right) += std::abs(contact.impulse.z) / 1e-3;
+  EXPECT_NEAR(left, 2 * 9.81 * 0.3, 0.02);
+  EXPECT_NEAR(right, 2 * 9.81 * 0.7, 0.02);
 }
 
 TEST_F(UrdfPhysics, AMotorTurnsAWheelWithTheEffortOfTheFile) {

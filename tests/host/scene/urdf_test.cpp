@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "host/scene/compound.h"
 #include "host/scene_reader.h"
 #include "kernels/math/sym3.h"
 #include "shapes/shape_card.h"
@@ -188,12 +189,95 @@ TEST_F(Urdf, FixedLinksThatLackMassOrShapeAreOneBody) {
     EXPECT_EQ(scene.body_names.at(name), 0) << name;
 }
 
-TEST_F(Urdf, WholeBodiesThatAreFixedHaveAJoint) {
+/// Where the parts of a body are in the world.
+std::vector<ShapePart> parts_in_world(const Scene& scene, const BodyDescription& body) {
+  std::vector<ShapePart> parts = parts_of(scene, body.shape);
+  for (ShapePart& part : parts) {
+    part.position = body.position + rotate(body.orientation, part.position);
+    part.orientation = body.orientation * part.orientation;
+  }
+  return parts;
+}
+
+TEST_F(Urdf, WholeBodiesThatAreFixedAreOne) {
   const Scene scene = scene_of(
       robot(link("a") + link("b") + joint("ab", "fixed", "a", "b", R"(<origin xyz="1 0 0"/>)")));
-  ASSERT_EQ(scene.bodies.size(), 2u);
-  ASSERT_EQ(scene.joints.size(), 1u);
-  EXPECT_EQ(scene.joints[0].kind, JointKind::fixed);
+  ASSERT_EQ(scene.bodies.size(), 1u);
+  EXPECT_TRUE(scene.joints.empty());
+  const BodyDescription& body = scene.bodies[0];
+  EXPECT_EQ(body.mass, 4);
+  expect_near(body.position, {0.5, 0, 0});
+  const Sym3<double> world = rotated_diagonal(body.orientation, body.inertia);
+  EXPECT_NEAR(world.xx, 0.2, 1e-14);
+  EXPECT_NEAR(world.yy, 0.2 + 4 * 0.25, 1e-14);
+  EXPECT_NEAR(world.zz, 0.2 + 4 * 0.25, 1e-14);
+  const std::vector<ShapePart> parts = parts_in_world(scene, body);
+  ASSERT_EQ(parts.size(), 2u);
+  expect_near(parts[0].position, {0, 0, 0});
+  expect_near(parts[1].position, {1, 0, 0});
+  EXPECT_EQ(parts[1].shape.radius, 0.1);
+}
+
+TEST_F(Urdf, ShapesAreWhereTheFileSaysWhateverTheInertia) {
+  UrdfPlacement placement;
+  placement.pose = {{3, 4, 5}, exp_map(Vec3d{0.1, 0.7, -0.4})};
+  const auto in_world = [&](const Vec3d& x) {
+    return placement.pose.position + rotate(placement.pose.orientation, x);
+  };
+  const Scene scene = scene_of(
+      robot(
+          R"(<link name="a"><inertial><origin xyz="0.1 0.2 0.3"/><mass value="2"/>)"
+          R"(<inertia ixx="0.3" ixy="0.02" ixz="-0.03" iyy="0.4" iyz="0.01" izz="0.5"/></inertial>)"
+          R"(<collision><origin xyz="0 0 0.5" rpy="0.3 0 0"/><geometry><box size="1 2 3"/></geometry></collision>)"
+          R"(<collision><origin xyz="1 0 0" rpy="0 0.5 0"/><geometry><cylinder radius="0.2" length="1"/></geometry></collision></link>)"),
+      placement);
+  const BodyDescription& body = scene.bodies.at(0);
+  EXPECT_EQ(body.mass, 2);
+  expect_near(body.position, in_world({0.1, 0.2, 0.3}));
+  const Quatd to_link = conjugate(placement.pose.orientation) * body.orientation;
+  const Sym3<double> own = rotated_diagonal(to_link, body.inertia);
+  for (const auto& [is, should] :
+       {std::pair{own.xx, 0.3}, std::pair{own.yy, 0.4}, std::pair{own.zz, 0.5},
+        std::pair{own.xy, 0.02}, std::pair{own.xz, -0.03}, std::pair{own.yz, 0.01}})
+    EXPECT_NEAR(is, should, 1e-14);
+  const std::vector<ShapePart> parts = parts_in_world(scene, body);
+  ASSERT_EQ(parts.size(), 2u);
+  expect_near(parts[0].position, in_world({0, 0, 0.5}));
+  expect_near(parts[1].position, in_world({1, 0, 0}));
+  const auto expect_turned = [&](const ShapePart& part, const Vec3d& rotation) {
+    for (const Vec3d& v : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+      expect_near(rotate(part.orientation, v),
+                  rotate(placement.pose.orientation, rotate(exp_map(rotation), v)));
+  };
+  expect_turned(parts[0], {0.3, 0, 0});
+  expect_turned(parts[1], {0, 0.5, 0});
+}
+
+TEST_F(Urdf, AMeshOffTheCenterOfMassIsAPart) {
+  const std::filesystem::path mesh = write_file(
+      "wedge.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+  Scene scene;
+  add_urdf(scene,
+           parse_urdf(robot(R"(<link name="a"><inertial><origin xyz="1 1 1"/><mass value="2"/>)"
+                            R"(<inertia ixx="1" iyy="1.1" izz="1.2"/></inertial><collision>)"
+                            R"(<geometry><mesh filename="wedge.obj" scale="1 -1 1"/></geometry>)"
+                            R"(</collision></link>)"),
+                      mesh.parent_path() / "arm.urdf"));
+  validate(scene);
+  const BodyDescription& body = scene.bodies.at(0);
+  expect_near(body.position, {1, 1, 1});
+  const std::vector<ShapePart> parts = parts_in_world(scene, body);
+  ASSERT_EQ(parts.size(), 1u);
+  expect_near(parts[0].position, {0.25, -0.25, 0.5}, 1e-12);
+}
+
+TEST_F(UrdfRefusal, OfTwoMaterialsOfOneBody) {
+  const std::string text =
+      robot(link("a") + link("b") + joint("ab", "fixed", "a", "b", R"(<origin xyz="1 0 0"/>)"));
+  UrdfPlacement placement;
+  placement.surfaces["b"].group = 1;
+  EXPECT_THAT(refusal_of(text, placement),
+              AllOf(StartsWith("arm.urdf: line 3: link \"b\""), HasSubstr("link \"a\"")));
 }
 
 TEST_F(Urdf, ARootCalledWorldRests) {
@@ -353,19 +437,11 @@ const std::vector<BadUrdf>& bad_urdfs() {
        with_shape(
            R"(<collision><origin xyz="1 2 x"/><geometry><box size="1 2 3"/></geometry></collision>)"),
        {"<origin>: xyz \"1 2 x\""}},
+      {"NoScale",
+       with_shape(
+           R"(<collision><geometry><mesh filename="a.stl" scale="1 0 1"/></geometry></collision>)"),
+       {"<mesh>: scale \"1 0 1\"", "other than zero"}},
       {"NoCollision", with_shape(""), {"link \"a\"", "no <collision>"}},
-      {"TwoCollisions",
-       with_shape(
-           R"(<collision><geometry><box size="1 2 3"/></geometry></collision><collision><geometry><box size="1 2 3"/></geometry></collision>)"),
-       {"link \"a\"", "2 collisions", "not represented"}},
-      {"OffCenter",
-       with_shape(
-           R"(<collision><origin xyz="0 0 0.5"/><geometry><box size="1 2 3"/></geometry></collision>)"),
-       {"link \"a\"", "[0, 0, -0.5]", "not represented"}},
-      {"OtherAxes",
-       with_shape(
-           R"(<collision><origin rpy="0.3 0 0"/><geometry><box size="1 2 3"/></geometry></collision>)"),
-       {"link \"a\"", "principal axes", "not represented"}},
       {"NoMass",
        robot(link("a") + "<link name=\"b\"/>" + joint("ab", "continuous", "a", "b")),
        {"link \"b\"", "no mass"}},

@@ -19,7 +19,7 @@ TEST(Galton, BinsFillLikeABinomialDistribution) {
   scene.insertions.resize(kBalls);  // one ball each
   for (const Insertion& one : scene.insertions) ASSERT_EQ(one.bodies.size(), 1);
   const std::size_t board = scene.bodies.size();
-  World world(scene, cpu_options(2, Precision::single_precision));
+  World world(scene, cpu_options(1, Precision::single_precision));
   run_for(world, scene, 0.06 * kBalls + 1.5);
 
   const BodyStates s = world.states();

@@ -23,9 +23,17 @@ constexpr std::array kNumbers{"force_magnitude", "gap"};
 constexpr std::array kBodies{"body_a", "body_b"};
 
 std::vector<std::string> data_names() {
-  std::vector<std::string> names(kVectors.begin(), kVectors.end());
-  names.insert(names.end(), kNumbers.begin(), kNumbers.end());
-  names.insert(names.end(), kBodies.begin(), kBodies.end());
+  std::vector<std::string> names;
+  names.reserve(kVectors.size() + kNumbers.size() + kBodies.size());
+  for (const char* name : kVectors) {
+    names.emplace_back(name);
+  }
+  for (const char* name : kNumbers) {
+    names.emplace_back(name);
+  }
+  for (const char* name : kBodies) {
+    names.emplace_back(name);
+  }
   return names;
 }
 

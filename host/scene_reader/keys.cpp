@@ -89,10 +89,10 @@ const std::vector<std::string>& own_particle_keys() {
 
 const std::vector<KeyTable>& scene_key_tables() {
   static const std::vector<KeyTable> tables{
-      {"scene",
-       {"$schema", "name", "gravity", "seed", "backend", "precision", "time_step", "duration",
-        "materials", "material_pairs", "periodic", "bodies", "urdf", "particles", "joints",
-        "dynamics", "solver", "stepping", "collision", "output"}},
+      {"scene", {"$schema",   "name",      "gravity",  "seed",      "backend",
+                 "precision", "time_step", "duration", "materials", "material_pairs",
+                 "periodic",  "bodies",    "urdf",     "particles", "joints",
+                 "dynamics",  "solver",    "stepping", "collision", "output"}},
       {"material",
        {"friction", "restitution", "cohesion", "rolling_friction", "spinning_friction"}},
       {"material_pair",

@@ -30,7 +30,7 @@ struct Draft {
   /// Of each entry of `bodies`: index in Scene::bodies, or kInserted.
   std::vector<int> body_of_entry;
   std::map<std::string, std::size_t> entry_of_name;  ///< of the bodies that have one
-  std::vector<std::string> notes;  ///< what other files came in as
+  std::vector<std::string> notes;                    ///< what other files came in as
 };
 
 /// In Draft::body_of_entry: a body that joins the run later.

@@ -93,7 +93,7 @@ double CsvReader::number(int column) const {
 }
 
 void CsvReader::refuse(int column, const std::string& expected) const {
-  const std::string value = "\"" + printable(cell(column), kShown) + "\"";
+  const std::string value = fmt::format("\"{}\"", printable(cell(column), kShown));
   throw InputError(fault_text(fmt::format("{}: line {}, column \"{}\"", file_.string(),
                                           line_number_, columns_[static_cast<std::size_t>(column)]),
                               value, expected));

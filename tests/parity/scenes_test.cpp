@@ -87,7 +87,7 @@ Scene compounds() {
   for (int k = 0; k < 50; ++k) {
     BodyDescription body;
     body.position = {0.018 * (k % 5) - 0.036, 0.018 * (k / 5 % 5) - 0.036,
-                     0.025 + 0.018 * (k / 25)};
+                     0.025 + 0.013 * (k / 25)};
     body.orientation = exp_map(Vec3d{0.3, 0.2, 0.37 * k});
     body.velocity = {0.1, 0.05, -0.5};
     const double r = 0.003;

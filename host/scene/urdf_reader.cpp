@@ -168,7 +168,7 @@ void read_inertial(const Element& element, UrdfLink& link) {
   Vec3d moments{tensor(0, 0), tensor(1, 1), tensor(2, 2)};
   if (!tensor.isDiagonal(0)) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(tensor);
-    const Eigen::Vector3d values = solver.eigenvalues();
+    const Eigen::Vector3d& values = solver.eigenvalues();
     moments = {values(0), values(1), values(2)};
     link.center.orientation = link.center.orientation * quaternion_of(solver.eigenvectors());
   }
@@ -193,7 +193,7 @@ fs::path mesh_file(const Element& mesh, const fs::path& urdf) {
   const fs::path folder = urdf.parent_path();
   constexpr std::string_view package = "package://", file = "file://";
   if (!name.starts_with(package)) {
-    const fs::path path = folder / (name.starts_with(file) ? name.substr(file.size()) : name);
+    fs::path path = folder / (name.starts_with(file) ? name.substr(file.size()) : name);
     if (!is_there(path))
       mesh.refuse("filename", fmt::format("no such file (looked for {})", path.string()));
     return path;

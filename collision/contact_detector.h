@@ -165,7 +165,7 @@ class ContactDetector {
                         double load_speed) const;
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
   /// in a loose bed, more than two change little.
-  static constexpr int kMaxWidenings = 2;
+  static constexpr int kMaxWidenings = ContactStores<Real>::kMost - 1;
 
   void list_with_margins(B& b, const BodyView<Real>& bodies, ContactRange range);
   template <ShapeMix kMix>
@@ -243,6 +243,7 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   parts_ = parts;
   needed_.release();
   name_elements(bodies);
+  mixed_.release();
   if (bodies.owned_count == 0) return;
   const ContactRange range = range_of(bodies, h, gravity_step, load_speed);
   obstacles_.refresh(b, bodies, range, keys_);

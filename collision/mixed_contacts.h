@@ -1,7 +1,10 @@
 #pragma once
 // Contacts between bodies of any shapes. Memory while a step searches for contacts: 12 bytes a piece of the candidates,
-// 28 and four stored contacts a near pair (44 bytes each in float), 8 a contact.
+// 32 a near pair, 16 of them again while it searches once more; four stored contacts, 44 bytes each in float, a pair that is
+// computed, again in each search; 8 a contact.
 
+#include <array>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -20,15 +23,15 @@ class MixedContacts {
       : is_near_(b),
         touching_(b),
         begin_(b),
-        body_a_(b),
-        body_b_(b),
-        count_(b),
-        contact_(b),
         slot_(b),
+        notes_(b),
+        before_(b),
+        stores_{Store(b), Store(b), Store(b)},
         ranges_(b, PairList::kBodyPairs + 1),
         space_(b) {}
 
-  /// Finds the contacts of bodies with each other, and counts those and the contacts with planes; two host reads.
+  /// Finds the contacts of bodies with each other, and counts those and the contacts with planes; two host reads. Of the
+  /// searches since release() it keeps what holds: bodies and their places in memory must be the same.
   /// @param count  [piece count] out
   void find(B& b, const Test& test, Span<Index> count) {
     const Index pieces = test.candidates.piece_count();
@@ -37,19 +40,18 @@ class MixedContacts {
     for_each(b, pieces, FlagNearPairs<Real>{test, count, is_near_.view(), touching_.view()});
     exclusive_scan(b, Span<const Index>(count), begin_.view());
     const Offset near = fetch(b, begin_.data() + pieces);
-    pair_count_ = checked_index(near, can_number(near), "near pairs of bodies");
-    body_a_.resize_discard(near), body_b_.resize_discard(near), count_.resize_discard(near);
-    contact_.resize_discard(near * PairContacts<Real>::kSlots);
+    std::swap(notes_, before_);
+    notes_.resize_discard(checked_index(near, can_number(near), "near pairs of bodies"));
     if (near > 0) find_contacts(b, test);
-    for_each(b, pieces,
-             CountMixedContacts<Real>{test, pairs(), std::as_const(count_).view(near), count});
+    before_.release();
+    for_each(b, pieces, CountMixedContacts<Real>{test, pairs(), notes_.count.view(), count});
   }
 
   /// Writes the keys of these contacts. @param begin  [piece count + 1] scan of the counts of all contacts
   void write_keys(B& b, const Test& test, Span<const Offset> begin, Span<std::uint64_t> key) {
-    for_each(
-        b, test.candidates.piece_count(),
-        WriteMixedKeys<Real>{test, pairs(), found(), begin, key, slot_.resize_discard(key.size)});
+    for_each(b, test.candidates.piece_count(),
+             WriteMixedKeys<Real>{test, pairs(), notes_.view(), stores(), begin, key,
+                                  slot_.resize_discard(key.size)});
   }
 
   /// Follows GroupKeys.
@@ -65,7 +67,7 @@ class MixedContacts {
             const ContactArrays<Real>& out) {
     const auto fill_contacts = [&]<bool kPasses>(std::bool_constant<kPasses>) {
       for_each(b, static_cast<Index>(key.size),
-               FillMixedContacts<kPasses, Real>{test, key, slot_.view(), contact_.view(), out});
+               FillMixedContacts<kPasses, Real>{test, key, slot_.view(), stores(), out});
     };
     if (has_passes) {
       fill_contacts(std::true_type{});
@@ -74,49 +76,99 @@ class MixedContacts {
     }
   }
 
+  /// Pairs computed by the searches since release().
+  Index computed_count() const { return place_count_; }
+
+  /// Gives the memory back, and forgets what was found.
   void release() {
-    pair_count_ = 0;
-    is_near_.release(), touching_.release(), begin_.release();
-    body_a_.release(), body_b_.release(), count_.release();
-    contact_.release(), slot_.release();
+    is_near_.release(), touching_.release(), begin_.release(), slot_.release();
+    notes_.release(), before_.release();
+    for (Store& store : stores_) store.feature.release(), store.contact.release();
+    store_count_ = 0;
+    place_count_ = 0;
   }
 
  private:
+  struct Notes {
+    explicit Notes(B& b) : key(b), count(b), place(b), same(b) {}
+    void resize_discard(Offset pairs) {
+      key.resize_discard(pairs), count.resize_discard(pairs);
+      place.resize_discard(pairs), same.resize_discard(pairs);
+    }
+    void release() { key.release(), count.release(), place.release(), same.release(); }
+    PairNotes view() { return {key.view(), count.view(), place.view(), same.view()}; }
+
+    Buffer<B, std::uint64_t> key;
+    Buffer<B, Index> count, place;
+    Buffer<B, SameList> same;
+  };
+  struct Store {
+    explicit Store(B& b) : feature(b), contact(b) {}
+    Buffer<B, std::uint32_t> feature;
+    Buffer<B, FoundContact<Real>> contact;
+    Index begin = 0;
+  };
+  static constexpr int kMostStores = ContactStores<Real>::kMost;
+
   NearPairs pairs() const {
     return {begin_.view(begin_.capacity()), is_near_.view(is_near_.capacity()),
             touching_.view(touching_.capacity())};
   }
-  PairContacts<Real> found() { return {count_.view(), contact_.view()}; }
+  ContactStores<Real> stores() {
+    ContactStores<Real> s;
+    for (int k = 0; k < store_count_; ++k) {
+      Store& store = stores_[static_cast<std::size_t>(k)];
+      s.feature[k] = store.feature.view();
+      s.contact[k] = store.contact.view();
+      s.begin[k] = store.begin;
+    }
+    s.count = store_count_;
+    return s;
+  }
 
   /// Sorts the pairs by pair function, so that threads beside each other run the same one, and each program has the
   /// registers and the stack of its own.
   void find_contacts(B& b, const Test& test) {
-    const Index n = pair_count_;
+    if (store_count_ == kMostStores) throw std::logic_error("more searches than a step has");
+    const auto n = static_cast<Index>(notes_.key.capacity());
     Buffer<B, std::uint64_t> function(b, n);
     Buffer<B, Index> pair(b, n);
     for_each(b, test.candidates.piece_count(),
-             ListNearPairs<Real>{test, pairs(), body_a_.view(), body_b_.view(), function.view(),
+             ListNearPairs<Real>{test, pairs(), before_.view(), notes_.view(), function.view(),
                                  pair.view()});
     sort_pairs(b, space_, function.view(), pair.view(), bits_for(PairList::kBodyPairs + 1));
     for_each(b, PairList::kBodyPairs + 1, FindFunctionRanges{function.view(), ranges_.view()});
     const std::vector<Index> begin = download(b, Span<const Index>(ranges_.view()));
     function.release();
-    scree::fill(b, count_.view(), Index(0));  // pairs without a function have no contacts
+    Store& store = stores_[static_cast<std::size_t>(store_count_++)];
+    const Offset slots = Offset{begin.back()} * ContactStores<Real>::kSlots;
+    store.feature.resize_discard(slots), store.contact.resize_discard(slots);
+    store.begin = place_count_;
     PairList::for_each_body_pair([&]<class P>(P, int number) {
       const auto f = static_cast<std::size_t>(number);
-      const Span<const Index> of_function{pair.data() + begin[f], begin[f + 1] - begin[f]};
-      for_each(b, static_cast<Index>(of_function.size),
-               FindPairContacts<ProgramOf<P>, Real>{test, P::A::kind, body_a_.view(),
-                                                    body_b_.view(), of_function, found()});
+      const Index first = begin[f], count = begin[f + 1] - first;
+      const Offset slot = Offset{first} * ContactStores<Real>::kSlots;
+      const Offset used = Offset{count} * ContactStores<Real>::kSlots;
+      for_each(b, count,
+               FindPairContacts<ProgramOf<P>, Real>{test,
+                                                    P::A::kind,
+                                                    {pair.data() + first, count},
+                                                    notes_.view(),
+                                                    place_count_ + first,
+                                                    {store.feature.data() + slot, used},
+                                                    {store.contact.data() + slot, used}});
     });
+    const Offset places = Offset{place_count_} + begin.back();
+    place_count_ = checked_index(places, can_number(places), "near pairs of bodies");
   }
 
-  Index pair_count_ = 0;
   Buffer<B, std::uint32_t> is_near_, touching_;
   Buffer<B, Offset> begin_;
-  Buffer<B, Index> body_a_, body_b_, count_;
-  Buffer<B, FoundContact<Real>> contact_;
   Buffer<B, Offset> slot_;
+  Notes notes_, before_;  ///< of this search, and of the one before
+  std::array<Store, kMostStores> stores_;
+  int store_count_ = 0;
+  Index place_count_ = 0;  ///< in all stores
   Buffer<B, Index> ranges_;
   SortSpace<B> space_;
 };

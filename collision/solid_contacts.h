@@ -1,6 +1,6 @@
 #pragma once
 // Contacts with solid walls, such as boxes and meshes, of the bodies that are near one. Its memory, while detect() works:
-// 232 bytes for each of these, or 24 and 36 a contact where one has more than six.
+// 240 bytes for each of these, or 24 and 36 a contact where one has more than six.
 
 #include <algorithm>
 
@@ -12,13 +12,7 @@ template <class B, class Real>
 class SolidContacts {
  public:
   explicit SolidContacts(B& b)
-      : near_(b),
-        begin_(b),
-        envelope_(b),
-        count_(b),
-        element_(b),
-        way_plane_(b),
-        lacks_room_(b, 1) {}
+      : near_(b), begin_(b), same_(b), count_(b), element_(b), way_plane_(b), lacks_room_(b, 1) {}
 
   /// Whether a body is near a solid wall.
   bool is_used() const { return near_count_ > 0; }
@@ -33,7 +27,7 @@ class SolidContacts {
     for_each(b, n, FlagNearSolids<kMix, Real>{test, flag.view()});
     exclusive_scan(b, Span<const Index>(flag.view()), before.view());
     near_count_ = static_cast<Index>(fetch(b, before.data() + n));
-    envelope_.resize_discard(near_count_), count_.resize_discard(near_count_);
+    same_.resize_discard(near_count_), count_.resize_discard(near_count_);
     begin_.release();
     has_notes_ = false;
     for_each(b, n, ListFlagged{flag.view(), before.view(), near_.resize_discard(near_count_)});
@@ -69,7 +63,7 @@ class SolidContacts {
 
   void release() {
     near_count_ = 0;
-    near_.release(), begin_.release(), envelope_.release(), count_.release();
+    near_.release(), begin_.release(), same_.release(), count_.release();
     element_.release(), way_plane_.release();
   }
 
@@ -88,7 +82,7 @@ class SolidContacts {
   SolidNotes notes() {
     return {std::as_const(near_).view(near_count_),
             begin_.view(begin_.capacity()),
-            envelope_.view(),
+            same_.view(),
             count_.view(),
             element_.view(),
             way_plane_.view()};
@@ -98,7 +92,7 @@ class SolidContacts {
   bool has_notes_ = false;  ///< of a listing of this step
   Buffer<B, Index> near_;
   Buffer<B, Offset> begin_;
-  Buffer<B, double> envelope_;
+  Buffer<B, SameList> same_;
   Buffer<B, Index> count_;
   Buffer<B, std::uint32_t> element_;
   Buffer<B, HoldingPlane> way_plane_;

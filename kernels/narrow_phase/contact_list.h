@@ -50,6 +50,10 @@ struct ContactTest {
     return envelope(a, j) + falls(body.radius, other.radius);
   }
 
+  SCREE_HD double reach(Index a, Index j) const {
+    return envelope(a, j) + falls(bodies.radius[a], bodies.radius[j]);
+  }
+
   /// How far two bodies may come nearer because gravity acts on one of them only [m].
   SCREE_HD double falls(double radius_a, double radius_b) const {
     return range.fall > 0 ? range.fall_of(radius_a) + range.fall_of(radius_b) : 0;

@@ -1,9 +1,11 @@
 #pragma once
 // Element programs of contacts between bodies of any shapes, in stages: which candidates are near enough to be computed;
-// the contacts of each such pair, once, by a program of its pair function; their keys; the contacts. Two
-// spheres take so little that they are computed wherever they are needed.
+// the contacts of each such pair, once, by a program of its pair function; their keys; the contacts. Where the search is
+// repeated within a step, for wider margins, pairs keep what was found of them if it holds. Two spheres take so little that
+// they are computed wherever they are needed.
 
 #include "kernels/narrow_phase/contact_list.h"
+#include "kernels/narrow_phase/same_list.h"
 
 namespace scree {
 
@@ -19,17 +21,46 @@ struct NearPairs {
 /// What is stored of a contact until all of them are counted.
 template <class Real>
 struct FoundContact {
-  std::uint32_t feature = 0;
   Real gap = 0;
   Vec3<Real> normal, arm_a, arm_b;
 };
 
-/// Contacts that were found of near pairs.
+/// Where the contacts of computed pairs are stored, kSlots for each; one store for each search of a step.
 template <class Real>
-struct PairContacts {
-  static constexpr int kSlots = Manifold::kMaxContacts;
-  Span<Index> count;                 ///< [pairs]
-  Span<FoundContact<Real>> contact;  ///< [pairs][kSlots]
+struct ContactStores {
+  static constexpr Index kSlots = Manifold::kMaxContacts;
+  /// Searches of a step: one, and those with wider margins.
+  static constexpr int kMost = 3;
+
+  Span<std::uint32_t> feature[kMost];       ///< [pairs computed][kSlots]
+  Span<FoundContact<Real>> contact[kMost];  ///< the same
+  Index begin[kMost] = {};                  ///< place of the first pair of each
+  int count = 0;
+
+  /// The store that holds a pair's place.
+  SCREE_HD int store_of(Index place) const {
+    int k = count - 1;
+    while (place < begin[k]) --k;
+    return k;
+  }
+  SCREE_HD Offset slot(int store, Index place) const {
+    return static_cast<Offset>(place - begin[store]) * kSlots;
+  }
+};
+
+/// Near pairs and what was found of them.
+struct PairNotes {
+  Span<std::uint64_t> key;  ///< [pairs] bodies, ascending: see make_key()
+  Span<Index> count;        ///< [pairs] contacts
+  Span<Index> place;        ///< [pairs] where these are stored, see ContactStores
+  Span<SameList> same;      ///< [pairs] envelopes for which that holds
+
+  /// Number of a pair; -1: it is none of these.
+  SCREE_HD Index find(std::uint64_t wanted) const {
+    const auto end = static_cast<Index>(key.size);
+    const Index q = first_not_below(Span<const std::uint64_t>(key), 0, end, wanted);
+    return q < end && key[q] == wanted ? q : -1;
+  }
 };
 
 /// Where a contact is not stored, since it is computed again.
@@ -64,8 +95,9 @@ struct FlagNearPairs {
         const ContactGeometry g = sphere_sphere(d, body.radius, other.radius);
         if (is_listed(g.gap, separation_speed(g, body.motion, other.motion), reach, test.range.h))
           touch |= bit;
-      } else if (norm(d) <= kRoom * (body.radius + other.radius) + reach +
-                                test.range.h * most_speed(body, other.motion, other.radius)) {
+      } else if (is_near_pair(
+                     body, other, d,
+                     reach + test.range.h * most_speed(body, other.motion, other.radius))) {
         near |= bit;
         ++n;
       }
@@ -76,22 +108,33 @@ struct FlagNearPairs {
   }
 
  private:
-  /// Bounding radii may have been rounded down.
-  static constexpr double kRoom = 1 + 1e-6;
+  /// Bounding radii and boxes may have been rounded down.
+  static constexpr double kRoom = 1e-6;
+  /// Whether spheres and boxes about two bodies are no farther apart than that.
+  SCREE_HD static bool is_near_pair(const BodySample& a, const BodySample& b, const Vec3d& d,
+                                    double most) {
+    const double radii = a.radius + b.radius;
+    return norm(d) <= radii + kRoom * radii + most &&
+           !are_apart({{box_about(a), box_about(b)}, d}, most + kRoom * radii);
+  }
+  SCREE_HD static BoxAxes box_about(const BodySample& body) {
+    if (is_sphere(body)) return {body.orientation, {body.radius, body.radius, body.radius}};
+    return {body.orientation, body.half_extents};
+  }
   SCREE_HD static bool is_sphere(const BodySample& body) {
     return body.kind == shapes::Sphere::kind;
   }
 };
 
-/// Lists the near pairs, and the pair function of each.
+/// Lists the near pairs, and the pair function of each that has to be computed: not where what the search before found holds.
 template <class Real>
 struct ListNearPairs {
   static constexpr const char* name = "list_near_pairs";
   ContactTest<ShapeMix::any, Real> test;
   NearPairs pairs;
-  Span<Index> body_a;
-  Span<Index> body_b;
-  Span<std::uint64_t> function;  ///< out: its number in PairList
+  PairNotes before;              ///< of that search; without pairs: there was none
+  PairNotes notes;               ///< out
+  Span<std::uint64_t> function;  ///< out: its number in PairList; kBodyPairs: none is needed
   Span<Index> pair;              ///< out: the pairs themselves, to be sorted by that
 
   SCREE_HD void operator()(Index p) const {
@@ -102,15 +145,23 @@ struct ListNearPairs {
     for (Index k = 0; k < kPieceLength && is_near >> k != 0; ++k) {
       if ((is_near >> k & 1) == 0) continue;
       const Index j = list.other[list.begin[p] + k];
-      body_a[q] = a;
-      body_b[q] = j;
+      notes.key[q] = make_key(a, static_cast<std::uint32_t>(j));
       pair[q] = static_cast<Index>(q);
-      function[q] = static_cast<std::uint64_t>(PairList::number_of(kind_of(a), kind_of(j)));
+      function[q] = static_cast<std::uint64_t>(
+          is_kept(q, a, j) ? PairList::kBodyPairs : PairList::number_of(kind_of(a), kind_of(j)));
       ++q;
     }
   }
 
  private:
+  SCREE_HD bool is_kept(Offset q, Index a, Index j) const {
+    const Index old = before.find(notes.key[q]);
+    const bool is_same = old >= 0 && before.same[old].holds(test.reach(a, j));
+    notes.count[q] = is_same ? before.count[old] : 0;
+    notes.place[q] = is_same ? before.place[old] : 0;
+    notes.same[q] = is_same ? before.same[old] : SameList{};
+    return is_same;
+  }
   SCREE_HD ShapeKind kind_of(Index i) const {
     const Index shape = test.bodies.shape[i];
     return shape < 0 ? shapes::Sphere::kind : test.shapes.records[shape].kind;
@@ -137,40 +188,49 @@ struct FindPairContacts {
   static constexpr const char* name = "find_pair_contacts";
   static constexpr int kBlockThreads = 64;  // pairs take different times, and there may be few
   ContactTest<ShapeMix::any, Real> test;
-  ShapeKind first;  ///< of the shapes of the pair function
-  Span<const Index> body_a;
-  Span<const Index> body_b;
+  ShapeKind first;         ///< of the shapes of the pair function
   Span<const Index> pair;  ///< of this function
-  PairContacts<Real> found;
+  PairNotes notes;
+  Index place;                  ///< of the first pair
+  Span<std::uint32_t> feature;  ///< [pairs of this function][kSlots] out
+  Span<FoundContact<Real>> contact;
 
   SCREE_HD void operator()(Index k) const {
-    const Index q = pair[k], i = body_a[q], j = body_b[q];
+    const Index q = pair[k], i = contact_body(notes.key[q]);
+    const auto j = static_cast<Index>(key_element(notes.key[q]));
     const BodySample body = test.load(i), other = test.load(j);
     const Vec3d d = minimum_image(other.position - body.position, test.range.period);
     const double reach = test.reach(i, body, j, other), h = test.range.h;
+    const double wider = reach + kSlack * test.range.envelope;
     const OrderedPair<P> p(body, other, d, body.kind != first);
+    SameList same;
+    same.to = wider;
     const auto listed = [&](const ContactGeometry& found_one) {
       const ContactGeometry g = p.in_memory(found_one);
-      return is_listed(g.gap, separation_speed(g, body.motion, other.motion), reach, h);
+      const double speed = separation_speed(g, body.motion, other.motion);
+      return same.lists(needed_envelope(g.gap, speed, h), reach);
     };
-    const double most = reach + h * most_speed(body, other.motion, other.radius);
-    const Offset slot = static_cast<Offset>(q) * PairContacts<Real>::kSlots;
+    const double most = wider + h * most_speed(body, other.motion, other.radius);
+    const Offset slot = static_cast<Offset>(k) * ContactStores<Real>::kSlots;
+    Index count = 0;
     if constexpr (P::kFeatureBits == 0) {
       const ContactGeometry g = P::contact(p.a, p.b, p.d, 0);
-      const bool is_one = listed(g);
-      found.count[q] = is_one ? 1 : 0;
-      if (is_one) store(slot, 0, p.in_memory(g));
+      if (listed(g)) store(slot + count++, 0, p.in_memory(g));
     } else {
       const Manifold m = P::manifold(p.a, p.b, p.d, most, listed);
-      found.count[q] = m.count;
-      for (int c = 0; c < m.count; ++c) store(slot + c, m.feature[c], p.in_memory(m.contact[c]));
+      for (; count < m.count; ++count)
+        store(slot + count, m.feature[count], p.in_memory(m.contact[count]));
     }
+    notes.count[q] = count;
+    notes.place[q] = place + k;
+    notes.same[q] = same;
   }
 
  private:
-  SCREE_HD void store(Offset slot, std::uint32_t feature, const ContactGeometry& g) const {
-    found.contact[slot] = {feature, static_cast<Real>(g.gap), Vec3<Real>(g.normal),
-                           Vec3<Real>(g.arm_a), Vec3<Real>(g.arm_b)};
+  SCREE_HD void store(Offset slot, std::uint32_t name_of, const ContactGeometry& g) const {
+    feature[slot] = name_of;
+    contact[slot] = {static_cast<Real>(g.gap), Vec3<Real>(g.normal), Vec3<Real>(g.arm_a),
+                     Vec3<Real>(g.arm_b)};
   }
 };
 
@@ -222,10 +282,11 @@ struct WriteMixedKeys {
   static constexpr const char* name = "write_mixed_keys";
   ContactTest<ShapeMix::any, Real> test;
   NearPairs pairs;
-  PairContacts<Real> found;
+  PairNotes notes;
+  ContactStores<Real> stores;
   Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
   Span<std::uint64_t> key;   ///< [contact count] out
-  Span<Offset> slot;         ///< [contact count] out: in `found`, or kNotStored
+  Span<Offset> slot;         ///< [contact count] out: place and number in the stores, or kNotStored
 
   SCREE_HD void operator()(Index p) const {
     Offset next = begin[p];
@@ -241,9 +302,14 @@ struct WriteMixedKeys {
     visit_near(
         list, pairs, p, [&](Index j) { write(test.keys.body_element(j, 0), kNotStored); },
         [&](Offset q, Index j) {
-          const Offset first = q * PairContacts<Real>::kSlots;
-          for (Index c = 0; c < found.count[q]; ++c)
-            write(test.keys.body_element(j, found.contact[first + c].feature), first + c);
+          const Index count = notes.count[q];
+          if (count == 0) return;
+          const Index place = notes.place[q];
+          const int store = stores.store_of(place);
+          const Offset first = stores.slot(store, place);
+          for (Index c = 0; c < count; ++c)
+            write(test.keys.body_element(j, stores.feature[store][first + c]),
+                  static_cast<Offset>(place) * ContactStores<Real>::kSlots + c);
         });
     // Planes come after them: their elements are above those of all bodies. Then solid walls, which others write.
     if (list.is_last_of_body(p)) {
@@ -277,7 +343,7 @@ struct FillMixedContacts {
   ContactTest<ShapeMix::any, Real> test;
   Span<const std::uint64_t> key;
   Span<const Offset> slot;
-  Span<const FoundContact<Real>> found;
+  ContactStores<Real> stores;
   ContactArrays<Real> out;
 
   SCREE_HD void operator()(Index c) const {
@@ -286,7 +352,11 @@ struct FillMixedContacts {
     const ContactKeys& keys = test.keys;
     if (element >= keys.solid_begin) return;
     if (slot[c] != kNotStored) {
-      const FoundContact<Real> f = found[slot[c]];
+      constexpr Index kSlots = ContactStores<Real>::kSlots;
+      const auto place = static_cast<Index>(slot[c] / kSlots);
+      const int store = stores.store_of(place);
+      const FoundContact<Real> f =
+          stores.contact[store][stores.slot(store, place) + slot[c] % kSlots];
       out.store(c, a, keys.body(element), f.normal, f.gap, f.arm_a, f.arm_b);
       return;
     }

@@ -15,7 +15,7 @@ struct SolidNotes {
 
   Span<const Index> body;        ///< [near bodies] ascending
   Span<const Offset> begin;      ///< [near bodies + 1] places of each, exactly; empty: kSlots each
-  Span<double> envelope;         ///< [near bodies] gap up to which they were found [m]
+  Span<SameList> same;           ///< [near bodies] envelopes for which they are found
   Span<Index> count;             ///< [near bodies] contacts of each
   Span<std::uint32_t> element;   ///< [places] of each body, ascending
   Span<HoldingPlane> way_plane;  ///< [places] of contacts met on the way; others have no normal
@@ -69,8 +69,7 @@ struct ListFlagged {
 };
 
 /// Finds the contacts of the bodies near solid walls, and returns whether there was no room for all of them: then they
-/// are counted, and it has to be done again. Where the margin of a body is that of the listing before, its contacts are
-/// too.
+/// are counted, and it has to be done again. Bodies keep what the listing before found where that holds.
 template <ShapeMix kMix, class Real>
 struct FindSolidContacts {
   static constexpr const char* name = "find_solid_contacts";
@@ -83,10 +82,9 @@ struct FindSolidContacts {
     const Index a = notes.body[k];
     const BodySample body = test.load(a);
     const double envelope = wall_envelope(test.range, a, body);
-    if (is_again && notes.envelope[k] == envelope) return {};
+    if (is_again && notes.same[k].holds(envelope)) return {};
     Note note{notes, notes.first(k), notes.room(k)};
-    visit_solids<kMix>(test.walls, test.range, body, envelope, note);
-    notes.envelope[k] = envelope;
+    notes.same[k] = visit_solids<kMix>(test.walls, test.range, body, envelope, note);
     notes.count[k] = note.count;
     return {note.count > note.room ? 1 : 0};
   }

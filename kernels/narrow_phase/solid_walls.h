@@ -3,6 +3,7 @@
 
 #include "kernels/narrow_phase/convex_on_mesh.h"
 #include "kernels/narrow_phase/mesh_way.h"
+#include "kernels/narrow_phase/same_list.h"
 #include "kernels/narrow_phase/wall_contacts.h"
 
 namespace scree {
@@ -34,7 +35,9 @@ struct SphereOnSolid {
   const WallSolid& solid;
   const ContactRange& range;
   const BodySample& a;
-  double envelope;  ///< contacts are listed up to this gap [m]
+  double envelope;           ///< contacts are listed up to this gap [m]
+  double slack = 0;          ///< what is looked at beyond it [m]
+  SameList* same = nullptr;  ///< notes what is decided; null: nothing does
 
   /// Calls emit(element) for each contact, or emit.way(element, plane) for one that is met on the way, ascending.
   template <class Emit>
@@ -80,8 +83,11 @@ struct SphereOnSolid {
   }
   /// Center of the sphere in the frame of the mesh. @param d  center of A to that of the mesh
   SCREE_HD Vec3d in_mesh(const Vec3d& d) const { return rotate_back(solid.orientation, -d); }
+  SCREE_HD bool lists(double needed) const {
+    return same != nullptr ? same->lists(needed, envelope) : needed <= envelope;
+  }
   SCREE_HD bool is_contact(const ContactGeometry& g) const {
-    return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
+    return lists(needed_envelope(g.gap, separation_speed(g, a.motion, solid.motion), range.h));
   }
   /// Along a normal, every point of the wall body approaches the center of A as the point
   /// there does [m/s].
@@ -90,14 +96,14 @@ struct SphereOnSolid {
   }
   /// How far A may come to touch within the step [m].
   SCREE_HD double reach(const Vec3d& d) const {
-    return a.radius + envelope + range.h * norm(wall_speed(d));
+    return a.radius + envelope + slack + range.h * norm(wall_speed(d));
   }
   /// The same whichever image it is that touches.
   SCREE_HD double farthest_reach() const {
     const double turn = range.h * norm(solid.motion.angular);
     const double way = range.h * norm(solid.motion.linear - a.motion.linear) +
                        turn * norm(solid.middle) + turn * norm(solid.half);
-    return (a.radius + envelope + way) / (1 - (turn < 0.5 ? turn : 0.5));
+    return (a.radius + envelope + slack + way) / (1 - (turn < 0.5 ? turn : 0.5));
   }
 
   SCREE_HD WallImages reached_images() const {
@@ -137,15 +143,15 @@ struct SphereOnSolid {
   /// Whether a contact with what is closest at the start is listed. Where the step leads farther,
   /// on_way() finds what is beyond the envelope, and from where it is met.
   SCREE_HD bool is_met(const ContactGeometry& g, bool is_fast) const {
-    return is_fast ? g.gap <= envelope : is_contact(g);
+    return is_fast ? lists(g.gap) : is_contact(g);
   }
 
   /// Calls found(t, point, g) for the listed contacts with what is closest at the start.
   template <class Found>
   SCREE_HD void closest_points(const Vec3d& d, bool is_fast, Found&& found) const {
     visit_sphere_mesh(
-        meshes, meshes.meshes[solid.mesh], in_mesh(d), is_fast ? a.radius + envelope : reach(d),
-        [&](Index t, const MeshPoint& point) {
+        meshes, meshes.meshes[solid.mesh], in_mesh(d),
+        is_fast ? a.radius + envelope + slack : reach(d), [&](Index t, const MeshPoint& point) {
           const ContactGeometry g = mesh_contact(a, solid, d, point.offset, point.normal);
           if (is_met(g, is_fast)) found(t, point, g);
         });
@@ -261,28 +267,27 @@ struct PairOnSolid {
 
   /// Calls emit(element) for each contact, ascending.
   /// @param envelope  contacts are listed up to this gap [m]
+  /// @param slack     what is looked at beyond it [m]
+  /// @param same      notes what is decided
   template <class Emit>
-  SCREE_HD void visit(double envelope, Emit& emit) const {
-    const double way = farthest_way();
-    reached_images(envelope).for_each(range.period, [&](std::uint32_t image) {
+  SCREE_HD void visit(double envelope, double slack, SameList& same, Emit& emit) const {
+    const double most = envelope + slack + farthest_way();
+    const auto is_wanted = [&](const ContactGeometry& g) {
+      return same.lists(
+          needed_envelope(g.gap, separation_speed(g, a.motion, solid.motion), range.h), envelope);
+    };
+    reached_images(envelope + slack).for_each(range.period, [&](std::uint32_t image) {
       if (solid.kind == shapes::Mesh::kind) {
-        const auto listed = [&](const ContactGeometry& g) {
-          return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
-        };
-        on_mesh().visit(image, image_of_wall(solid, range.period, a.position, image),
-                        envelope + way, listed, emit);
+        on_mesh().visit(image, image_of_wall(solid, range.period, a.position, image), most,
+                        is_wanted, emit);
         return;
       }
       with_pair(image, [&](auto pair, const auto& in_memory, const PairSide& first,
                            const PairSide& second, const Vec3d& d) {
-        const auto listed = [&](const ContactGeometry& found) {
-          const ContactGeometry g = in_memory(found);
-          return is_listed(g.gap, separation_speed(g, a.motion, solid.motion), envelope, range.h);
-        };
-        list_features<decltype(pair)>(first, second, d, envelope + way, listed,
-                                      [&](std::uint32_t feature) {
-                                        emit(solid.first_element + image * solid.slots + feature);
-                                      });
+        const auto listed = [&](const ContactGeometry& g) { return is_wanted(in_memory(g)); };
+        list_features<decltype(pair)>(first, second, d, most, listed, [&](std::uint32_t feature) {
+          emit(solid.first_element + image * solid.slots + feature);
+        });
       });
     });
   }
@@ -346,18 +351,25 @@ SCREE_HD inline bool is_by_pair_function(const BodySample& a, const WallSolid& s
 /// Calls emit(element), or emit.way(element, plane), for each listed contact of body A with solid walls, in ascending
 /// order: the triangles of a mesh are numbered along its tree.
 /// @param envelope  contacts are listed up to this gap [m]
+/// @return  for which others that holds
 template <ShapeMix kMix, class Real, class Emit>
-SCREE_HD void visit_solids(const WallView<Real>& walls, const ContactRange& range,
-                           const BodySample& a, double envelope, Emit& emit) {
+SCREE_HD SameList visit_solids(const WallView<Real>& walls, const ContactRange& range,
+                               const BodySample& a, double envelope, Emit& emit) {
+  const double slack = kSolidSlack * range.envelope;
+  SameList same;
+  same.to = envelope + slack;
   for (Index k = 0; k < static_cast<Index>(walls.solids.size); ++k) {
     if constexpr (kMix == ShapeMix::any) {
       if (is_by_pair_function(a, walls.solids[k])) {
-        PairOnSolid<Real>{walls.meshes, walls.solids[k], range, a}.visit(envelope, emit);
+        PairOnSolid<Real>{walls.meshes, walls.solids[k], range, a}.visit(envelope, slack, same,
+                                                                         emit);
         continue;
       }
     }
-    SphereOnSolid<Real>{walls.meshes, walls.solids[k], range, a, envelope}.visit(emit);
+    SphereOnSolid<Real>{walls.meshes, walls.solids[k], range, a, envelope, slack, &same}.visit(
+        emit);
   }
+  return same;
 }
 
 /// Whether body A may have contacts with solid walls; arguments as in visit_solids().

@@ -51,7 +51,23 @@ struct BoxAxes {
 struct BoxPair {
   BoxAxes box[2];
   Vec3d d;  ///< center of box 0 to center of box 1 [m]
+
+  /// Distance along a normal of the faces of a box [m], negative is overlap.
+  SCREE_HD double face_separation(int side, int k) const {
+    const Vec3d n = box[side].axis[k];
+    return std::abs(dot(d, n)) - box[side].half[k] - box[1 - side].shadow(n);
+  }
 };
+
+/// Whether a normal of a face tells that two boxes are farther apart than that.
+SCREE_HD inline bool are_apart(const BoxPair& pair, double most) {
+  for (int side = 0; side < 2; ++side) {
+    for (int k = 0; k < 3; ++k) {
+      if (pair.face_separation(side, k) > most) return true;
+    }
+  }
+  return false;
+}
 
 /// Features of two boxes: the nearest points of boxes that are apart, an edge of each by their
 /// axes, or a reference face with a corner of the other box, a corner of its own, or where an edge
@@ -247,9 +263,7 @@ struct SeparatingAxis {
       double best = -1e300;
       int best_axis = 0;
       for (int k = 0; k < 3; ++k) {
-        const Vec3d n = pair.box[side].axis[k];
-        const double s =
-            std::abs(dot(pair.d, n)) - pair.box[side].half[k] - pair.box[1 - side].shadow(n);
+        const double s = pair.face_separation(side, k);
         if (s > best + tie) best = s, best_axis = k;
       }
       if (best > separation + tie) separation = best, box = side, i = best_axis;

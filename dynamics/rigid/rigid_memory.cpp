@@ -19,6 +19,9 @@ constexpr double kContacts = 3.25;
 /// of spheres about alike, and of diameters that differ several times.
 constexpr double kPairs = 5.5;
 constexpr double kPairsOfMixed = 11;
+/// Pairs of bodies that are no spheres whose contacts are computed in a step, of a body: 6 to 12 in heaps of boxes, hulls, and
+/// boxes with capsules and cylinders while they fall.
+constexpr double kComputedPairs = 9;
 /// Largest over median diameter from which bodies count as mixed.
 constexpr double kMixed = 2;
 
@@ -122,10 +125,16 @@ HeldBytes solver(const Sizes& s) {
   return s.scene.solver.exact_coulomb ? bytes + exact_memory(s.card, s.solver_case) : bytes;
 }
 
+/// Of a body of them all: pairs that are no two spheres, with notes of two searches, and four contacts with their features.
+double computed_pairs(const Sizes& s) {
+  const double share = static_cast<double>(s.summary.shaped_count) / s.summary.free_capacity;
+  return s.summary.shaped_count == 0 ? 0 : share * kComputedPairs * (64 + 4 * (4 + 10 * s.real));
+}
+
 /// A body and its contacts while contacts are searched for: those of the last step are remembered,
 /// and what is noted of pairs and margins are there too.
 double in_collision(const Sizes& s) {
-  return state_of_body(s) + near_pair_list(s) + 8 * s.pairs + 12 +
+  return state_of_body(s) + near_pair_list(s) + 8 * s.pairs + 12 + computed_pairs(s) +
          kContacts * (warm_start(s) + contact_set(s) + 8);
 }
 

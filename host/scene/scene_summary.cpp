@@ -116,7 +116,10 @@ SceneSummary summarize(const Scene& scene) {
       [&](std::size_t, const BodyDescription& body) {
         radial = radial && fits_radial_layout(body);
         has_compounds = has_compounds || shape_card(body.shape.kind).is_compound;
-        if (body.kind == BodyKind::free) see_free(fits_radial_layout(body));
+        if (body.kind == BodyKind::free) {
+          see_free(fits_radial_layout(body));
+          s.shaped_count += shape_card(body.shape.kind).is_ball ? 0 : 1;
+        }
         s.solid_spheres =
             s.solid_spheres && (body.kind != BodyKind::free || is_free_solid_sphere(body));
       },
@@ -127,6 +130,7 @@ SceneSummary summarize(const Scene& scene) {
           radial = radial && fits;
           has_compounds = has_compounds || shape_card(kind).is_compound;
           see_free(fits);
+          s.shaped_count += is_ball ? 0 : static_cast<int>(particles);
           s.solid_spheres = s.solid_spheres && is_ball && set.locks == 0;
         }
       });

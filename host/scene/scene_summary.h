@@ -19,6 +19,7 @@ BodyCounts count_bodies(const Scene& scene);
 struct SceneSummary {
   int free_capacity = 0;        ///< free bodies ever in the run, insertions included
   int fixed_count = 0;          ///< fixed and kinematic bodies
+  int shaped_count = 0;         ///< of the free ones, those that are no spheres
   double median_diameter = 0;   ///< of the free bodies [m]; spheres, else bounding spheres
   double largest_diameter = 0;  ///< of the free bodies [m]
   double envelope = 0;          ///< resolved contact envelope [m]

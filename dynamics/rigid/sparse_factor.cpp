@@ -55,7 +55,7 @@ bool SparseFactor::factorize(int size, const std::vector<MatrixEntry>& entries) 
   Matrix matrix(size, size);
   matrix.setFromTriplets(triplets.begin(), triplets.end());
   const bool is_known = same_pattern(matrix, impl_->matrix);
-  impl_->matrix = std::move(matrix);
+  impl_->matrix.swap(matrix);
   if (!is_known) {
     impl_->factor.analyzePattern(impl_->matrix);
     impl_->is_worth_it = impl_->factor.work() < kMostWork;

@@ -436,11 +436,13 @@ std::optional<Fault> placement_fault(const UrdfModel& model, const UrdfPlacement
     if (joint == nullptr) return unknown("motors", name);
     if (auto fault = motor_fault(*joint, motor)) return fault;
   }
-  for (const auto& [name, surface] : placement.surfaces)
+  for (const auto& surface : placement.surfaces) {
+    const std::string& name = surface.first;
     if (std::none_of(model.links.begin(), model.links.end(),
                      [&](const UrdfLink& link) { return link.name == name; }))
       return Fault{fmt::format("links.{}", printable(name, 60)), "this name",
                    fmt::format("{} has no link so called", model.file)};
+  }
   return std::nullopt;
 }
 

@@ -165,6 +165,7 @@ class ObstacleBuffers {
     solid.body = shape.body;
     solid.mesh = shape.mesh;
     solid.half_extents = Vec3d(shape.half_extents);
+    solid.rounded = in_double(shape.rounded);
     solid.element_offset = static_cast<std::uint32_t>(solid_elements_);
     int bits = 0;
     for (const auto& [a, count] : free_) bits = std::max(bits, bits_of(a, shape.kind));

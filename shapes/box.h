@@ -40,7 +40,7 @@ struct Box {
   static constexpr const char* name = "box";
   static constexpr const char* description = "a solid box";
   static constexpr ShapeKey keys[]{
-      {"size", ShapeKey::Type::vector, "full edge lengths [m], positive.", true}};
+      {"size", ShapeKey::Type::vector, "full edge lengths [m], positive.", true}, kRoundingKey};
 
   static void read(const ShapeSource& source, Shape& shape, Vec3d&) {
     shape.half_extents = 0.5 * source.edges("size");

@@ -29,14 +29,16 @@ struct Compound {
   static Vec3d farthest_of(const TriangleMesh& mesh, const ShapePart& part,
                            const Vec3d& direction) {
     const ShapeCard& card = shape_card(part.shape.kind);
-    if (!card.is_hull)
+    if (!has_hull(part.shape))
       return part.position +
              rotate(part.orientation,
                     card.support(part.shape, nullptr, rotate_back(part.orientation, direction)));
     const auto first = mesh.vertices.begin() + part.first_vertex;
-    return *std::max_element(first, first + part.vertex_count, [&](const Vec3d& a, const Vec3d& b) {
-      return dot(a, direction) < dot(b, direction);
-    });
+    const Vec3d corner = *std::max_element(
+        first, first + part.vertex_count,
+        [&](const Vec3d& a, const Vec3d& b) { return dot(a, direction) < dot(b, direction); });
+    const double rounding = part.shape.rounded.radius;
+    return rounding > 0 ? corner + rounding * normalized(direction) : corner;
   }
   /// Half extents of the box about the origin that holds the parts [m].
   static Vec3d box_about_parts(const TriangleMesh& mesh) {
@@ -59,9 +61,10 @@ struct Compound {
     for (const ShapePart& part : mesh->parts) {
       const ShapeCard& card = shape_card(part.shape.kind);
       double reach = 0;
-      if (card.is_hull) {
+      if (has_hull(part.shape)) {
         for (int v = part.first_vertex; v < part.first_vertex + part.vertex_count; ++v)
-          reach = std::max(reach, norm(mesh->vertices[static_cast<std::size_t>(v)]));
+          reach = std::max(
+              reach, norm(mesh->vertices[static_cast<std::size_t>(v)]) + part.shape.rounded.radius);
       } else {
         reach = norm(part.position) + card.bounding_radius(part.shape, nullptr);
       }
@@ -92,10 +95,14 @@ struct Compound {
     return scale(shape, *mesh) * best;
   }
   static Surface surface(const Shape& shape, const TriangleMesh* mesh, double) {
-    Surface surface{mesh->vertices, {}};
-    for (Vec3d& v : surface.vertices) v *= scale(shape, *mesh);
-    for (const std::array<int, 3>& t : mesh->triangles)
+    Surface surface;
+    int used = 0;  // corners of rounded hulls come last, without triangles
+    for (const std::array<int, 3>& t : mesh->triangles) {
       surface.faces.emplace_back(t.begin(), t.end());
+      for (const int v : t) used = std::max(used, v + 1);
+    }
+    surface.vertices.assign(mesh->vertices.begin(), mesh->vertices.begin() + used);
+    for (Vec3d& v : surface.vertices) v *= scale(shape, *mesh);
     return surface;
   }
 

@@ -16,7 +16,8 @@ struct Cone {
       "a solid cone, its axis along z of the body, its center of mass a quarter of the length "
       "above its base";
   static constexpr ShapeKey keys[]{{"radius", ShapeKey::Type::length, "radius [m].", true},
-                                   {"length", ShapeKey::Type::length, "length [m].", true}};
+                                   {"length", ShapeKey::Type::length, "length [m].", true},
+                                   kRoundingKey};
 
   static void read(const ShapeSource& source, Shape& shape, Vec3d&) {
     const double r = source.length("radius");

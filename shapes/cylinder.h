@@ -12,7 +12,8 @@ struct Cylinder {
   static constexpr const char* name = "cylinder";
   static constexpr const char* description = "a solid cylinder, its axis along z of the body";
   static constexpr ShapeKey keys[]{{"radius", ShapeKey::Type::length, "radius [m].", true},
-                                   {"length", ShapeKey::Type::length, "length [m].", true}};
+                                   {"length", ShapeKey::Type::length, "length [m].", true},
+                                   kRoundingKey};
 
   static void read(const ShapeSource& source, Shape& shape, Vec3d&) {
     const double r = source.length("radius");

@@ -12,7 +12,7 @@ struct Ellipsoid {
   static constexpr const char* name = "ellipsoid";
   static constexpr const char* description = "a solid ellipsoid";
   static constexpr ShapeKey keys[]{
-      {"size", ShapeKey::Type::vector, "full edge lengths [m], positive.", true}};
+      {"size", ShapeKey::Type::vector, "full edge lengths [m], positive.", true}, kRoundingKey};
 
   static void read(const ShapeSource& source, Shape& shape, Vec3d&) {
     shape.half_extents = 0.5 * source.edges("size");

@@ -20,7 +20,8 @@ struct Hull {
       {"points", ShapeKey::Type::points, "four points or more [m], or else a file."},
       {"file", ShapeKey::Type::file, ".stl or .obj file, relative to the scene file."},
       {"scale", ShapeKey::Type::scale,
-       "the file's coordinates are multiplied by this [m per unit of the file]."}};
+       "the file's coordinates are multiplied by this [m per unit of the file]."},
+      kRoundingKey};
 
   static void read(const ShapeSource& source, Shape& shape, Vec3d&) { source.read_hull(shape); }
   static std::optional<Fault> fault(const Shape& shape) {
@@ -120,5 +121,11 @@ struct Hull {
     return Vec3f(m.hull.face[entry(m, ray).face].normal);
   }
 };
+
+/// Whether a record of a shape is that of a hull, rounded or not.
+template <class R>
+SCREE_HD bool has_hull(const R& record) {
+  return record.kind == Hull::kind || record.rounded.core == Hull::kind;
+}
 
 }  // namespace scree::shapes

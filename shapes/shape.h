@@ -21,17 +21,24 @@ struct Shape {
   /// half_space: unit outward normal in the body frame (bodies are on this side).
   Vec3d normal{0, 0, 1};
   unsigned open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
-  int mesh = -1;            ///< mesh, hull, compound: index into Scene::meshes
-  double volume = 0;        ///< hull, compound: what its mass is the density times of [m^3]
-  Vec3d moments;            ///< hull, compound: principal moments of a unit mass [m^2]
+  int mesh = -1;            ///< mesh, hull, compound, rounded hull: index into Scene::meshes
+  double volume = 0;  ///< hull, compound, rounded: what its mass is the density times of [m^3]
+  Vec3d moments;      ///< hull, compound, rounded: principal moments of a unit mass [m^2]
+  Rounding<double> rounded = {};  ///< rounded: of which core, see shapes::Rounded::of()
 };
+
+/// Half extents of the box about a shape before it was rounded, from the center of that [m].
+inline Vec3d core_half_extents(const Shape& shape) {
+  const double r = shape.rounded.radius;
+  return shape.half_extents - Vec3d{r, r, r + shape.rounded.shift};
+}
 
 /// A part of a compound.
 struct ShapePart {
   Shape shape;               ///< of a body that may be free, not itself a compound
   Vec3d position;            ///< of its center, in the frame of the compound [m]
   Quat<double> orientation;  ///< part to compound
-  int first_vertex = 0;      ///< of its surface among the vertices of the mesh
+  int first_vertex = 0;      ///< of its surface, or its core as a rounded hull, in the mesh
   int vertex_count = 0;
 };
 

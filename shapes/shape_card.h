@@ -33,6 +33,9 @@ std::optional<Fault> lengths_fault(const char* field, const Vec3d& value);
 /// Fault of a vector whose length is not one.
 std::optional<Fault> unit_fault(const char* field, const Vec3d& value);
 
+/// Of a radius by which a shape is rounded. @param longest  half edge of the box about the shape [m]
+std::optional<Fault> rounding_fault(double radius, double longest);
+
 /// Of the half extents of a shape that is round about z.
 std::optional<Fault> round_fault(const Shape& shape);
 
@@ -47,6 +50,12 @@ struct ShapeKey {
   const char* text;  ///< what it is, with its unit
   bool is_required = false;
 };
+
+/// The key of shapes that can be rounded.
+inline constexpr ShapeKey kRoundingKey{
+    "rounding", ShapeKey::Type::length,
+    "radius of a ball that is swept along the shape, which rounds its edges and adds to its sizes "
+    "on every side [m]."};
 
 /// The entry of a scene file that a shape is read from. A value that does not fit is refused with
 /// file, key, value and what was expected.
@@ -110,6 +119,7 @@ struct ShapeCard {
   Chord (*chord)(const Shape& shape, const TriangleMesh* mesh, const Vec3d& x, const Vec3d& d);
   /// The same shape with all its lengths multiplied by a factor; null: there is no such shape.
   Shape (*scaled)(const Shape& shape, double factor);
+  bool is_named;  ///< scenes have a name for it
 
   bool may_be_free() const { return mass != nullptr; }
   bool may_be_part() const { return may_be_free() && !is_compound; }
@@ -128,9 +138,25 @@ inline Shape with_scaled_lengths(const Shape& shape, double factor) {
 /// The card of a shape from what its file holds.
 template <class S>
 constexpr ShapeCard card_of() {
-  ShapeCard card{S::kind,  S::name,   S::description,      S::keys,     false, false, false, false,
-                 &S::read, &S::fault, &S::bounding_radius, &S::surface, {},    {},    {},    {},
-                 {},       {}};
+  ShapeCard card{S::kind,
+                 S::name,
+                 S::description,
+                 S::keys,
+                 false,
+                 false,
+                 false,
+                 false,
+                 &S::read,
+                 &S::fault,
+                 &S::bounding_radius,
+                 &S::surface,
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 true};
   card.is_ball = S::outline == Outline::ball;
   if constexpr (requires { S::is_hull; }) card.is_hull = S::is_hull;
   if constexpr (requires { S::is_compound; }) card.is_compound = S::is_compound;
@@ -140,6 +166,7 @@ constexpr ShapeCard card_of() {
   if constexpr (requires { &S::faces; }) card.faces = &S::faces;
   if constexpr (requires { &S::rounding; }) card.rounding = &S::rounding;
   if constexpr (requires { &S::chord; }) card.chord = &S::chord;
+  if constexpr (requires { S::is_named; }) card.is_named = S::is_named;
   if constexpr (requires { &S::scaled; })
     card.scaled = &S::scaled;
   else if (!card.has_mesh || card.is_hull)
@@ -155,13 +182,19 @@ bool is_shape(ShapeKind kind);
 /// @throws std::logic_error for no shape of this program
 const ShapeCard& shape_card(ShapeKind kind);
 
+/// Whether a shape is a hull, rounded or not: its mesh is that of the scene, which is convex.
+inline bool has_hull(const Shape& shape) {
+  return shape_card(shape.kind).is_hull ||
+         (is_shape(shape.rounded.core) && shape_card(shape.rounded.core).is_hull);
+}
+
 /// "sphere, box and capsule": names of the shapes that fit.
 /// @param last  before the last of them
 template <class Fits>
 std::string shape_names(Fits fits, const char* last = " and ") {
   std::vector<std::string> names;
   for (const ShapeCard& card : shape_cards())
-    if (std::invoke(fits, card)) names.emplace_back(card.name);
+    if (card.is_named && std::invoke(fits, card)) names.emplace_back(card.name);
   std::string text;
   for (std::size_t k = 0; k < names.size(); ++k)
     text += (k == 0 ? "" : k + 1 < names.size() ? ", " : last) + names[k];

@@ -43,6 +43,15 @@ std::optional<Fault> unit_fault(const char* field, const Vec3d& value) {
   return Fault{field, vector_text(value), "must have length 1"};
 }
 
+std::optional<Fault> rounding_fault(double radius, double longest) {
+  constexpr double kMost = 1000;
+  if (radius <= kMost * longest) return std::nullopt;
+  return Fault{"rounding", fmt::format("{}", radius),
+               fmt::format("must not be above {:g} times half the longest edge of the box about "
+                           "what is rounded, {:.6g} [m]",
+                           kMost, kMost * longest)};
+}
+
 std::optional<Fault> round_fault(const Shape& shape) {
   const Vec3d& e = shape.half_extents;
   if (auto fault = lengths_fault("half_extents", e)) return fault;

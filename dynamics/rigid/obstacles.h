@@ -123,11 +123,13 @@ class Obstacles {
     r.kind = shape.kind;
     r.rounding = card.rounding == nullptr ? Real(0) : static_cast<Real>(card.rounding(shape));
     r.open_faces = static_cast<std::uint8_t>(shape.open_faces);
-    if (card.is_hull) r.mesh = place_of(scene, shape, hull_of_mesh_, data_.hulls);
+    if (has_hull(shape)) r.mesh = place_of(scene, shape, hull_of_mesh_, data_.hulls);
     if (card.has_mesh && !card.is_hull && !card.is_compound)
       r.mesh = place_of(scene, shape, place_of_mesh_, data_.meshes);
     r.body = body;
-    r.half_extents = Vec3<Real>(shape.half_extents);
+    r.half_extents = Vec3<Real>(core_half_extents(shape));
+    r.rounded = {shape.rounded.core, static_cast<Real>(shape.rounded.radius),
+                 static_cast<Real>(shape.rounded.shift)};
     r.normal = Vec3<Real>(shape.normal);
     return r;
   }

@@ -11,6 +11,7 @@
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
 #include "shapes/compound.h"
+#include "shapes/rounded.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
@@ -188,7 +189,7 @@ std::optional<std::string> part_fault(const Scene& scene, const ShapePart& part)
   if (!card.may_be_part())
     return fmt::format("is a {}: a part must be a {}", card.name,
                        shape_names(&ShapeCard::may_be_part, " or "));
-  if (card.has_mesh && mesh_of(scene, part.shape) == nullptr)
+  if ((card.has_mesh || has_hull(part.shape)) && mesh_of(scene, part.shape) == nullptr)
     return fmt::format("names mesh {} of {}", part.shape.mesh, scene.meshes.size());
   if (const auto fault = card.fault(part.shape))
     return fmt::format("has {} {}, which {}", fault->field, fault->value, fault->expected);
@@ -230,6 +231,19 @@ void add_surface(const Scene& scene, ShapePart& part, TriangleMesh& mesh) {
       mesh.triangles.push_back({first + face[0], first + face[k - 1], first + face[k]});
 }
 
+/// Keeps the corners of rounded hulls behind the surfaces, where no triangle uses them: they tell how far these reach.
+void add_cores(const Scene& scene, std::vector<ShapePart>& parts, TriangleMesh& mesh) {
+  for (ShapePart& part : parts) {
+    if (part.shape.rounded.core != shapes::Hull::kind) continue;
+    const Surface core =
+        shapes::Hull::surface(shapes::Rounded::core(part.shape), mesh_of(scene, part.shape), 0);
+    part.first_vertex = static_cast<int>(mesh.vertices.size());
+    part.vertex_count = static_cast<int>(core.vertices.size());
+    for (const Vec3d& v : core.vertices)
+      mesh.vertices.push_back(part.position + rotate(part.orientation, v));
+  }
+}
+
 void check_parts(const Scene& scene, const std::vector<ShapePart>& parts) {
   if (parts.empty()) throw std::invalid_argument("a compound must have one part or more");
   for (std::size_t k = 0; k < parts.size(); ++k)
@@ -248,6 +262,7 @@ CompoundBody assembled(const Scene& scene, std::vector<ShapePart> parts, const S
   }
   body.mesh.name = "compound";
   for (ShapePart& part : parts) add_surface(scene, part, body.mesh);
+  add_cores(scene, parts, body.mesh);
   body.mesh.parts = std::move(parts);
   body.shape.kind = shapes::Compound::kind;
   body.shape.half_extents = shapes::Compound::box_about_parts(body.mesh);

@@ -72,7 +72,7 @@ ContactElements count_elements(const Scene& scene) {
     }
     int bits = 0;
     for (const auto& [a, count] : free) bits = std::max(bits, bits_of(a, wall.kind));
-    const TriangleMesh* mesh = card.is_hull ? nullptr : mesh_of(scene, wall);
+    const TriangleMesh* mesh = has_hull(wall) ? nullptr : mesh_of(scene, wall);
     elements.solids +=
         images * (mesh ? mesh_slots(mesh->triangles.size(), bits) : std::uint64_t{1} << bits);
   };

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "shapes/hull.h"
 #include "shapes/polyhedron.h"
+#include "shapes/rounded.h"
 
 namespace scree {
 namespace {
@@ -137,6 +137,11 @@ class Quickhull {
   std::map<Edge, std::size_t> face_of_;
 };
 
+/// Of a hull, rounded or not.
+SolidMoments solid_of(const TriangleMesh& mesh, double rounding) {
+  return rounding > 0 ? rounded::moments_of_hull(mesh, rounding) : moments_of(mesh);
+}
+
 }  // namespace
 
 TriangleMesh convex_hull(const std::vector<Vec3d>& points, const std::string& name) {
@@ -172,25 +177,35 @@ LocalFrame principal_frame(const SolidMoments& solid) {
   return frame;
 }
 
-LocalFrame move_to_principal_frame(TriangleMesh& mesh) {
-  const LocalFrame frame = principal_frame(moments_of(mesh));
+LocalFrame move_to_principal_frame(TriangleMesh& mesh, double rounding) {
+  const LocalFrame frame = principal_frame(solid_of(mesh, rounding));
   for (Vec3d& v : mesh.vertices) v = rotate_back(frame.axes, v - frame.origin);
   return frame;
 }
 
-void set_hull(Scene& scene, BodyDescription& body, const std::vector<Vec3d>& points) {
+Shape hull_of(const TriangleMesh& mesh, double rounding) {
+  Shape hull;
+  shapes::Hull::measure(mesh, hull);
+  return rounding > 0 ? shapes::Rounded::of(hull, rounding, &mesh) : hull;
+}
+
+void set_hull(Scene& scene, BodyDescription& body, const std::vector<Vec3d>& points,
+              double rounding) {
+  if (!(rounding >= 0 && std::isfinite(rounding)))
+    throw std::invalid_argument(
+        fmt::format("a rounding of {} is not zero, or positive and finite", rounding));
   TriangleMesh mesh = convex_hull(points, "hull");
   if (body.kind == BodyKind::free) {
-    const LocalFrame frame = move_to_principal_frame(mesh);
+    const LocalFrame frame = move_to_principal_frame(mesh, rounding);
     body.position += rotate(body.orientation, frame.origin);
     body.orientation = body.orientation * frame.axes;
   }
-  shapes::Hull::measure(mesh, body.shape);
+  body.shape = hull_of(mesh, rounding);
   body.shape.mesh = static_cast<int>(scene.meshes.size());
   scene.meshes.push_back(std::move(mesh));
 }
 
-std::optional<std::string> hull_fault(const TriangleMesh& mesh, bool is_free) {
+std::optional<std::string> hull_fault(const TriangleMesh& mesh, bool is_free, double rounding) {
   const double size = norm(box_about(mesh));
   std::map<Edge, int> edges;
   for (const std::array<int, 3>& t : mesh.triangles) {
@@ -204,13 +219,15 @@ std::optional<std::string> hull_fault(const TriangleMesh& mesh, bool is_free) {
   }
   for (const auto& [edge, count] : edges)
     if (count != 1 || edges.count({edge.second, edge.first}) == 0) return "is not closed";
-  const SolidMoments solid = moments_of(mesh);
-  if (!(solid.volume > 0)) return "has no volume";
+  if (!(moments_of(mesh).volume > 0)) return "has no volume";
   if (!is_free) return std::nullopt;
-  if (norm(solid.center) > kTolerance * size) return "has its center of mass off the origin";
+  const SolidMoments solid = solid_of(mesh, rounding);
+  if (norm(solid.center) > kTolerance * (size + rounding))
+    return "has its center of mass off the origin";
   for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {2, 0}}) {
     const double mixed = solid.second[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-    if (std::abs(mixed) > kTolerance * size * size) return "has principal axes of its own";
+    if (std::abs(mixed) > kTolerance * (size + rounding) * (size + rounding))
+      return "has principal axes of its own";
   }
   return std::nullopt;
 }

@@ -25,11 +25,16 @@ TriangleMesh convex_hull(const std::vector<Vec3d>& points, const std::string& na
 LocalFrame principal_frame(const SolidMoments& solid);
 
 /// Puts the center of mass of a solid at the origin, and its principal axes along the axes. These stay when they are
-/// principal already. @return  the new frame in the old one
-LocalFrame move_to_principal_frame(TriangleMesh& mesh);
+/// principal already. @param rounding  by which the solid is rounded [m]; 0: not at all
+/// @return  the new frame in the old one
+LocalFrame move_to_principal_frame(TriangleMesh& mesh, double rounding = 0);
+
+/// The shape of a hull in the size of its mesh, but for the number of that. @param rounding  as above
+Shape hull_of(const TriangleMesh& mesh, double rounding);
 
 /// What keeps a mesh from being that of a hull.
-/// @param is_free  the frame must be the principal one
-std::optional<std::string> hull_fault(const TriangleMesh& mesh, bool is_free);
+/// @param is_free   the frame must be the principal one
+/// @param rounding  of the hull in the size of the mesh [m]
+std::optional<std::string> hull_fault(const TriangleMesh& mesh, bool is_free, double rounding = 0);
 
 }  // namespace scree

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "dynamics/dynamics_card.h"
 #include "host/error.h"
@@ -81,7 +82,7 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
     return Fault{"shape", fmt::format("number {}", static_cast<int>(shape.kind)),
                  "must be one of " + shape_names([](const ShapeCard&) { return true; }, " or ")};
   const ShapeCard& card = shape_card(shape.kind);
-  if (card.has_mesh && mesh_of(scene, shape) == nullptr)
+  if ((card.has_mesh || has_hull(shape)) && mesh_of(scene, shape) == nullptr)
     return Fault{"mesh", fmt::format("{}", shape.mesh),
                  fmt::format("must be an index below {}", scene.meshes.size())};
   if (auto fault = card.fault(shape)) return fault;
@@ -354,14 +355,19 @@ void check_meshes(const Scene& scene) {
 
 /// Meshes of hulls must be convex, and in the principal frame where a body is free; those of compounds have parts.
 void check_hulls(const Scene& scene) {
-  std::set<std::pair<int, bool>> seen;
+  std::set<std::tuple<int, bool, long long>> seen;
   const auto check_one = [&](const Shape& shape, bool is_free, const auto& check_again) {
     if (!is_shape(shape.kind)) return;
-    const bool is_hull = shape_card(shape.kind).is_hull;
+    const bool is_hull = has_hull(shape);
     const bool is_compound = shape_card(shape.kind).is_compound;
     const TriangleMesh* mesh = is_hull || is_compound ? mesh_of(scene, shape) : nullptr;
-    if (mesh == nullptr || !seen.emplace(shape.mesh, is_free).second) return;
-    const auto fault = is_hull ? hull_fault(*mesh, is_free) : compound_fault(scene, *mesh);
+    if (mesh == nullptr) return;
+    // Bodies of all sizes have one mesh, with one rounding relative to it.
+    const double core = core_half_extents(shape).x;
+    const double part = core > 0 ? shape.rounded.radius / core : 0;
+    if (!seen.emplace(shape.mesh, is_free, std::llround(1e6 * part)).second) return;
+    const auto fault = is_hull ? hull_fault(*mesh, is_free, part * box_about(*mesh).x)
+                               : compound_fault(scene, *mesh);
     if (fault)
       refuse(fmt::format("meshes[{}] ({})", shape.mesh, mesh->name), "a mesh that " + *fault,
              is_hull ? "must be that of a hull: set_hull() makes one"

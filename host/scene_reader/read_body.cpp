@@ -9,7 +9,7 @@
 #include "host/scene/particle_table.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene_reader/parts.h"
-#include "shapes/hull.h"
+#include "shapes/rounded.h"
 #include "shapes/shape_card.h"
 
 namespace scree::reader {
@@ -89,8 +89,9 @@ class NodeSource final : public ShapeSource {
   void read_hull(Shape& shape) const override {
     std::string key;
     const std::vector<Vec3d> points = read_points(node_, key);
+    const double rounding = node_.has(kRoundingKey.key) ? length(kRoundingKey.key) : 0;
     const auto [hull, is_new] =
-        draft_.shapes.emplace(fmt::format("hull|{}|{}", is_free_, key), SharedShape{});
+        draft_.shapes.emplace(fmt::format("hull|{}|{}|{}", is_free_, rounding, key), SharedShape{});
     if (is_new) {
       TriangleMesh mesh;
       try {
@@ -98,8 +99,8 @@ class NodeSource final : public ShapeSource {
       } catch (const std::invalid_argument& error) {
         node_.at(node_.has("points") ? "points" : "file", "").fail(error.what());
       }
-      if (is_free_) hull->second.frame = move_to_principal_frame(mesh);
-      shapes::Hull::measure(mesh, hull->second.shape);
+      if (is_free_) hull->second.frame = move_to_principal_frame(mesh, rounding);
+      hull->second.shape = hull_of(mesh, rounding);
       hull->second.shape.mesh = static_cast<int>(draft_.scene.meshes.size());
       draft_.scene.meshes.push_back(std::move(mesh));
     }
@@ -128,6 +129,15 @@ void refuse_keys_of_other_shapes(const Node& node, const ShapeCard& own) {
                                     [&](const ShapeKey& k) { return key == k.key; });
     if (!is_own) refuse_keys(node, {key}, fmt::format("a {} has no such key", own.name));
   }
+}
+
+/// Rounds a shape where the entry says so; hulls are rounded already.
+void round_shape(const Node& node, const ShapeSource& source, Shape& shape) {
+  const auto rounding = node.find(kRoundingKey.key);
+  if (!rounding) return;
+  if (!has_hull(shape)) shape = shapes::Rounded::of(shape, source.length(kRoundingKey.key));
+  if (const auto fault = shape_card(shape.kind).fault(shape))
+    rounding->fail(fmt::format("{} is not allowed: {}", fault->value, fault->expected));
 }
 
 /// Sizes that fit no shape, by the keys that were written.
@@ -201,7 +211,7 @@ void read_shape(const Node& node, Named named, Shape& shape, Vec3d& position, Dr
   std::vector<std::pair<std::string, ShapeKind>> names;
   std::string list;
   for (const ShapeCard& card : shape_cards()) {
-    if (named == Named::free_body && !card.may_be_free()) continue;
+    if (!card.is_named || (named == Named::free_body && !card.may_be_free())) continue;
     if (named == Named::part && !card.may_be_part()) continue;
     names.emplace_back(card.name, card.kind);
     list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", card.name);
@@ -212,8 +222,10 @@ void read_shape(const Node& node, Named named, Shape& shape, Vec3d& position, Dr
   const auto kind = node.find("kind");
   const bool is_free = named != Named::body || !kind || kind->json() == "free";
   draft.shape_frame = {};
-  card.read(NodeSource(node, is_free, draft), shape, position);
+  const NodeSource source(node, is_free, draft);
+  card.read(source, shape, position);
   check_sizes(node, shape, card);
+  round_shape(node, source, shape);
 }
 
 void read_orientation(const Node& node, Quatd& orientation) {

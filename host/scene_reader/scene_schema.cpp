@@ -114,7 +114,7 @@ void put_shapes(Json& object, bool (*fits)(const ShapeCard&),
   std::vector<std::string> names;
   std::string description;
   for (const ShapeCard& card : shape_cards()) {
-    if (!fits(card)) continue;
+    if (!card.is_named || !fits(card)) continue;
     names.emplace_back(card.name);
     description +=
         fmt::format("{}{}: {}.", description.empty() ? "" : " ", card.name, card.description);

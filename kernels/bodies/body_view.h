@@ -16,9 +16,16 @@ struct ShapeRecord {
   std::uint8_t open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
   Index mesh = -1;              ///< mesh: index into MeshSetView::ranges; hull: into HullSet::hulls
   Index body = -1;              ///< storage index of the body that has this shape
-  Vec3<Real> half_extents;      ///< of the box about it [m]
+  Vec3<Real> half_extents;      ///< of the box about it, or about its core [m]
   Real rounding = 0;            ///< by how much its vertices are rounded [m]
   Vec3<Real> normal;            ///< half_space: unit, bodies are on this side
+  Rounding<Real> rounded;       ///< of a rounded shape
+
+  /// Of the box about all of it [m].
+  SCREE_HD Vec3<Real> reach() const {
+    const Real more = rounded.reach();
+    return half_extents + Vec3<Real>{more, more, more};
+  }
 };
 
 /// What is known of shapes besides their kinds.

@@ -26,9 +26,12 @@ struct BodySample {
   Quatd orientation;
   Vec3d half_extents;
   Hull hull;
+  Rounding<double> rounded;
   Index name = 0;  ///< stays when bodies change places in memory
 
-  SCREE_HD PairSide side() const { return {radius, orientation, half_extents, kind, hull}; }
+  SCREE_HD PairSide side() const {
+    return {radius, orientation, half_extents, kind, hull, rounded};
+  }
 };
 
 /// @tparam kMix  without `any` no binned body has a shape record, so none is looked up
@@ -47,7 +50,8 @@ SCREE_HD BodySample load_body(const BodyView<Real>& bodies, const ShapeSet<Real>
       s.kind = shape.kind;
       s.half_extents = Vec3d(shape.half_extents);
       s.orientation = load_orientation(bodies, i);
-      if (s.kind == shapes::Hull::kind) s.hull = shapes.hulls.hull(shape.mesh, s.half_extents.x);
+      s.rounded = in_double(shape.rounded);
+      if (shapes::has_hull(shape)) s.hull = shapes.hulls.hull(shape.mesh, s.half_extents.x);
       s.name = bodies.id.empty() ? i : bodies.id[i];
     }
   }

@@ -36,7 +36,9 @@ struct ConvexOnMesh {
       Vec3d n;
       n[k] = 1;
       const Vec3d axis = rotate(solid.orientation, n);
-      reach[k] = dot(body.support(axis), axis) + body.rounding + most;
+      const double up = dot(body.center + body.support(axis), axis);
+      const double down = -dot(body.center + body.support(-axis), axis);
+      reach[k] = (up > down ? up : down) + body.rounding + most;
     }
     Index node = info.first_node;
     while (node < info.end_node) {

@@ -329,7 +329,8 @@ struct PairOnSolid {
   /// Calls f(pair function, back to the order A, wall; first side, second side, first to second).
   template <class F>
   SCREE_HD void with_pair(std::uint32_t image, F&& f) const {
-    const PairSide wall{0, solid.orientation, solid.half_extents, solid.kind, solid.hull};
+    const PairSide wall{0,          solid.orientation, solid.half_extents,
+                        solid.kind, solid.hull,        solid.rounded};
     const Vec3d d = image_of_wall(solid, range.period, a.position, image);
     PairList::visit_bodies(a.kind, solid.kind, [&](auto pair, bool is_reversed) {
       const auto in_memory = [&](const ContactGeometry& g) { return is_reversed ? swapped(g) : g; };

@@ -34,8 +34,9 @@ struct WallSolid {
   std::uint32_t element_offset = 0;  ///< of its contact elements among those of all solids
   std::uint32_t first_element = 0;   ///< of its contact elements
   std::uint32_t slots = 1;           ///< contact elements of one image
-  Vec3d half_extents;                ///< of the box about it, body frame [m]
-  Hull hull;                         ///< of a hull
+  Vec3d half_extents;                ///< of the box about it, or about its core, body frame [m]
+  Rounding<double> rounded;          ///< of a rounded shape
+  Hull hull;                         ///< of a hull, or one that is rounded
   Vec3d center;                      ///< position of the wall body [m]
   Quatd orientation;
   RigidMotion motion;  ///< on its course, see course_velocity()
@@ -94,7 +95,7 @@ struct RefreshSolids {
     w.center = bodies.position[w.body];
     w.orientation = load_orientation(bodies, w.body);
     w.motion = load_motion(bodies, range, w.body);
-    if (w.kind == shapes::Hull::kind) w.hull = hulls.hull(w.mesh, w.half_extents.x);
+    if (shapes::has_hull(w)) w.hull = hulls.hull(w.mesh, w.half_extents.x);
     w.middle = rotate(w.orientation, w.local_middle);
     for (int axis = 0; axis < 3; ++axis) {
       Vec3d local;
@@ -102,7 +103,7 @@ struct RefreshSolids {
       const Vec3d turned = rotate(w.orientation, local);
       for (int k = 0; k < 3; ++k) {
         const double more = std::abs(turned[k]);
-        w.half[k] = axis == 0 ? more : w.half[k] + more;
+        w.half[k] = axis == 0 ? more + w.rounded.reach() : w.half[k] + more;
       }
     }
   }

@@ -38,7 +38,7 @@ struct EdgeSource {
       const unsigned faces = (1u << (2 * axis1 + s1)) | (1u << (2 * axis2 + s2));
       if ((record.open_faces & faces) == faces) return false;
     }
-    const Vec3f h(record.half_extents);
+    const Vec3f h(record.reach());
     Vec3f p;
     p[axis] = -h[axis];
     p[axis1] = s1 != 0 ? h[axis1] : -h[axis1];

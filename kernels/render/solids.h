@@ -75,13 +75,19 @@ struct Solid {
   Index body = -1;            ///< storage index
   Eye eye;
   float radius = 0;    ///< sphere [m]
-  Vec3f half_extents;  ///< of the box about it [m]
+  Vec3f half_extents;  ///< of the box about it, or about its core [m]
   Vec3f normal;        ///< half-space: unit
   Vec3f vertex;        ///< triangle: first vertex [m]
   Vec3f edge1;         ///< triangle: to the second vertex [m]
   Vec3f edge2;         ///< triangle: to the third vertex [m]
-  Hull hull;           ///< of a hull
+  Hull hull;           ///< of a hull, or one that is rounded
+  Rounding<float> rounded;
 
+  /// Half extents of the box about all of it [m].
+  SCREE_HD Vec3f reach() const {
+    const float more = rounded.reach();
+    return half_extents + Vec3f{more, more, more};
+  }
   /// Drawn samples the solid may cover.
   SCREE_HD SampleRect rect(const View& view) const {
     if (kind == kNoShape) return {};
@@ -89,7 +95,7 @@ struct Solid {
       case Outline::ball:
         return sphere_rect(view, eye.to_view({0, 0, 0}), radius);
       case Outline::box:
-        return box_rect(view, eye, half_extents);
+        return box_rect(view, eye, reach());
       case Outline::plane:
         return drawn_rect(view);
       case Outline::triangles: {
@@ -120,7 +126,7 @@ template <class Real>
 SCREE_HD bool is_front_wall(const DrawList<Real>& list, Index body,
                             const ShapeRecord<Real>& record) {
   if (!list.bodies.is_fixed(body) || is_backdrop(record.kind)) return false;
-  const Vec3f h(record.half_extents);
+  const Vec3f h(record.reach());
   const int axis = h.x < h.y ? (h.x < h.z ? 0 : 2) : (h.y < h.z ? 1 : 2);
   const float width = smaller(h[(axis + 1) % 3], h[(axis + 2) % 3]);
   if (!(h[axis] > 0.0f) || width < 6.0f * h[axis]) return false;
@@ -155,7 +161,9 @@ SCREE_HD Solid resolve(const DrawList<Real>& list, const View& view, Index primi
     solid.half_extents = Vec3f(record.half_extents);
     solid.normal = Vec3f(record.normal);
     solid.open_faces = record.open_faces;
-    if (record.kind == shapes::Hull::kind)
+    solid.rounded = {record.rounded.core, static_cast<float>(record.rounded.radius),
+                     static_cast<float>(record.rounded.shift)};
+    if (shapes::has_hull(record))
       solid.hull = list.meshes.hulls.hull(record.mesh, static_cast<double>(record.half_extents.x));
     if (is_backdrop(record.kind) ? !solid_only : !is_front_wall(list, body, record)) {
       solid.kind = record.kind;

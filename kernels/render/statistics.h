@@ -74,7 +74,7 @@ struct MeasureBodies {
     Vec3<double> size;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3<double> edge;
-      edge[axis] = static_cast<double>(shapes[s].half_extents[axis]);
+      edge[axis] = static_cast<double>(shapes[s].reach()[axis]);
       edge = rotate(Quat<double>(orientation[body]), edge);
       size += {std::abs(edge.x), std::abs(edge.y), std::abs(edge.z)};
     }

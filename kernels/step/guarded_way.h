@@ -238,6 +238,8 @@ struct GuardedWay {
       using S = decltype(shape);
       if constexpr (requires { S::nearest(solid.half_extents, c.start); }) {
         pass(c, hit, [&](const Vec3d& x) { return S::nearest(solid.half_extents, x); });
+      } else if constexpr (requires { S::nearest(solid, c.start); }) {
+        pass(c, hit, [&](const Vec3d& x) { return S::nearest(solid, x); });
       }
     });
   }

@@ -79,7 +79,7 @@ TEST(ShapeCards, OneShapeIsThatOfParticles) {
 
 TEST(ShapeCards, FreeShapesAreBoundedAndMeetSpheresAndPlanes) {
   for (const ShapeCard& card : shape_cards()) {
-    if (!card.may_be_free()) continue;
+    if (!card.may_be_part()) continue;
     EXPECT_NE(card.support, nullptr) << card.name;
     EXPECT_NE(find_pair(card.kind, Sphere::kind), nullptr) << card.name;
     EXPECT_NE(find_pair(card.kind, shapes::HalfSpace::kind), nullptr) << card.name;

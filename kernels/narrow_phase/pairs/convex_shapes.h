@@ -9,6 +9,7 @@
 #include "shapes/cylinder.h"
 #include "shapes/ellipsoid.h"
 #include "shapes/hull.h"
+#include "shapes/rounded.h"
 #include "shapes/sphere.h"
 
 namespace scree {
@@ -50,6 +51,21 @@ template <>
 SCREE_HD inline ConvexCore core_of<shapes::Hull>(const PairSide& side, const Vec3d& center) {
   ConvexCore c = core_in_box(ConvexCore::Form::hull, side, center);
   c.hull = side.hull;
+  return c;
+}
+template <>
+SCREE_HD inline ConvexCore core_of<shapes::Rounded>(const PairSide& side, const Vec3d& center) {
+  using Form = ConvexCore::Form;
+  const ShapeKind core = side.rounded.core;
+  const Form form = core == shapes::Cylinder::kind    ? Form::cylinder
+                    : core == shapes::Cone::kind      ? Form::cone
+                    : core == shapes::Ellipsoid::kind ? Form::ellipsoid
+                    : core == shapes::Hull::kind      ? Form::hull
+                                                      : Form::brick;
+  ConvexCore c = core_in_box(form, side, center);
+  c.center += side.rounded.shift * c.axis[2];
+  c.rounding = side.rounded.radius;
+  if (form == Form::hull) c.hull = side.hull;
   return c;
 }
 template <>

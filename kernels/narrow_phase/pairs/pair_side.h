@@ -22,9 +22,10 @@ namespace scree {
 struct PairSide {
   double radius = 0;  ///< of a sphere [m]
   Quatd orientation;
-  Vec3d half_extents;  ///< [m]
+  Vec3d half_extents;  ///< of the box about it, or about its core [m]
   ShapeKind kind = kNoShape;
-  Hull hull;  ///< of a hull
+  Hull hull;                      ///< of a hull, or one that is rounded
+  Rounding<double> rounded = {};  ///< of a rounded shape
 };
 
 }  // namespace scree

@@ -41,8 +41,8 @@ struct Solid {
   Quatd q;
 
   PairSide side() const {
-    PairSide s{shape.radius, q, shape.half_extents, shape.kind, {}};
-    if (shape.kind == shapes::Hull::kind) s.hull = store.hull(shape.half_extents.x);
+    PairSide s{shape.radius, q, core_half_extents(shape), shape.kind, {}, shape.rounded};
+    if (has_hull(shape)) s.hull = store.hull(s.half_extents.x);
     return s;
   }
   double reach(const Vec3d& n) const {
@@ -50,7 +50,26 @@ struct Solid {
   }
 };
 
+Solid random_solid(std::mt19937& random, ShapeKind kind, double spread);
+
+/// A solid of any core, rounded.
+Solid random_rounded(std::mt19937& random, double spread) {
+  constexpr ShapeKind kCores[] = {shapes::Box::kind, shapes::Cylinder::kind, shapes::Cone::kind,
+                                  shapes::Ellipsoid::kind, shapes::Hull::kind};
+  std::uniform_real_distribution<double> radius(0.05, 0.4);
+  Solid s = random_solid(random, kCores[random() % 5], spread);
+  const double r = radius(random);
+  if (has_hull(s.shape)) {
+    const double scale = shapes::Hull::scale(s.shape, s.mesh);
+    s.shape = shapes::Rounded::scaled(hull_of(s.mesh, r / scale), scale);
+  } else {
+    s.shape = shapes::Rounded::of(s.shape, r);
+  }
+  return s;
+}
+
 Solid random_solid(std::mt19937& random, ShapeKind kind, double spread) {
+  if (kind == shapes::Rounded::kind) return random_rounded(random, spread);
   std::uniform_real_distribution<double> size(0.3, 0.9), unit(-1, 1);
   Solid s;
   s.shape.kind = kind;
@@ -121,7 +140,8 @@ template <class P>
 constexpr bool is_here() {
   const auto is_new = [](ShapeKind kind) {
     return kind == shapes::Cone::kind || kind == shapes::Ellipsoid::kind ||
-           kind == shapes::Hull::kind || kind == shapes::Cylinder::kind;
+           kind == shapes::Hull::kind || kind == shapes::Cylinder::kind ||
+           kind == shapes::Rounded::kind;
   };
   return is_new(P::A::kind) || is_new(P::B::kind);
 }
@@ -191,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(All, ConvexPairs, testing::ValuesIn(numbers()),
 TEST(ConvexShapes, TouchPlanesAtTheirSupport) {
   std::mt19937 random(3);
   for (const ShapeCard& card : shape_cards()) {
-    if (!card.may_be_free() || card.is_ball) continue;
+    if (!card.may_be_part() || card.is_ball) continue;
     SCOPED_TRACE(card.name);
     for (int trial = 0; trial < 100; ++trial) {
       const Solid a = random_solid(random, card.kind, 0);

@@ -214,6 +214,7 @@ TEST(RoundedBodies, AStackOfBoxesStands) {
 TEST(RoundedBodies, PilesOfAllShapesRest) {
   Scene scene = empty_scene(4e-3, 0.5);
   scene.solver.stop = {};
+  scene.materials[0].rolling_friction = 5e-4;  // else ellipsoids rock on their bellies for long
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   int count = 0;

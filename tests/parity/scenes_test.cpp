@@ -5,7 +5,9 @@
 #include <functional>
 
 #include "host/compounds.h"
+#include "host/hulls.h"
 #include "shapes/container.h"
+#include "shapes/rounded.h"
 #include "tests/host/scene/shape_samples.h"
 #include "tests/parity/parity.h"
 
@@ -109,6 +111,39 @@ Scene compounds() {
   set_compound(scene, floor,
                {test::part(test::box_of({0.1, 0.1, 0.005}), {0, 0, 0.012}),
                 test::part(test::ball_of(0.004), {0.01, 0.01, 0.018})});
+  scene.bodies.push_back(floor);
+  return scene;
+}
+
+/// Rounded bodies of every core that fall onto a fixed one, spheres among them.
+Scene rounded_shapes() {
+  Scene scene = falling_spheres(0.05);
+  constexpr double kRadius = 0.002;
+  for (int k = 0; k < 50; ++k) {
+    BodyDescription body;
+    body.position = {0.018 * (k % 5) - 0.036, 0.018 * (k / 5 % 5) - 0.036,
+                     0.025 + 0.013 * (k / 25)};
+    body.orientation = exp_map(Vec3d{0.3, 0.2, 0.37 * k});
+    body.velocity = {0.1, 0.05, -0.5};
+    const int core = (k + k / 5) % 5;
+    if (core == 4) {
+      set_hull(scene, body,
+               {{0, 0, 0}, {0.008, 0, 0}, {0, 0.008, 0}, {0, 0, 0.006}, {0.005, 0.005, 0.004}},
+               kRadius);
+    } else {
+      body.shape = shapes::Rounded::of(core == 0   ? test::box_of({0.004, 0.003, 0.003})
+                                       : core == 1 ? test::round_of("cylinder", 0.003, 0.004)
+                                       : core == 2 ? test::round_of("cone", 0.004, 0.004)
+                                                   : test::ellipsoid_of({0.005, 0.003, 0.002}),
+                                       kRadius);
+    }
+    set_mass_from_density(body, 2500);
+    scene.bodies.push_back(body);
+  }
+  BodyDescription floor;
+  floor.kind = BodyKind::fixed;
+  floor.position = {0, 0, 0.01};
+  floor.shape = shapes::Rounded::of(test::box_of({0.1, 0.1, 0.005}), kRadius);
   scene.bodies.push_back(floor);
   return scene;
 }
@@ -222,8 +257,9 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Case{"walls", walls}, Case{"container", container}, Case{"mesh", mesh},
                       Case{"fixed_boxes", fixed_boxes}, Case{"free_box", free_box},
                       Case{"boxes", boxes}, Case{"compounds", compounds},
-                      Case{"cohesion", cohesion}, Case{"rolling_friction", rolling_friction},
-                      Case{"kinematic", kinematic}, Case{"kinematic_exact", kinematic_exact},
+                      Case{"rounded_shapes", rounded_shapes}, Case{"cohesion", cohesion},
+                      Case{"rolling_friction", rolling_friction}, Case{"kinematic", kinematic},
+                      Case{"kinematic_exact", kinematic_exact},
                       Case{"kinematic_restitution", kinematic_restitution},
                       Case{"boxes_among_spheres", boxes_among_spheres}, Case{"periodic", periodic},
                       Case{"exact_coulomb", exact_coulomb}, Case{"restitution", restitution},

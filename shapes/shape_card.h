@@ -44,7 +44,21 @@ std::string vector_text(const Vec3d& value);
 
 /// A key of scene files that says something about a shape.
 struct ShapeKey {
-  enum class Type { length, vector, points, faces, file, scale, flag, parts, overlaps };
+  enum class Type {
+    length,
+    vector,
+    points,
+    faces,
+    file,
+    scale,
+    flag,
+    parts,
+    overlaps,
+    heights,
+    extent,
+    offset,
+    range
+  };
   const char* key;
   Type type;
   const char* text;  ///< what it is, with its unit
@@ -71,6 +85,8 @@ class ShapeSource {
   virtual unsigned faces(const char* key) const = 0;
   /// Index of the mesh that the keys `file`, `scale` and `closed` describe.
   virtual int mesh() const = 0;
+  /// Index of the mesh that the keys of a height field describe.
+  virtual int height_field() const = 0;
   /// Makes a shape the convex hull of `points`, or of those of a `file` with a `scale`.
   virtual void read_hull(Shape& shape) const = 0;
   /// Makes a shape the compound of `parts`.

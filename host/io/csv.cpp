@@ -24,15 +24,64 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-CsvReader::CsvReader(std::filesystem::path file, const std::vector<std::string>& known)
+CsvLines::CsvLines(std::filesystem::path file)
     : file_(std::move(file)), stream_(file_, std::ios::binary) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file_, error))
     throw InputError(file_.string() + ": no such file");
   if (!stream_) throw InputError(file_.string() + ": cannot be read");
-  if (!read_line()) throw InputError(file_.string() + ": empty: the first line must name columns");
-  split();
-  for (const std::string_view cell : cells_) columns_.emplace_back(cell);
+}
+
+bool CsvLines::next() {
+  while (std::getline(stream_, line_)) {
+    ++line_number_;
+    if (line_number_ == 1 && line_.compare(0, 3, "\xEF\xBB\xBF") == 0) line_.erase(0, 3);
+    const std::string_view text = trimmed(line_);
+    if (text.empty() || text.front() == '#') continue;
+    split();
+    return true;
+  }
+  if (stream_.bad()) throw InputError(file_.string() + ": cannot be read to its end");
+  return false;
+}
+
+void CsvLines::split() {
+  cells_.clear();
+  std::string_view rest = line_;
+  for (;;) {
+    const std::size_t comma = rest.find(',');
+    cells_.push_back(trimmed(rest.substr(0, comma)));
+    if (comma == std::string_view::npos) return;
+    rest.remove_prefix(comma + 1);
+  }
+}
+
+std::optional<double> CsvLines::number(std::size_t cell) const {
+  std::string_view text = cells_[cell];
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+void CsvLines::refuse(std::size_t cell, const std::string& column,
+                      const std::string& expected) const {
+  const std::string value = fmt::format("\"{}\"", printable(cells_[cell], kShown));
+  throw InputError(fault_text(fmt::format("{}: line {}, {}", file_.string(), line_number_, column),
+                              value, expected));
+}
+
+void CsvLines::fail(const std::string& text) const {
+  throw InputError(fmt::format("{}: line {}: {}", file_.string(), line_number_, text));
+}
+
+CsvReader::CsvReader(std::filesystem::path file, const std::vector<std::string>& known)
+    : lines_(std::move(file)) {
+  if (!lines_.next())
+    throw InputError(lines_.file().string() + ": empty: the first line must name columns");
+  for (const std::string_view cell : lines_.cells()) columns_.emplace_back(cell);
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
   const auto is_known = [&](const std::string& name) {
@@ -58,12 +107,13 @@ int CsvReader::find(const std::string& column) const {
 
 int CsvReader::require(const std::string& column) const {
   const int at = find(column);
-  if (at < 0) throw InputError(fmt::format("{}: column \"{}\" is missing", file_.string(), column));
+  if (at < 0)
+    throw InputError(fmt::format("{}: column \"{}\" is missing", lines_.file().string(), column));
   return at;
 }
 
 std::size_t CsvReader::line_count() const {
-  std::ifstream stream(file_, std::ios::binary);
+  std::ifstream stream(lines_.file(), std::ios::binary);
   std::vector<char> block(std::size_t{1} << 20);
   std::size_t count = 1;
   do {
@@ -75,54 +125,24 @@ std::size_t CsvReader::line_count() const {
 }
 
 bool CsvReader::next() {
-  if (!read_line()) return false;
-  split();
-  if (cells_.size() != columns_.size())
-    fail(fmt::format("{} values, but the header names {} columns", cells_.size(), columns_.size()));
+  if (!lines_.next()) return false;
+  const std::size_t count = lines_.cells().size();
+  if (count != columns_.size())
+    fail(fmt::format("{} values, but the header names {} columns", count, columns_.size()));
   return true;
 }
 
+std::string CsvReader::name_of(int column) const {
+  return fmt::format("column \"{}\"", columns_[static_cast<std::size_t>(column)]);
+}
+
 double CsvReader::number(int column) const {
-  std::string_view text = cell(column);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-    refuse(column, "must be a finite number");
-  return value;
+  if (const auto value = lines_.number(static_cast<std::size_t>(column))) return *value;
+  refuse(column, "must be a finite number");
 }
 
 void CsvReader::refuse(int column, const std::string& expected) const {
-  const std::string value = fmt::format("\"{}\"", printable(cell(column), kShown));
-  throw InputError(fault_text(fmt::format("{}: line {}, column \"{}\"", file_.string(),
-                                          line_number_, columns_[static_cast<std::size_t>(column)]),
-                              value, expected));
-}
-
-void CsvReader::fail(const std::string& text) const {
-  throw InputError(fmt::format("{}: line {}: {}", file_.string(), line_number_, text));
-}
-
-bool CsvReader::read_line() {
-  while (std::getline(stream_, line_)) {
-    ++line_number_;
-    if (line_number_ == 1 && line_.compare(0, 3, "\xEF\xBB\xBF") == 0) line_.erase(0, 3);
-    const std::string_view text = trimmed(line_);
-    if (!text.empty() && text.front() != '#') return true;
-  }
-  if (stream_.bad()) throw InputError(file_.string() + ": cannot be read to its end");
-  return false;
-}
-
-void CsvReader::split() {
-  cells_.clear();
-  std::string_view rest = line_;
-  for (;;) {
-    const std::size_t comma = rest.find(',');
-    cells_.push_back(trimmed(rest.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
-    rest.remove_prefix(comma + 1);
-  }
+  lines_.refuse(static_cast<std::size_t>(column), name_of(column), expected);
 }
 
 }  // namespace scree

@@ -4,14 +4,42 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace scree {
 
-/// Reads row by row. Columns are separated by commas; spaces around values, empty lines and lines
-/// that start with # are skipped.
+/// Lines of values with commas between them; spaces around values, empty lines and lines that start
+/// with # are skipped.
+class CsvLines {
+ public:
+  /// @throws InputError naming the file: missing or unreadable
+  explicit CsvLines(std::filesystem::path file);
+
+  /// Goes to the next line. False at the end.
+  bool next();
+  const std::vector<std::string_view>& cells() const { return cells_; }
+  /// A finite number; nothing where the cell is none.
+  std::optional<double> number(std::size_t cell) const;
+  /// "<file>: line L, <column>: <value> is not allowed: <expected>"
+  [[noreturn]] void refuse(std::size_t cell, const std::string& column,
+                           const std::string& expected) const;
+  [[noreturn]] void fail(const std::string& text) const;  ///< names file and line
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  void split();
+
+  std::filesystem::path file_;
+  std::ifstream stream_;
+  std::string line_;
+  long long line_number_ = 0;
+  std::vector<std::string_view> cells_;
+};
+
+/// Reads a table with a header row by row.
 class CsvReader {
  public:
   /// Reads the header. @param known  column names that are allowed
@@ -32,23 +60,20 @@ class CsvReader {
   /// @throws InputError when the row has too few or too many values
   bool next();
 
-  std::string_view cell(int column) const { return cells_[static_cast<std::size_t>(column)]; }
+  std::string_view cell(int column) const {
+    return lines_.cells()[static_cast<std::size_t>(column)];
+  }
   /// A finite number. @throws InputError naming file, line, column and value
   double number(int column) const;
   /// "<file>: line L, column "x": <value> is not allowed: <expected>"
   [[noreturn]] void refuse(int column, const std::string& expected) const;
-  [[noreturn]] void fail(const std::string& text) const;  ///< names file and line
+  [[noreturn]] void fail(const std::string& text) const { lines_.fail(text); }
 
  private:
-  bool read_line();
-  void split();
+  std::string name_of(int column) const;  ///< as messages say it
 
-  std::filesystem::path file_;
-  std::ifstream stream_;
-  std::string line_;
-  long long line_number_ = 0;
+  CsvLines lines_;
   std::vector<std::string> columns_;
-  std::vector<std::string_view> cells_;
 };
 
 }  // namespace scree

@@ -60,6 +60,8 @@ enum class Named {
 void read_shape(const Node& node, Named named, Shape& shape, Vec3d& position, Draft& draft);
 /// A shape of `parts`, and its frame in the draft.
 void read_compound(const Node& node, bool is_free, Shape& shape, Draft& draft);
+/// Index of the mesh of a height field.
+int read_height_field(const Node& node, Draft& draft);
 /// Reads "orientation" or "rotation_deg" where one is given.
 void read_orientation(const Node& node, Quatd& orientation);
 /// @param index  position in the list `bodies`

@@ -86,6 +86,7 @@ class NodeSource final : public ShapeSource {
     return bits;
   }
   int mesh() const override { return read_mesh_file(node_, draft_); }
+  int height_field() const override { return read_height_field(node_, draft_); }
   void read_hull(Shape& shape) const override {
     std::string key;
     const std::vector<Vec3d> points = read_points(node_, key);

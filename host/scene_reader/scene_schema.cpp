@@ -68,6 +68,19 @@ Json schema_of(ShapeKey::Type type) {
       return {{"type", "array"}, {"minItems", 1}, {"items", {{"$ref", "#/$defs/shape_part"}}}};
     case ShapeKey::Type::overlaps:
       return {{"enum", {"once", "each"}}, {"default", "once"}};
+    case ShapeKey::Type::heights:
+      return {{"type", "array"},
+              {"minItems", 2},
+              {"items", {{"type", "array"}, {"minItems", 2}, {"items", {{"type", "number"}}}}}};
+    case ShapeKey::Type::extent:
+      return {{"type", "array"},
+              {"minItems", 2},
+              {"maxItems", 2},
+              {"items", {{"type", "number"}, {"exclusiveMinimum", 0}}}};
+    case ShapeKey::Type::offset:
+      return {{"type", "number"}, {"default", 0}};
+    case ShapeKey::Type::range:
+      return {{"type", "array"}, {"minItems", 2}, {"maxItems", 2}, {"items", {{"type", "number"}}}};
   }
   return {};
 }

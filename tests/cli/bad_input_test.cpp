@@ -101,6 +101,18 @@ const std::vector<BadScene>& bad_scenes() {
              wall(R"({"shape": "mesh", "file": "degenerate.obj", "closed": false})"));
        },
        {"degenerate.obj", "triangle 0 is degenerate"}},
+      {"HeightsRagged",
+       [](json& s) {
+         s["bodies"].push_back(wall(
+             R"({"shape": "height_field", "extent": [1, 1], "heights": [[0, 0], [0, 0, 0]]})"));
+       },
+       {"bodies[3].heights[1]", "3 heights, but the rows before have 2"}},
+      {"HeightsMissing",
+       [](json& s) {
+         s["bodies"].push_back(
+             wall(R"({"shape": "height_field", "extent": [1, 1], "file": "no.png"})"));
+       },
+       {"bodies[3].height_range", "missing"}},
       {"CsvBadRow",
        [](json& s) {
          s["particles"].push_back(wall(R"({"layout": "file", "file": "bad.csv", "density": 1})"));

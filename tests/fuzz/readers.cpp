@@ -14,6 +14,7 @@
 #include "host/io/checkpoint.h"
 #include "host/io/problem_file.h"
 #include "host/io/seal.h"
+#include "host/scene/height_field.h"
 #include "host/scene/mesh_reader.h"
 #include "host/scene/motion.h"
 #include "host/scene/particle_table.h"
@@ -86,6 +87,23 @@ void read_mesh_bytes(std::string_view bytes) {
   if (!was_read) throw InputError("no mesh");
 }
 
+/// As a table and as a picture; both make the mesh.
+void read_height_bytes(std::string_view bytes) {
+  HeightGrid grid;
+  try {
+    read_as_file(bytes, ".csv",
+                 [&](const fs::path& path) { grid = read_height_table(path, 1, 0); });
+  } catch (const InputError&) {
+    read_as_file(bytes, ".png",
+                 [&](const fs::path& path) { grid = read_height_picture(path, -1, 1); });
+  }
+  try {
+    height_field_mesh("heights", grid, {3, 2}, 0.1);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(error.what());
+  }
+}
+
 void read_motion_bytes(std::string_view bytes) {
   read_as_file(bytes, ".csv", [](const fs::path& path) {
     Motion motion;
@@ -143,6 +161,7 @@ void give(const std::string& reader, std::string_view bytes) {
   if (reader == "particles")
     return read_as_file(bytes, ".csv", [](const fs::path& path) { read_particle_csv(path); });
   if (reader == "mesh") return read_mesh_bytes(bytes);
+  if (reader == "heights") return read_height_bytes(bytes);
   if (reader == "motion") return read_motion_bytes(bytes);
   if (reader == "urdf") {
     Scene scene;
@@ -161,8 +180,8 @@ void give(const std::string& reader, std::string_view bytes) {
 
 const std::vector<std::string>& readers() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all{"scene",   "particles",  "mesh", "motion",
-                                 "problem", "checkpoint", "fclib"};
+    std::vector<std::string> all{"scene",  "particles", "mesh",       "heights",
+                                 "motion", "problem",   "checkpoint", "fclib"};
     if (test::reads_urdf()) all.emplace_back("urdf");
     return all;
   }();

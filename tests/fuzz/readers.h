@@ -9,7 +9,7 @@
 
 namespace scree::fuzz {
 
-/// scene, particles, mesh, motion, problem, checkpoint, fclib and, where there is tinyxml2, urdf.
+/// scene, particles, mesh, heights, motion, problem, checkpoint, fclib and, where there is tinyxml2, urdf.
 const std::vector<std::string>& readers();
 
 /// Gives bytes to a reader as the contents of a file; for problem, checkpoint and fclib as edits of

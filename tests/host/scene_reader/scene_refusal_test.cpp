@@ -191,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"UnknownShape", with_body(R"({"shape": "spere"})"),
                 "bodies[1].shape: \"spere\" is not allowed: must be one of \"sphere\", \"box\", "
                 "\"half_space\", \"container\", \"mesh\", \"capsule\", \"cylinder\", \"hull\", "
-                "\"cone\", \"ellipsoid\", \"compound\"; did you mean "
+                "\"cone\", \"ellipsoid\", \"compound\", \"height_field\"; did you mean "
                 "\"sphere\"?"},
         Refusal{"KeyOfOtherShape", with_body(R"({"shape": "box", "radius": 1})"),
                 "bodies[1].radius: a box has no such key"},

@@ -278,6 +278,7 @@ struct OutputSettings {
   double frame_interval = 0;
   double checkpoint_interval = 0;  ///< [s]; 0: at the end (and on an interrupt) only
   bool contact_frames = false;     ///< the contacts at the times of the frames, in contacts.vtkhdf
+  bool surface_frames = false;  ///< surfaces of the other bodies at those times, in surfaces.vtkhdf
   /// Simulated time that each line of forces.csv is the mean over [s]; 0: no such file.
   double force_interval = 0;
   PictureSettings picture;

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "dynamics/dynamics_card.h"
+#include "host/io/surface_frames.h"
 #include "host/problems/body_problem.h"
 #include "host/scene/overlaps.h"
 #include "host/scene/run_summary.h"
@@ -27,6 +29,23 @@ nlohmann::json overlaps_json(const Overlaps& overlaps, const BodyConstants& bodi
                     {"depth_m", overlaps.depth},
                     {"depth_over_diameter", overlaps.fraction}};
   return out;
+}
+
+constexpr double kLargeFile = 100e9;  // bytes
+
+/// Frames of a whole run.
+double frame_count(const Scene& settings) {
+  const double interval = settings.output.frame_interval;
+  return interval > 0 ? 1 + std::ceil(settings.stepping.duration / interval) : 2;
+}
+
+void print_surfaces(const Scene& settings, const SurfaceSize& size) {
+  const double frames = frame_count(settings);
+  fmt::print("surfaces    {} corners and {} faces of {} bodies, {:.1f} MiB in each of {} frames\n",
+             size.corners, size.faces, size.bodies, size.frame_bytes() / (1 << 20), frames);
+  if (size.frame_bytes() * frames > kLargeFile)
+    fmt::print("warning     surfaces.vtkhdf will have {:.0f} GB, twice that while the run lasts\n",
+               size.frame_bytes() * frames / 1e9);
 }
 
 }  // namespace
@@ -61,6 +80,11 @@ int check_scene(const CheckOptions& options) {
   settings.output = scene.output;
   const DynamicsCard& card = dynamics_card(settings.dynamics.type);
   const std::size_t joints = scene.joints.size();
+  std::optional<SurfaceSize> surfaces;
+  if (scene.output.surface_frames) {
+    surfaces = surface_size(scene);
+    require_surface_size(*surfaces);
+  }
   const Overlaps overlaps = find_overlaps(std::move(scene), world);
   if (options.target.json) {
     nlohmann::json out = {{"scene", settings.name},
@@ -87,6 +111,10 @@ int check_scene(const CheckOptions& options) {
       out["contact_layout"] = to_string(s.layout);
       out["solver"] = settings.solver.name;
     }
+    if (surfaces)
+      out["surfaces"] = {{"corners", surfaces->corners},
+                         {"faces", surfaces->faces},
+                         {"frame_bytes", surfaces->frame_bytes()}};
     fmt::print("{}\n", out.dump(2));
     return 0;
   }
@@ -111,6 +139,7 @@ int check_scene(const CheckOptions& options) {
              settings.output.picture.interval >= 0 ? " without pictures" : "",
              static_cast<double>(device.free_bytes) / (1 << 20),
              static_cast<double>(device.memory_bytes) / (1 << 20));
+  if (surfaces) print_surfaces(settings, *surfaces);
   if (!fits) fmt::print("warning     the scene does not fit: about {:.0f} bodies do\n", fit);
   if (overlaps.pairs > 0) fmt::print("warning     {}\n", overlap_warning(overlaps, bodies));
   return 0;

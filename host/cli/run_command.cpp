@@ -22,6 +22,7 @@
 #include "host/io/signals.h"
 #include "host/io/steps_csv.h"
 #include "host/io/streams.h"
+#include "host/io/surface_frames.h"
 #include "host/io/wall_frames.h"
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
@@ -70,6 +71,8 @@ struct RunFiles {
     if (scene.output.contact_frames)
       contact_frames.emplace(directory.contact_frames(), scene.stepping.time_step, precision,
                              resumed_time);
+    if (scene.output.surface_frames)
+      surface_frames.emplace(directory.surface_frames(), scene, resumed_time);
     if (scene.output.force_interval > 0)
       forces.emplace(directory.forces_csv(), ForceTargets(scene), resumed_step);
   }
@@ -77,6 +80,7 @@ struct RunFiles {
   FrameWriter frames;
   WallFrameWriter wall_frames;
   std::optional<ContactFrameWriter> contact_frames;
+  std::optional<SurfaceFrameWriter> surface_frames;
   std::optional<ForcesCsv> forces;
 };
 
@@ -115,6 +119,7 @@ class Run {
     }
     require_solver(scene_, world_options_);
     require_memory(scene_, world_options_);
+    if (scene_.output.surface_frames) require_surface_size(surface_size(scene_));
     start_clock_ = std::chrono::steady_clock::now();
     std::optional<World> made;
     std::optional<std::int64_t> resumed_step;
@@ -247,6 +252,7 @@ class Run {
         files.frames.append(t, *states);
         files.wall_frames.append(t, *states);
         if (files.contact_frames) files.contact_frames->append(t, *contacts);
+        if (files.surface_frames) files.surface_frames->append(t, *states);
       });
     };
     // Numbers count the pictures that were due: a resumed run goes on where the first one stopped.

@@ -40,9 +40,9 @@ bool is_numbered(std::string_view name, std::string_view begin, std::string_view
 bool is_own_name(std::string_view name) {
   for (const std::string_view suffix : {".tmp", ".next", ".previous"})
     if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
-  constexpr std::array<std::string_view, 8> names{
-      "run.json",        "steps.csv",     "forces.csv", "frames.vtkhdf",
-      "contacts.vtkhdf", "checkpoint.h5", "walls.obj",  "walls.vtkhdf"};
+  constexpr std::array<std::string_view, 9> names{
+      "run.json",      "steps.csv", "forces.csv",   "frames.vtkhdf",  "contacts.vtkhdf",
+      "checkpoint.h5", "walls.obj", "walls.vtkhdf", "surfaces.vtkhdf"};
   return is_numbered(name, "picture_", ".png") || is_numbered(name, "problem_", ".hdf5") ||
          std::find(names.begin(), names.end(), name) != names.end();
 }

@@ -55,6 +55,7 @@ class OutputDirectory {
   std::filesystem::path checkpoint_file() const { return path_ / "checkpoint.h5"; }
   std::filesystem::path contact_frames() const { return path_ / "contacts.vtkhdf"; }
   std::filesystem::path wall_frames() const { return path_ / "walls.vtkhdf"; }
+  std::filesystem::path surface_frames() const { return path_ / "surfaces.vtkhdf"; }
   std::filesystem::path walls() const { return path_ / "walls.obj"; }
   std::filesystem::path picture(std::int64_t number) const;  ///< picture_00042.png
   std::filesystem::path problem(std::int64_t step) const;    ///< problem_42.hdf5

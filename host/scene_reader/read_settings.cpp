@@ -113,6 +113,7 @@ void read_output(const Node& node, OutputSettings& output) {
   node.read("checkpoint_interval", output.checkpoint_interval, kNonNegative, "s");
   node.read("force_interval", output.force_interval, kNonNegative, "s");
   node.read("contact_frames", output.contact_frames);
+  node.read("surface_frames", output.surface_frames);
   if (const auto picture = node.find("picture")) read_picture(*picture, output.picture);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "host/io/checkpoint.h"
@@ -157,6 +158,51 @@ TEST_F(CliRun, ForcesOnWallsGroupsAndJoints) {
       scree(scratch, run_arguments(scene, scratch / "other", {"--steps", "20", "--resume"}));
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("forces.csv line 1"), std::string::npos) << refused.err;
+}
+
+/// A run in two parts writes what a run in one does: falling bodies, and one that joins later.
+TEST_F(CliRun, SurfacesAtTheTimesOfTheFrames) {
+  const nlohmann::json falling = nlohmann::json::parse(R"({
+    "name": "falling", "time_step": 1e-3, "duration": 0.02, "precision": "double",
+    "bodies": [
+      {"shape": "half_space", "normal": [0, 0, 1]},
+      {"shape": "sphere", "radius": 0.1, "position": [0.5, 0.2, 0.3], "mass": 3},
+      {"shape": "box", "size": [0.2, 0.2, 0.2], "position": [-0.5, 0, 0.3], "mass": 4},
+      {"shape": "cone", "radius": 0.1, "length": 0.2, "position": [0, 0, 0.4], "mass": 1, "insert_at": 0.008}],
+    "output": {"frame_interval": 0.005, "surface_frames": true, "picture": false}})");
+  scene = put_scene(scratch, falling);
+  must_run("whole");
+  must_run("parts", {"--steps", "10"});
+  must_run("parts", {"--steps", "20", "--resume"});
+  const auto with_vtk = [&](const char* run, const auto& look) {
+    const h5::File file = h5::File::open(scratch / run / "surfaces.vtkhdf");
+    look(file.root().open_group("VTKHDF"));
+  };
+  std::vector<float> points;
+  std::vector<double> times;
+  with_vtk("whole", [&](const h5::Group& vtk) {
+    points = vtk.read<float>("Points");
+    times = vtk.read<double>("Steps/Values");
+    EXPECT_EQ(times.size(), 5u);
+    EXPECT_EQ(vtk.read<std::int64_t>("NumberOfPoints").size(), 2u) << "without and with the cone";
+    const auto cells = vtk.read<std::int64_t>("CellData/id");
+    EXPECT_EQ(std::set<std::int64_t>(cells.begin(), cells.end()),
+              (std::set<std::int64_t>{1, 2, 3}));
+    // The cone, the last body, falls from rest: its speed in the last frame is g t.
+    const auto speed = vtk.read<float>("PointData/speed");
+    EXPECT_NEAR(speed.back(), 9.81 * 0.012, 1e-2 * 9.81 * 0.012);
+  });
+  with_vtk("parts", [&](const h5::Group& vtk) {
+    EXPECT_EQ(vtk.read<float>("Points"), points);
+    EXPECT_EQ(vtk.read<double>("Steps/Values"), times);
+  });
+  const Result check = scree(scratch, {"check", scene.string()});
+  EXPECT_NE(check.out.find("surfaces    "), std::string::npos) << check.out;
+  const Result json = scree(scratch, {"check", scene.string(), "--json"});
+  with_vtk("whole", [&](const h5::Group& vtk) {
+    EXPECT_EQ(nlohmann::json::parse(json.out).at("surfaces").at("corners"),
+              vtk.read<std::int64_t>("NumberOfPoints").back());
+  });
 }
 
 /// Of bodies at rest: contacts lie on the floor, and their forces hold the bodies.

@@ -4,6 +4,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
+#include <memory>
 #include <utility>
 #include <variant>
 
@@ -23,13 +25,55 @@ Eigen::MatrixXd dense(const SparseMatrix& a) {
   return d;
 }
 
-/// The problem without its bilateral constraints. They are few where there are any: dense.
+/// Parts of the largest entry to which R is symmetric.
+constexpr double symmetric_R_to = 1e-10;
+
+bool is_symmetric(const SparseMatrix& a) {
+  const SparseMatrix mirrored = transpose(a);
+  double largest = 0, difference = 0;
+  for (int row = 0; row < a.row_count; ++row) {
+    int j = mirrored.row_start[row];
+    const int end = mirrored.row_start[row + 1];
+    for (int k = a.row_start[row]; k < a.row_start[row + 1]; ++k) {
+      for (; j < end && mirrored.column[j] < a.column[k]; ++j)
+        difference = std::max(difference, std::abs(mirrored.value[j]));
+      const bool is_pair = j < end && mirrored.column[j] == a.column[k];
+      difference = std::max(difference, std::abs(a.value[k] - (is_pair ? mirrored.value[j] : 0)));
+      largest = std::max(largest, std::abs(a.value[k]));
+      if (is_pair) ++j;
+    }
+    for (; j < end; ++j) difference = std::max(difference, std::abs(mirrored.value[j]));
+  }
+  return difference <= symmetric_R_to * largest;
+}
+
+/// Bilateral constraints as rows beside the contacts of a problem that has all else.
+void hold_rows(const LocalProblem& p, AssembledProblem& to) {
+  std::vector<HeldEntry> V;
+  V.reserve(p.V.value.size());
+  for (int row = 0; row < p.V.row_count; ++row)
+    for (int k = p.V.row_start[row]; k < p.V.row_start[row + 1]; ++k)
+      V.push_back({p.dimension == 2 ? row / 2 * 3 + row % 2 : row, p.V.column[k], p.V.value[k]});
+  double loads = 0;
+  for (const double q : p.q) loads = std::max(loads, std::abs(q));
+  const auto held = std::make_shared<HeldRows>(
+      3 * to.contact_count, V, SymmetricRows{p.R.row_start, p.R.column, p.R.value}, p.s, loads);
+  if (!held->is_semidefinite())
+    throw InputError(
+        "[W V; V^T R] is not positive semidefinite, expected V and R of bilateral constraints: "
+        "H^T M^-1 G and G^T M^-1 G");
+  const std::vector<double> load = held->load();
+  for (std::size_t k = 0; k < load.size(); ++k) to.q[k] -= load[k];
+  to.held = held;
+}
+
+/// The problem without its bilateral constraints, by full matrices.
 LocalProblem eliminated(const LocalProblem& p) {
   const std::size_t largest = std::max(p.q.size(), p.s.size());
   if (largest > most_dense_rows)
     throw InputError(
-        fmt::format("{} rows with bilateral constraints, which are eliminated by full matrices, "
-                    "expected at most {}",
+        fmt::format("{} rows with bilateral constraints, which are eliminated by full matrices "
+                    "with rolling friction and where R is not symmetric, expected at most {}",
                     largest, most_dense_rows));
   const Eigen::MatrixXd V = dense(p.V);
   const Eigen::FullPivLU<Eigen::MatrixXd> R(dense(p.R));
@@ -57,7 +101,8 @@ LocalProblem eliminated(const LocalProblem& p) {
 AssembledProblem assembled_form(const LocalProblem& problem) {
   if (problem.dimension == 5)
     throw InputError("the problem has rolling friction, expected two or three rows a contact");
-  if (!problem.V.empty()) return assembled_form(eliminated(problem));
+  const bool has_bilateral = problem.R.row_count > 0;
+  if (has_bilateral && !is_symmetric(problem.R)) return assembled_form(eliminated(problem));
   const int dimension = problem.dimension;
   const int contact_count = problem.contact_count();
   std::vector<PlacedBlock> blocks;
@@ -84,6 +129,7 @@ AssembledProblem assembled_form(const LocalProblem& problem) {
       d[8] = mean > 0 ? mean : 1;
     }
   }
+  if (has_bilateral) hold_rows(problem, p);
   return p;
 }
 

@@ -13,8 +13,12 @@ namespace scree {
 /// and nothing else. Its velocity is that entry times its impulse, so both laws make both zero:
 /// solutions, residuals and objective are those of the 2-D problem.
 ///
-/// Bilateral impulses are eliminated, l = -R^-1 (V^T r + s): W - V R^-1 V^T and q - V R^-1 s.
-/// @throws InputError when R is singular, and for problems with rolling friction
+/// Bilateral impulses follow from r, l = -R^-1 (V^T r + s), so solvers see W - V R^-1 V^T and
+/// q - V R^-1 s. Where R is symmetric they stay rows beside the contacts, AssembledProblem::held, and
+/// W is as sparse as it was; they may depend on each other. Where it is not they are eliminated by
+/// full matrices.
+/// @throws InputError when a symmetric R is not positive semidefinite, when another one is singular
+///         or too large for full matrices, and for problems with rolling friction
 AssembledProblem assembled_form(const LocalProblem& problem);
 
 /// The same for any form. @throws InputError as the functions of matrix_form.h
@@ -23,7 +27,7 @@ AssembledProblem assembled_form(const StoredProblem& problem);
 /// Whether matrices have five rows a contact. Problems with bodies do not.
 bool has_rolling_rows(const StoredProblem& problem);
 
-/// The same for problems that do. @throws InputError
+/// The same for problems that do; bilateral impulses are eliminated by full matrices. @throws InputError
 RollingProblem rolling_form(const LocalProblem& problem);
 RollingProblem rolling_form(const StoredProblem& problem);
 

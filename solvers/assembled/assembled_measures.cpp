@@ -55,6 +55,11 @@ AssembledResidual measure(const AssembledProblem& p, AssembledModel model,
     free_square += natural_square(p.mu[c], x, w);
     if (state != nullptr) (*state)[c] = state_of(p.mu[c], trial);
   }
+  if (p.held) {
+    const double left = p.held->left();
+    square += left * left;
+    free_square += left * left / scale.front();
+  }
   const double norm_q = norm(p.q);
   result.absolute = std::sqrt(square);
   result.relative = ratio(result.absolute, norm_q);

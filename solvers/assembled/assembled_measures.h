@@ -21,7 +21,8 @@ enum class ContactState : unsigned char { open, stick, slip };
 
 /// How far impulses are from a solution. v is u for the convex model and the De Saxce velocity
 /// u + mu |u_t| e_n for the exact one, P the Euclidean projection on the cones;
-/// norms are over all contacts.
+/// norms are over all contacts, and over bilateral rows where these contradict each other: those that
+/// do not are fulfilled by all impulses, as theirs follow.
 struct AssembledResidual {
   double absolute = 0;  ///< |r - P(r - v)|, impulses and velocities as they are (rho = 1)
   /// The same over |q|: the error of FCLIB's collection. What tolerances mean by default.

@@ -19,6 +19,10 @@ int find_block(const AssembledProblem& p, int row, int column) {
   return at != last && *at == column ? static_cast<int>(at - p.column.begin()) : -1;
 }
 
+void subtract(const std::vector<double>& x, std::vector<double>& y) {
+  for (std::size_t k = 0; k < y.size(); ++k) y[k] -= x[k];
+}
+
 std::vector<PlacedBlock> blocks_of(const AssembledProblem& p) {
   std::vector<PlacedBlock> blocks;
   for (int row = 0; row < p.contact_count; ++row)
@@ -68,6 +72,7 @@ void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vect
     const std::array<double, 3> row = row_product(p, c, x.data());
     std::copy(row.begin(), row.end(), y.begin() + 3 * c);
   }
+  if (p.held) subtract(p.held->change(x), y);
 }
 
 std::vector<double> multiply_transposed(const AssembledProblem& p, const std::vector<double>& x) {
@@ -76,6 +81,7 @@ std::vector<double> multiply_transposed(const AssembledProblem& p, const std::ve
     for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k)
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) y[3 * p.column[k] + j] += p.block[k][3 * i + j] * x[3 * c + i];
+  if (p.held) subtract(p.held->change(x), y);
   return y;
 }
 
@@ -110,6 +116,7 @@ AssembledProblem symmetrized(const AssembledProblem& p) {
   }
   AssembledProblem s = assemble(p.contact_count, std::move(blocks), p.q, p.mu);
   s.dimension = p.dimension;
+  s.held = p.held;
   return s;
 }
 

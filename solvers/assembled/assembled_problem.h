@@ -6,10 +6,12 @@
 // 2-D problems get a second tangent that nothing acts on (assembled_form.h).
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "kernels/math/block_rows.h"
+#include "solvers/assembled/held_rows.h"
 
 namespace scree {
 
@@ -24,6 +26,9 @@ struct AssembledProblem {
   std::vector<int> diagonal_at;  ///< [contact_count] where in `block` W_cc is
   std::vector<double> q;         ///< [3 contact_count] free contact velocity [m/s]
   std::vector<double> mu;        ///< [contact_count] friction coefficient [-]
+  /// Bilateral rows, or null. Then the operator is W' = W - V R^-1 V^T, of which the blocks here
+  /// are W, and q is q'. Blocks bound W' from above.
+  std::shared_ptr<const HeldRows> held;
 
   int block_count() const { return static_cast<int>(block.size()); }
   const Block3& diagonal(int c) const { return block[diagonal_at[c]]; }
@@ -48,16 +53,16 @@ struct PlacedBlock {
 AssembledProblem assemble(int contact_count, std::vector<PlacedBlock> blocks, std::vector<double> q,
                           std::vector<double> mu);
 
-/// y = W x. @param x, y  [3 contact_count], different arrays; y is resized
+/// y = W x, or W' x. @param x, y  [3 contact_count], different arrays; y is resized
 void multiply(const AssembledProblem& p, const std::vector<double>& x, std::vector<double>& y);
 
-/// W^T x. @param x  [3 contact_count]
+/// W^T x, or W'^T x. @param x  [3 contact_count]
 std::vector<double> multiply_transposed(const AssembledProblem& p, const std::vector<double>& x);
 
 /// u = W r + q [m/s].
 std::vector<double> contact_velocity(const AssembledProblem& p, const std::vector<double>& r);
 
-/// (W x)_c, three numbers.
+/// (W x)_c, three numbers, of the blocks alone.
 inline std::array<double, 3> row_product(const AssembledProblem& p, int c, const double* x) {
   return row_product(p.rows(), c, x);
 }
@@ -65,7 +70,7 @@ inline std::array<double, 3> row_product(const AssembledProblem& p, int c, const
 /// Largest |W - W^T| over largest |W|.
 double asymmetry(const AssembledProblem& p);
 
-/// The problem with (W + W^T) / 2, for which the convex model is a minimization.
+/// The problem with (W + W^T) / 2 (R is symmetric), for which the convex model is a minimization.
 AssembledProblem symmetrized(const AssembledProblem& p);
 
 /// trace(W_cc) / 3 of every contact; where that is not positive, the mean of the others, or 1.

@@ -1,6 +1,7 @@
 #include "solvers/assembled/assembled_solver.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "kernels/joined.h"
 #include "solvers/assembled/backend_solver.h"
@@ -46,6 +47,14 @@ void aim(const AssembledProblem& p, AssembledOptions& o) {
   }
 }
 
+std::string contradiction_note(const HeldRows& held) {
+  char text[120];
+  std::snprintf(text, sizeof text,
+                "bilateral rows contradict each other: row %d and others are left with %.3g m/s",
+                held.worst_row(), held.left());
+  return text;
+}
+
 /// Contacts up to which an interior-point solve costs next to nothing.
 constexpr int cheap_contacts = 1000;
 
@@ -70,6 +79,8 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
                                        std::vector<AssembledCurvePoint>* curve) const {
   check(problem, options);
   const AssembledTraits own = traits();
+  if (problem.held && !own.holds_rows)
+    throw AssembledError("solver \"" + own.name + "\" does not know bilateral rows");
   AssembledOptions o = options;
   if (o.max_iterations == 0) o.max_iterations = own.default_iterations;
   if (o.check_every == 0) o.check_every = own.default_check_every;
@@ -82,7 +93,10 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
   aim(p, o);
   AssembledMonitor monitor(p, o, curve);
   monitor.note(solved.note());
-  if (const int hopeless = untouchable_contact(p); hopeless >= 0) {
+  if (p.held && p.held->contradict()) {
+    monitor.check(0, o.guess);
+    monitor.fail(AssembledStatus::no_solution, contradiction_note(*p.held));
+  } else if (const int hopeless = untouchable_contact(p); hopeless >= 0) {
     monitor.check(0, o.guess);
     monitor.fail(AssembledStatus::no_solution, untouchable_note(hopeless));
   } else if (convex ? own.convex : own.exact) {

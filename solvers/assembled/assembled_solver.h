@@ -30,7 +30,8 @@ struct AssembledTraits {
   /// Set of tangential impulses that a contact may have. Where it is not the disk of the cone, the
   /// method solves another law: its residual, which is that of the cone, does not go to zero.
   std::string friction = "cone";
-  bool relaxes = false;  ///< whether AssembledOptions::relaxation changes what it does
+  bool relaxes = false;    ///< whether AssembledOptions::relaxation changes what it does
+  bool holds_rows = true;  ///< whether it solves problems with bilateral rows (held_rows.h)
 };
 
 class AssembledSolver {
@@ -42,7 +43,8 @@ class AssembledSolver {
   /// symmetric part, which the result notes; residuals and objective are those of that problem.
   /// Never throws because a problem is hard: what happened is the status.
   /// @param curve  when given, every check is appended
-  /// @throws AssembledError when sizes disagree or an option is out of range
+  /// @throws AssembledError when sizes disagree, an option is out of range, or rows are held that the
+  ///         method does not know
   AssembledResult solve(const AssembledProblem& problem, const AssembledOptions& options,
                         std::vector<AssembledCurvePoint>* curve = nullptr) const;
 

@@ -51,9 +51,18 @@ class BackendProblem {
     return out;
   }
 
-  /// y = W x. @param x, y  of this backend, different ones
+  /// y = W x, or W' x. @param x, y  of this backend, different ones
   void multiply(const Buffer<B, double>& x, Buffer<B, double>& y) const {
     (*product_)(*backend_, rows(), x.view(row_count()), y.view(row_count()));
+    if (host_->held) subtract_change(x, y.view(row_count()));
+  }
+
+  /// Where rows are held: q of the contacts with the impulses that these rows have beside r, which
+  /// makes W r + q the velocity; else nothing. @param q  out
+  void hold_rows(const Buffer<B, double>& r, Buffer<B, double>& q) const {
+    if (!host_->held) return;
+    upload(*backend_, host_->q, q);
+    subtract_change(r, q.view(row_count()));
   }
 
   /// Lets the monitor check impulses: brings them and W r to the host, 48 bytes a contact.
@@ -67,6 +76,15 @@ class BackendProblem {
   }
 
  private:
+  /// y -= V R^-1 V^T x. Factors of R are on the host.
+  void subtract_change(const Buffer<B, double>& x, Span<double> y) const {
+    if constexpr (!B::kIsDevice) {
+      const Span<const double> at = x.view(row_count());
+      const std::vector<double> change = host_->held->change({at.data, at.data + at.size});
+      for (Offset i = 0; i < row_count(); ++i) y[i] -= change[static_cast<std::size_t>(i)];
+    }
+  }
+
   B* backend_;
   const AssembledProblem* host_;
   const BlockProduct<B>* product_;

@@ -34,6 +34,7 @@ struct ScaledProblem {
       for (int k = p.row_start[c]; k < p.row_start[c + 1]; ++k)
         for (double& w : problem.block[k]) w /= root[c] * root[p.column[k]];
     }
+    if (p.held) problem.held = p.held->scaled(unscaled(std::vector<double>(p.q.size(), 1.0)));
   }
   std::vector<double> scaled(const std::vector<double>& r) const {
     std::vector<double> x(r);

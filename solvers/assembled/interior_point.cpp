@@ -63,6 +63,7 @@ struct ConicProblem {
       // Tangential parts without friction: nothing acts on them, and their minimum is zero.
       if (!(p.mu[c] > 0)) problem.diagonal(c)[4] = problem.diagonal(c)[8] = 1;
     }
+    if (p.held) problem.held = p.held->scaled(factor);
     for (double& f : factor) f *= unit;
   }
 

@@ -38,8 +38,10 @@ bool depends_on_velocity(const ContactFunction& f) {
 }  // namespace
 
 struct NewtonSystem::Factors {
-  const AssembledProblem& p;
-  const std::vector<double>& scale;
+  const AssembledProblem& contacts;
+  const std::vector<double>& contact_scale;
+  AssembledProblem p;         ///< with held rows behind the contacts, whose function is u
+  std::vector<double> scale;  ///< zero for them: they are not shifted
   double shift;
   std::vector<ContactFunction> at;
   std::vector<int> touching;  ///< contacts that are unknowns
@@ -48,7 +50,13 @@ struct NewtonSystem::Factors {
   Eigen::SparseLU<Matrix> sparse;
 
   Factors(const AssembledProblem& problem, const std::vector<double>& scales, double shifted)
-      : p(problem), scale(scales), shift(shifted) {}
+      : contacts(problem),
+        contact_scale(scales),
+        p(bordered(problem)),
+        scale(scales),
+        shift(shifted) {
+    scale.resize(p.contact_count, 0.0);
+  }
 
   /// J_ck of a contact and the block k of its row.
   Small entry(int c, int k) const {
@@ -156,26 +164,31 @@ NewtonSystem::NewtonSystem(const AssembledProblem& p, const std::vector<double>&
 NewtonSystem::~NewtonSystem() = default;
 
 bool NewtonSystem::factorize(const std::vector<ContactFunction>& at) {
+  ContactFunction held{};
+  held.by_u = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   factors_->at = at;
+  factors_->at.resize(factors_->p.contact_count, held);
   return factors_->factorize();
 }
 
-std::vector<double> NewtonSystem::solve(const std::vector<double>& b, long& products) const {
+std::vector<double> NewtonSystem::solve(const std::vector<double>& given, long& products) const {
   const Factors& f = *factors_;
+  std::vector<double> b = given;
+  b.resize(f.p.q.size(), 0.0);
   std::vector<double> x = f.solve_once(b);
-  if (!f.blocks.has_value()) return x;
-  for (int k = 0; k < most_refinements; ++k) {
+  for (int k = 0; f.blocks.has_value() && k < most_refinements; ++k) {
     const std::vector<double> left = f.missing(b, x);
     ++products;
     if (!(norm(left) > refined_to * norm(b))) break;
     const std::vector<double> more = f.solve_once(left);
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += more[i];
   }
+  x.resize(given.size());
   return x;
 }
 
 std::vector<double> NewtonSystem::gradient() const {
-  return merit_gradient(factors_->p, factors_->scale, factors_->shift, factors_->at);
+  return merit_gradient(factors_->contacts, factors_->contact_scale, factors_->shift, factors_->at);
 }
 
 std::vector<double> merit_gradient(const AssembledProblem& p, const std::vector<double>& scale,

@@ -18,7 +18,8 @@ std::vector<double> merit_gradient(const AssembledProblem& p, const std::vector<
 /// A contact whose function does not depend on u (an open one) is no unknown: its step follows from
 /// its own block. The others are solved by sparse LU with pivots sought in whole columns where they
 /// are few, and by block factors where they are many, whose fronts are dense: there refinement
-/// makes up for pivots that are sought in fronts only.
+/// makes up for pivots that are sought in fronts only. Held rows are unknowns too, so that W' is not
+/// formed.
 class NewtonSystem {
  public:
   /// All must outlive this.

@@ -21,7 +21,8 @@ class PgsBox final : public BackendSolver<BuildBackend> {
     return {"pgs_box", "projected Gauss-Seidel on box friction, coupled bounds",
             true,      false,
             20000,     10,
-            "box",     true};
+            "box",     true,
+            false};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

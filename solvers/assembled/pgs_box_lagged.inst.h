@@ -22,7 +22,8 @@ class PgsBoxLagged final : public BackendSolver<BuildBackend> {
             20000,
             10,
             "box",
-            true};
+            true,
+            false};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

@@ -26,7 +26,8 @@ class PgsPyramid4 final : public BackendSolver<BuildBackend> {
             20000,
             10,
             "4-sided pyramid",
-            true};
+            true,
+            false};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

@@ -26,7 +26,8 @@ class PgsPyramid8 final : public BackendSolver<BuildBackend> {
             20000,
             10,
             "8-sided pyramid",
-            true};
+            true,
+            false};
   }
 
   void run(const AssembledProblem& p, const AssembledOptions& o,

@@ -1,5 +1,5 @@
 #pragma once
-// Factors of W plus a block diagonal matrix.
+// Factors of W, or of W' where rows are held, plus a block diagonal matrix.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace scree {
 
-/// Ordered once, for many shifts.
+/// Ordered once, for many shifts. With held rows what is factorized is [W + shift, V; V^T, R].
 class ShiftedFactors {
  public:
   /// @param p     must outlive this
@@ -24,6 +24,7 @@ class ShiftedFactors {
 
  private:
   const AssembledProblem& p_;
+  AssembledProblem whole_;  ///< with held rows behind the contacts
   BlockFactors::Kind kind_;
   BlockMatrix sum_;
   BlockFactors factors_;

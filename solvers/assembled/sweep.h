@@ -36,13 +36,19 @@ struct SweepContact {
   }
 };
 
-/// Visits contact after contact on the host. One product with W. @param r  in and out
+/// Visits contact after contact on the host; held rows follow behind. One product with W, or W'.
+/// @param r  in and out
 inline void sweep(const AssembledProblem& p, AssembledModel model, std::vector<double>& r) {
   const auto size = static_cast<Offset>(r.size());
+  std::vector<double> q;
+  if (p.held) {
+    q = p.held->change(r);
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] = p.q[i] - q[i];
+  }
   const SweepContact visit{model,
                            1,
                            p.rows(),
-                           {p.q.data(), size},
+                           {p.held ? q.data() : p.q.data(), size},
                            {p.mu.data(), static_cast<Offset>(p.mu.size())},
                            {r.data(), size}};
   for (int c = 0; c < p.contact_count; ++c) visit(c);

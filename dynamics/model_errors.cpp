@@ -79,10 +79,6 @@ void require_joint_states(std::size_t positions, std::size_t broken, std::size_t
                     positions, broken, in_scene));
 }
 
-void throw_stored_joints() {
-  throw InputError("the contact problem of a scene with joints cannot be stored yet");
-}
-
 void throw_untracked_forces(const char* call) {
   throw InputError(fmt::format("{} needs track_forces() before the steps", call));
 }

@@ -48,8 +48,6 @@ void require_places(const std::vector<std::uint64_t>& keys, std::int64_t owned_c
 void require_joints(std::size_t found, std::size_t in_scene);
 /// Checks the numbers of positions and of marks of broken joints. @throws InputError
 void require_joint_states(std::size_t positions, std::size_t broken, std::size_t in_scene);
-/// Problems with joints have no file. @throws InputError
-[[noreturn]] void throw_stored_joints();
 /// @throws InputError saying that a call needs track_forces()
 [[noreturn]] void throw_untracked_forces(const char* call);
 /// Gravity that no run can have. @throws InputError

@@ -138,7 +138,8 @@ class World {
 
   /// Advances by one time step. @throws RunError naming the body when a state is not finite
   StepReport step();
-  /// The same, and hands out the contact problem that the step solves, its warm start included. @throws InputError in scenes with joints
+  /// The same, and hands out the contact problem that the step solves, its warm start included.
+  /// @throws InputError in scenes with joints that are driven: limits, motors, friction, cables, springs
   StepReport step(BodyProblem& problem);
 
   /// Steps for so long [s], to the nearest number of steps, and calls after_step(report) after each one,

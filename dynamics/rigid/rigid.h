@@ -26,6 +26,7 @@
 #include "dynamics/rigid/tolerance.h"
 #include "host/problems/download_problem.h"
 #include "host/scene/run_summary.h"
+#include "host/scene/stored_joints.h"
 #include "host/version.h"
 #include "kernels/step/written_state.h"
 #include "solvers/coulomb.h"
@@ -66,7 +67,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   using ModelOn<B, Real>::time;
 
   StepReport step(BodyProblem* stored) override {
-    if (stored != nullptr && joints_.count() > 0) throw_stored_joints();  // nothing is lost by it
+    if (stored != nullptr) require_storable_joints("problem of a step", scene_);
     B& b = backend();
     const double h = scene_.stepping.time_step;
     StageClock<B> clock(b);
@@ -133,7 +134,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       joints_.guess(b, problem, gamma);
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
-      correct_joints(bodies, problem, gamma, tolerance, stats);
+      correct_joints(bodies, problem, gamma, tolerance, stats, stored);
     stats.iterations += impacts.iterations;
     stats.applications += impacts.applications;
     stats.converged = stats.converged && impacts.converged;
@@ -312,8 +313,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   /// Solves the problem again as long as joints would not lie where they belong at the end of the
   /// step, and that helps.
+  /// @param stored  gets the biases of the problem that was solved last; may be null
   void correct_joints(const BodyView<Real>& bodies, const ContactProblem<Real>& problem,
-                      Span<Vec3<Real>> gamma, double tolerance, SolveStats& stats) {
+                      Span<Vec3<Real>> gamma, double tolerance, SolveStats& stats,
+                      BodyProblem* stored) {
     constexpr int kMostRounds = 4;
     constexpr double kNear = 1e-7;     // [m]
     constexpr double kProgress = 0.5;  // an error that falls less is not for impulses to take away
@@ -324,6 +327,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
                                            periodic_box().length, solver_->velocity());
       if (!(error > enough && error < kProgress * before)) return;
       before = error;
+      if (stored != nullptr) store_biases(backend(), problem, *stored);
       const SolveStats first = stats;
       if (scene_.solver.warm_start) joints_.guess(backend(), problem, gamma);
       stats = solver_->solve(backend(), problem, gamma, tolerance);

@@ -47,14 +47,19 @@ std::string contacts_of(int count, int dimension) {
                         : fmt::format("{} contacts in {}-D", count, dimension);
 }
 
+std::string rows_of(std::size_t bilateral) {
+  return bilateral == 0 ? "" : fmt::format(", {} bilateral rows", bilateral);
+}
+
 std::string summary_of(const LocalProblem& p) {
-  return fmt::format("local, {}, W with {} entries", contacts_of(p.contact_count(), p.dimension),
-                     p.W.entry_count());
+  return fmt::format("local, {}{}, W with {} entries", contacts_of(p.contact_count(), p.dimension),
+                     rows_of(p.s.size()), p.W.entry_count());
 }
 
 std::string summary_of(const GlobalProblem& p) {
-  return fmt::format("global, {}, {} velocities, H with {} entries",
-                     contacts_of(p.contact_count(), p.dimension), p.f.size(), p.H.entry_count());
+  return fmt::format("global, {}{}, {} velocities, H with {} entries",
+                     contacts_of(p.contact_count(), p.dimension), rows_of(p.b.size()), p.f.size(),
+                     p.H.entry_count());
 }
 
 std::string summary_of(const BodyProblem& p) {
@@ -69,7 +74,8 @@ CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
   command->add_option("out", options.out, "FCLIB file to write")->required();
   command
       ->add_option("--kind", options.kind,
-                   "local (W, q, mu) or global (M, H, f, w, mu) (default: local)")
+                   "local (W, q, mu; bilateral rows: V, R, s) or global (M, H, f, w, mu; G, b) "
+                   "(default: local)")
       ->take_last();
   command
       ->add_option("--storage", options.storage,

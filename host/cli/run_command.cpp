@@ -27,6 +27,7 @@
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
 #include "host/scene/overlaps.h"
+#include "host/scene/stored_joints.h"
 #include "host/scene_reader.h"
 
 namespace scree {
@@ -189,9 +190,7 @@ class Run {
 
   /// @param first  steps done before the run
   void require_steps_to_dump(std::int64_t first) const {
-    if (!options_.dump_problem.empty() && !scene_.joints.empty())
-      throw InputError(
-          "--dump-problem: the contact problem of a scene with joints has no file yet");
+    if (!options_.dump_problem.empty()) require_storable_joints("--dump-problem", scene_);
     for (const std::int64_t step : options_.dump_problem)
       if (step <= first || step > target_)
         throw InputError(fmt::format("--dump-problem {}: this run makes the steps {} to {}", step,
@@ -398,7 +397,7 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
       ->take_last();
   command
       ->add_option("--dump-problem", options.dump_problem,
-                   "write the contact problem of step N; repeatable")
+                   "write the contact problem of step N, rows of joints included; repeatable")
       ->type_name("N")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
       ->take_all()

@@ -209,7 +209,7 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
                    "of sor, jacobi, admm and pgs_... (default: their own)")
       ->take_last();
   command->add_flag("--matrix-free", options.matrix_free,
-                    "solvers of simulation steps, for problems with bodies");
+                    "solvers of simulation steps, for problems with bodies and no joints");
   add_device_options(*command, options.target, "cpu; auto with --matrix-free", "double",
                      "1; all with --matrix-free");
   command
@@ -336,6 +336,10 @@ class Session {
     try {
       p = (options_.matrix_free ? ready_matrix_free : ready)(file.stem().string(), stored);
       report = {p.name, file, p.problem.contact_count, p.problem.dimension, p.asymmetry, {}, {}};
+      if (p.problem.held) {
+        report.bilateral_rows = p.problem.held->row_count();
+        report.dependent_rows = p.problem.held->dependent_count();
+      }
       if (options_.warm_start && p.guess.empty())
         note(fmt::format("--warm-start: {} holds no guess, from zero then", file.string()));
       if (options_.warm_start) o.guess = p.guess;
@@ -344,10 +348,12 @@ class Session {
       throw InputError(fmt::format("{}: {}", file.string(), error.what()));
     }
     const bool all_rolling = p.rolling && options_.solver == "all";
-    report.runs = options_.matrix_free
-                      ? run_matrix_free(*bodies, p, solvers_, o, world_)
-                      : run_solvers(p, all_rolling ? rolling_solver_names() : solvers_, o,
-                                    {cuda_, world_.threads});
+    const bool all_held = p.problem.held && options_.solver == "all" && !cuda_;
+    const std::vector<std::string> names = all_rolling ? rolling_solver_names()
+                                           : all_held  ? solvers_that_hold_rows()
+                                                       : solvers_;
+    report.runs = options_.matrix_free ? run_matrix_free(*bodies, p, names, o, world_)
+                                       : run_solvers(p, names, o, {cuda_, world_.threads});
     keep(p, std::move(report));
   }
 

@@ -97,6 +97,50 @@ void read_member(const h5::Group& group, const char* name, std::vector<Record>& 
   for (std::size_t k = 0; k < values.size(); ++k) records[k].*member = values[k];
 }
 
+/// Member by member, f(name of the dataset, member).
+template <class F>
+void each_bilateral_vector(F f) {
+  f("arm_a", &BilateralRow::arm_a);
+  f("arm_b", &BilateralRow::arm_b);
+  f("force", &BilateralRow::force);
+  f("moment", &BilateralRow::moment);
+  f("bias", &BilateralRow::bias);
+}
+
+void read_bilateral(const h5::Group& root, std::vector<BilateralRow>& rows) {
+  const std::vector<std::int32_t> body_a = read_indices(root, "bilateral/body_a");
+  const std::vector<std::int32_t> body_b = read_indices(root, "bilateral/body_b");
+  if (body_a.size() != body_b.size())
+    throw InputError(fmt::format("bilateral/body_b has {} rows, expected {} (as bilateral/body_a)",
+                                 body_b.size(), body_a.size()));
+  rows.resize(body_a.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].body_a = body_a[k];
+    rows[k].body_b = body_b[k];
+  }
+  const auto read = [&](const std::string& name, auto member) {
+    using Member = std::remove_reference_t<decltype(rows[0].*member)>;
+    const std::vector<Member> values = read_rows<Member>(root, name.c_str());
+    if (values.size() != rows.size())
+      throw InputError(fmt::format("{} has {} rows, expected {} (one a bilateral row)", name,
+                                   values.size(), rows.size()));
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].*member = values[k];
+  };
+  each_bilateral_vector(
+      [&](const char* name, auto member) { read(std::string("bilateral/") + name, member); });
+  read("warm_start/bilateral", &BilateralRow::impulse);
+}
+
+void write_bilateral(h5::Group& root, h5::Group& warm_start,
+                     const std::vector<BilateralRow>& rows) {
+  h5::Group group = root.create_group("bilateral");
+  write_member(group, "body_a", rows, &BilateralRow::body_a);
+  write_member(group, "body_b", rows, &BilateralRow::body_b);
+  each_bilateral_vector(
+      [&](const char* name, auto member) { write_member(group, name, rows, member); });
+  write_member(warm_start, "bilateral", rows, &BilateralRow::impulse);
+}
+
 ContactLayout read_layout(const h5::Group& root) {
   const std::string word = root.text_attribute("layout");
   for (const ContactLayout layout :
@@ -138,9 +182,9 @@ bool is_body_problem(const h5::Group& root) {
 
 BodyProblem read_body_problem(const h5::Group& root) {
   const auto version = root.attribute<std::int64_t>("format_version");
-  if (version != problem_format_version)
-    throw InputError(fmt::format("attribute format_version is {}, expected {}", version,
-                                 problem_format_version));
+  if (version != problem_format_version && version != bilateral_version)
+    throw InputError(fmt::format("attribute format_version is {}, expected {} or {}", version,
+                                 problem_format_version, bilateral_version));
   BodyProblem p;
   p.layout = read_layout(root);
   p.source = read_source(root);
@@ -172,12 +216,14 @@ BodyProblem read_body_problem(const h5::Group& root) {
       },
       p);
   p.impulse = read_rows<Vec3d>(root, "warm_start/impulse");
+  if (version >= bilateral_version) read_bilateral(root, p.bilateral);
   return p;
 }
 
 void write_body_problem(h5::Group& root, const BodyProblem& p) {
   root.write_text_attribute("format", problem_format_name);
-  root.write_attribute<std::int64_t>("format_version", problem_format_version);
+  root.write_attribute<std::int64_t>(
+      "format_version", p.bilateral.empty() ? problem_format_version : bilateral_version);
   root.write_text_attribute("layout", to_string(p.layout));
   root.write_attribute<std::int64_t>("free_count", p.free_count);
   write_source(root, p.source);
@@ -205,6 +251,7 @@ void write_body_problem(h5::Group& root, const BodyProblem& p) {
       p);
   h5::Group warm_start = root.create_group("warm_start");
   write_rows(warm_start, "impulse", p.impulse);
+  if (!p.bilateral.empty()) write_bilateral(root, warm_start, p.bilateral);
 }
 
 }  // namespace scree

@@ -8,6 +8,8 @@ namespace scree {
 
 /// Number of the layout; files of another version are refused.
 inline constexpr int problem_format_version = 1;
+/// The same with bilateral rows, which readers of version 1 would pass over.
+inline constexpr int bilateral_version = 2;
 
 /// What files in this layout say they are, in the attribute `format` and in their seal.
 inline constexpr const char* problem_format_name = "scree contact problem";

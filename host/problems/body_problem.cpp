@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "host/problems/checks.h"
 
@@ -164,6 +165,35 @@ void check_contacts(const BodyProblem& p) {
   require_finite_vectors(p.impulse, "warm_start/impulse");
 }
 
+void check_bilateral(const BodyProblem& p) {
+  if (!p.bilateral.empty() && p.layout == ContactLayout::radial)
+    throw InputError(
+        "bilateral/body_a is there and the layout is radial, expected general or rolling");
+  for (std::size_t k = 0; k < p.bilateral.size(); ++k) {
+    const BilateralRow& row = p.bilateral[k];
+    const auto check = [&](bool fits, const char* name, const std::string& found,
+                           const std::string& expected) {
+      if (!fits)
+        throw InputError(fmt::format("{}[{}] is {}, expected {}", name, k, found, expected));
+    };
+    check(row.body_a >= 0 && row.body_a < p.free_count, "bilateral/body_a",
+          fmt::to_string(row.body_a), fmt::format("0 to {} (a free body)", p.free_count - 1));
+    check(row.body_b > row.body_a && row.body_b < p.body_count(), "bilateral/body_b",
+          fmt::to_string(row.body_b),
+          fmt::format("{} to {} (a body behind body_a)", row.body_a + 1, p.body_count() - 1));
+    const std::pair<const char*, Vec3d> vectors[] = {{"bilateral/arm_a", row.arm_a},
+                                                     {"bilateral/arm_b", row.arm_b},
+                                                     {"bilateral/force", row.force},
+                                                     {"bilateral/moment", row.moment}};
+    for (const auto& [name, v] : vectors) check(is_finite(v), name, text_of(v), "finite numbers");
+    check(norm(row.force) > 0 || norm(row.moment) > 0, "bilateral/force", text_of(row.force),
+          "a force or a moment that is not zero");
+    check(std::isfinite(row.bias), "bilateral/bias", fmt::to_string(row.bias), "a finite number");
+    check(std::isfinite(row.impulse), "warm_start/bilateral", fmt::to_string(row.impulse),
+          "a finite number");
+  }
+}
+
 }  // namespace
 
 void validate(const BodyProblem& p) {
@@ -177,6 +207,7 @@ void validate(const BodyProblem& p) {
         fmt::format("reference_speed is {}, expected 0 or more [m/s]", s.reference_speed));
   check_bodies(p);
   check_contacts(p);
+  check_bilateral(p);
 }
 
 const char* to_string(ContactLayout layout) {

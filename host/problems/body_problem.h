@@ -24,6 +24,22 @@ struct ProblemSource {
   friend bool operator==(const ProblemSource&, const ProblemSource&) = default;
 };
 
+/// A row that bodies are held in, of a joint. With a unit impulse the force on B is `force`, at the end
+/// of arm_b, and the moment on it `moment`; A gets the opposite of both at the end of arm_a.
+///
+///   0 = force . (v_B + w_B x arm_b - v_A - w_A x arm_a) + moment . (w_B - w_A) + bias
+struct BilateralRow {
+  std::int32_t body_a = 0;  ///< free
+  std::int32_t body_b = 0;  ///< free or fixed, larger
+  Vec3d arm_a;              ///< center of A to where the force acts [m]
+  Vec3d arm_b;              ///< the same of B
+  Vec3d force;              ///< a unit vector, or zero
+  Vec3d moment;             ///< a vector [m], or zero
+  double bias = 0;          ///< [m/s]
+  double impulse = 0;       ///< the guess [N s]
+  friend bool operator==(const BilateralRow&, const BilateralRow&) = default;
+};
+
 /// Store: fields in host memory.
 struct InVectors {
   using Real = double;
@@ -48,6 +64,8 @@ struct BodyProblem : ProblemFields<InVectors> {
   std::vector<Twist<double>> free_velocity;             ///< v* = v + h M^-1 f_ext
   std::vector<RadialInertia<double>> radial_inertia;    ///< radial layout, else empty
   std::vector<GeneralInertia<double>> general_inertia;  ///< other layouts, else empty
+
+  std::vector<BilateralRow> bilateral;
 
   /// The guess [vectors_per_contact * contact_count], world frame, acting on B [N s].
   std::vector<Vec3d> impulse;

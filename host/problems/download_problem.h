@@ -39,6 +39,61 @@ std::vector<double> contact_values(B& b, Field field, Index count, const std::ve
   return values;
 }
 
+/// The rows that the joints of a problem hold, with their impulses; none may be driven. Row by row
+/// they are those of JointRow before these are made independent of each other.
+/// @param impulses  of all contacts and joints, in the coordinates of solvers
+template <class B, class Real>
+std::vector<BilateralRow> download_joints(B& b, const ContactProblem<Real>& p,
+                                          const std::vector<Vec3<Real>>& impulses) {
+  const std::vector<JointRow<Real>> joints = download(b, p.joints);
+  const std::vector<Index> body_a = download(b, p.body_a), body_b = download(b, p.body_b);
+  const Index room = p.bodies.fixed_begin - p.bodies.moving_count;
+  std::vector<BilateralRow> rows;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const JointRow<Real>& joint = joints[k];
+    const std::size_t c = static_cast<std::size_t>(p.joint_begin) + k;
+    JointValues<Real> scaled;
+    for (int r = 0; r < kJointRows; ++r)
+      scaled[r] = impulses[2 * c + static_cast<std::size_t>(r / 3)][r % 3];
+    const JointValues<Real> impulse = joint.impulse(scaled);
+    for (int r = 0; r < kJointRows; ++r) {
+      if (!(joint.inverse_pivot(r) > Real(0))) continue;
+      JointValues<Real> unit;
+      unit[r] = 1;
+      BilateralRow row;
+      row.body_a = body_a[c];
+      row.body_b = p.bodies.is_fixed(body_b[c]) ? body_b[c] - room : body_b[c];
+      row.arm_a = Vec3d(joint.arm_a);
+      row.arm_b = Vec3d(joint.arm_b);
+      row.force = Vec3d(joint.world_force(unit));
+      row.moment = static_cast<double>(joint.length) * Vec3d(joint.world_moment(unit));
+      row.bias = joint.bias[r];
+      row.impulse = impulse[r];
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+/// Biases that a step gave its joints since the problem was copied.
+template <class B, class Real>
+void store_biases(B& b, const ContactProblem<Real>& p, BodyProblem& stored) {
+  std::size_t row = 0;
+  for (const JointRow<Real>& joint : download(b, p.joints))
+    for (int r = 0; r < kJointRows; ++r)
+      if (joint.inverse_pivot(r) > Real(0)) stored.bilateral[row++].bias = joint.bias[r];
+}
+
+/// Contacts beside joints have room for rolling friction; without any they are general ones.
+inline void drop_empty_rolling(BodyProblem& p) {
+  for (const RollingRow<double>& r : p.rolling)
+    if (r.rolling > 0 || r.spinning > 0) return;
+  p.layout = ContactLayout::general;
+  p.rolling.clear();
+  for (std::size_t c = 0; 2 * c < p.impulse.size(); ++c) p.impulse[c] = p.impulse[2 * c];
+  p.impulse.resize(p.impulse.size() / 2);
+}
+
 /// Copies a problem as it is before the solve. Values that the problem works out where they are
 /// needed (bias, v*, inertia) are worked out here by the same functions; numbers of float problems
 /// become double, which is exact. Room of bodies that join later is left out. Ghosts, which the
@@ -49,7 +104,9 @@ template <class B, class Real>
 BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> guess,
                              const std::vector<Index>& body_id) {
   BodyProblem out;
-  out.layout = p.layout;
+  const bool jointed = p.layout == ContactLayout::jointed;
+  const Index contacts = jointed ? p.joint_begin : p.contact_count;
+  out.layout = jointed ? ContactLayout::rolling : p.layout;
   out.free_count = p.bodies.owned_count;
   // bodies
   const auto per_body = [&](auto constant, auto& memory) {
@@ -79,7 +136,9 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
   for (Index i = 0; i < p.bodies.present_count(); ++i) {
     const Index k = p.bodies.present(i);
     const bool is_owned = p.bodies.is_owned(k);
-    out.body_id.push_back(body_id[static_cast<std::size_t>(k)]);
+    // The world, to which joints hold bodies, is no body of the scene.
+    const bool is_body = static_cast<std::size_t>(k) < body_id.size();
+    out.body_id.push_back(is_body ? body_id[static_cast<std::size_t>(k)] : -1);
     const Twist<Real> rate = free_velocity[k];
     Twist<double> twist;
     twist.linear = Vec3d(rate.linear);
@@ -105,12 +164,18 @@ BodyProblem download_problem(B& b, const ContactProblem<Real>& p, Span<const Vec
 
   // contacts
   p.visit([&](const ContactField&, const auto& field,
-              auto& values) { values = contact_values(b, field, p.contact_count, values); },
+              auto& values) { values = contact_values(b, field, contacts, values); },
           p, out);
   const Index room = p.bodies.fixed_begin - p.bodies.moving_count;
   for (Index& body : out.body_b)
     if (p.bodies.is_fixed(body)) body -= room;
-  for (const Vec3<Real>& impulse : download(b, guess)) out.impulse.emplace_back(impulse);
+  const std::vector<Vec3<Real>> impulses = download(b, guess);
+  const auto used = static_cast<Offset>(contacts) * vectors_per_contact(p.layout);
+  for (Offset k = 0; k < used; ++k) out.impulse.emplace_back(impulses[static_cast<std::size_t>(k)]);
+  if (jointed) {
+    out.bilateral = download_joints(b, p, impulses);
+    drop_empty_rolling(out);
+  }
   return out;
 }
 

@@ -94,6 +94,8 @@ struct Parts {
   Vector free_velocity;  ///< v* of the same
   Vector w;
   Vector apex;  ///< c h e_n of all contacts
+  Matrix G;     ///< of bilateral rows
+  Vector b;
 };
 
 /// Numbers the axes that can move.
@@ -182,12 +184,49 @@ void set_contacts(const BodyProblem& p, const std::vector<std::array<int, 6>>& d
   parts.H.setFromTriplets(h.begin(), h.end());
 }
 
+void set_bilateral(const BodyProblem& p, const std::vector<std::array<int, 6>>& dof, int dof_count,
+                   Parts& parts) {
+  const int rows = static_cast<int>(p.bilateral.size());
+  std::vector<Eigen::Triplet<double>> g;
+  parts.b = Vector::Zero(rows);
+  for (int k = 0; k < rows; ++k) {
+    const BilateralRow& r = p.bilateral[static_cast<std::size_t>(k)];
+    parts.b(k) = r.bias;
+    for (const bool side_b : {false, true}) {
+      const int body = side_b ? r.body_b : r.body_a;
+      const double sign = side_b ? 1 : -1;
+      // f . (w x arm) = w . (arm x f)
+      const Vec3d turn = cross(side_b ? r.arm_b : r.arm_a, r.force) + r.moment;
+      const double j[6] = {r.force.x, r.force.y, r.force.z, turn.x, turn.y, turn.z};
+      const Eigen::Matrix<double, 6, 1> rate = rate_of(p, body);
+      for (int axis = 0; axis < 6; ++axis) {
+        const int row = dof[static_cast<std::size_t>(body)][static_cast<std::size_t>(axis)];
+        if (row < 0) {
+          parts.b(k) += sign * j[axis] * rate(axis);
+        } else if (std::abs(j[axis]) > 0) {
+          g.emplace_back(row, k, sign * j[axis]);
+        }
+      }
+    }
+  }
+  parts.G.resize(dof_count, rows);
+  parts.G.setFromTriplets(g.begin(), g.end());
+}
+
+Vector bilateral_guess(const BodyProblem& p) {
+  Vector l(static_cast<Eigen::Index>(p.bilateral.size()));
+  for (Eigen::Index k = 0; k < l.size(); ++k)
+    l(k) = p.bilateral[static_cast<std::size_t>(k)].impulse;
+  return l;
+}
+
 Parts parts_of(const BodyProblem& p) {
   validate(p);
   if (p.layout == ContactLayout::rolling)
     throw InputError(
         "the problem has rolling friction, which matrices of three rows a contact do not hold; "
-        "expected layout radial or general (scree solve --matrix-free takes all)");
+        "expected layout radial or general (scree solve --matrix-free takes all without bilateral "
+        "rows)");
   if (18.0 * 2 * p.contact_count() > max_entries)
     throw InputError(
         fmt::format("H of {} contacts would hold more than 2^31 entries", p.contact_count()));
@@ -197,6 +236,7 @@ Parts parts_of(const BodyProblem& p) {
   Parts parts;
   set_bodies(p, dof, dof_count, parts);
   set_contacts(p, dof, dof_count, parts);
+  set_bilateral(p, dof, dof_count, parts);
   return parts;
 }
 
@@ -268,6 +308,13 @@ LocalProblem local_of(const BodyProblem& p, const Parts& parts) {
   local.q = values_of(parts.w + parts.H.transpose() * parts.free_velocity -
                       parts.H.transpose() * Vector(weighted * parts.apex));
   local.mu = p.friction;
+  if (!p.bilateral.empty()) {
+    const Matrix weighted_G = parts.inverse * parts.G;
+    local.V = plain(Matrix(parts.H.transpose() * weighted_G));
+    local.R = plain(Matrix(parts.G.transpose() * weighted_G));
+    local.s = values_of(parts.b + parts.G.transpose() * parts.free_velocity -
+                        weighted_G.transpose() * Vector(parts.H * parts.apex));
+  }
   return local;
 }
 
@@ -278,6 +325,10 @@ GlobalProblem global_of(const BodyProblem& p, const Parts& parts) {
   global.f = values_of(parts.mass * parts.free_velocity - parts.H * parts.apex);
   global.w = values_of(parts.w);
   global.mu = p.friction;
+  if (!p.bilateral.empty()) {
+    global.G = plain(parts.G);
+    global.b = values_of(parts.b);
+  }
   return global;
 }
 
@@ -337,9 +388,12 @@ StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form) {
   StoredProblem stored;
   stored.info = info_of(problem, parts);
   const Vector r = vector_of(impulse_rows(problem, problem.impulse));
-  const Vector v = parts.free_velocity + parts.inverse * Vector(parts.H * Vector(r - parts.apex));
+  const Vector l = bilateral_guess(problem);
+  const Vector v =
+      parts.free_velocity + parts.inverse * Vector(parts.H * Vector(r - parts.apex) + parts.G * l);
   ProblemPoint guess;
   guess.r = values_of(r);
+  guess.l = values_of(l);
   guess.u = values_of(parts.w + parts.H.transpose() * v);
   if (form == MatrixForm::global) {
     guess.v = values_of(v);

@@ -15,10 +15,11 @@ namespace scree {
 ///
 /// Adhesion moves the apex of a cone to -c h e_n, which FCLIB has no place for: r is the impulse
 /// plus c h e_n, whose cone has its apex at zero, and f is less by H c h e_n.
+/// Bilateral rows become G and b.
 /// @throws InputError for the rolling layout, whose cones have no place in these forms
 GlobalProblem global_form(const BodyProblem& problem);
 
-/// W = H^T M^-1 H and q = w + H^T M^-1 f of the same.
+/// W = H^T M^-1 H and q = w + H^T M^-1 f of the same, and V, R, s where rows are bilateral.
 /// @throws InputError also when W would hold more than 2^31 entries
 LocalProblem local_form(const BodyProblem& problem);
 
@@ -30,7 +31,7 @@ LocalProblem local_form(const GlobalProblem& problem);
 enum class MatrixForm { local, global };
 
 /// A problem with bodies as an FCLIB file holds it: the form, texts that say where it comes from,
-/// and its warm start as the guess (v, u and r).
+/// and its warm start as the guess (v, u, r and l).
 /// @throws InputError as the forms above
 StoredProblem as_matrices(const BodyProblem& problem, MatrixForm form);
 

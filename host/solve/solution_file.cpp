@@ -94,6 +94,7 @@ Solution solution_of(const ReadyProblem& problem, const SolverRun& run, Assemble
   s.residual = run.result.residual.relative;
   s.r = from_three_rows(dimension, run.result.r);
   s.u = from_three_rows(dimension, u);
+  if (problem.problem.held) s.l = problem.problem.held->impulses(run.result.r);
   return s;
 }
 
@@ -113,6 +114,7 @@ void write_solution(const fs::path& path, const Solution& s) {
       h5::Group group = root.create_group("solution");
       group.write("r", std::span<const double>(s.r));
       group.write("u", std::span<const double>(s.u));
+      if (!s.l.empty()) group.write("l", std::span<const double>(s.l));
     }
     file.close();
   } catch (const h5::Error& error) {

@@ -19,6 +19,7 @@ struct Solution {
   double residual = -1;                          ///< relative; -1 when the file does not say
   std::vector<double> r;                         ///< [rows] [N s]
   std::vector<double> u;                         ///< [rows] [m/s]
+  std::vector<double> l;                         ///< of bilateral rows, if any; not read back [N s]
 };
 
 /// The run on a problem that came nearest to the law: of those on the cone if there are any.
@@ -29,7 +30,7 @@ const SolverRun& best_run(const std::vector<SolverRun>& runs);
 /// @param model  that it solved
 Solution solution_of(const ReadyProblem& problem, const SolverRun& run, AssembledModel model);
 
-/// Replaces the file: HDF5, `/solution/r` and `/solution/u` as FCLIB has them, the rest as
+/// Replaces the file: HDF5, `/solution/r`, `/solution/u` and, where rows are bilateral, `/solution/l` as FCLIB has them, the rest as
 /// attributes of the root. docs/solve.md. @throws RunError
 void write_solution(const std::filesystem::path& path, const Solution& solution);
 

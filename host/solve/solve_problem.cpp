@@ -55,6 +55,8 @@ SolverRun find_reference(ReadyProblem& problem, const std::string& solver,
 
 ReadyProblem ready_matrix_free(const std::string& name, const StoredProblem& stored) {
   const auto* bodies = std::get_if<BodyProblem>(&stored.form);
+  if (bodies != nullptr && !bodies->bilateral.empty())
+    throw InputError("it has bilateral rows, which --matrix-free does not know: leave that out");
   if (bodies == nullptr || bodies->layout != ContactLayout::rolling) return ready(name, stored);
   ReadyProblem p;
   p.name = name;
@@ -72,10 +74,38 @@ std::vector<double> velocity_of(const ReadyProblem& problem, AssembledModel mode
   return problem.rolling ? of(*problem.rolling) : of(problem.problem);
 }
 
+std::vector<std::string> solvers_that_hold_rows() {
+  std::vector<std::string> names = assembled_solver_names();
+  std::erase_if(names, [](const std::string& name) {
+    return !make_assembled_solver(name)->traits().holds_rows;
+  });
+  return names;
+}
+
+namespace {
+
+/// @throws AssembledError when a solver does not know bilateral rows, or none does on the target
+void require_held_rows(const std::vector<std::string>& solvers, const AssembledTarget& target) {
+  if (target.cuda)
+    throw AssembledError("it has bilateral rows, which no solver knows on cuda; expected cpu");
+  const std::vector<std::string> able = solvers_that_hold_rows();
+  std::vector<std::string> rest = solvers;
+  std::erase_if(rest, [&](const std::string& name) {
+    return std::find(able.begin(), able.end(), name) != able.end();
+  });
+  if (!rest.empty())
+    throw AssembledError(fmt::format("it has bilateral rows, which {} {} not know; these do: {}",
+                                     fmt::join(rest, ", "), rest.size() == 1 ? "does" : "do",
+                                     fmt::join(able, ", ")));
+}
+
+}  // namespace
+
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
                                    const std::vector<std::string>& solvers,
                                    const AssembledOptions& options,
                                    const AssembledTarget& target) try {
+  if (problem.problem.held) require_held_rows(solvers, target);
   std::vector<SolverRun> runs;
   for (const std::string& name : solvers) {
     AssembledOptions o = options;

@@ -55,11 +55,14 @@ std::vector<double> velocity_of(const ReadyProblem& problem, AssembledModel mode
 
 /// Runs solvers by name one after another, each from the guess of the options.
 /// @throws InputError naming an unknown solver and the known ones, one that has no form for the
-///         target or does not take rolling friction, or an option out of range
+///         target or does not take rolling friction or bilateral rows, or an option out of range
 std::vector<SolverRun> run_solvers(const ReadyProblem& problem,
                                    const std::vector<std::string>& solvers,
                                    const AssembledOptions& options,
                                    const AssembledTarget& target = {});
+
+/// Names of solvers that take problems with bilateral rows.
+std::vector<std::string> solvers_that_hold_rows();
 
 /// Those of the names that make_assembled_solver does not know for CUDA.
 std::vector<std::string> without_cuda_form(const std::vector<std::string>& names);

@@ -117,6 +117,9 @@ std::string to_table(const ProblemReport& report) {
   std::string text = fmt::format("{}: {} contacts ", report.name, report.contact_count);
   text +=
       report.dimension == 5 ? "with rolling friction" : fmt::format("in {}-D", report.dimension);
+  if (report.bilateral_rows > 0) text += fmt::format(", {} bilateral rows", report.bilateral_rows);
+  if (report.dependent_rows > 0)
+    text += fmt::format(" ({} depend on others)", report.dependent_rows);
   if (report.asymmetry > 1e-12) text += fmt::format(", W unsymmetric by {:.1e}", report.asymmetry);
   if (!report.runs.empty()) text += ", on " + report.runs.front().backend;
   if (report.reference.has_value())
@@ -177,6 +180,8 @@ nlohmann::json to_json(const std::vector<ProblemReport>& reports,
                         {"contacts", report.contact_count},
                         {"dimension", report.dimension},
                         {"asymmetry", report.asymmetry},
+                        {"bilateral_rows", report.bilateral_rows},
+                        {"dependent_rows", report.dependent_rows},
                         {"runs", runs}});
     if (report.reference.has_value()) problems.back()["reference"] = json_of(*report.reference);
   }

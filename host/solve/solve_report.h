@@ -23,6 +23,8 @@ struct ProblemReport {
   /// Whose answer velocity errors are against, see find_reference.
   std::optional<SolverRun> reference;
   std::vector<SolverRun> runs;
+  int bilateral_rows = 0;
+  int dependent_rows = 0;  ///< of these, on others of them
 };
 
 /// A file of a folder that could not be read or solved.

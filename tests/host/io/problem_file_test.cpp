@@ -242,9 +242,44 @@ class ProblemLayout : public ::testing::Test {
 
 TEST_F(ProblemLayout, OtherVersionsAreRefused) {
   EXPECT_THAT(refusal_after(
+                  [](h5::Group& root) { root.write_attribute<std::int64_t>("format_version", 3); }),
+              testing::AllOf(HasSubstr(path_.string()), HasSubstr("format_version is 3"),
+                             HasSubstr("expected 1 or 2")));
+}
+
+TEST_F(ProblemLayout, BilateralRowsAreAVersionOfTheirOwn) {
+  BodyProblem p = random_body_problem({.layout = ContactLayout::general});
+  for (int k = 0; k < 3; ++k) {
+    BilateralRow row;
+    row.body_b = k + 1;
+    row.arm_a = {1, 2.0 + k, 3};
+    row.arm_b = {4, 5, 6.0 + k};
+    row.force = {0, 0.1 * k, 1};
+    row.moment = {7.0 + k, 8, 9};
+    row.bias = 0.3 * k;
+    row.impulse = -0.7 * k;
+    p.bilateral.push_back(row);
+  }
+  const auto version = [&] {
+    return h5::File::open(path_).root().attribute<std::int64_t>("format_version");
+  };
+  EXPECT_EQ(version(), 1);
+  write_problem(path_, stored(p));
+  EXPECT_EQ(version(), 2);
+  EXPECT_EQ(std::get<BodyProblem>(read_problem(path_).form).bilateral, p.bilateral);
+}
+
+TEST_F(ProblemLayout, BilateralRowsMustBeThereAndOfOneNumber) {
+  EXPECT_THAT(refusal_after(
                   [](h5::Group& root) { root.write_attribute<std::int64_t>("format_version", 2); }),
-              testing::AllOf(HasSubstr(path_.string()), HasSubstr("format_version is 2"),
-                             HasSubstr("expected 1")));
+              HasSubstr("bilateral/body_a: no such dataset"));
+  EXPECT_THAT(refusal_after([](h5::Group& root) {
+                h5::Group rows = root.create_group("bilateral");
+                const std::int32_t two[] = {0, 0};
+                rows.write("body_a", std::span<const std::int32_t>(two, 2));
+                rows.write("body_b", std::span<const std::int32_t>(two, 1));
+              }),
+              HasSubstr("bilateral/body_b has 1 rows, expected 2 (as bilateral/body_a)"));
 }
 
 TEST_F(ProblemLayout, UnknownContactLayoutsAreRefused) {

@@ -27,15 +27,17 @@ class BodyOrder {
   }
 
   /// Computes the order for these positions; apply() then moves the arrays. No host read.
-  void compute(B& b, Span<const Vec3<double>> position) {
+  /// @param late  the last ones in storage, until others come
+  void compute(B& b, Span<const Vec3<double>> position, const LateBodies& late = {}) {
     count_ = static_cast<Index>(position.size);
-    reduce<Sums<4>>(b, count_, SumPositions{position}, StoreResult<Sums<4>>{center_.data()});
-    reduce<Sums<1>>(b, count_, SumDeviations{position, center_.data()},
+    const Index measured = late.count < count_ ? count_ - late.count : count_;
+    reduce<Sums<4>>(b, measured, SumPositions{position}, StoreResult<Sums<4>>{center_.data()});
+    reduce<Sums<1>>(b, measured, SumDeviations{position, center_.data()},
                     StoreResult<Sums<1>>{distance_.data()});
     const Span<std::uint64_t> key = key_.resize_discard(count_);
     const Span<Index> order = order_.resize_discard(count_);
-    for_each(b, count_, MortonKeys{position, center_.data(), distance_.data(), key, order});
-    sort_pairs(b, sort_, key, order, 3 * kMortonBits);
+    for_each(b, count_, MortonKeys{position, center_.data(), distance_.data(), late, key, order});
+    sort_pairs(b, sort_, key, order, MortonKeys::kLateBit + (late.count > 0 ? 1 : 0));
     for_each(b, count_, InvertOrder{order, new_of_old_.resize_discard(count_)});
   }
 

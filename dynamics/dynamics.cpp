@@ -24,5 +24,6 @@ void Dynamics::set_motion(int /*body*/, const Motion& /*motion*/) { refuse("set_
 void Dynamics::apply_force(int /*body*/, const Vec3d& /*force*/, const Vec3d& /*torque*/) {
   refuse("apply_force()");
 }
+void Dynamics::change_bodies(const std::vector<int>& /*removed*/) { refuse("add() and remove()"); }
 
 }  // namespace scree

@@ -40,6 +40,19 @@ class Dynamics {
   virtual void set_motion(int body, const Motion& motion);
   virtual void apply_force(int body, const Vec3d& force, const Vec3d& torque);
 
+  /// For World::add() and remove(), which make a run of other bodies that goes on from this one. Models that cannot say so.
+  virtual bool bodies_may_change() const { return false; }
+  /// Whether a body is in the simulation now, and the end of the ids of those that were inserted.
+  virtual bool has_body(int id) const { return id >= 0 && id < body_count(); }
+  virtual int id_end() const { return body_count(); }
+  /// First call to a new run: the bodies that programs added enter (host/scene/added_bodies.h), others are no more.
+  /// @param removed  ids, rising
+  virtual void change_bodies(const std::vector<int>& removed);
+  /// A state with what checkpoints do not hold, for enter() of a run of other bodies: contacts of bodies that are no more
+  /// are left out, new ones come as they are described.
+  virtual WorldState leave() { return save(); }
+  virtual void enter(const WorldState& left) { restore(left); }
+
   virtual std::vector<ArrayInfo> arrays() = 0;
   virtual ArrayView array(const std::string& name) = 0;
   virtual void arrays_changed(Written what) = 0;

@@ -32,6 +32,8 @@ struct WorldOptions {
   /// Whether contacts of spheres are kept apart from those that need lever arms, where a scene has
   /// both. Results are the same within the solver's tolerance; false is for comparisons, and set by programs only.
   bool contact_groups = true;
+  /// Whether bodies may be added and removed. The World then keeps the descriptions of all bodies in host memory.
+  bool bodies_may_change = true;
 };
 
 /// Wall-clock time of the stages of one step [ms].
@@ -70,7 +72,8 @@ struct StepReport {
   StageTimes ms;
 };
 
-/// State of all bodies inserted so far, ordered by id.
+/// State of all bodies inserted so far, ordered by id. Rows without a body are not a number: of bodies that were removed
+/// and, where bodies were added before them, of those of insertions to come.
 struct BodyStates {
   std::vector<Vec3d> position;
   std::vector<Quatd> orientation;
@@ -126,6 +129,7 @@ struct Image {
 
 struct BodyProblem;  // host/problems/body_problem.h
 class Dynamics;      // dynamics/dynamics.h: implemented once, compiled per backend and precision
+class Roster;        // host/engine/roster.h
 
 class World {
  public:
@@ -148,12 +152,15 @@ class World {
 
   std::int64_t steps_done() const;
   double time() const;
-  int body_count() const;  ///< bodies inserted so far: free, fixed and kinematic
+  int body_count() const;  ///< bodies in the simulation now: free, fixed and kinematic
+  int id_end() const;      ///< ids of all bodies that were ever in it are below: rows of states()
+  /// Whether a body is in the simulation now.
+  bool has_body(int id) const;
   BodyStates states() const;
-  /// Constants of all bodies, those that join later included; valid as long as the World.
+  /// Constants of all bodies, those that join later included; valid until add(), remove() and restore().
   const BodyConstants& constants() const;
-  /// Contacts of the last step; none after overlaps(), restore(), arrays_changed(Written::poses)
-  /// and a step that failed.
+  /// Contacts of the last step; none after overlaps(), restore(), add(), remove(),
+  /// arrays_changed(Written::poses) and a step that failed.
   std::vector<ContactRecord> contacts() const;
   /// What the joints of the scene carried in the last step, in its order.
   std::vector<JointRecord> joints() const;
@@ -171,8 +178,28 @@ class World {
   ForceRecord force_on(int body) const;
   ForceRecord force_on_group(const std::string& name) const;
 
-  /// Id of the body of that name, see Scene::body_names. @throws InputError naming the nearest name
+  /// Id of the body of that name, see Scene::body_names and add(). @throws InputError listing the names
   int body(const std::string& name) const;
+  /// Index of a group of the scene. @throws InputError listing the names
+  int group(const std::string& name) const;
+
+  /// Adds a free body, which is there in the next step. Its material, group, mesh, hull or compound is one of the scene's
+  /// (a mesh that none of its bodies has will do). Ids follow those of all bodies that the run can have, insertions to come
+  /// included, and are never given twice. Contacts, impulses and loads of the others stay, and so do tolerance, envelope
+  /// and skin; views of arrays and constants() end. It takes about as long as making the World: give many at once to add_all().
+  /// @param name  for body(); empty: none
+  /// @return its id
+  /// @throws InputError naming the body, the value and what was expected, also for shapes that could meet one without a
+  ///         pair function and when memory cannot hold it; the World is then as it was
+  int add(const BodyDescription& body, const std::string& name = {});
+  /// The same for several. @param names  one for each, or none
+  std::vector<int> add_all(const std::vector<BodyDescription>& bodies,
+                           const std::vector<std::string>& names = {});
+  /// Removes a free body with its name, contacts, impulses and loads. Ids of the others stay. Takes as long as add().
+  /// @throws InputError naming the body: it is not there, not free, or held by a joint; the World is then as it was
+  void remove(int body);
+  /// The same for several.
+  void remove_all(const std::vector<int>& bodies);
 
   /// Gravity of the steps from now on [m/s^2]; save() holds it. @throws InputError
   void set_gravity(const Vec3d& gravity);
@@ -194,7 +221,7 @@ class World {
   std::vector<ArrayInfo> arrays() const;
   /// An array in backend memory, without a copy. Arrays of bodies have a row for each free body, in
   /// an order that changes from step to step: `id` says which body a row is. A view shows what is
-  /// there until the next step(), overlaps() or restore(); then ask again. Work of the World on a
+  /// there until the next step(), overlaps(), add(), remove() or restore(); then ask again. Work of the World on a
   /// device is done when its calls return; what a program reads or writes must be done, or ordered
   /// before the work on the view's stream, when it makes the next call. A program may write
   ///   velocity, angular_velocity, position, orientation   between steps: arrays_changed() follows;
@@ -213,7 +240,9 @@ class World {
   ///         range; they stay as written
   void arrays_changed(Written what);
 
+  /// Bodies that were added or removed are in it.
   WorldState save() const;
+  /// The bodies are those of the state then, whichever a program added or removed since.
   /// @throws InputError when the state does not fit the scene
   void restore(const WorldState& state);
 
@@ -226,6 +255,10 @@ class World {
  private:
   void release() noexcept;
   BodyKind kind_of(int body) const;
+  void require_changing_bodies(const char* call) const;
+  /// Makes a run of other bodies and calls go_on(its dynamics, state of this run). When that fails, this run goes on.
+  void become(std::unique_ptr<Roster> next,
+              const std::function<void(Dynamics&, const WorldState&)>& go_on);
 
   /// What of the scene outlives it.
   struct Names {
@@ -234,6 +267,9 @@ class World {
     double time_step = 0;  ///< [s]
   };
   Names names_;
+  WorldOptions options_;
+  std::unique_ptr<Roster> roster_;  ///< null: bodies do not change
+  std::size_t peak_before_ = 0;     ///< of runs of other bodies before this one [bytes]
   std::unique_ptr<Dynamics> dynamics_;
 };
 

@@ -3,6 +3,7 @@
 
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/obstacles.h"
+#include "host/scene/added_bodies.h"
 #include "host/scene/particle_shapes.h"
 #include "host/scene/scene_summary.h"
 
@@ -14,7 +15,12 @@ class BodyLoading {
   /// @param scene  loses the descriptions of bodies as they are loaded; it, the store and the
   ///               shapes outlive this object
   BodyLoading(Scene& scene, BodyStore<B, Real>& store, const Obstacles<B, Real>& obstacles)
-      : scene_(&scene), store_(&store), obstacles_(&obstacles) {}
+      : scene_(&scene),
+        store_(&store),
+        obstacles_(&obstacles),
+        insertion_count_(timed_insertions(scene)),
+        added_count_(static_cast<Index>(added_count(scene))),
+        id_end_(static_cast<Index>(count_bodies(scene).all())) {}
 
   /// The bodies that are there from the start.
   void load_first() { load(scene_->bodies, scene_->particles); }
@@ -25,7 +31,7 @@ class BodyLoading {
   bool insert_due(double time) {
     const std::uint64_t before = insertions_done_;
     const double now = time + 1e-9 * scene_->stepping.time_step;
-    while (insertions_done_ < scene_->insertions.size() &&
+    while (insertions_done_ < insertion_count_ &&
            scene_->insertions[insertions_done_].time <= now) {
       insert_next();
     }
@@ -35,11 +41,32 @@ class BodyLoading {
   /// The first insertions of the scene, however late it is: for a restored simulation.
   /// @throws InputError when the scene has fewer
   void insert_first(std::uint64_t count) {
-    if (count > scene_->insertions.size()) throw_wrong_insertions(count, scene_->insertions.size());
+    if (count > insertion_count_) throw_wrong_insertions(count, insertion_count_);
     while (insertions_done_ < count) insert_next();
   }
 
   std::uint64_t insertions_done() const { return insertions_done_; }
+
+  /// The bodies that a program added, once.
+  void insert_added() {
+    if (added_count_ == 0 || has_added_) return;
+    const Index next = std::exchange(next_id_, first_added());
+    load(scene_->insertions.back().bodies, scene_->insertions.back().particles);
+    next_id_ = next;
+    has_added_ = true;
+  }
+
+  /// End of the ids of the bodies that came so far; bodies of insertions yet to come may be among them.
+  Index id_end() const { return has_added_ ? id_end_ : next_id_; }
+  /// Whether a body came so far.
+  bool has_come(Index id) const {
+    return id >= 0 && (id < next_id_ || (has_added_ && id >= first_added() && id < id_end_));
+  }
+  /// First id of the bodies that a program added, and whether they came.
+  Index first_added() const { return id_end_ - added_count_; }
+  bool has_added() const { return has_added_; }
+  /// Of all bodies that there can ever be.
+  Index id_count() const { return id_end_; }
 
  private:
   /// Uploads bodies, which get the next ids, and frees the host's memory of them as it goes.
@@ -73,6 +100,10 @@ class BodyLoading {
   Scene* scene_;
   BodyStore<B, Real>* store_;
   const Obstacles<B, Real>* obstacles_;
+  std::uint64_t insertion_count_;  ///< with a time
+  Index added_count_;              ///< by programs
+  Index id_end_;                   ///< of all bodies that there can ever be
+  bool has_added_ = false;
   Index next_id_ = 0;
   std::uint64_t insertions_done_ = 0;
 };

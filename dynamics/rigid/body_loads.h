@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/world_state.h"
 #include "kernels/step/applied_loads.h"
 #include "kernels/step/loads.h"
 
@@ -36,6 +37,48 @@ class BodyLoads {
   bool is_used() const { return is_used_; }
   Span<Vec3<Real>> force() { return force_.view(); }
   Span<Vec3<Real>> torque() { return torque_.view(); }
+
+  /// Adds what is not zero to a state: forces and torques of all ids by turns, and those of the next step.
+  void leave(B& b, WorldState& s) {
+    const auto by_turns = [](const auto& force, const auto& torque) {
+      std::vector<Vec3d> rows;
+      for (std::size_t k = 0; k < force.size(); ++k) {
+        rows.emplace_back(force[k]);
+        rows.emplace_back(torque[k]);
+      }
+      return rows;
+    };
+    if (!is_used_) return;
+    s.add("run/load", by_turns(download(b, force_.view()), download(b, torque_.view())));
+    std::vector<std::int32_t> body;
+    std::vector<Vec3d> force, torque;
+    for (const auto& [id, load] : applied_) {
+      body.push_back(id);
+      force.push_back(load.first);
+      torque.push_back(load.second);
+    }
+    s.add("run/applied_body", std::move(body));
+    s.add("run/applied", by_turns(force, torque));
+  }
+  /// Takes them over in a run of other bodies. @param has_body  by id
+  template <class HasBody>
+  void enter(B& b, const WorldState& s, HasBody has_body) {
+    if (!s.has("run/load")) return;
+    use(b);
+    const std::vector<Vec3d>& load = s.at<Vec3d>("run/load");
+    std::vector<Vec3<Real>> force(static_cast<std::size_t>(count_)), torque(force);
+    for (std::size_t id = 0; 2 * id < load.size(); ++id) {
+      if (!has_body(static_cast<Index>(id))) continue;
+      force[id] = Vec3<Real>(load[2 * id]);
+      torque[id] = Vec3<Real>(load[2 * id + 1]);
+    }
+    upload(b, force, force_);
+    upload(b, torque, torque_);
+    const std::vector<std::int32_t>& body = s.at<std::int32_t>("run/applied_body");
+    const std::vector<Vec3d>& applied = s.at<Vec3d>("run/applied");
+    for (std::size_t k = 0; k < body.size(); ++k)
+      if (has_body(body[k])) apply(b, body[k], applied[2 * k], applied[2 * k + 1]);
+  }
 
   /// Adds a load of the next step.
   void apply(B& b, Index id, const Vec3d& force, const Vec3d& torque) {

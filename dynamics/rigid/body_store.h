@@ -2,6 +2,7 @@
 // The bodies of a running simulation in backend memory, and the maps between storage order and ids.
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -177,8 +178,21 @@ class BodyStore {
     put_owned(s.at<Vec3d>("body/velocity"), velocity_);
     put_owned(s.at<Vec3d>("body/angular_velocity"), angular_velocity_);
   }
+  /// Takes bodies out that are owned; the others keep their order. @param removed  ids, rising
+  void drop(const std::vector<int>& removed) {
+    const Index before = ranges_.owned_count;
+    std::vector<Index> stay = take(id_, 0, before);
+    std::erase_if(stay, [&](Index id) {
+      return std::binary_search(removed.begin(), removed.end(), static_cast<int>(id));
+    });
+    const auto left = static_cast<Index>(stay.size());
+    if (left == before) return;
+    arrange(stay);
+    fill(*b_, Span<Index>{id_.data() + left, before - left}, Index(-1));
+    set_owned_count(left);
+  }
   /// Brings the owned bodies into the storage order of a saved state.
-  /// @param id  [owned_count] ids in that order
+  /// @param id  ids in that order; bodies that are not named are left behind them
   /// @throws InputError when they are not those of the owned bodies
   void arrange(const std::vector<int>& id) {
     const std::vector<Index> now = take(id_, 0, ranges_.owned_count);
@@ -195,7 +209,7 @@ class BodyStore {
     }
     Buffer<B, Index> on_backend(*b_);
     upload(*b_, order, on_backend);
-    const Index n = ranges_.owned_count;
+    const auto n = static_cast<Index>(order.size());
     for_each_array([&](auto& array) {
       std::remove_reference_t<decltype(array)> moved(*b_, n);
       using Value = std::remove_pointer_t<decltype(array.data())>;
@@ -205,14 +219,15 @@ class BodyStore {
     });
   }
 
-  /// States of the bodies inserted so far, by id.
-  BodyStates states() {
-    const auto n = static_cast<std::size_t>(ranges_.without_ghosts().present_count());
+  /// States of the bodies by id; not a number where there is none. @param id_end  behind those inserted so far
+  BodyStates states(Index id_end) {
+    const auto n = static_cast<std::size_t>(id_end);
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     BodyStates out;
-    out.position.resize(n);
-    out.orientation.resize(n);
-    out.velocity.resize(n);
-    out.angular_velocity.resize(n);
+    out.position.resize(n, Vec3d{kNone, kNone, kNone});
+    out.orientation.resize(n, Quatd{kNone, kNone, kNone, kNone});
+    out.velocity.resize(n, Vec3d{kNone, kNone, kNone});
+    out.angular_velocity.resize(n, Vec3d{kNone, kNone, kNone});
     const auto scatter_chunk = [&](Index begin, Index count) {
       const std::vector<Index> id = take(id_, begin, count);
       scatter(take(position_, begin, count), id, out.position);

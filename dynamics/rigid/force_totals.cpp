@@ -99,4 +99,18 @@ void ForceTotals::restore(const WorldState& s) {
   steps_ = static_cast<std::int64_t>(steps[0]);
 }
 
+void ForceTotals::leave(WorldState& s) const {
+  std::vector<Vec3d> rows;
+  for (const Sum& sum : last_) {
+    rows.push_back(sum.impulse);
+    rows.push_back(sum.torque);
+  }
+  s.add("run/force", std::move(rows));
+}
+
+void ForceTotals::enter(const WorldState& s) {
+  const std::vector<Vec3d>& rows = s.at<Vec3d>("run/force");
+  for (std::size_t k = 0; k < last_.size(); ++k) last_[k] = {rows[2 * k], rows[2 * k + 1]};
+}
+
 }  // namespace scree

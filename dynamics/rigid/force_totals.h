@@ -29,6 +29,9 @@ class ForceTotals {
   void save(WorldState& s) const;
   /// Takes sums over that fit the scene; starts afresh without any. @throws InputError when they do not
   void restore(const WorldState& s);
+  /// Those of the last step, for a run of other bodies.
+  void leave(WorldState& s) const;
+  void enter(const WorldState& s);
 
  private:
   struct Sum {

@@ -1,6 +1,7 @@
 #pragma once
 // Shape records of all bodies that are not spheres, and the meshes, for collision and for pictures.
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -56,6 +57,18 @@ class Obstacles {
   MeshSetView<Real> mesh_set() const {
     return {vertices_.view(vertex_count_), triangles_.view(triangle_count_),
             ranges_.view(range_count_), hulls_->view()};
+  }
+
+  /// [parts] id of the body of each.
+  std::vector<Index> part_owners() const {
+    std::vector<Index> owner(data_.parts.size(), -1);
+    for (const auto& [id, shape] : shape_of_id_) {
+      const ShapeRecord<Real>& record = data_.shapes[static_cast<std::size_t>(shape)];
+      if (!shape_card(record.kind).is_compound) continue;
+      const auto k = static_cast<std::size_t>(record.mesh);
+      std::fill(owner.begin() + data_.first_part[k], owner.begin() + data_.first_part[k + 1], id);
+    }
+    return owner;
   }
 
   /// Shape record of a body by id, -1 for a sphere.

@@ -9,6 +9,7 @@
 #include "dynamics/model_on.h"
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/body_store.h"
+#include "dynamics/rigid/changed_bodies.h"
 #include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/contact_records.h"
 #include "dynamics/rigid/force_sums.h"
@@ -168,7 +169,38 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   int body_count() const override { return store_.ranges().without_ghosts().present_count(); }
-  BodyStates states() override { return store_.states(); }
+  BodyStates states() override { return store_.states(loading_.id_end()); }
+
+  bool bodies_may_change() const override { return true; }
+  bool has_body(int id) const override {
+    return loading_.has_come(id) && !std::binary_search(removed_.begin(), removed_.end(), id);
+  }
+  int id_end() const override { return loading_.id_end(); }
+  void change_bodies(const std::vector<int>& removed) override {
+    removed_ = removed;
+    loading_.insert_added();
+    store_.drop(removed_);
+    parts_.forget();
+  }
+  WorldState leave() override {
+    WorldState s = this->save();
+    leave_naming(naming(), obstacles_.part_owners(), s);
+    loads_.leave(backend(), s);
+    if (tracks_forces_) forces_.leave(s);
+    return s;
+  }
+  void enter(const WorldState& left) override {
+    loading_.insert_first(left.insertions_done);
+    store_.drop(removed_);
+    WorldState own;
+    store_.save_owned(own);
+    WorldState s = left;
+    change_state(naming(), removed_, own, s);
+    tracks_forces_ = s.has("run/force");
+    this->restore(s);
+    if (tracks_forces_) forces_.enter(s);
+    loads_.enter(backend(), s, [this](Index id) { return has_body(id); });
+  }
 
   std::vector<ContactRecord> contacts() override {
     if (!has_solved_contacts_) return {};
@@ -262,6 +294,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   void restore_arrays(const WorldState& s) override {
     loading_.insert_first(s.insertions_done);
+    store_.drop(removed_);
     forget_solved_contacts();
     joints_.check(s);
     restore_state(backend(), s, vectors(), store_, parts_, detector_, *solver_);
@@ -294,6 +327,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     forces_.count_step();
   }
 
+  ContactNaming naming() const { return {loading_.id_count(), summary_.layout}; }
   int vectors() const { return vectors_per_contact(summary_.layout); }
   /// Marks belong to contacts, and solvers do without any as well.
   bool keeps_marks() const { return solver_->keeps_marks() && joints_.count() == 0; }
@@ -381,12 +415,21 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return s;
   }
 
+  /// What programs added stays behind the bodies of the scene.
+  LateBodies added_bodies() {
+    const Index first = loading_.first_added();
+    const auto gone = removed_.end() - std::lower_bound(removed_.begin(), removed_.end(), first);
+    const Index count = loading_.id_end() - first - static_cast<Index>(gone);
+    if (!loading_.has_added() || count == 0) return {};
+    return {store_.view().id.first(store_.owned_count()), first, count};
+  }
+
   /// Sorts the owned bodies along the Morton curve and renames the kept contacts accordingly.
   void reorder() {
     B& b = backend();
     parts_.place(store_.view());  // by the old order
     BodyOrder<B> order(b);
-    order.compute(b, store_.view().position.first(store_.owned_count()));
+    order.compute(b, store_.view().position.first(store_.owned_count()), added_bodies());
     store_.for_each_array([&](auto& array) { order.apply(b, array.view()); });
     Buffer<B, Index> place(b);
     const Span<const Index> new_of_old = parts_.follow(store_.view(), order.new_of_old(), place);
@@ -421,6 +464,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   ForceTotals forces_;
   bool tracks_forces_ = false;
   std::unique_ptr<Solver<B, Real>> solver_;
+  std::vector<int> removed_;  ///< ids of bodies that are no more, rising
   BodyLoading<B, Real> loading_;
   bool has_solved_contacts_ = false;  ///< the detector has those of the last step
 };

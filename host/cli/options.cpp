@@ -88,6 +88,7 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   const std::string backend = target.backend.empty() ? scene.backend : target.backend;
   const std::string precision = target.precision.empty() ? scene.precision : target.precision;
   WorldOptions options;
+  options.bodies_may_change = false;
   options.threads = target.threads;
   options.memory_limit = static_cast<std::size_t>(target.memory * (1 << 20));
   if (precision == "double") {

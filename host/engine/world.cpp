@@ -11,6 +11,7 @@
 
 #include "dynamics/dynamics.h"
 #include "host/engine/cuda_device.h"
+#include "host/engine/roster.h"
 #include "host/error.h"
 
 namespace scree {
@@ -74,6 +75,8 @@ std::size_t free_host_memory() {
 
 World::World(Scene scene, const WorldOptions& options)
     : names_{scene.body_names, scene.groups, scene.stepping.time_step},
+      options_(options),
+      roster_(options.bodies_may_change ? std::make_unique<Roster>(scene) : nullptr),
       dynamics_(dynamics_for(std::move(scene), options)) {}
 World::~World() { release(); }
 World::World(World&&) noexcept = default;
@@ -81,6 +84,9 @@ World& World::operator=(World&& other) noexcept {
   if (this == &other) return *this;
   release();
   names_ = std::move(other.names_);
+  options_ = other.options_;
+  roster_ = std::move(other.roster_);
+  peak_before_ = other.peak_before_;
   dynamics_ = std::move(other.dynamics_);
   return *this;
 }
@@ -114,6 +120,8 @@ StepReport World::run(double seconds, const std::function<bool(const StepReport&
 std::int64_t World::steps_done() const { return dynamics_->steps_done(); }
 double World::time() const { return dynamics_->time(); }
 int World::body_count() const { return dynamics_->body_count(); }
+int World::id_end() const { return dynamics_->id_end(); }
+bool World::has_body(int id) const { return dynamics_->has_body(id); }
 BodyStates World::states() const { return OnDevice(*dynamics_)->states(); }
 const BodyConstants& World::constants() const { return dynamics_->constants(); }
 std::vector<ContactRecord> World::contacts() const { return OnDevice(*dynamics_)->contacts(); }
@@ -122,7 +130,9 @@ void World::track_forces() { OnDevice(*dynamics_)->track_forces(); }
 MeanForces World::take_forces() { return OnDevice(*dynamics_)->take_forces(); }
 
 BodyKind World::kind_of(int body) const {
-  if (body < 0 || body >= dynamics_->body_count())
+  if (roster_ != nullptr && roster_->is_removed(body))
+    throw InputError("body " + std::to_string(body) + " is not in the simulation: it was removed");
+  if (!dynamics_->has_body(body))
     throw InputError("body " + std::to_string(body) + " is not in the simulation: it has " +
                      std::to_string(dynamics_->body_count()) + " bodies now, numbered from 0");
   return dynamics_->constants()[static_cast<std::size_t>(body)].kind;
@@ -133,10 +143,14 @@ ForceRecord World::force_on(int body) const {
   return OnDevice(*dynamics_)->force_on_body(body);
 }
 
-ForceRecord World::force_on_group(const std::string& name) const {
+int World::group(const std::string& name) const {
   const auto found = std::find(names_.groups.begin(), names_.groups.end(), name);
   if (found == names_.groups.end()) throw_unknown_name("group", name, names_.groups);
-  return OnDevice(*dynamics_)->force_on_group(static_cast<int>(found - names_.groups.begin()));
+  return static_cast<int>(found - names_.groups.begin());
+}
+
+ForceRecord World::force_on_group(const std::string& name) const {
+  return OnDevice(*dynamics_)->force_on_group(group(name));
 }
 
 int World::body(const std::string& name) const {
@@ -177,13 +191,94 @@ std::vector<ContactRecord> World::overlaps() const { return OnDevice(*dynamics_)
 std::vector<ArrayInfo> World::arrays() const { return OnDevice(*dynamics_)->arrays(); }
 ArrayView World::array(const std::string& name) { return OnDevice(*dynamics_)->array(name); }
 void World::arrays_changed(Written what) { OnDevice(*dynamics_)->arrays_changed(what); }
-WorldState World::save() const { return OnDevice(*dynamics_)->save(); }
-void World::restore(const WorldState& state) { OnDevice(*dynamics_)->restore(state); }
+
+void World::require_changing_bodies(const char* call) const {
+  if (!dynamics_->bodies_may_change())
+    throw InputError(std::string("the dynamics of this scene have no ") + call);
+  if (roster_ == nullptr)
+    throw InputError(std::string(call) + " needs WorldOptions::bodies_may_change");
+}
+
+void World::become(std::unique_ptr<Roster> next,
+                   const std::function<void(Dynamics&, const WorldState&)>& go_on) {
+  const WorldState left = OnDevice(*dynamics_)->leave();
+  const auto make = [&](const Roster& roster, const auto& then) {
+    dynamics_ = dynamics_for(roster.scene(), options_);
+    const OnDevice on_device(*dynamics_);
+    dynamics_->change_bodies(roster.removed());
+    then(*dynamics_, left);
+  };
+  peak_before_ = peak_memory();
+  release();  // its memory is for what comes
+  try {
+    make(*next, go_on);
+  } catch (...) {
+    if (dynamics_ != nullptr) release();
+    make(*roster_, [](Dynamics& dynamics, const WorldState& state) { dynamics.enter(state); });
+    throw;
+  }
+  roster_ = std::move(next);
+  names_.bodies = roster_->names();
+}
+
+int World::add(const BodyDescription& body, const std::string& name) {
+  return add_all({body}, {name})[0];
+}
+
+std::vector<int> World::add_all(const std::vector<BodyDescription>& bodies,
+                                const std::vector<std::string>& names) {
+  require_changing_bodies("add()");
+  if (!names.empty() && names.size() != bodies.size())
+    throw InputError("add_all(): " + std::to_string(names.size()) +
+                     " names are not allowed: must be " + "one for each of " +
+                     std::to_string(bodies.size()) + " bodies, or none");
+  if (bodies.empty()) return {};
+  auto next = std::make_unique<Roster>(*roster_);
+  std::vector<int> ids = next->add(bodies, names);
+  require_solver(next->scene(), options_);
+  become(std::move(next), [](Dynamics& dynamics, const WorldState& left) { dynamics.enter(left); });
+  return ids;
+}
+
+void World::remove(int body) { remove_all({body}); }
+
+void World::remove_all(const std::vector<int>& bodies) {
+  require_changing_bodies("remove()");
+  if (bodies.empty()) return;
+  auto next = std::make_unique<Roster>(*roster_);
+  for (const int body : bodies) {
+    if (kind_of(body) != BodyKind::free)
+      throw InputError("remove(): body " + std::to_string(body) +
+                       " is not free: only free bodies can be removed");
+    if (next->is_removed(body))
+      throw InputError("remove(): body " + std::to_string(body) + " is listed twice");
+    next->remove(body);
+  }
+  become(std::move(next), [](Dynamics& dynamics, const WorldState& left) { dynamics.enter(left); });
+}
+
+WorldState World::save() const {
+  WorldState state = OnDevice(*dynamics_)->save();
+  if (roster_ != nullptr) roster_->save(state);
+  return state;
+}
+
+void World::restore(const WorldState& state) {
+  const bool has_changes = roster_ != nullptr && roster_->has_changes();
+  if (!has_changed_bodies(state) && !has_changes) {
+    OnDevice(*dynamics_)->restore(state);
+    return;
+  }
+  require_changing_bodies("a state with bodies that a program added or removed");
+  become(std::make_unique<Roster>(roster_->restored(state)),
+         [&](Dynamics& dynamics, const WorldState&) { dynamics.restore(state); });
+}
+
 Image World::render(const PictureSettings& settings) const {
   return OnDevice(*dynamics_)->render(settings);
 }
 std::size_t World::memory() const { return dynamics_->memory(); }
-std::size_t World::peak_memory() const { return dynamics_->peak_memory(); }
+std::size_t World::peak_memory() const { return std::max(peak_before_, dynamics_->peak_memory()); }
 
 bool backend_available(BackendKind kind, std::string* reason, int device) {
   if (kind == BackendKind::cpu) {

@@ -11,6 +11,9 @@
 // Arrays of rigid bodies: body/id, position, orientation (w, x, y, z), velocity, angular_velocity in
 // storage order; contact/body_a and body_b (ids; -1: a wall), feature, impulse, mark; joint/impulse
 // (force and moment by turns) where there are joints; solver/memory.
+// Of bodies that a program added, by turns: added/integer (shape, open faces, mesh, material, group, locks), number (radius, volume,
+// mass), vector (position, velocity, angular velocity, inertia, half extents, normal, moments), orientation, name (number of the
+// body, length, letters); added/removed: ids of those that are no more.
 // Version 1, which is still read, had no attribute dynamics, and contact/key, names of contacts in
 // places of storage, where body_a, body_b, feature and mark are now.
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "host/scene/added_bodies.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/motion.h"
 #include "host/scene/particle_shapes.h"
@@ -52,13 +53,14 @@ double bounding_radius(const Scene& scene, const BodyDescription& body) {
 
 namespace {
 
-/// Calls f(diameter, count) for the free bodies; count: how many bodies in a row have it.
+/// Calls f(diameter, count) for the free bodies with ids below `end`; count: how many bodies in a row have it.
 template <class F>
-void for_each_diameter(const Scene& scene, F f) {
+void for_each_diameter(const Scene& scene, std::size_t end, F f) {
   for_each_by_id(
       scene,
-      [&](std::size_t, const BodyDescription& body) {
-        if (body.kind == BodyKind::free) f(2 * bounding_radius(scene, body), std::size_t{1});
+      [&](std::size_t id, const BodyDescription& body) {
+        if (id < end && body.kind == BodyKind::free)
+          f(2 * bounding_radius(scene, body), std::size_t{1});
       },
       [&](std::size_t, const ParticleSet& set) {
         const std::size_t count = set.position.size();
@@ -70,17 +72,21 @@ void for_each_diameter(const Scene& scene, F f) {
       });
 }
 
-void find_diameters(const Scene& scene, std::size_t free_count, SceneSummary& s) {
+/// The median is that of the scene: bodies that a program adds leave tolerance, envelope and skin as they are.
+void find_diameters(const Scene& scene, const BodyCounts& count, SceneSummary& s) {
+  const std::size_t end = count.all() - added_count(scene);
   double smallest = std::numeric_limits<double>::infinity();
-  for_each_diameter(scene, [&](double diameter, std::size_t) {
+  for_each_diameter(scene, end, [&](double diameter, std::size_t) {
     smallest = std::min(smallest, diameter);
+    s.median_diameter = std::max(s.median_diameter, diameter);
+  });
+  for_each_diameter(scene, count.all(), [&](double diameter, std::size_t) {
     s.largest_diameter = std::max(s.largest_diameter, diameter);
   });
-  s.median_diameter = s.largest_diameter;
-  if (!(smallest < s.largest_diameter)) return;  // one size: no list of them is needed
+  if (!(smallest < s.median_diameter)) return;  // one size: no list of them is needed
   std::vector<double> diameters;
-  diameters.reserve(free_count);
-  for_each_diameter(scene, [&](double diameter, std::size_t count) {
+  diameters.reserve(count.free);
+  for_each_diameter(scene, end, [&](double diameter, std::size_t count) {
     diameters.insert(diameters.end(), count, diameter);
   });
   const auto middle = diameters.begin() + static_cast<std::ptrdiff_t>(diameters.size() / 2);
@@ -134,7 +140,7 @@ SceneSummary summarize(const Scene& scene) {
           s.solid_spheres = s.solid_spheres && is_ball && set.locks == 0;
         }
       });
-  find_diameters(scene, count.free, s);
+  find_diameters(scene, count, s);
   s.envelope =
       scene.stepping.envelope >= 0 ? scene.stepping.envelope : kDefaultEnvelope * s.median_diameter;
   s.skin = scene.stepping.skin >= 0 ? scene.stepping.skin : kDefaultSkin * s.median_diameter;

@@ -39,14 +39,24 @@ struct SumDeviations {
   }
 };
 
-/// Morton code of each position, and the index that is sorted with it. The 2^20 cells of an axis
-/// cover 64 mean distances from the center; farther out they repeat.
+/// Bodies that come behind all others in storage, wherever they are: those others then keep the order that they have without
+/// them.
+struct LateBodies {
+  Span<const Index> id = {};  ///< by place; empty: none is late
+  Index first_id = 0;         ///< those of late ones begin here
+  Index count = 0;
+};
+
+/// Morton code of each position, behind all others for late bodies, and the index that is sorted with it. The 2^20 cells of
+/// an axis cover 64 mean distances from the center; farther out they repeat.
 struct MortonKeys {
   static constexpr const char* name = "morton_keys";
   static constexpr double kSpan = 64;
+  static constexpr int kLateBit = 3 * kMortonBits;
   Span<const Vec3<double>> position;
   const Sums<4>* positions;
   const Sums<1>* deviations;
+  LateBodies late;
   Span<std::uint64_t> key;
   Span<Index> order;
 
@@ -60,7 +70,8 @@ struct MortonKeys {
       x -= std::floor(x);
       c[k] = x >= 0 && x < 1 ? static_cast<std::uint32_t>(x * (1u << kMortonBits)) : 0;
     }
-    key[i] = morton_code(c[0], c[1], c[2]);
+    const bool is_late = late.id.size > 0 && late.id[i] >= late.first_id;
+    key[i] = morton_code(c[0], c[1], c[2]) | static_cast<std::uint64_t>(is_late) << kLateBit;
   }
 };
 

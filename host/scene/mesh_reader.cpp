@@ -18,6 +18,7 @@
 
 #include "host/error.h"
 #include "host/io/printable.h"
+#include "host/scene/mesh_crossings.h"
 #include "kernels/bodies/range.h"
 
 namespace scree {
@@ -303,6 +304,27 @@ double volume6(const TriangleMesh& mesh) {
   return sum;
 }
 
+/// A closed surface is that of a solid.
+void check_solid(const TriangleMesh& mesh) {
+  constexpr double kFlat = 1e-9;  // of the size of the mesh, where vertices are taken for equal
+  Vec3d low = mesh.vertices[0], high = low;
+  for (const Vec3d& v : mesh.vertices)
+    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], v[k]), high[k] = std::max(high[k], v[k]);
+  double area2 = 0;
+  for (const auto& [i, j, k] : mesh.triangles)
+    area2 += norm(cross(
+        mesh.vertices[static_cast<std::size_t>(j)] - mesh.vertices[static_cast<std::size_t>(i)],
+        mesh.vertices[static_cast<std::size_t>(k)] - mesh.vertices[static_cast<std::size_t>(i)]));
+  if (!(std::abs(volume6(mesh)) > kFlat * area2 * norm(high - low)))
+    fail(mesh,
+         "encloses no volume: the surface must be that of a solid, or the scene must say "
+         "\"closed\": false");
+  if (const auto pair = crossing_triangles(mesh))
+    fail(mesh, fmt::format("triangles {} and {} cross each other: a closed surface must not cross "
+                           "itself, or the scene must say \"closed\": false",
+                           pair->first, pair->second));
+}
+
 }  // namespace
 
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& options) {
@@ -326,7 +348,9 @@ TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& opt
   weld(mesh);
   check_triangles(mesh);
   check_edges(mesh);
-  if (mesh.closed && volume6(mesh) < 0)
+  if (!mesh.closed) return mesh;
+  check_solid(mesh);
+  if (volume6(mesh) < 0)
     for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;
 }

@@ -17,7 +17,8 @@ struct MeshOptions {
 /// and a closed mesh that is inside out is turned right.
 /// @throws InputError naming the file: missing, unreadable, truncated, a number that is not one,
 ///         an index out of range, a degenerate triangle, an edge that is open or shared by more
-///         than two triangles, or neighbors of opposite orientation
+///         than two triangles, neighbors of opposite orientation, or a closed mesh that encloses no
+///         volume or crosses itself
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& options = {});
 
 }  // namespace scree

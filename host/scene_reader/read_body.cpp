@@ -98,7 +98,8 @@ class NodeSource final : public ShapeSource {
       try {
         mesh = convex_hull(points, "hull");
       } catch (const std::invalid_argument& error) {
-        node_.at(node_.has("points") ? "points" : "file", "").fail(error.what());
+        if (node_.has("points")) node_.at("points", "").fail(error.what());
+        node_.at("file", "").refuse(error.what());
       }
       if (is_free_) hull->second.frame = move_to_principal_frame(mesh, rounding);
       hull->second.shape = hull_of(mesh, rounding);

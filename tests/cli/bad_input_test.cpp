@@ -113,6 +113,52 @@ const std::vector<BadScene>& bad_scenes() {
              wall(R"({"shape": "height_field", "extent": [1, 1], "file": "no.png"})"));
        },
        {"bodies[3].height_range", "missing"}},
+      {"MeshFlat",
+       [](json& s) { s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "flat.obj"})")); },
+       {"flat.obj", "encloses no volume"}},
+      {"MeshThatCrossesItself",
+       [](json& s) { s["bodies"].push_back(wall(R"({"shape": "mesh", "file": "crossing.obj"})")); },
+       {"crossing.obj", "triangles 3 and 5 cross each other", "\"closed\": false"}},
+      {"HullOfAPlane",
+       [](json& s) {
+         s["bodies"].push_back(wall(
+             R"({"shape": "hull", "density": 1, "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]})"));
+       },
+       {"bodies[3].points", "one plane"}},
+      {"HullOfAFlatFile",
+       [](json& s) {
+         s["bodies"].push_back(wall(R"({"shape": "hull", "density": 1, "file": "flat.obj"})"));
+       },
+       {"bodies[3].file", "flat.obj", "one plane"}},
+      {"BoxWithoutThickness",
+       [](json& s) {
+         s["bodies"].push_back(wall(R"({"shape": "box", "density": 1, "size": [1, 0, 1]})"));
+       },
+       {"bodies[3].size", "[1,0,1] is not allowed", "positive"}},
+      {"JointOfABodyWithItself",
+       [](json& s) {
+         s["joints"] = {wall(R"({"type": "ball", "bodies": [1, 1], "anchor": [0, 0, 0]})")};
+       },
+       {"joints[0].bodies", "the same body twice"}},
+      {"JointWithoutAxis",
+       [](json& s) {
+         s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01, "density": 1})"));
+         s["joints"] = {wall(
+             R"({"type": "hinge", "bodies": [3, "world"], "anchor": [0, 0, 0], "axis": [0, 0, 0]})")};
+       },
+       {"joints[0].axis", "[0,0,0] is not allowed"}},
+      {"JointOfAnUnknownBody",
+       [](json& s) {
+         s["joints"] = {wall(R"({"type": "ball", "bodies": ["arm", 1], "anchor": [0, 0, 0]})")};
+       },
+       {"joints[0].bodies[0]", "\"arm\" is not allowed", "`name`"}},
+      {"JointLimitsReversed",
+       [](json& s) {
+         s["bodies"].push_back(wall(R"({"shape": "sphere", "radius": 0.01, "density": 1})"));
+         s["joints"] = {wall(R"({"type": "hinge", "bodies": [3, "world"], "anchor": [0, 0, 0],
+                                 "axis": [0, 0, 1], "limits": [1, -1]})")};
+       },
+       {"joints[0].limits", "[1,-1] is not allowed"}},
       {"CsvBadRow",
        [](json& s) {
          s["particles"].push_back(wall(R"({"layout": "file", "file": "bad.csv", "density": 1})"));
@@ -204,6 +250,13 @@ TEST_P(CliBadScene, IsRefused) {
   const Scratch scratch;
   put(scratch / "open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\n");
   put(scratch / "degenerate.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  put(scratch / "flat.obj",
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 2 1 4\nf 2 4 3\n");
+  // Two tetrahedra, one through the other.
+  put(scratch / "crossing.obj",
+      "v 0 0 0\nv 3 0 0\nv 0 3 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+      "v 0.2 0.2 -1\nv 0.6 0.2 -1\nv 0.2 0.6 -1\nv 0.3 0.3 9\n"
+      "f 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n");
   put(scratch / "bad.csv", "x,y,z,radius\n0,0,0.4,0.01\nx,0,0.4,0.01\n");
   json scene = small_scene();
   GetParam().spoil(scene);

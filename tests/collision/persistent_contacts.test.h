@@ -234,6 +234,38 @@ TYPED_TEST(BodyOrderTest, IsAPermutationThatBringsNeighborsTogether) {
   EXPECT_GT(close, x.size() * 9 / 10);
 }
 
+TYPED_TEST(BodyOrderTest, LateBodiesComeLastAndLeaveTheOrderOfTheOthers) {
+  auto& b = this->backend();
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vec3<double>> x;
+  std::vector<Index> id;
+  for (Index k = 0; k < 3000; ++k) {
+    x.push_back({uniform(random), uniform(random), uniform(random)});
+    id.push_back(k);
+  }
+  BodyOrder<TestBackend> order(b);
+  const auto before = this->buffer(x);
+  order.compute(b, before.view());
+  const auto alone = download(b, order.order());
+  for (Index k = 0; k < 1000; ++k) {
+    x.push_back({30 + uniform(random), uniform(random), uniform(random)});
+    id.push_back(5000 + k);
+  }
+  const auto after = this->buffer(x);
+  const auto ids = this->buffer(id);
+  order.compute(b, after.view(), {ids.view(), 5000, 1000});
+  const auto together = download(b, order.order());
+  EXPECT_EQ(std::vector<Index>(together.begin(), together.begin() + 3000), alone);
+  double way = 0;
+  for (std::size_t k = 3001; k < 4000; ++k) {
+    EXPECT_GE(together[k], 3000);
+    way += norm(x[static_cast<std::size_t>(together[k])] -
+                x[static_cast<std::size_t>(together[k - 1])]);
+  }
+  EXPECT_LT(way / 1000, 0.25) << "they are neighbors among themselves";
+}
+
 TYPED_TEST(BodyOrderTest, SpreadTellsSortedFromShuffled) {
   auto& b = this->backend();
   std::mt19937 random(9);

@@ -27,8 +27,10 @@ inline std::size_t added_count(const Scene& scene) {
 
 /// The list of them, made when there is none.
 inline std::vector<BodyDescription>& added_bodies(Scene& scene) {
-  if (timed_insertions(scene) == scene.insertions.size())
-    scene.insertions.push_back({.time = kAddedByProgram});
+  if (timed_insertions(scene) == scene.insertions.size()) {
+    scene.insertions.emplace_back();
+    scene.insertions.back().time = kAddedByProgram;
+  }
   return scene.insertions.back().bodies;
 }
 

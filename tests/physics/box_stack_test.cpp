@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "host/state_hash.h"
+#include "tests/physics/long_tests.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -73,6 +76,36 @@ TEST_P(BoxStack, A60_TenCubesStand) {
     }
     const double expected = (n - k) * kGravity * h;
     EXPECT_NEAR(sum, expected, (in_float() ? 1e-3 : 1e-4) * expected) << "interface " << k;
+  }
+}
+
+TEST(BoxStack, A60_AHundredCubesStand) {
+  if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
+  constexpr int n = 100;
+  Scene scene = cube_stack(n, 0.5, Model::convex);
+  solve_to(scene, 1e-8);
+  World w(scene, cpu_options(2));
+  double early = 0, late = 0;
+  int unsolved = 0;
+  for (int k = 0; k < 1000; ++k) {
+    const StepReport report = w.step();
+    unsolved += !report.converged;
+    (k < 500 ? early : late) = std::max(k < 500 ? early : late, report.kinetic_energy);
+    if (k % 100 == 99) RecordProperty("iterations_" + std::to_string(k), report.iterations);
+  }
+  EXPECT_EQ(unsolved, 0);
+  EXPECT_LT(norm(w.states().position[n - 1] - Vec3d{0, 0, kEdge * (n - 0.5)}), 1e-4);
+  // What is left at each of n joints adds up to n times the residual at the top.
+  EXPECT_LE(late, std::max(early, 0.5 * n * std::pow(n * 1e-8, 2))) << "kinetic energy grows";
+  const double h = scene.stepping.time_step;
+  std::vector<double> sum(n);  // under cube k, the floor being body n
+  for (const ContactRecord& c : w.contacts()) {
+    const int upper = c.body_a == n || c.body_b == n ? 0 : std::max(c.body_a, c.body_b);
+    sum[static_cast<std::size_t>(upper)] += dot(c.impulse, c.normal);
+  }
+  for (int k = 0; k < n; ++k) {
+    const double expected = (n - k) * kGravity * h;
+    EXPECT_NEAR(sum[static_cast<std::size_t>(k)], expected, 1e-4 * expected) << "interface " << k;
   }
 }
 

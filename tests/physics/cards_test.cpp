@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/physics/long_tests.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -86,6 +87,7 @@ Scene house(double friction, double lean, Model model) {
   const double spacing =
       2 * (kCard.length * std::sin(lean) + kCard.thickness * std::cos(lean)) + kGap;
   const double height = height_of_tent(kCard, lean);
+  const double cover = std::min(kCard.length, spacing - kGap);  // of steep tents they would overlap
   double z = 0;
   for (int tents = 3; tents > 0; --tents) {
     for (int k = 0; k < tents; ++k)
@@ -94,11 +96,24 @@ Scene house(double friction, double lean, Model model) {
     if (tents == 1) break;
     for (int k = 0; k + 1 < tents; ++k)
       add_box(scene, {spacing * (k - 0.5 * (tents - 2)), 0, z + kCard.thickness / 2},
-              {kCard.length / 2, kCard.width / 2, kCard.thickness / 2},
-              2000 * kCard.length * kCard.width * kCard.thickness);
+              {cover / 2, kCard.width / 2, kCard.thickness / 2},
+              2000 * cover * kCard.width * kCard.thickness);
     z += kCard.thickness;
   }
   return scene;
+}
+
+// The values of the catalog.
+TEST_P(Cards, A63_HouseOfSteepCardsStands) {
+  if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
+  const Scene rough = house(0.5, radians(20), GetParam());
+  World stands = reference_world(rough);
+  run_for(stands, rough, 10);
+  EXPECT_LT(farthest_move(stands, rough), 1e-4);
+  const Scene smooth = house(0.1, radians(20), GetParam());
+  World falls = reference_world(smooth);
+  run_for(falls, smooth, 2);
+  EXPECT_GT(farthest_move(falls, smooth), 0.05);
 }
 
 TEST_P(Cards, A63_HouseStandsOrFallsByItsFriction) {

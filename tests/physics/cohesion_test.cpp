@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tests/physics/long_tests.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -129,6 +134,50 @@ TEST(Cohesion, C63_SphereDoesNotRollOffAnOverhang) {
       }
     }
   }
+}
+
+/// Height of a cube of grains of 1 cm after it stood free for a while, over that at the start.
+/// @param bond  cohesion of a contact over the weight of a grain
+double height_left(int edge, double bond, double mu, double duration) {
+  constexpr double kRadius = 0.01, kDensity = 2000, kSpacing = 2.02 * kRadius;
+  Scene scene = empty_scene(1e-3, mu);
+  solve_to(scene, 1e-4);
+  scene.materials[0].cohesion = bond * kDensity * 4 / 3 * kPi * std::pow(kRadius, 3) * kGravity;
+  scene.stepping.envelope = 1e-3 * kRadius;
+  add_plane(scene);
+  add_lattice(scene, edge * edge * edge, edge, edge, {0, 0, 1.01 * kRadius}, kSpacing, kRadius,
+              kDensity, 5);
+  World world(scene, cpu_options(2));
+  run_for(world, scene, duration);
+  const BodyStates s = world.states();
+  double top = 0;
+  for (std::size_t i = 1; i < s.position.size(); ++i) top = std::max(top, s.position[i].z);
+  return (top + kRadius) / (edge * kSpacing);
+}
+
+/// A cube of 1000 grains falls to a heap without cohesion, and keeps most of its height with much of it.
+TEST(Cohesion, C63_CubeOfGrainsStandsByItsCohesion) {
+  if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
+  for (const double mu : {0.2, 0.5, 0.8}) {
+    double before = 0;
+    for (const double bond : {0.0, 1.0, 5.0, 20.0, 100.0}) {
+      const double left = height_left(10, bond, mu, 1);
+      RecordProperty("mu_" + std::to_string(mu) + "_bond_" + std::to_string(bond),
+                     std::to_string(left));
+      EXPECT_GT(left, before - 0.05) << mu << " " << bond;
+      if (mu == 0.5 && bond >= 20) {
+        EXPECT_GT(left, 0.8) << bond;
+      }
+      before = std::max(before, left);
+    }
+  }
+}
+
+// The same for 125 grains at the ends of the range.
+TEST(Cohesion, C63_SmallCubeOfGrainsStandsByItsCohesion) {
+  const double loose = height_left(5, 0, 0.5, 0.5), sticky = height_left(5, 100, 0.5, 0.5);
+  EXPECT_LT(loose, 0.8);
+  EXPECT_GT(sticky, 0.8);
 }
 
 }  // namespace

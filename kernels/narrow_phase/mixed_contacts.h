@@ -119,7 +119,8 @@ struct FlagNearPairs {
   }
   SCREE_HD static BoxAxes box_about(const BodySample& body) {
     if (is_sphere(body)) return {body.orientation, {body.radius, body.radius, body.radius}};
-    return {body.orientation, body.half_extents};
+    const double more = body.rounded.reach();
+    return {body.orientation, body.half_extents + Vec3d{more, more, more}};
   }
   SCREE_HD static bool is_sphere(const BodySample& body) {
     return body.kind == shapes::Sphere::kind;

@@ -1,7 +1,7 @@
 #pragma once
 // PNG files from nothing but the format's own rules, so that what reads them is not what wrote them.
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>

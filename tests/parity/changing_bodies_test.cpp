@@ -274,6 +274,45 @@ TEST_P(ChangingBodies, AStateHoldsThem) {
   EXPECT_EQ(state_hash(other.states()), state_hash(fresh.states()));
 }
 
+TEST_P(ChangingBodies, AStateThatIsNoneIsRefusedAndChangesNothing) {
+  const Scene scene = two_spheres();
+  World world = world_of(scene);
+  world.add(sphere({0, 0, 5}, 0.1, 1), "guest");
+  world.remove(1);
+  const WorldState good = world.save();
+  world.run(0.01);
+  World alike = world_of(scene);
+  alike.restore(good);
+  alike.run(0.01);
+  const auto refused = [&](auto change) {
+    WorldState bad = good;
+    change(bad);
+    return refusal([&] { world.restore(bad); });
+  };
+  const auto integers = [](WorldState & s) -> auto& { return s.at<std::int32_t>("added/integer"); };
+  EXPECT_THAT(refused([&](auto& s) { integers(s).pop_back(); }), HasSubstr("values of 1 bodies"));
+  EXPECT_THAT(refused([&](auto& s) { integers(s)[0] = 77; }), HasSubstr("shape: number 77"));
+  EXPECT_THAT(refused([&](auto& s) { integers(s)[0] = 1000; }), HasSubstr("shape number 1000"));
+  EXPECT_THAT(refused([&](auto& s) { integers(s)[3] = 9; }), HasSubstr("material: 9"));
+  EXPECT_THAT(refused([](auto& s) { s.template at<double>("added/number")[2] = -1; }),
+              HasSubstr("mass: -1"));
+  for (const std::vector<std::int32_t>& removed :
+       {std::vector<std::int32_t>{1, 1}, {1, 0}, {1, 44}, {1, -2}})
+    EXPECT_THAT(refused([&](auto& s) { s.template at<std::int32_t>("added/removed") = removed; }),
+                HasSubstr("cannot have been removed"));
+  for (const std::vector<std::int32_t>& name :
+       {std::vector<std::int32_t>{0}, {3, 1, 'a'}, {0, 9, 'a'}, {0, 0}})
+    EXPECT_THAT(refused([&](auto& s) { s.template at<std::int32_t>("added/name") = name; }),
+                HasSubstr("of their names is not one"));
+  EXPECT_NE(refused([](auto& s) { s.template at<std::int32_t>("body/id").pop_back(); }),
+            "no error");
+  EXPECT_EQ(world.body("guest"), 3);
+  EXPECT_FALSE(world.has_body(1));
+  EXPECT_EQ(hash_of(world.states(), 2, 4), hash_of(alike.states(), 2, 4));
+  world.run(0.01), alike.run(0.01);
+  EXPECT_EQ(hash_of(world.states(), 2, 4), hash_of(alike.states(), 2, 4));
+}
+
 TEST_P(ChangingBodies, LoadsStayWithTheirBodies) {
   Scene scene = two_spheres();
   scene.gravity = {};

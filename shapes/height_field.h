@@ -7,7 +7,7 @@
 namespace scree::shapes {
 
 struct HeightField : Mesh {
-  static constexpr ShapeKind kind{11};
+  static constexpr ShapeKind kind{12};
   static constexpr const char* name = "height_field";
   static constexpr const char* description = "terrain from a grid of heights, read as a mesh";
   static constexpr ShapeKey keys[]{

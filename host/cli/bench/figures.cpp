@@ -37,6 +37,7 @@ StepFigures figures_of(const std::vector<StepReport>& reports, double time_step,
     f.applications += static_cast<double>(r.applications) / f.steps;
     f.residual_rms = std::max(f.residual_rms, r.residual_rms);
     f.residual_relative = std::max(f.residual_relative, r.residual_relative);
+    f.max_penetration = std::max(f.max_penetration, r.max_penetration);
     f.not_converged += r.converged ? 0 : 1;
     work += static_cast<double>(r.contact_count) * r.applications;
     solve_ms += r.ms.solve;
@@ -65,6 +66,7 @@ Json to_json(const StepFigures& f, bool has_contacts) {
               {"applications", f.applications},
               {"residual_rms_m_per_s", f.residual_rms},
               {"residual_relative", f.residual_relative},
+              {"max_penetration_m", f.max_penetration},
               {"steps", f.steps},
               {"steps_not_converged", f.not_converged},
               {"converged", f.not_converged == 0},
@@ -76,7 +78,7 @@ Json to_json(const StepFigures& f, bool has_contacts) {
   if (has_contacts) return out;
   for (const char* key :
        {"contacts", "iterations", "applications", "residual_rms_m_per_s", "residual_relative",
-        "steps_not_converged", "converged", "contact_iterations_per_s"})
+        "max_penetration_m", "steps_not_converged", "converged", "contact_iterations_per_s"})
     out.erase(key);
   return out;
 }

@@ -19,7 +19,7 @@ struct StageSpread {
   Spread ms;
 };
 
-/// Means over the steps, but the worst of the residuals.
+/// Means over the steps, but the worst of residuals and penetrations.
 struct StepFigures {
   int steps = 0;
   int bodies = 0;
@@ -28,6 +28,7 @@ struct StepFigures {
   double applications = 0;
   double residual_rms = 0;       ///< [m/s]
   double residual_relative = 0;  ///< [v*]
+  double max_penetration = 0;    ///< [m]
   int not_converged = 0;         ///< steps
   std::vector<StageSpread> stages;
   double contact_iterations_per_s = 0;  ///< contacts * applications over the time of the solver

@@ -59,8 +59,10 @@ int bench_scene(const SceneBenchOptions& options) {
   if (has_contacts) {
     fmt::print("{} bodies, {:.0f} contacts; {}: {:.1f} iterations, {:.1f} applications a step\n",
                f.bodies, f.contacts, scene.solver.name, f.iterations, f.applications);
-    fmt::print("residual at most {:.3g} m/s RMS ({:.3g} v*); {} of {} steps at the iteration cap\n",
-               f.residual_rms, f.residual_relative, f.not_converged, f.steps);
+    fmt::print(
+        "residual at most {:.3g} m/s RMS ({:.3g} v*), penetration {:.3g} m; {} of {} steps at the "
+        "iteration cap\n",
+        f.residual_rms, f.residual_relative, f.max_penetration, f.not_converged, f.steps);
   } else {
     fmt::print("{} bodies\n", f.bodies);
   }

@@ -12,6 +12,7 @@
 // the others they are fulfilled with them.
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "solvers/assembled/semidefinite_factor.h"

@@ -346,7 +346,7 @@ TEST(StoredJoints, OfAChainOfAThousandLinksHaveTheAnswerOfTheStep) {
   ASSERT_EQ(problem.bilateral.size(), 3u * 999);
   ASSERT_GE(report.contact_count, 900);
   // Impulses are not compared: joints and friction that hold each other are not unique.
-  expect_same(world, report, problem, 1e-6, "proximal");
+  expect_same(world, report, problem, 1e-6, "interior_point");
 }
 
 TEST(StoredJoints, ThatAreDrivenAreRefusedByName) {

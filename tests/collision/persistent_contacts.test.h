@@ -245,15 +245,15 @@ TYPED_TEST(BodyOrderTest, LateBodiesComeLastAndLeaveTheOrderOfTheOthers) {
     id.push_back(k);
   }
   BodyOrder<TestBackend> order(b);
-  const auto before = this->buffer(x);
+  auto before = this->buffer(x);
   order.compute(b, before.view());
   const auto alone = download(b, order.order());
   for (Index k = 0; k < 1000; ++k) {
     x.push_back({30 + uniform(random), uniform(random), uniform(random)});
     id.push_back(5000 + k);
   }
-  const auto after = this->buffer(x);
-  const auto ids = this->buffer(id);
+  auto after = this->buffer(x);
+  auto ids = this->buffer(id);
   order.compute(b, after.view(), {ids.view(), 5000, 1000});
   const auto together = download(b, order.order());
   EXPECT_EQ(std::vector<Index>(together.begin(), together.begin() + 3000), alone);

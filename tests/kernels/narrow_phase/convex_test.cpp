@@ -108,7 +108,7 @@ TEST(CapsuleBoxTest, NearestContactIsTheDistanceAndNoneIsNearer) {
 TEST(CapsuleBoxTest, AnAxisInsideLeavesTheShortestWay) {
   std::mt19937 random(2);
   int deep = 0;
-  for (int trial = 0; trial < 1500; ++trial) {
+  for (int trial = 0; trial < 3000; ++trial) {
     const Body a = random_body(random, 0.3, true), b = random_body(random, 0.5, false);
     if (distance_of_axis(a, b) > 0) continue;
     const double end = a.half.z - a.half.x;

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "tests/physics/long_tests.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -155,25 +153,7 @@ double height_left(int edge, double bond, double mu, double duration) {
   return (top + kRadius) / (edge * kSpacing);
 }
 
-/// A cube of 1000 grains falls to a heap without cohesion, and keeps most of its height with much of it.
-TEST(Cohesion, C63_CubeOfGrainsStandsByItsCohesion) {
-  if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
-  for (const double mu : {0.2, 0.5, 0.8}) {
-    double before = 0;
-    for (const double bond : {0.0, 1.0, 5.0, 20.0, 100.0}) {
-      const double left = height_left(10, bond, mu, 1);
-      RecordProperty("mu_" + std::to_string(mu) + "_bond_" + std::to_string(bond),
-                     std::to_string(left));
-      EXPECT_GT(left, before - 0.05) << mu << " " << bond;
-      if (mu == 0.5 && bond >= 20) {
-        EXPECT_GT(left, 0.8) << bond;
-      }
-      before = std::max(before, left);
-    }
-  }
-}
-
-// The same for 125 grains at the ends of the range.
+// 125 grains, without cohesion and with much of it.
 TEST(Cohesion, C63_SmallCubeOfGrainsStandsByItsCohesion) {
   const double loose = height_left(5, 0, 0.5, 0.5), sticky = height_left(5, 100, 0.5, 0.5);
   EXPECT_LT(loose, 0.8);

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "host/world_state.h"
-#include "tests/physics/long_tests.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -249,10 +248,6 @@ double gap_of_falling_chain(double h, double duration) {
 
 // The end of the chain whips at more than 100 rad/s.
 TEST(Pendulum, ChainKeepsItsJoints) { EXPECT_LT(gap_of_falling_chain(1e-3, 3), 2e-7); }
-TEST(Pendulum, ChainKeepsItsJointsForTenSeconds) {
-  if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
-  EXPECT_LT(gap_of_falling_chain(1e-3, 10), 1e-6);
-}
 
 // A rod hinged at one end, the other one on the floor: each carries half of the weight.
 class HingeAndFloor : public testing::TestWithParam<std::string> {};

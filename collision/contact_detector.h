@@ -249,7 +249,8 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   obstacles_.refresh(b, bodies, range, keys_);
   with_mix([&]<ShapeMix kMix>(std::integral_constant<ShapeMix, kMix>) {
     if constexpr (kMix != ShapeMix::spheres_and_planes) {
-      if (obstacles_.walls().solids.size > 0) solids_.start(b, test_of<kMix>(bodies, range));
+      if (obstacles_.walls().solids.size > 0)
+        solids_.start(b, test_of<kMix>(bodies, range), parts_);
     }
   });
   list_with_margins(b, bodies, range);

@@ -1,6 +1,6 @@
 #pragma once
 // Contacts with solid walls, such as boxes and meshes, of the bodies that are near one. Its memory, while detect() works:
-// 240 bytes for each of these, or 24 and 36 a contact where one has more than six.
+// 240 bytes for each of these, or 32 and 36 a contact where one has more than six.
 
 #include <algorithm>
 
@@ -18,13 +18,14 @@ class SolidContacts {
   bool is_used() const { return near_count_ > 0; }
 
   /// Lists the bodies near solid walls; one host read.
-  /// @param test  of any margins, which do not matter; its candidates are not needed
+  /// @param test   of any margins, which do not matter; its candidates are not needed
+  /// @param parts  where its bodies are parts
   template <ShapeMix kMix>
-  void start(B& b, const ContactTest<kMix, Real>& test) {
+  void start(B& b, const ContactTest<kMix, Real>& test, const BodyParts<Real>& parts) {
     const Index n = test.bodies.owned_count;
     Buffer<B, Index> flag(b, n);
     Buffer<B, Offset> before(b, static_cast<Offset>(n) + 1);
-    for_each(b, n, FlagNearSolids<kMix, Real>{test, flag.view()});
+    for_each(b, n, FlagNearSolids<kMix, Real>{test, parts, flag.view()});
     exclusive_scan(b, Span<const Index>(flag.view()), before.view());
     near_count_ = static_cast<Index>(fetch(b, before.data() + n));
     same_.resize_discard(near_count_), count_.resize_discard(near_count_);

@@ -52,6 +52,10 @@ class Dynamics {
   /// are left out, new ones come as they are described.
   virtual WorldState leave() { return save(); }
   virtual void enter(const WorldState& left) { restore(left); }
+  /// restore() in a run of other bodies: what a state does not hold stays as it was left.
+  virtual void restore_after(const WorldState& /*left*/, const WorldState& state) {
+    restore(state);
+  }
 
   virtual std::vector<ArrayInfo> arrays() = 0;
   virtual ArrayView array(const std::string& name) = 0;

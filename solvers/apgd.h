@@ -9,8 +9,8 @@
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
 // every residual check. L |gamma+ - y|_H of a trial goes with the residual, so that iterations end
 // by themselves where it should be small enough; a check follows, two or three in a solve. Where
-// that is not known yet, or iterations cannot end by themselves (spheres in double, rolling friction
-// and joints), there is one at least each `check_every` iterations. In the second half of the
+// that is not known yet, or iterations cannot end by themselves (radial and mixed contacts in double,
+// general ones on the CPU, rolling friction and joints), there is one at least each `check_every` iterations. In the second half of the
 // iterations allowed there is also one where the residual should be half that of the best iterate.
 // A rejected trial, which is rare, costs one more of both passes; `applications` counts all of
 // them. Spheres, and general contacts on a device, take the tuned twins of kernels/solve.

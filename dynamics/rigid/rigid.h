@@ -202,6 +202,12 @@ class RigidDynamics final : public ModelOn<B, Real> {
     loads_.enter(backend(), s, [this](Index id) { return has_body(id); });
   }
 
+  void restore_after(const WorldState& left, const WorldState& state) override {
+    tracks_forces_ = left.has("run/force");
+    this->restore(state);
+    loads_.enter(backend(), left, [this](Index id) { return has_body(id); });
+  }
+
   std::vector<ContactRecord> contacts() override {
     if (!has_solved_contacts_) return {};
     std::vector<ContactRecord> out = records(download(backend(), solved_impulses()));

@@ -18,8 +18,10 @@ namespace scree {
 namespace {
 
 // Values of an added body in the arrays of a state.
-constexpr std::size_t kIntegers = 6;  // kind of its shape, open faces, mesh, material, group, locks
-constexpr std::size_t kNumbers = 3;   // radius and volume of its shape, mass
+// Kind of its shape, open faces, mesh, material, group, locks, kind of the core of a rounded shape.
+constexpr std::size_t kIntegers = 7;
+// Radius and volume of its shape, mass, radius and shift of a rounded shape.
+constexpr std::size_t kNumbers = 5;
 // Position, velocity, angular velocity, inertia; of its shape: half extents, normal, moments.
 constexpr std::size_t kVectors = 7;
 
@@ -49,17 +51,23 @@ const char* held_by(const Scene& scene, std::size_t joint) {
   return joint_card(scene.joints[joint].kind).name;
 }
 
+ShapeKind saved_kind(std::int32_t number) {
+  const auto kind = static_cast<ShapeKind>(number);
+  if (static_cast<std::int32_t>(kind) != number)
+    refuse_state(fmt::format("shape number {} is not known", number));
+  return kind;
+}
+
 BodyDescription saved_body(const std::int32_t* n, const double* x, const Vec3d* v,
                            const Quatd& orientation) {
   BodyDescription body;
-  body.shape.kind = static_cast<ShapeKind>(n[0]);
-  if (static_cast<std::int32_t>(body.shape.kind) != n[0])
-    refuse_state(fmt::format("shape number {} is not known", n[0]));
+  body.shape.kind = saved_kind(n[0]);
   body.shape.open_faces = static_cast<unsigned>(n[1]);
   body.shape.mesh = n[2];
   body.material = n[3];
   body.group = n[4];
   body.locks = static_cast<std::uint8_t>(n[5]);
+  body.shape.rounded = {saved_kind(n[6]), x[3], x[4]};
   body.shape.radius = x[0], body.shape.volume = x[1], body.mass = x[2];
   body.position = v[0], body.velocity = v[1], body.angular_velocity = v[2], body.inertia = v[3];
   body.shape.half_extents = v[4], body.shape.normal = v[5], body.shape.moments = v[6];
@@ -180,11 +188,12 @@ void Roster::save(WorldState& s) const {
   };
   for (const BodyDescription& body : scene_.insertions.back().bodies) {
     const Shape& shape = body.shape;
-    append(integers,
-           std::array<std::int32_t, kIntegers>{static_cast<std::int32_t>(shape.kind),
-                                               static_cast<std::int32_t>(shape.open_faces),
-                                               shape.mesh, body.material, body.group, body.locks});
-    append(numbers, std::array<double, kNumbers>{shape.radius, shape.volume, body.mass});
+    append(integers, std::array<std::int32_t, kIntegers>{
+                         static_cast<std::int32_t>(shape.kind),
+                         static_cast<std::int32_t>(shape.open_faces), shape.mesh, body.material,
+                         body.group, body.locks, static_cast<std::int32_t>(shape.rounded.core)});
+    append(numbers, std::array<double, kNumbers>{shape.radius, shape.volume, body.mass,
+                                                 shape.rounded.radius, shape.rounded.shift});
     append(vectors, std::array<Vec3d, kVectors>{body.position, body.velocity, body.angular_velocity,
                                                 body.inertia, shape.half_extents, shape.normal,
                                                 shape.moments});

@@ -134,7 +134,8 @@ BodyKind World::kind_of(int body) const {
     throw InputError("body " + std::to_string(body) + " is not in the simulation: it was removed");
   if (!dynamics_->has_body(body))
     throw InputError("body " + std::to_string(body) + " is not in the simulation: it has " +
-                     std::to_string(dynamics_->body_count()) + " bodies now, numbered from 0");
+                     std::to_string(dynamics_->body_count()) + " bodies now, with numbers below " +
+                     std::to_string(dynamics_->id_end()));
   return dynamics_->constants()[static_cast<std::size_t>(body)].kind;
 }
 
@@ -269,9 +270,13 @@ void World::restore(const WorldState& state) {
     OnDevice(*dynamics_)->restore(state);
     return;
   }
-  require_changing_bodies("a state with bodies that a program added or removed");
+  if (!dynamics_->bodies_may_change() || roster_ == nullptr)
+    throw InputError(
+        "the state has bodies that a program added or removed: it takes a World of rigid bodies "
+        "with "
+        "WorldOptions::bodies_may_change, which scree run is not");
   become(std::make_unique<Roster>(roster_->restored(state)),
-         [&](Dynamics& dynamics, const WorldState&) { dynamics.restore(state); });
+         [&](Dynamics& dynamics, const WorldState& left) { dynamics.restore_after(left, state); });
 }
 
 Image World::render(const PictureSettings& settings) const {

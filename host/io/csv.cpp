@@ -24,8 +24,8 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-CsvLines::CsvLines(std::filesystem::path file)
-    : file_(std::move(file)), stream_(file_, std::ios::binary) {
+CsvLines::CsvLines(std::filesystem::path file, std::size_t most_cells)
+    : file_(std::move(file)), stream_(file_, std::ios::binary), most_cells_(most_cells) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file_, error))
     throw InputError(file_.string() + ": no such file");
@@ -52,6 +52,7 @@ void CsvLines::split() {
     const std::size_t comma = rest.find(',');
     cells_.push_back(trimmed(rest.substr(0, comma)));
     if (comma == std::string_view::npos) return;
+    if (cells_.size() == most_cells_) fail(fmt::format("more than {} values", most_cells_));
     rest.remove_prefix(comma + 1);
   }
 }

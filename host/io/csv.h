@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,8 +16,10 @@ namespace scree {
 /// with # are skipped.
 class CsvLines {
  public:
+  /// @param most_cells  of a line
   /// @throws InputError naming the file: missing or unreadable
-  explicit CsvLines(std::filesystem::path file);
+  explicit CsvLines(std::filesystem::path file,
+                    std::size_t most_cells = std::numeric_limits<std::size_t>::max());
 
   /// Goes to the next line. False at the end.
   bool next();
@@ -37,6 +40,7 @@ class CsvLines {
   std::string line_;
   long long line_number_ = 0;
   std::vector<std::string_view> cells_;
+  std::size_t most_cells_;
 };
 
 /// Reads a table with a header row by row.

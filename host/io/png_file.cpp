@@ -111,6 +111,12 @@ GrayImage read_gray_png(const std::filesystem::path& path, std::size_t most_pixe
   const auto fail = [&](const std::string& text) { throw InputError(path.string() + ": " + text); };
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) fail("no such file");
+  // No picture that is taken is larger, however badly it is compressed.
+  const std::uintmax_t most_bytes = 8 * most_pixels + (1u << 20);
+  if (const auto size = std::filesystem::file_size(path, error); error || size > most_bytes)
+    fail(fmt::format(
+        "a file of more than {} bytes, or of no size, is no picture of {} pixels at most",
+        most_bytes, most_pixels));
   std::ifstream stream(path, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
   if (!stream || stream.bad()) fail("cannot be read");

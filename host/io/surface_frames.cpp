@@ -142,11 +142,12 @@ class ShapeSurfaces {
       kept.radius = 1;
     }
     const Vec3d& e = kept.half_extents;
-    const Key key{kept.kind, kept.mesh, kept.radius, e.x, e.y, e.z};
+    const Key key{kept.kind,         kept.mesh,           kept.radius,       e.x, e.y, e.z,
+                  kept.rounded.core, kept.rounded.radius, kept.rounded.shift};
     if (const auto known = surfaces_.find(key); known != surfaces_.end()) return known->second;
     if (surfaces_.size() >= kMostKept) surfaces_.clear();
     const TriangleMesh* mesh =
-        card.has_mesh ? &meshes_[static_cast<std::size_t>(shape.mesh)] : nullptr;
+        card.has_mesh || has_hull(shape) ? &meshes_[static_cast<std::size_t>(shape.mesh)] : nullptr;
     return surfaces_.emplace(key, welded(card.surface(kept, mesh, /*scene_size=*/1))).first->second;
   }
 
@@ -185,7 +186,7 @@ class ShapeSurfaces {
   }
 
   static constexpr std::size_t kMostKept = 64;
-  using Key = std::tuple<ShapeKind, int, double, double, double, double>;
+  using Key = std::tuple<ShapeKind, int, double, double, double, double, ShapeKind, double, double>;
 
   std::vector<Batch> batches_;
   std::vector<TriangleMesh> meshes_;  ///< as in the scene, those of free bodies only
@@ -378,9 +379,13 @@ void SurfaceFrameWriter::resume(double time) {
                          part_of.size()));
     for (std::size_t frame = 0; frame < times.size() && times[frame] <= time; ++frame) {
       const std::int64_t part = part_of[frame];
-      if ((part != extent_.parts - 1 && part != extent_.parts) || part >= std::ssize(points_of))
+      if (part < 0 || (part != extent_.parts - 1 && part != extent_.parts) ||
+          part >= std::ssize(points_of))
         refuse(fmt::format("frame {} refers to part {} of {}", frame, part, points_of.size()));
       const auto at = static_cast<std::size_t>(part);
+      if (points_of[at] <= 0 || faces_of[at] <= 0)
+        refuse(
+            fmt::format("part {} has {} corners and {} faces", part, points_of[at], faces_of[at]));
       SurfaceSize size;
       size.corners = static_cast<std::uint64_t>(points_of[at]);
       size.faces = static_cast<std::uint64_t>(faces_of[at]);

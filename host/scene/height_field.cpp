@@ -145,7 +145,7 @@ void check_triangles(const TriangleMesh& mesh, const HeightGrid& grid) {
 }  // namespace
 
 HeightGrid read_height_table(const std::filesystem::path& file, double scale, double offset) {
-  CsvLines csv(file);
+  CsvLines csv(file, kMostHeights);
   HeightGrid grid;
   while (csv.next()) {
     const std::size_t count = csv.cells().size();

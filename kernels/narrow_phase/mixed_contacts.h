@@ -335,7 +335,7 @@ struct GroupSlots {
 };
 
 /// Turns keys of contacts with bodies and planes into contacts.
-/// Bytes per contact (float), besides bodies from the caches: 16 and 44 read, 48 written.
+/// Bytes per contact (float), besides bodies from the caches: 16 and 40 read, 48 written.
 /// @tparam kPasses  see FillContacts
 template <bool kPasses, class Real>
 struct FillMixedContacts {

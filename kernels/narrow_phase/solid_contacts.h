@@ -3,6 +3,7 @@
 // passes of their own, which find contacts once and note what others need of them.
 
 #include "kernels/backend/ordered_lists.h"
+#include "kernels/bodies/parts.h"
 #include "kernels/narrow_phase/contact_list.h"
 #include "kernels/narrow_phase/solid_walls.h"
 
@@ -42,13 +43,16 @@ template <ShapeMix kMix, class Real>
 struct FlagNearSolids {
   static constexpr const char* name = "flag_near_solids";
   ContactTest<kMix, Real> test;
-  Span<Index> flag;  ///< [owned_count] out: 0 or 1
+  BodyParts<Real> parts;  ///< where `test` is of parts
+  Span<Index> flag;       ///< [owned_count] out: 0 or 1
 
   SCREE_HD void operator()(Index a) const {
     const BodySample body = test.load(a);
     const ContactRange& range = test.range;
-    // Margins are stored in float.
-    const double margin = 2.000001 * range.margin_limit * body.radius;
+    // Margins are those of whole bodies, in float.
+    const double radius =
+        parts.is_used() ? static_cast<double>(parts.bodies.radius[parts.owner[a]]) : body.radius;
+    const double margin = 2.000001 * range.margin_limit * radius;
     const bool is_there = inflated_radius(test.bodies, range, a) > 0;
     flag[a] = is_there && is_near_solids<kMix>(test.walls, range, body,
                                                wall_envelope(range, a, body) + margin)

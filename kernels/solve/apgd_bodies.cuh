@@ -9,6 +9,7 @@
 // Bytes (float): per contact, of each of its two bodies: impulse and arm 24, of B also its number 4; per body: v*, V, V_y 72,
 // inertia 64, starts 16 read; 48 written. Sums are those of the plain pass in another, fixed order.
 
+#include <algorithm>
 #include <type_traits>
 
 #include "kernels/solve/apgd_passes.h"
@@ -44,6 +45,19 @@ struct ArmedImpulse {
   Real arm = 0;
 };
 
+/// The largest number of a warp, in all lanes.
+__device__ inline Index most_of_warp(Index x) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 800
+  return __reduce_max_sync(kAll, x);
+#else
+  for (int step = kWarp / 2; step > 0; step /= 2) {
+    const Index other = __shfl_xor_sync(kAll, x, step);
+    x = other > x ? other : x;
+  }
+  return x;
+#endif
+}
+
 /// The contacts of the bodies of a warp.
 template <class Real>
 class Gathering {
@@ -69,7 +83,7 @@ class Gathering {
     const Index a_begin = __shfl_sync(kAll, a_begin_, of),
                 a_count = __shfl_sync(kAll, a_count_, of);
     const Index b_begin = __shfl_sync(kAll, b_begin_, of), count = __shfl_sync(kAll, count_, of);
-    const Index most = __reduce_max_sync(kAll, count);
+    const Index most = most_of_warp(count);
     const int axis = in % 4;
     for (Index from = 0; from < most; from += kLanes) {
       const Index mine = from + in;

@@ -11,6 +11,7 @@
 #include "host/state_hash.h"
 #include "shapes/capsule.h"
 #include "shapes/compound.h"
+#include "shapes/rounded.h"
 #include "tests/host/input_files.h"
 #include "tests/host/io/output_fixtures.h"
 #include "tests/parity/parity.h"
@@ -311,6 +312,32 @@ TEST_P(ChangingBodies, AStateThatIsNoneIsRefusedAndChangesNothing) {
   EXPECT_EQ(hash_of(world.states(), 2, 4), hash_of(alike.states(), 2, 4));
   world.run(0.01), alike.run(0.01);
   EXPECT_EQ(hash_of(world.states(), 2, 4), hash_of(alike.states(), 2, 4));
+}
+
+/// Rounded bodies have more numbers; loads and the tracking of forces are not in a state, and stay.
+TEST_P(ChangingBodies, AStateOfOtherBodiesComesBack) {
+  World world = world_of(two_spheres());
+  world.track_forces();
+  BodyDescription body = free_box({2, 0, 0.3}, {0.1, 0.1, 0.1}, 1);
+  body.shape = shapes::Rounded::of(body.shape, 0.05);
+  set_mass_from_density(body, 500);
+  const int box = world.add(body);
+  world.run(0.1);
+  const WorldState state = world.save();
+  world.run(0.3);
+  const BodyStates expected = world.states();
+  world.take_forces();
+  world.restore(state);
+  world.run(0.3);
+  EXPECT_EQ(state_hash(world.states()), state_hash(expected));
+  EXPECT_NEAR(world.states().position[static_cast<std::size_t>(box)].z, 0.15, 1e-3);
+  EXPECT_NO_THROW(world.take_forces());
+  world.apply_force(box, {200, 0, 0});
+  world.restore(state);
+  const Vec3d before = world.states().velocity[static_cast<std::size_t>(box)];
+  world.step();
+  const double gained = world.states().velocity[static_cast<std::size_t>(box)].x - before.x;
+  EXPECT_NEAR(gained, 200 * kStep / body.mass, 1e-3);
 }
 
 TEST_P(ChangingBodies, LoadsStayWithTheirBodies) {

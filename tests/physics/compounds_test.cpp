@@ -49,6 +49,22 @@ std::vector<ShapePart> cross_of_bars(double half, double thick) {
           part(box_of({thick, thick, half}), {})};
 }
 
+/// What is hit moves as a whole: its parts are stopped by solid walls farther off than a part alone could be pushed.
+TEST(CompoundBodies, APartIsStoppedWhereItsBodyIsPushed) {
+  constexpr double kGap = 5e-3, kPart = 1e-3;
+  Scene scene = empty_scene(1e-3, 0);
+  scene.gravity = {};
+  add_box(scene, {0, 0, -0.5}, {0.5, 0.5, 0.5}, 1).kind = BodyKind::fixed;
+  add_compound(scene, {0, 0, kPart + kGap},
+               {part(ball_of(kPart), {-0.02, 0, 0}), part(ball_of(kPart), {0.02, 0, 0}),
+                part(box_of({0.02, 0.0005, 0.0005}), {})});
+  add_sphere(scene, {0, 0, kPart + kGap + 0.0005 + 0.02}, 0.02, 1).velocity = {0, 0, -10};
+  World world = reference_world(scene);
+  world.step();
+  EXPECT_GT(world.states().position[1].z, kPart - 1e-6);
+  EXPECT_LT(world.states().position[1].z, kPart + kGap - 1e-3) << "it was pushed";
+}
+
 TEST(CompoundBodies, PartsOfOneBodyDoNotTouchEachOther) {
   Scene scene = empty_scene(1e-3, 0.5);
   scene.gravity = {};

@@ -214,7 +214,7 @@ struct CoreMeeting {
 };
 
 /// A contact of two rounded bodies.
-/// @param d  center of body A, where A's core is centered, to that of body B [m]
+/// @param d  center of body A, from which the cores are placed, to that of body B [m]
 SCREE_HD inline ContactGeometry rounded_contact(const CoreMeeting& m, const CoreContact& c,
                                                 const Vec3d& d) {
   ContactGeometry g;

@@ -11,6 +11,8 @@
 
 #include "host/compounds.h"
 #include "host/error.h"
+#include "host/hulls.h"
+#include "shapes/rounded.h"
 #include "tests/host/io/output_fixtures.h"
 #include "tests/host/io/vtkhdf_rows.h"
 #include "tests/host/scene/shape_samples.h"
@@ -195,6 +197,32 @@ TEST_F(SurfaceFramesTest, EveryFreeBodyIsWhereItIsWithItsVolume) {
       EXPECT_EQ(inside.group, id == 10 || id == 12 || id == 13 || id == 16 ? 2 : 0);
     }
   }
+}
+
+TEST_F(SurfaceFramesTest, RoundedBodiesOfOneOuterSizeHaveSurfacesOfTheirOwn) {
+  scene.particles.clear();
+  scene.insertions.clear();
+  scene.bodies.resize(3);
+  const Vec3d outer{0.3, 0.2, 0.4};
+  const auto core = [&](double radius) { return outer - Vec3d{radius, radius, radius}; };
+  scene.bodies[0].shape = shapes::Rounded::of(test::box_of(core(0.02)), 0.02);
+  scene.bodies[1].shape = shapes::Rounded::of(test::box_of(core(0.1)), 0.1);
+  scene.bodies[2].shape = shapes::Rounded::of(test::ellipsoid_of(core(0.02)), 0.02);
+  scene.bodies.emplace_back();
+  set_hull(scene, scene.bodies[3], {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 0.05);
+  for (BodyDescription& body : scene.bodies) body.kind = BodyKind::free;
+  SurfaceFrameWriter writer(file, scene);
+  writer.append(0, states_at(1, scene.bodies.size()));
+  const auto found = insides(read_frames(file).at(0));
+  ASSERT_EQ(found.size(), scene.bodies.size());
+  for (const auto& [id, inside] : found) {
+    const double ratio = inside.volume / scene.bodies[static_cast<std::size_t>(id)].shape.volume;
+    EXPECT_LT(ratio, 1 + 1e-5) << id;
+    EXPECT_GT(ratio, 0.93) << id;
+  }
+  // The sharper box is the larger one, by more than that.
+  EXPECT_GT(found.at(0).volume, 1.05 * found.at(1).volume);
+  EXPECT_GT(found.at(1).volume, 1.3 * found.at(2).volume);
 }
 
 TEST_F(SurfaceFramesTest, BodiesTurn) {

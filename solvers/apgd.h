@@ -9,11 +9,11 @@
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
 // every residual check. L |gamma+ - y|_H of a trial goes with the residual, so that iterations end
 // by themselves where it should be small enough; a check follows, two or three in a solve. Where
-// that is not known yet, or iterations cannot end by themselves (radial and mixed contacts in double,
-// general ones on the CPU, rolling friction and joints), there is one at least each `check_every` iterations. In the second half of the
+// that is not known yet, or iterations cannot end by themselves (those of doubles and of general
+// layouts), there is one at least each `check_every` iterations. In the second half of the
 // iterations allowed there is also one where the residual should be half that of the best iterate.
 // A rejected trial, which is rare, costs one more of both passes; `applications` counts all of
-// them. Spheres, and general contacts on a device, take the tuned twins of kernels/solve.
+// them. Spheres take the tuned twins of kernels/solve.
 
 #include <algorithm>
 #include <cmath>
@@ -317,15 +317,14 @@ std::unique_ptr<Solver<B, Real>> make_apgd(const SolverParams& params) {
 }
 
 /// The other iterate and, once half of the iterations allowed are done, the best one; velocities of
-/// both and, without the tuned program, of the extrapolated point. On a device the arms of general contacts once more.
+/// both and, without the tuned program, of the extrapolated point.
 inline HeldBytes apgd_memory(const SolverCase& c) {
   const bool has_spheres = c.is_radial() || c.is_mixed();
   const bool is_fused = c.on_device && has_spheres && c.real == 4;
   const bool is_diagonal = apgd_metric(c.parameters) == ApgdMetricKind::diagonal;
   const double metric = (c.uniform ? 1 : has_spheres ? 2 : 3) * c.real;
-  const double arms = c.on_device && c.layout == ContactLayout::general ? c.vec() : 0;
   return {(is_fused ? 2 : 3) * c.twist(),
-          2 * c.impulse() + (is_fused ? 8 : 0) + (is_diagonal ? metric : 0) + arms};
+          2 * c.impulse() + (is_fused ? 8 : 0) + (is_diagonal ? metric : 0)};
 }
 
 inline constexpr std::array kApgdParameters{kApgdMetric};

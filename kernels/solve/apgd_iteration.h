@@ -6,16 +6,10 @@
 
 namespace scree {
 
-/// The contact pass of a trial.
-template <class B, class R, class Real>
-void apgd_take_contacts(B& b, const ApgdPasses<R, Real>& a) {
-  reduce<Sums<2>>(b, a.p.contact_count, a.contact_pass(), ApgdContactFinish{a.state});
-}
-
 /// One trial of the line search: contact pass, body pass, acceptance.
 template <class B, class R, class Real>
 void apgd_trial(B& b, const ApgdPasses<R, Real>& a) {
-  apgd_take_contacts(b, a);
+  reduce<Sums<2>>(b, a.p.contact_count, a.contact_pass(), ApgdContactFinish{a.state});
   reduce<Sums<1>>(b, a.p.bodies.owned_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
 }
 

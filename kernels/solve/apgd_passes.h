@@ -206,16 +206,14 @@ struct ApgdBodyPass {
   const ApgdState* state;
 
   SCREE_HD Sums<1> operator()(Index i) const {
-    const Span<const Vec3<Real>> next = gamma.next(state->accepted);
-    return move(i, gather_wrench<R>(p, next, i));
-  }
-  /// @param wrench  J^T gamma+ of body i
-  SCREE_HD Sums<1> move(Index i, const Twist<Real>& wrench) const {
-    const Twist<Real> next = p.free_velocity[i] + R::apply_inverse_mass(p, i, wrench);
+    const Index k = state->accepted;
+    const Twist<Real> next =
+        p.free_velocity[i] +
+        R::apply_inverse_mass(p, i, gather_wrench<R>(p, Span<const Vec3<Real>>(gamma.next(k)), i));
     const Twist<Real> extrapolated = velocity.extrapolated(*state)[i];
     const Twist<Real> momentum =
         static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]);
-    velocity.iterate(state->accepted + 1)[i] = next;
+    velocity.iterate(k + 1)[i] = next;
     velocity.of_extrapolated[i] = next + momentum;
     return {{R::mass_norm2(p, i, next - extrapolated)}};
   }

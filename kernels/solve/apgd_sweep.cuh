@@ -36,7 +36,6 @@
 
 #include "kernels/backend/device_counter.cuh"
 #include "kernels/backend/split_barrier.cuh"
-#include "kernels/solve/apgd_bodies.cuh"
 #include "kernels/solve/apgd_general.cuh"
 #include "kernels/solve/apgd_tile.cuh"
 
@@ -251,8 +250,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
 template <>
 class ApgdIteration<Cuda> {
  public:
-  explicit ApgdIteration(Cuda& cuda)
-      : counters_(cuda), partial_(cuda), packed_(cuda), bodies_(cuda) {}
+  explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda), packed_(cuda) {}
 
   template <class R, class Real>
   void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
@@ -271,14 +269,12 @@ class ApgdIteration<Cuda> {
       for_each(cuda, radial,
                sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
       shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data(), size};
-    } else if constexpr (apgd_bodies::kServes<R, Real>) {
-      bodies_.start(cuda, a);
     }
   }
 
   template <class R, class Real>
   bool stops(const ApgdPasses<R, Real>&) const {
-    return kIsSwept<R, Real> || apgd_bodies::kServes<R, Real>;
+    return kIsSwept<R, Real>;
   }
   template <class R, class Real>
   bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
@@ -295,17 +291,6 @@ class ApgdIteration<Cuda> {
                                              cuda.stream()),
                  "apgd_sweep");
       cuda.check_launch("apgd_sweep");
-    } else if constexpr (apgd_bodies::kServes<R, Real>) {
-      for (int left = count; left > 0;) {
-        const int next = enough > 0 ? std::min(left, kLook) : left;
-        for (int k = 0; k < next; ++k) {
-          apgd_take_contacts(cuda, a);
-          bodies_.run(cuda, a);
-        }
-        left -= next;
-        const double* measure = &a.state->measure;
-        if (left > 0 && enough > 0 && !(fetch(cuda, measure) > enough)) return;
-      }
     } else {
       for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
     }
@@ -318,8 +303,6 @@ class ApgdIteration<Cuda> {
                                    (std::is_same_v<R, RadialRows<Real>> ||
                                     std::is_same_v<R, MixedRows<Real>> ||
                                     sweep::kIsImpact<R, Real>);
-  /// Trials after which the host looks at their measure where the device does not end them.
-  static constexpr int kLook = 8;
   static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
 
   template <bool kIsWhole, class R>
@@ -351,7 +334,6 @@ class ApgdIteration<Cuda> {
   Buffer<Cuda, Sums<3>> partial_;
   Buffer<Cuda, PackedContact> packed_;
   sweep::Shared shared_{};
-  ApgdBodies bodies_;
   const void* kernel_ = nullptr;
   Index tiles_ = 0;
   unsigned blocks_ = 0;

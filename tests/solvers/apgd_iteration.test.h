@@ -150,51 +150,6 @@ TYPED_TEST(ApgdIterationTest, MatchesWithALargeBodyInTwoGroups) {
   }
 }
 
-/// Bodies of any shapes: lever arms, few and many contacts a body, and numbers of bodies that fill no warp.
-TYPED_TEST(ApgdIterationTest, MatchesWithLeverArms) {
-  using Rows = GeneralRows<TypeParam>;
-  for (const int hub : {0, 4000}) {
-    for (const int count : {5, 3001}) {
-      const PlainProblem plain = random_problem({.layout = ContactLayout::general,
-                                                 .free_count = count,
-                                                 .fixed_count = 40,
-                                                 .contact_count = count == 5 ? 40 : 12000,
-                                                 .seed = 8,
-                                                 .hub_contacts = count == 5 ? 0 : hub});
-      ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
-      EXPECT_GT(this->template expect_match<Rows>(buffers.problem()), 10);
-      EXPECT_GT(
-          this->template expect_match<Rows>(buffers.problem(), ApgdMetricKind::diagonal, true), 10);
-    }
-  }
-}
-
-/// Where the host ends trials, it looks at their measure now and then.
-TYPED_TEST(ApgdIterationTest, EndsWithLeverArmsSoonAfterTheMeasureIsSmallEnough) {
-  using Rows = GeneralRows<TypeParam>;
-  TestBackend& b = this->backend();
-  const PlainProblem plain = random_problem(
-      {.layout = ContactLayout::general, .free_count = 300, .contact_count = 900, .seed = 3});
-  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
-  Arrays<TypeParam, Rows> all(b, buffers.problem()), some(b, buffers.problem());
-  ApgdIteration<TestBackend> steady(b), stopping(b);
-  steady.start(b, all.passes());
-  steady.run(b, all.passes(), 16, -1);
-  const double level = all.state(b).measure;
-  steady.run(b, all.passes(), 44, -1);
-  stopping.start(b, some.passes());
-  stopping.run(b, some.passes(), 60, level);
-  const Index stopped = some.state(b).trials;
-  if (!stopping.stops(some.passes())) {
-    EXPECT_EQ(stopped, 60);
-    return;
-  }
-  EXPECT_LE(stopped, 16);
-  EXPECT_LE(some.state(b).measure, level);
-  stopping.run(b, some.passes(), 60 - stopped, -1);
-  EXPECT_EQ(some.impulses(b), all.impulses(b));
-}
-
 /// More contacts than a tile keeps in fast memory.
 TYPED_TEST(ApgdIterationTest, MatchesWithManyContactsABody) {
   const PlainProblem plain =

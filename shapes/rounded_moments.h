@@ -9,44 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "shapes/polyhedron.h"
+#include "shapes/solid_sums.h"
 
 namespace scree::rounded {
 
 inline constexpr double kPi = 3.14159265358979323846;
-
-/// Integrals over a solid of density one: of 1, x_i and x_i x_j.
-struct Sums {
-  double volume = 0;
-  Vec3d first;
-  std::array<std::array<double, 3>, 3> second{};
-
-  /// Adds s (a b^T + b a^T) / 2.
-  void add_second(double s, const Vec3d& a, const Vec3d& b) {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        second[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] +=
-            0.5 * s * (a[i] * b[j] + b[i] * a[j]);
-  }
-  /// Adds a piece at a point, of which integrals about that point are given but for those of x_i x_j.
-  void add_at(const Vec3d& point, double piece, const Vec3d& piece_first) {
-    volume += piece;
-    first += piece * point + piece_first;
-    add_second(piece, point, point);
-    add_second(2, point, piece_first);
-  }
-  SolidMoments moments() const {
-    SolidMoments m;
-    m.volume = volume;
-    m.center = (1 / volume) * first;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const auto r = static_cast<std::size_t>(i), c = static_cast<std::size_t>(j);
-        m.second[r][c] = second[r][c] / volume - m.center[i] * m.center[j];
-      }
-    return m;
-  }
-};
 
 /// Of a solid that is the same under reflections at the planes of its axes.
 inline SolidMoments symmetric_moments(double volume, const Vec3d& squares) {
@@ -252,7 +219,7 @@ inline SolidMoments moments_of_hull(const TriangleMesh& mesh, double r) {
     return mesh.vertices[static_cast<std::size_t>(v)] - core.center;
   };
   const double r2 = r * r, r3 = r2 * r;
-  Sums sums;
+  SolidSums sums;
   sums.volume = core.volume;
   sums.second = core.second;
   for (auto& row : sums.second)

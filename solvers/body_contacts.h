@@ -48,7 +48,7 @@ class GroupContacts {
   }
 
  private:
-  /// Up to so many bodies on a GPU a search for each takes less time than what one thread writes for a long gap: 6 us, where
+  /// Up to so many bodies on a GPU a search for each takes less time than what one thread writes for a long gap: some 10 us, where
   /// gaps in a drum of 90,000 grains take 70.
   static constexpr Index kFewBodies = 250'000;
 

@@ -1,6 +1,7 @@
 #pragma once
 // Stored contact problems for tests, and the same ones as the dense oracle takes them.
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <random>
 
@@ -8,6 +9,13 @@
 #include "tests/problem_builder.h"
 
 namespace scree::fixtures {
+
+inline Eigen::MatrixXd dense(const SparseMatrix& a) {
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(a.row_count, a.column_count);
+  for (int row = 0; row < a.row_count; ++row)
+    for (int k = a.row_start[row]; k < a.row_start[row + 1]; ++k) d(row, a.column[k]) += a.value[k];
+  return d;
+}
 
 /// A random problem in the form that is stored, with a random guess.
 inline BodyProblem random_body_problem(const RandomProblem& options) {

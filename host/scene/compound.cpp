@@ -13,39 +13,10 @@
 #include "shapes/compound.h"
 #include "shapes/rounded.h"
 #include "shapes/shape_card.h"
+#include "shapes/solid_sums.h"
 
 namespace scree {
 namespace {
-
-/// Integrals over a solid of density one: of 1, x_i and x_i x_j.
-struct SolidSums {
-  double volume = 0;
-  Vec3d first;
-  std::array<std::array<double, 3>, 3> second{};
-
-  void add(int i, int j, double value) {
-    second[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] += value;
-  }
-  /// @param sign  -1 takes it away
-  void add(const SolidSums& o, double sign) {
-    volume += sign * o.volume;
-    first += sign * o.first;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        add(i, j, sign * o.second[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)]);
-  }
-  SolidMoments moments() const {
-    SolidMoments m;
-    m.volume = volume;
-    m.center = (1 / volume) * first;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const auto r = static_cast<std::size_t>(i), c = static_cast<std::size_t>(j);
-        m.second[r][c] = second[r][c] / volume - m.center[i] * m.center[j];
-      }
-    return m;
-  }
-};
 
 Vec3d axis(int k) {
   Vec3d e;

@@ -152,11 +152,18 @@ __device__ R block_combine(R mine) {
   return shared[0];
 }
 
-/// Ends a reduction: combines the records of a block, and the block that comes last combines those of all in block order and
-/// runs `finish`. The ticket is an integer, so its order of arrival does not touch the sums.
-template <int kThreads, class R, class G>
-__device__ void finish_reduction(const R& mine, const G& finish, R* partials, unsigned* ticket) {
-  const R block_total = block_combine<kThreads>(mine);
+/// Each block reduces its share; the block that finishes last combines the partial results
+/// in block order and runs `finish`. The ticket is an integer, so its order of arrival
+/// does not touch the sums.
+template <class R, class F, class G>
+__global__ void __launch_bounds__(block_threads<F>())
+    reduce_kernel(Index n, const __grid_constant__ F f, G finish, R* partials, unsigned* ticket) {
+  R mine;
+  const Offset stride = static_cast<Offset>(gridDim.x) * blockDim.x;
+  for (Offset i = static_cast<Offset>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) {
+    mine.combine(f(static_cast<Index>(i)));
+  }
+  const R block_total = block_combine<block_threads<F>()>(mine);
   __shared__ bool is_last;
   if (threadIdx.x == 0) {
     partials[blockIdx.x] = block_total;
@@ -169,20 +176,8 @@ __device__ void finish_reduction(const R& mine, const G& finish, R* partials, un
   R rest;
   for (unsigned k = threadIdx.x; k < gridDim.x; k += blockDim.x) rest.combine(partials[k]);
   __syncthreads();
-  const R total = block_combine<kThreads>(rest);
+  const R total = block_combine<block_threads<F>()>(rest);
   if (threadIdx.x == 0) finish(total);
-}
-
-/// Each block reduces its share.
-template <class R, class F, class G>
-__global__ void __launch_bounds__(block_threads<F>())
-    reduce_kernel(Index n, const __grid_constant__ F f, G finish, R* partials, unsigned* ticket) {
-  R mine;
-  const Offset stride = static_cast<Offset>(gridDim.x) * blockDim.x;
-  for (Offset i = static_cast<Offset>(blockIdx.x) * blockDim.x + threadIdx.x; i < n; i += stride) {
-    mine.combine(f(static_cast<Index>(i)));
-  }
-  finish_reduction<block_threads<F>()>(mine, finish, partials, ticket);
 }
 
 /// As many blocks as the device holds at once, so that none is left over for a last,

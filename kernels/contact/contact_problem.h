@@ -48,7 +48,7 @@ struct RadialInertia {
 
 /// Mass matrix of a body and its inverse, world frame; locked axes have zero inverse.
 template <class Real>
-struct alignas(4 * sizeof(Real)) GeneralInertia {
+struct GeneralInertia {
   Real mass = 0;           ///< [kg]
   Vec3<Real> inv_mass;     ///< per world axis [1/kg]
   Sym3<Real> inertia;      ///< [kg m^2]

@@ -9,6 +9,7 @@
 #include "shapes/cone.h"
 #include "shapes/ellipsoid.h"
 #include "shapes/hull.h"
+#include "tests/physics/floors.h"
 #include "tests/physics/round_bodies.h"
 
 namespace scree::physics {
@@ -32,13 +33,6 @@ BodyDescription ellipsoid(const Vec3d& position, const Quatd& orientation, const
   return solid(shapes::Ellipsoid::kind, position, orientation, half);
 }
 
-std::vector<Vec3d> box_points(const Vec3d& half) {
-  std::vector<Vec3d> points;
-  for (int k = 0; k < 8; ++k)
-    points.push_back(
-        {k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z});
-  return points;
-}
 BodyDescription& add_hull(Scene& scene, const Vec3d& position, const Quatd& orientation,
                           const std::vector<Vec3d>& points) {
   BodyDescription body;
@@ -50,27 +44,7 @@ BodyDescription& add_hull(Scene& scene, const Vec3d& position, const Quatd& orie
   return scene.bodies.back();
 }
 
-enum class Floor { plane, box, mesh, hull };
 constexpr Floor kFloors[] = {Floor::plane, Floor::box, Floor::mesh, Floor::hull};
-void add_floor(Scene& scene, Floor floor) {
-  if (floor == Floor::plane) add_plane(scene);
-  if (floor == Floor::box) add_wall_box(scene, {0, 0, -1}, {3, 3, 1});
-  if (floor == Floor::mesh) {
-    TriangleMesh mesh;
-    mesh.name = "square";
-    mesh.closed = false;
-    mesh.vertices = {{-3.1, -3.1, 0}, {3.1, -3.1, 0}, {3.1, 3.1, 0}, {-3.1, 3.1, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    add_mesh(scene, mesh);
-  }
-  if (floor == Floor::hull) {
-    BodyDescription body;
-    body.kind = BodyKind::fixed;
-    body.position = {0, 0, -1};
-    set_hull(scene, body, box_points({3, 3, 1}));
-    scene.bodies.push_back(body);
-  }
-}
 
 TEST(ConvexBodies, RestOnEveryFloor) {
   for (const Floor floor : kFloors) {
@@ -80,7 +54,7 @@ TEST(ConvexBodies, RestOnEveryFloor) {
     scene.bodies.push_back(cone({-1, 0.1, 0.1}, exp_map(Vec3d{0, 0, 0.3}), 0.2, 0.4));
     scene.bodies.push_back(ellipsoid({0, 0.1, 0.1}, {}, {0.3, 0.2, 0.1}));
     add_hull(scene, {1, 0.1, 0.15}, exp_map(Vec3d{0, 0, 0.7}), box_points({0.2, 0.1, 0.15}));
-    add_floor(scene, floor);
+    add_floor(scene, floor, 3);
     World world = reference_world(scene);
     for (int k = 0; k < 100; ++k) {
       const StepReport report = world.step();
@@ -100,7 +74,7 @@ TEST(ConvexBodies, AHullThatSlidesDownASlopeHasTheAccelerationOfABlock) {
     Scene scene = empty_scene(kStep, kFriction, Model::exact);
     tilt(scene, 25);
     add_hull(scene, {-1, 0.1, 0.05}, exp_map(Vec3d{0, 0, 0.7}), box_points({0.2, 0.1, 0.05}));
-    add_floor(scene, floor);
+    add_floor(scene, floor, 3);
     World world = reference_world(scene);
     for (int k = 0; k < 400; ++k) world.step();
     const double expected =
@@ -139,7 +113,7 @@ TEST(ConvexBodies, ARoundEllipsoidRollsDownASlopeAsABall) {
     tilt(scene, 10);
     scene.bodies.push_back(
         ellipsoid({-0.5, 0, 0.1}, exp_map(Vec3d{0.3, 0.2, 0.1}), {0.1, 0.1, 0.1}));
-    add_floor(scene, floor);
+    add_floor(scene, floor, 3);
     World world = reference_world(scene);
     for (int k = 0; k < 300; ++k) world.step();
     const double ball = 5.0 / 7 * kGravity * std::sin(radians(10)) * 300 * kStep;

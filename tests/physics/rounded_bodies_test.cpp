@@ -12,6 +12,7 @@
 #include "shapes/cylinder.h"
 #include "shapes/ellipsoid.h"
 #include "shapes/rounded.h"
+#include "tests/physics/floors.h"
 #include "tests/physics/round_bodies.h"
 
 namespace scree::physics {
@@ -43,38 +44,9 @@ BodyDescription fixed(BodyDescription body) {
   body.inertia = {};
   return body;
 }
-std::vector<Vec3d> box_points(const Vec3d& half) {
-  std::vector<Vec3d> points;
-  for (int k = 0; k < 8; ++k)
-    points.push_back(
-        {k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z});
-  return points;
-}
 
-enum class Floor { plane, box, mesh, hull, rounded_box };
 constexpr Floor kFloors[] = {Floor::plane, Floor::box, Floor::mesh, Floor::hull,
                              Floor::rounded_box};
-void add_floor(Scene& scene, Floor floor) {
-  if (floor == Floor::plane) add_plane(scene);
-  if (floor == Floor::box) add_wall_box(scene, {0, 0, -1}, {4, 4, 1});
-  if (floor == Floor::mesh) {
-    TriangleMesh mesh;
-    mesh.name = "square";
-    mesh.closed = false;
-    mesh.vertices = {{-4.1, -4.1, 0}, {4.1, -4.1, 0}, {4.1, 4.1, 0}, {-4.1, 4.1, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    add_mesh(scene, mesh);
-  }
-  if (floor == Floor::hull) {
-    BodyDescription body;
-    body.kind = BodyKind::fixed;
-    body.position = {0, 0, -1};
-    set_hull(scene, body, box_points({4, 4, 1}));
-    scene.bodies.push_back(body);
-  }
-  if (floor == Floor::rounded_box)
-    scene.bodies.push_back(fixed(rounded_box({0, 0, -1}, {4, 4, 0.75}, 0.25)));
-}
 
 // Half of the core and the radius: at each floor to the digits of the solve. They fall a little first.
 TEST(RoundedBodies, RestOnEveryFloorAtHalfTheirCoreAndTheRadius) {
@@ -104,7 +76,7 @@ TEST(RoundedBodies, RestOnEveryFloorAtHalfTheirCoreAndTheRadius) {
     set_hull(scene, hull, box_points({0.2, 0.1, 0.15}), kRadius);
     set_mass_from_density(hull, 1000);
     add(hull, 0.15 + kRadius);
-    add_floor(scene, floor);
+    add_floor(scene, floor, 4);
     World world = reference_world(scene);
     StepReport report;
     for (int k = 0; k < 100; ++k) report = world.step();
@@ -132,7 +104,7 @@ TEST(RoundedBodies, AConeOnItsPointRestsOnEveryFloor) {
       BodyDescription body = body_of(cone, {0.3, 0.1, height + 1e-3}, exp_map(Vec3d{kPi, 0, 0}));
       body.locks = lock_rotation;
       scene.bodies.push_back(body);
-      add_floor(scene, floor);
+      add_floor(scene, floor, 4);
       World world = reference_world(scene);
       for (int k = 0; k < 50; ++k) world.step();
       EXPECT_NEAR(world.states().position[0].z, height, 1e-6);
@@ -157,7 +129,7 @@ TEST(RoundedBodies, ABoxRollsOverItsRoundedEdge) {
     box.position = {0, 0, kRadius + arm * std::sin(start)};
     const double moment = box.inertia.y, mass = box.mass;
     scene.bodies.push_back(box);
-    add_floor(scene, floor);
+    add_floor(scene, floor, 4);
     World world = reference_world(scene);
     const double first = 0;
     double sine = std::sin(start), rate = 0, place = 0;

@@ -99,7 +99,7 @@ SolidMoments by_chords(const Shape& shape, const TriangleMesh& mesh, int lines) 
   const double bound = Rounded::bounding_radius(shape, &mesh), width = 2 * bound / lines;
   const Quatd turn = exp_map(Vec3d{0.4, -0.9, 0.3});
   const Vec3d along = rotate(turn, {0, 0, 1});
-  rounded::Sums sums;
+  SolidSums sums;
   for (int i = 0; i < lines; ++i)
     for (int j = 0; j < lines; ++j) {
       const Vec3d start = rotate(turn, {(i + 0.5) * width - bound, (j + 0.5) * width - bound, 0});

@@ -20,18 +20,12 @@ namespace scree {
 namespace {
 
 using namespace physics;
+using fixtures::dense;
 using fixtures::DenseContacts;
 using fixtures::random_body_problem;
 using fixtures::random_held;
 using test::refusal;
 using testing::HasSubstr;
-
-Eigen::MatrixXd dense(const SparseMatrix& a) {
-  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(a.row_count, a.column_count);
-  for (int row = 0; row < a.row_count; ++row)
-    for (int k = a.row_start[row]; k < a.row_start[row + 1]; ++k) d(row, a.column[k]) += a.value[k];
-  return d;
-}
 
 /// Free bodies that spin, contacts, and rows between some of them and with bodies that do not move.
 BodyProblem random_jointed(unsigned seed, int rows) {

@@ -14,17 +14,11 @@
 namespace scree {
 namespace {
 
+using fixtures::dense;
 using fixtures::oracle_of;
 using fixtures::random_body_problem;
 using test::refusal;
 using testing::HasSubstr;
-
-Eigen::MatrixXd dense(const SparseMatrix& a) {
-  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(a.row_count, a.column_count);
-  for (int row = 0; row < a.row_count; ++row)
-    for (int k = a.row_start[row]; k < a.row_start[row + 1]; ++k) d(row, a.column[k]) += a.value[k];
-  return d;
-}
 
 Eigen::VectorXd dense(const std::vector<double>& v) {
   return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));

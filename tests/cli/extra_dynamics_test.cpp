@@ -12,14 +12,8 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr const char* kProgram = SCREE_PROGRAM_WITH_EXTRA_DYNAMICS;
-
-Result with_extra(const Scratch& scratch, const Arguments& arguments) {
-  return Program(scratch.path(), arguments, 0, {}, kProgram).wait();
-}
-
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+Result with_extra_model(const Scratch& scratch, const Arguments& arguments) {
+  return Program(scratch.path(), arguments, 0, {}, SCREE_PROGRAM_WITH_EXTRA_DYNAMICS).wait();
 }
 
 json points() {
@@ -57,20 +51,22 @@ TEST(CliExtraDynamics, IsUnknownToTheProgramWithoutIt) {
 TEST(CliExtraDynamics, ScenesWithItAreChecked) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, points()).string();
-  const Result check = with_extra(scratch, {"check", scene, "--json"});
+  const Result check = with_extra_model(scratch, {"check", scene, "--json"});
   ASSERT_EQ(check.code, 0) << check.err;
   EXPECT_EQ(json::parse(check.out).at("dynamics"), "point_masses");
-  const Result text = with_extra(scratch, {"check", scene});
+  const Result text = with_extra_model(scratch, {"check", scene});
   EXPECT_TRUE(holds(text.out, "point_masses: point masses in free flight")) << text.out;
   EXPECT_FALSE(holds(text.out, "solver")) << text.out;
-  const Result range = with_extra(scratch, {"check", scene, "--set", "dynamics.gravity_factor=11"});
+  const Result range =
+      with_extra_model(scratch, {"check", scene, "--set", "dynamics.gravity_factor=11"});
   EXPECT_EQ(range.code, 2);
   EXPECT_TRUE(holds(range.err, "dynamics.gravity_factor")) << range.err;
   EXPECT_TRUE(holds(range.err, "must be between -10 and 10")) << range.err;
-  const Result forces = with_extra(scratch, {"check", scene, "--set", "output.force_interval=1"});
+  const Result forces =
+      with_extra_model(scratch, {"check", scene, "--set", "output.force_interval=1"});
   EXPECT_EQ(forces.code, 2) << "they do not touch";
   EXPECT_TRUE(holds(forces.err, "output.force_interval")) << forces.err;
-  const Result rigid = with_extra(scratch, {"check", scene, "--set", "dynamics.type=rigid"});
+  const Result rigid = with_extra_model(scratch, {"check", scene, "--set", "dynamics.type=rigid"});
   EXPECT_EQ(rigid.code, 2) << "the parameter is not one of rigid bodies";
   EXPECT_TRUE(holds(rigid.err, "gravity_factor")) << rigid.err;
 }
@@ -78,7 +74,7 @@ TEST(CliExtraDynamics, ScenesWithItAreChecked) {
 TEST(CliExtraDynamics, RunsWriteWhatTheModelHas) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, points()).string();
-  const Result run = with_extra(scratch, run_arguments(scene, scratch / "a"));
+  const Result run = with_extra_model(scratch, run_arguments(scene, scratch / "a"));
   ASSERT_EQ(run.code, 0) << run.err;
   EXPECT_FALSE(holds(run.err, "contacts")) << run.err;
   EXPECT_FALSE(holds(run.err, "penetration")) << run.err;
@@ -111,9 +107,11 @@ TEST(CliExtraDynamics, RunsWriteWhatTheModelHas) {
 TEST(CliExtraDynamics, ResumedRunsAreTheSame) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, points()).string();
-  ASSERT_EQ(with_extra(scratch, run_arguments(scene, scratch / "whole")).code, 0);
-  ASSERT_EQ(with_extra(scratch, run_arguments(scene, scratch / "a", {"--steps", "17"})).code, 0);
-  const Result resumed = with_extra(scratch, run_arguments(scene, scratch / "a", {"--resume"}));
+  ASSERT_EQ(with_extra_model(scratch, run_arguments(scene, scratch / "whole")).code, 0);
+  ASSERT_EQ(with_extra_model(scratch, run_arguments(scene, scratch / "a", {"--steps", "17"})).code,
+            0);
+  const Result resumed =
+      with_extra_model(scratch, run_arguments(scene, scratch / "a", {"--resume"}));
   ASSERT_EQ(resumed.code, 0) << resumed.err;
   EXPECT_EQ(untimed(scratch / "a" / "steps.csv"), untimed(scratch / "whole" / "steps.csv"));
   const auto bytes = [&](const char* run) {
@@ -130,20 +128,20 @@ TEST(CliExtraDynamics, ResumedRunsAreTheSame) {
 TEST(CliExtraDynamics, ACheckpointGivesItsBodiesToOtherScenes) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, points()).string();
-  ASSERT_EQ(with_extra(scratch, run_arguments(scene, scratch / "a")).code, 0);
+  ASSERT_EQ(with_extra_model(scratch, run_arguments(scene, scratch / "a")).code, 0);
   json next = points();
   next["dynamics"] = {{"type", "rigid"}};
   next["particles"] =
       json::array({{{"layout", "file"}, {"file", (scratch / "a" / "checkpoint.h5").string()}}});
   const std::string path = put(scratch / "next.json", next.dump()).string();
-  const Result check = with_extra(scratch, {"check", path, "--json"});
+  const Result check = with_extra_model(scratch, {"check", path, "--json"});
   ASSERT_EQ(check.code, 0) << check.err;
   EXPECT_EQ(json::parse(check.out).at("free_bodies"), 20);
 }
 
 TEST(CliExtraDynamics, IsInTheSchemaAndInTheHelp) {
   const Scratch scratch;
-  const Result result = with_extra(scratch, {"info", "--schema"});
+  const Result result = with_extra_model(scratch, {"info", "--schema"});
   ASSERT_EQ(result.code, 0) << result.err;
   const json dynamics = json::parse(result.out).at("$defs").at("dynamics").at("properties");
   EXPECT_EQ(dynamics.at("type").at("enum"), json({"rigid", "point_masses"}));
@@ -154,7 +152,7 @@ TEST(CliExtraDynamics, IsInTheSchemaAndInTheHelp) {
       {"default", 1},
       {"description", "point_masses: part of the gravity of the scene that acts [-]."}};
   EXPECT_EQ(dynamics.at("gravity_factor"), factor);
-  const Result info = with_extra(scratch, {"info"});
+  const Result info = with_extra_model(scratch, {"info"});
   EXPECT_TRUE(holds(info.out, "point masses in free flight")) << info.out;
 }
 
@@ -171,7 +169,7 @@ TEST(CliExtraDynamics, JointsAreRefusedWhereBodiesCannotBeJoined) {
       json::array({{{"type", "ball"}, {"bodies", {"a", "b"}}, {"anchor", {2.5, 0, 0}}}});
   const std::string path = put_scene(scratch, scene).string();
   for (const char* command : {"check", "run"}) {
-    const Result refused = with_extra(scratch, {command, path});
+    const Result refused = with_extra_model(scratch, {command, path});
     EXPECT_EQ(refused.code, 2) << command;
     EXPECT_TRUE(holds(refused.err, "joints: a list of 1 is not allowed")) << refused.err;
     EXPECT_TRUE(holds(refused.err, "point_masses")) << refused.err;
@@ -181,18 +179,18 @@ TEST(CliExtraDynamics, JointsAreRefusedWhereBodiesCannotBeJoined) {
 TEST(CliExtraDynamics, NothingTellsOfContactsThatTheModelDoesNotHave) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, points()).string();
-  const json check = json::parse(with_extra(scratch, {"check", scene, "--json"}).out);
+  const json check = json::parse(with_extra_model(scratch, {"check", scene, "--json"}).out);
   EXPECT_FALSE(check.contains("solver")) << check;
   EXPECT_FALSE(check.contains("contact_layout")) << check;
   const Arguments bench{"bench", "scene", scene, "--backend", "cpu", "--steps", "2"};
-  const Result text = with_extra(scratch, bench);
+  const Result text = with_extra_model(scratch, bench);
   ASSERT_EQ(text.code, 0) << text.err;
   EXPECT_TRUE(holds(text.out, "20 bodies")) << text.out;
   for (const char* word : {"contact", "iterations", "residual", "apgd"})
     EXPECT_FALSE(holds(text.out, word)) << text.out;
   Arguments with_json = bench;
   with_json.insert(with_json.end(), {"--json", "bench.json"});
-  ASSERT_EQ(with_extra(scratch, with_json).code, 0);
+  ASSERT_EQ(with_extra_model(scratch, with_json).code, 0);
   const json result = json_file(scratch / "bench.json").at("results").at(0);
   EXPECT_EQ(result.at("bodies"), 20);
   for (const char* key : {"contacts", "solver", "iterations", "converged"})

@@ -10,14 +10,8 @@ namespace {
 
 using json = nlohmann::json;
 
-constexpr const char* kProgram = SCREE_PROGRAM_WITH_EXTRA_SOLVER;
-
-Result with_extra(const Scratch& scratch, const Arguments& arguments) {
-  return Program(scratch.path(), arguments, 0, {}, kProgram).wait();
-}
-
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+Result with_extra_solver(const Scratch& scratch, const Arguments& arguments) {
+  return Program(scratch.path(), arguments, 0, {}, SCREE_PROGRAM_WITH_EXTRA_SOLVER).wait();
 }
 
 /// Spheres that fall into a container, and nothing else.
@@ -29,16 +23,16 @@ json spheres() {
 }
 
 json capacity(const Scratch& scratch, const std::string& precision) {
-  const Result run = with_extra(scratch, {"bench",       "capacity",
-                                          "--sizes",     "3000",
-                                          "--layers",    "20",
-                                          "--warmup",    "60",
-                                          "--steps",     "2",
-                                          "--backend",   "cpu",
-                                          "--threads",   "1",
-                                          "--precision", precision,
-                                          "--set",       "solver.name=damped_jacobi",
-                                          "--json",      "capacity.json"});
+  const Result run = with_extra_solver(scratch, {"bench",       "capacity",
+                                                 "--sizes",     "3000",
+                                                 "--layers",    "20",
+                                                 "--warmup",    "60",
+                                                 "--steps",     "2",
+                                                 "--backend",   "cpu",
+                                                 "--threads",   "1",
+                                                 "--precision", precision,
+                                                 "--set",       "solver.name=damped_jacobi",
+                                                 "--json",      "capacity.json"});
   EXPECT_EQ(run.code, 0) << run.err;
   return json_file(scratch / "capacity.json").at("results").at(0);
 }
@@ -53,13 +47,13 @@ TEST(CliExtraSolver, IsUnknownToTheProgramWithoutIt) {
 TEST(CliExtraSolver, ScenesWithItAreCheckedAndRun) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, spheres()).string();
-  const Result check = with_extra(scratch, {"check", scene, "--json"});
+  const Result check = with_extra_solver(scratch, {"check", scene, "--json"});
   ASSERT_EQ(check.code, 0) << check.err;
   EXPECT_EQ(json::parse(check.out).at("solver"), "damped_jacobi");
   for (const char* damping : {"0.9", "0.1"}) {
-    const Result run =
-        with_extra(scratch, run_arguments(scene, scratch / damping,
-                                          {"--set", "solver.damping=" + std::string(damping)}));
+    const Result run = with_extra_solver(
+        scratch, run_arguments(scene, scratch / damping,
+                               {"--set", "solver.damping=" + std::string(damping)}));
     ASSERT_EQ(run.code, 0) << run.err;
   }
   EXPECT_NE(steps_without_times(scratch / "0.9" / "steps.csv"),
@@ -70,13 +64,14 @@ TEST(CliExtraSolver, ScenesWithItAreCheckedAndRun) {
 TEST(CliExtraSolver, ItsParameterIsChecked) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, spheres()).string();
-  const Result range = with_extra(scratch, {"check", scene, "--set", "solver.damping=1.5"});
+  const Result range = with_extra_solver(scratch, {"check", scene, "--set", "solver.damping=1.5"});
   EXPECT_EQ(range.code, 2);
   EXPECT_TRUE(holds(
       range.err,
       "solver.damping (overridden): 1.5 is not allowed: must be between 0 and 1, both excluded"))
       << range.err;
-  const Result name = with_extra(scratch, {"check", scene, "--set", "solver.name=damped_jacob"});
+  const Result name =
+      with_extra_solver(scratch, {"check", scene, "--set", "solver.name=damped_jacob"});
   EXPECT_EQ(name.code, 2);
   EXPECT_TRUE(holds(name.err, "did you mean \"damped_jacobi\"")) << name.err;
 }
@@ -87,7 +82,7 @@ TEST(CliExtraSolver, ContactsThatItDoesNotKnowAreRefused) {
   scene["materials"]["m"]["rolling_friction"] = 1e-3;
   const std::string path = put_scene(scratch, scene).string();
   for (const char* command : {"check", "run"}) {
-    const Result refused = with_extra(scratch, {command, path});
+    const Result refused = with_extra_solver(scratch, {command, path});
     EXPECT_EQ(refused.code, 2) << command;
     EXPECT_TRUE(holds(refused.err, "solver.name: \"damped_jacobi\" is not allowed")) << refused.err;
     EXPECT_TRUE(holds(refused.err, "rolling")) << refused.err;
@@ -96,7 +91,7 @@ TEST(CliExtraSolver, ContactsThatItDoesNotKnowAreRefused) {
 
 TEST(CliExtraSolver, IsInTheSchema) {
   const Scratch scratch;
-  const Result result = with_extra(scratch, {"info", "--schema"});
+  const Result result = with_extra_solver(scratch, {"info", "--schema"});
   ASSERT_EQ(result.code, 0) << result.err;
   const json solver = json::parse(result.out).at("$defs").at("solver").at("properties");
   EXPECT_EQ(solver.at("name").at("enum").back(), "damped_jacobi");
@@ -112,7 +107,7 @@ TEST(CliExtraSolver, IsInTheSchema) {
 TEST(CliExtraSolver, IsInTheHelp) {
   const Scratch scratch;
   for (const Arguments& command : {Arguments{"info"}, Arguments{"bench", "solvers", "--help"}}) {
-    const Result result = with_extra(scratch, command);
+    const Result result = with_extra_solver(scratch, command);
     EXPECT_EQ(result.code, 0) << result.err;
     EXPECT_TRUE(holds(result.out, "damped_jacobi")) << result.out;
     EXPECT_TRUE(holds(result.out, "Jacobi steps of one size, for spheres")) << result.out;
@@ -122,9 +117,9 @@ TEST(CliExtraSolver, IsInTheHelp) {
 TEST(CliExtraSolver, IsBenchmarked) {
   const Scratch scratch;
   const Result result =
-      with_extra(scratch, {"bench", "solvers", "--sizes", "300", "--layers", "5", "--levels",
-                           "0.01", "--limit", "5", "--solvers", "damped_jacobi,apgd", "--backend",
-                           "cpu", "--threads", "1", "--json", "solvers.json"});
+      with_extra_solver(scratch, {"bench", "solvers", "--sizes", "300", "--layers", "5", "--levels",
+                                  "0.01", "--limit", "5", "--solvers", "damped_jacobi,apgd",
+                                  "--backend", "cpu", "--threads", "1", "--json", "solvers.json"});
   ASSERT_EQ(result.code, 0) << result.err;
   const json document = json_file(scratch / "solvers.json");
   int rows = 0;
@@ -159,10 +154,11 @@ TEST(CliExtraSolver, ContactsOfTwoGroupsAreOneForASolverThatKnowsNoGroups) {
   ASSERT_EQ(json::parse(groups.out).at("contact_layout"), "mixed");
   scene["solver"] = {{"name", "damped_jacobi"}, {"max_iterations", 60}};
   put_scene(scratch, scene);
-  const Result check = with_extra(scratch, {"check", path, "--json"});
+  const Result check = with_extra_solver(scratch, {"check", path, "--json"});
   ASSERT_EQ(check.code, 0) << check.err;
   EXPECT_EQ(json::parse(check.out).at("contact_layout"), "general");
-  const Result run = with_extra(scratch, run_arguments(path, scratch / "a", {"--steps", "5"}));
+  const Result run =
+      with_extra_solver(scratch, run_arguments(path, scratch / "a", {"--steps", "5"}));
   EXPECT_EQ(run.code, 0) << run.err;
 }
 

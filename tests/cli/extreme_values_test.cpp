@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "host/io/h5.h"
+#include "tests/cli/frame_count.h"
 #include "tests/cli/program.h"
 
 namespace scree::test {
@@ -17,14 +17,6 @@ json falling_ball() {
     "bodies": [{"shape": "half_space"},
                {"shape": "sphere", "radius": 0.1, "density": 1000, "position": [0, 0, 0.3]}],
     "output": {"picture": false}})");
-}
-
-std::int64_t frame_count(const fs::path& frames) {
-  return h5::File::open(frames)
-      .root()
-      .open_group("VTKHDF")
-      .open_group("Steps")
-      .attribute<std::int64_t>("NSteps");
 }
 
 /// All numbers of steps.csv. Fails when one is not finite.

@@ -26,6 +26,10 @@ namespace scree::test {
 namespace fs = std::filesystem;
 using Arguments = std::vector<std::string>;
 
+inline bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 inline std::string contents(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};

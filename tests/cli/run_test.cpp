@@ -9,6 +9,7 @@
 #include "host/io/checkpoint.h"
 #include "host/io/h5.h"
 #include "host/io/problem_file.h"
+#include "tests/cli/frame_count.h"
 #include "tests/cli/program.h"
 #include "tests/steps_file.h"
 
@@ -16,14 +17,6 @@ namespace scree::test {
 namespace {
 
 constexpr const char* png_signature = "\x89PNG\r\n\x1a\n";
-
-std::int64_t frame_count(const fs::path& frames) {
-  return h5::File::open(frames)
-      .root()
-      .open_group("VTKHDF")
-      .open_group("Steps")
-      .attribute<std::int64_t>("NSteps");
-}
 
 /// Every array that decides how a run goes on.
 void expect_same_state(const fs::path& a, const fs::path& b) {

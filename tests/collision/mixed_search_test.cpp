@@ -17,10 +17,10 @@ using TestBackend = Cpu;
 namespace scree {
 namespace {
 
-using Scene = CollisionScene<double>;
+using SearchScene = CollisionScene<double>;
 
-Scene heap(int count, double edge) {
-  Scene s;
+SearchScene heap(int count, double edge) {
+  SearchScene s;
   s.settings.envelope = 0.02;
   s.settings.margin_limit = 0.25;
   s.h = 0.01;
@@ -53,7 +53,7 @@ struct Listed {
 
 class MixedSearch {
  public:
-  explicit MixedSearch(const Scene& s)
+  explicit MixedSearch(const SearchScene& s)
       : run_(cpu_, s),
         obstacles_(cpu_, s.obstacles, {}),
         candidates_(cpu_),
@@ -150,7 +150,7 @@ struct SolidList {
 TEST(SolidSearch, HoldsForTheEnvelopesItNames) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
-  Scene s;
+  SearchScene s;
   s.h = 0.01;
   s.settings.envelope = 0.02;
   for (int k = 0; k < 400; ++k) {

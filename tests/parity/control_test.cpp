@@ -17,7 +17,7 @@ namespace {
 using test::refusal;
 using ::testing::HasSubstr;
 
-constexpr double kStep = 1e-3;
+constexpr double kControlStep = 1e-3;
 
 class Control : public ::testing::TestWithParam<std::tuple<BackendKind, Precision>> {
  protected:
@@ -45,7 +45,7 @@ INSTANTIATE_TEST_SUITE_P(All, Control,
 
 /// Two spheres and a box in free flight, far from each other.
 Scene flying_bodies() {
-  Scene scene = empty_scene(kStep, 0.3);
+  Scene scene = empty_scene(kControlStep, 0.3);
   scene.precision = "float";
   solve_to(scene, 1e-6);
   add_sphere(scene, {0, 0, 0}, 0.1, 2);
@@ -68,7 +68,7 @@ TEST_P(Control, VelocitiesOfFreeBodies) {
     EXPECT_EQ(after.position[other], before.position[other]);
   }
   world.step();
-  expect_near(world.states().velocity[1], {1, 0, 3 - kGravity * kStep});
+  expect_near(world.states().velocity[1], {1, 0, 3 - kGravity * kControlStep});
 }
 
 TEST_P(Control, ForcesActInOneStep) {
@@ -83,10 +83,10 @@ TEST_P(Control, ForcesActInOneStep) {
   const BodyStates s = world.states();
   const double moment = 0.4 * 2 * 0.1 * 0.1, box = 3 * (0.04 + 0.16) / 12;
   expect_near(s.velocity[0], {0.1, 0.2, 0});
-  expect_near(s.angular_velocity[0], {0, 0, kStep / moment});
+  expect_near(s.angular_velocity[0], {0, 0, kControlStep / moment});
   expect_near(s.velocity[1], {0, 0, 1 + 0.01});
   expect_near(s.angular_velocity[1], {});
-  expect_near(s.angular_velocity[2], {0, 0, kStep * 5 / box});
+  expect_near(s.angular_velocity[2], {0, 0, kControlStep * 5 / box});
 }
 
 TEST_P(Control, AppliedForcesAddToArrays) {
@@ -108,7 +108,7 @@ TEST_P(Control, AppliedForcesAddToArrays) {
 }
 
 TEST_P(Control, GravityAndTheForceOnAFloor) {
-  Scene scene = empty_scene(kStep, 0.3);
+  Scene scene = empty_scene(kControlStep, 0.3);
   solve_to(scene, 1e-6);
   scene.groups = {"ground", "grain"};
   add_plane(scene);
@@ -178,7 +178,7 @@ TEST_P(Control, MotionsFollowEachOther) {
 }
 
 TEST_P(Control, PushesWhatIsInItsWay) {
-  Scene scene = empty_scene(kStep, 0);
+  Scene scene = empty_scene(kControlStep, 0);
   solve_to(scene, 1e-6);
   add_plane(scene);
   add_wall_box(scene, {-0.2, 0, 0.1}, {0.1, 0.1, 0.1}, BodyKind::kinematic).motion = Motion{};

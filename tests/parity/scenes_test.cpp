@@ -59,7 +59,7 @@ Scene fixed_boxes() {
   return scene;
 }
 
-Scene free_box() {
+Scene one_free_box() {
   Scene scene = falling_spheres(0.05);
   add_box(scene, {0.003, 0.002, 0.021}, {0.03, 0.03, 0.02}, 0.4).velocity = {0, 0, -0.5};
   add_plane(scene);
@@ -194,7 +194,7 @@ Scene kinematic_restitution() {
 
 /// A box with many spheres on it, and small boxes between these.
 Scene boxes_among_spheres() {
-  Scene scene = free_box();
+  Scene scene = one_free_box();
   for (int k = 0; k < 6; ++k)
     add_box(scene, {0.012 * k - 0.03, 0.01, 0.12}, {0.005, 0.004, 0.004}, 2e-3).velocity = {0, 0,
                                                                                             -0.5};
@@ -255,7 +255,7 @@ class ParityScenes : public Parity, public ::testing::WithParamInterface<Case> {
 INSTANTIATE_TEST_SUITE_P(
     All, ParityScenes,
     ::testing::Values(Case{"walls", walls}, Case{"container", container}, Case{"mesh", mesh},
-                      Case{"fixed_boxes", fixed_boxes}, Case{"free_box", free_box},
+                      Case{"fixed_boxes", fixed_boxes}, Case{"one_free_box", one_free_box},
                       Case{"boxes", boxes}, Case{"compounds", compounds},
                       Case{"rounded_shapes", rounded_shapes}, Case{"cohesion", cohesion},
                       Case{"rolling_friction", rolling_friction}, Case{"kinematic", kinematic},

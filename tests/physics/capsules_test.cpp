@@ -14,7 +14,8 @@ namespace {
 constexpr double kRadius = 0.1;
 constexpr double kLength = 0.4;
 /// Those of these tests are alike.
-BodyDescription capsule(const Vec3d& position, const Quatd& orientation, double density = 1000) {
+BodyDescription standard_capsule(const Vec3d& position, const Quatd& orientation,
+                                 double density = 1000) {
   return physics::capsule(position, orientation, kRadius, kLength, density);
 }
 
@@ -28,7 +29,7 @@ double least_height(const BodyStates& s, int count) {
 
 TEST(Capsules, OneThatLiesHasAContactAtEachEndAndStays) {
   Scene scene = empty_scene(1e-2, 0.5);
-  scene.bodies.push_back(capsule({0, 0, kRadius}, kAlongX));
+  scene.bodies.push_back(standard_capsule({0, 0, kRadius}, kAlongX));
   add_plane(scene);
   World world = reference_world(scene);
   for (int k = 0; k < 200; ++k) {
@@ -46,7 +47,7 @@ TEST(Capsules, OneThatRollsDownASlopeHasTheAccelerationOfItsMoment) {
   constexpr int kSteps = 1000;
   Scene scene = empty_scene(kStep, 0.8, Model::exact);
   tilt(scene, kAngle);
-  scene.bodies.push_back(capsule({0, 0, kRadius}, kAlongY));
+  scene.bodies.push_back(standard_capsule({0, 0, kRadius}, kAlongY));
   const BodyDescription body = scene.bodies[0];
   add_plane(scene);
   World world = reference_world(scene);
@@ -62,7 +63,7 @@ TEST(Capsules, OneThatRollsDownASlopeHasTheAccelerationOfItsMoment) {
 
 TEST(Capsules, OneThatFallsOnAnEndComesToLie) {
   Scene scene = empty_scene(5e-3, 0.5);
-  scene.bodies.push_back(capsule({0, 0, 0.4}, exp_map(Vec3d{0.3, 0, 0})));
+  scene.bodies.push_back(standard_capsule({0, 0, 0.4}, exp_map(Vec3d{0.3, 0, 0})));
   add_plane(scene);
   World world = reference_world(scene);
   double deepest = 0;
@@ -81,8 +82,8 @@ TEST(Capsules, ACribOfThemStands) {
     const double z = kRadius * (2 * layer + 1);
     for (const double side : {-0.15, 0.15}) {
       const bool is_along_x = layer % 2 == 0;
-      scene.bodies.push_back(is_along_x ? capsule({0, side, z}, kAlongX)
-                                        : capsule({side, 0, z}, kAlongY));
+      scene.bodies.push_back(is_along_x ? standard_capsule({0, side, z}, kAlongX)
+                                        : standard_capsule({side, 0, z}, kAlongY));
     }
   }
   add_plane(scene);
@@ -103,7 +104,7 @@ TEST(Capsules, ACribOfThemStands) {
 TEST(Capsules, SpheresRestInTheGrooveOfTwoThatAreFixed) {
   Scene scene = empty_scene(5e-3, 0.3);
   for (const double side : {-0.12, 0.12}) {
-    BodyDescription rail = capsule({0, side, 0}, kAlongX);
+    BodyDescription rail = standard_capsule({0, side, 0}, kAlongX);
     rail.kind = BodyKind::fixed;
     rail.mass = 0;
     rail.inertia = {};
@@ -122,7 +123,7 @@ TEST(Capsules, SpheresRestInTheGrooveOfTwoThatAreFixed) {
 }
 
 TEST(Capsules, FastSpheresDoNotPassThroughFixedOnes) {
-  expect_stops_a_fast_sphere(capsule({0, 0, 0}, kAlongX));
+  expect_stops_a_fast_sphere(standard_capsule({0, 0, 0}, kAlongX));
 }
 
 TEST(Capsules, AMixedPileHasTheSameBitsOnAnyNumberOfThreads) {
@@ -133,7 +134,7 @@ TEST(Capsules, AMixedPileHasTheSameBitsOnAnyNumberOfThreads) {
     const Vec3d at{0.65 * (k % 3 - 1) + 0.01 * (k % 5), 0.65 * (k / 3 % 3 - 1),
                    0.4 + 0.65 * (k / 9)};
     if (k % 2 == 0)
-      scene.bodies.push_back(capsule(at, exp_map(Vec3d{0.4 * k, 0.3, 0.2 * k})));
+      scene.bodies.push_back(standard_capsule(at, exp_map(Vec3d{0.4 * k, 0.3, 0.2 * k})));
     else
       add_sphere(scene, at, 0.08, 2);
   }

@@ -10,7 +10,7 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kRadius = 0.05;
+constexpr double kBallRadius = 0.05;
 constexpr double kDensity = 2500;
 
 struct PileStates {
@@ -38,7 +38,7 @@ Scene pile_scene(const PileStates& pile, double h) {
   scene.solver.check_every = 50;
   scene.stepping.max_recovery_speed = 0;
   for (std::size_t i = 0; i < pile.position.size(); ++i) {
-    BodyDescription& body = add_sphere(scene, pile.position[i], kRadius, 1);
+    BodyDescription& body = add_sphere(scene, pile.position[i], kBallRadius, 1);
     set_mass_from_density(body, kDensity);
     body.orientation = pile.orientation[i];
     body.velocity = pile.velocity[i];
@@ -60,7 +60,7 @@ struct StoredAnswer {
 StoredAnswer evaluate_stored(const PileStates& pile,
                              const std::vector<std::vector<double>>& contacts, double h,
                              double mass) {
-  const double moment = 0.4 * mass * kRadius * kRadius;
+  const double moment = 0.4 * mass * kBallRadius * kBallRadius;
   const std::size_t n = pile.position.size();
   std::vector<Vec3d> force(n), torque(n);
   struct Contact {
@@ -124,7 +124,7 @@ Difference difference_of(const std::vector<Vec3d>& v, const std::vector<Vec3d>& 
   const std::size_t n = other.velocity.size();
   for (std::size_t i = 0; i < n; ++i) {
     const double linear = norm2(v[i] - other.velocity[i]);
-    const double surface = norm2(kRadius * (w[i] - other.angular_velocity[i]));
+    const double surface = norm2(kBallRadius * (w[i] - other.angular_velocity[i]));
     d.rms += (linear + surface) / static_cast<double>(n);
     d.linear_rms += linear / (3 * static_cast<double>(n));
     d.energy += 0.5 * mass * (linear + 0.4 * surface);

@@ -20,20 +20,21 @@ void add_mesh_square(Scene& scene, double half) {
   add_mesh(scene, mesh);
 }
 
-enum class Floor { plane, box, mesh };
-void add_floor(Scene& scene, Floor floor) {
-  if (floor == Floor::plane) add_plane(scene);
-  if (floor == Floor::box) add_wall_box(scene, {0, 0, -1}, {3, 3, 1});
-  if (floor == Floor::mesh) add_mesh_square(scene, 3.1);
+enum class CylinderFloor { plane, box, mesh };
+void add_cylinder_floor(Scene& scene, CylinderFloor floor) {
+  if (floor == CylinderFloor::plane) add_plane(scene);
+  if (floor == CylinderFloor::box) add_wall_box(scene, {0, 0, -1}, {3, 3, 1});
+  if (floor == CylinderFloor::mesh) add_mesh_square(scene, 3.1);
 }
 
 TEST(Cylinders, RestStandingOnFourPointsAndLyingOnTwo) {
-  for (const Floor floor : {Floor::plane, Floor::box, Floor::mesh}) {
+  for (const CylinderFloor floor :
+       {CylinderFloor::plane, CylinderFloor::box, CylinderFloor::mesh}) {
     for (const bool is_standing : {true, false}) {
       Scene scene = empty_scene(1e-2, 0.5);
       scene.bodies.push_back(is_standing ? cylinder({0.3, 0.1, 0.2}, {}, 0.1, 0.4)
                                          : cylinder({0.3, 0.1, 0.1}, kAlongX, 0.1, 0.4));
-      add_floor(scene, floor);
+      add_cylinder_floor(scene, floor);
       World world = reference_world(scene);
       for (int k = 0; k < 100; ++k) {
         const StepReport report = world.step();
@@ -49,11 +50,12 @@ TEST(Cylinders, RestStandingOnFourPointsAndLyingOnTwo) {
 TEST(Cylinders, OneThatRollsDownASlopeHasTwoThirdsOfTheAcceleration) {
   constexpr double kStep = 1e-3;
   constexpr int kSteps = 500;
-  for (const Floor floor : {Floor::plane, Floor::box, Floor::mesh}) {
+  for (const CylinderFloor floor :
+       {CylinderFloor::plane, CylinderFloor::box, CylinderFloor::mesh}) {
     Scene scene = empty_scene(kStep, 0.8, Model::exact);
     tilt(scene, 10);
     scene.bodies.push_back(cylinder({0, 0, 0.1}, kAlongY, 0.1, 0.4));
-    add_floor(scene, floor);
+    add_cylinder_floor(scene, floor);
     World world = reference_world(scene);
     for (int k = 0; k < kSteps; ++k) world.step();
     const BodyStates s = world.states();
@@ -68,11 +70,11 @@ TEST(Cylinders, OneThatRollsDownASlopeHasTwoThirdsOfTheAcceleration) {
 TEST(Cylinders, AFlatDiscThatSpinsIsSlowedByItsRim) {
   constexpr double kRadius = 0.1, kFriction = 0.3, kStep = 1e-3;
   constexpr int kSteps = 300;
-  for (const Floor floor : {Floor::plane, Floor::box}) {
+  for (const CylinderFloor floor : {CylinderFloor::plane, CylinderFloor::box}) {
     Scene scene = empty_scene(kStep, kFriction, Model::exact);
     scene.bodies.push_back(cylinder({0, 0, 0.005}, {}, kRadius, 0.01));
     scene.bodies[0].angular_velocity = {0, 0, 30};
-    add_floor(scene, floor);
+    add_cylinder_floor(scene, floor);
     World world = reference_world(scene);
     for (int k = 0; k < kSteps; ++k) world.step();
     const BodyStates s = world.states();

@@ -23,15 +23,16 @@ INSTANTIATE_TEST_SUITE_P(Precisions, JointDrives,
                          testing::Values(Precision::single_precision, Precision::double_precision),
                          name_of_precision);
 
-constexpr double kMass = 1.2, kHalf = 0.5, kThick = 0.02;
+constexpr double kMass = 1.2, kHalfExtents = 0.5, kThick = 0.02;
 /// Of the rod below about its hinge.
 constexpr double kAboutHinge =
-    kMass * ((4 * kHalf * kHalf + 4 * kThick * kThick) / 12 + kHalf * kHalf);
+    kMass *
+    ((4 * kHalfExtents * kHalfExtents + 4 * kThick * kThick) / 12 + kHalfExtents * kHalfExtents);
 
 /// A rod that lies along x from its hinge at the origin; about +y its far end goes down.
 Scene rod_on_hinge(bool world_first = true) {
   Scene scene = empty_scene(kStep, 0);
-  add_box(scene, {kHalf, 0, 0}, {kHalf, kThick, kThick}, kMass);
+  add_box(scene, {kHalfExtents, 0, 0}, {kHalfExtents, kThick, kThick}, kMass);
   Joint hinge = joint_of(JointKind::hinge, kWorldBody, 0, {}, {0, 1, 0});
   if (!world_first) std::swap(hinge.bodies[0], hinge.bodies[1]);
   scene.joints.push_back(hinge);
@@ -75,7 +76,7 @@ TEST_P(JointDrives, HingeStopsAtItsLimitAndStays) {
       EXPECT_LT(norm(world.states().angular_velocity[0]), 1e-4);
       const JointRecord record = world.joints()[0];
       EXPECT_NEAR(record.position, world_first ? kLimit : -kLimit, 1e-4);
-      const double expected = -kMass * kGravity * kHalf * std::cos(kLimit);  // on the rod
+      const double expected = -kMass * kGravity * kHalfExtents * std::cos(kLimit);  // on the rod
       EXPECT_NEAR(record.moment.y / kStep / expected, world_first ? 1 : -1, left());
     }
   }
@@ -146,7 +147,7 @@ TEST_P(JointDrives, MotorReachesItsSpeed) {
 
 // A motor of speed zero is a brake: it holds a rod below its bound and gives way above.
 TEST_P(JointDrives, MotorStallsAtItsBound) {
-  const double load = kMass * kGravity * kHalf;
+  const double load = kMass * kGravity * kHalfExtents;
   for (const std::string& solver : kJointSolvers) {
     for (const double share : {1.01, 0.6}) {
       Scene scene = rod_on_hinge();
@@ -190,8 +191,8 @@ TEST_P(JointDrives, MotorPushesAgainstALimit) {
     for (int k = 0; k < 400; ++k) EXPECT_TRUE(world.step().converged) << solver << k;
     EXPECT_NEAR(world.joints()[0].position, -0.3, 1e-4) << solver;
     EXPECT_NEAR(rate(world), 0, 1e-4);
-    EXPECT_NEAR(world.joints()[0].moment.y / kStep, -kMass * kGravity * kHalf * std::cos(0.3),
-                1e-2);
+    EXPECT_NEAR(world.joints()[0].moment.y / kStep,
+                -kMass * kGravity * kHalfExtents * std::cos(0.3), 1e-2);
   }
 }
 
@@ -362,7 +363,7 @@ TEST_P(JointDrives, FrictionStopsAWheel) {
 
 // A rod sticks below the friction of its hinge, and a motor works against it.
 TEST_P(JointDrives, FrictionHoldsAndAMotorOvercomesIt) {
-  const double load = kMass * kGravity * kHalf;
+  const double load = kMass * kGravity * kHalfExtents;
   Scene scene = rod_on_hinge();
   scene.joints[0].friction = 1.05 * load;
   World world = world_of(scene);
@@ -403,7 +404,7 @@ TEST_P(JointDrives, JointBreaksAboveItsStrength) {
   }
   Scene scene = rod_on_hinge();
   scene.joints[0].kind = JointKind::fixed;
-  scene.joints[0].break_moment = 0.9 * kMass * kGravity * kHalf;
+  scene.joints[0].break_moment = 0.9 * kMass * kGravity * kHalfExtents;
   World world = world_of(scene);
   for (int k = 0; k < 5; ++k) world.step();
   EXPECT_TRUE(world.joints()[0].is_broken);

@@ -11,7 +11,7 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kStep = 2e-3, kRate = 25;
+constexpr double kLimitStep = 2e-3, kRate = 25;
 
 struct Errors {
   double corrected = 0, once = 0;  ///< largest of all steps [m]; with one solve a step
@@ -39,7 +39,7 @@ Errors largest_errors(Scene scene, double duration, AtEnd at_end) {
 
 /// A hub that turns about z at kRate, and a ball beside it that turns with it.
 Scene hub_and_ball() {
-  Scene scene = empty_scene(kStep, 0);
+  Scene scene = empty_scene(kLimitStep, 0);
   scene.gravity = {};
   BodyDescription& ball = add_sphere(scene, {0.5, 0, 0}, 0.1, 1);
   ball.velocity = {0, 0.5 * kRate, 0};
@@ -73,7 +73,7 @@ TEST(JointLimits, ASliderOnATurningHubEndsStepsAtItsLimit) {
 
 // Two boxes fly apart until the cable between their corners is taut, and tumble at its ends from then on.
 TEST(JointLimits, TumblingBoxesStayWithinTheLengthOfTheirCable) {
-  Scene scene = empty_scene(kStep, 0);
+  Scene scene = empty_scene(kLimitStep, 0);
   scene.gravity = {};
   for (const double side : {-1.0, 1.0}) {
     BodyDescription& box = add_box(scene, {0.4 * side, 0, 0}, {0.2, 0.1, 0.05}, 2);
@@ -91,7 +91,7 @@ TEST(JointLimits, TumblingBoxesStayWithinTheLengthOfTheirCable) {
 
 // Two long boxes tumble through empty space, and close like the blades of a knife until their hinge stops them.
 TEST(JointLimits, AHingeOfTumblingBodiesEndsStepsAtItsLimit) {
-  Scene scene = empty_scene(kStep, 0);
+  Scene scene = empty_scene(kLimitStep, 0);
   scene.gravity = {};
   for (const double side : {-1.0, 1.0}) {
     BodyDescription& box = add_box(scene, {0.4 * side, 0, 0}, {0.4, 0.1, 0.05}, 2);

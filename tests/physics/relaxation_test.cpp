@@ -8,7 +8,7 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kStep = 0.0025;
+constexpr double kTimeStep = 0.0025;
 constexpr double kRelative = 1e-5;
 
 /// A block is a box that cannot turn; body 1, at the given gap and speed.
@@ -24,7 +24,7 @@ Scene block_scene(double mu, double v0, double gap, double h, Model model) {
 }
 
 Scene sphere_scene(double mu, double v0, Model model) {
-  Scene scene = empty_scene(kStep, mu, model);
+  Scene scene = empty_scene(kTimeStep, mu, model);
   solve_to(scene, 1e-12);
   add_plane(scene);
   add_sphere(scene, {0, 0, 1}, 1, 1).velocity = {v0, 0, 0};
@@ -38,7 +38,7 @@ Vec3d velocity_after_one_step(const Scene& scene) {
 }
 
 TEST(Relaxation, A30_FirstStepOfASlidingBlock) {
-  const Vec3d v = velocity_after_one_step(block_scene(0.3, 2, 0, kStep, Model::convex));
+  const Vec3d v = velocity_after_one_step(block_scene(0.3, 2, 0, kTimeStep, Model::convex));
   EXPECT_NEAR(v.x, 1.828112, 1.828112 * kRelative);
   EXPECT_NEAR(v.z, 0.548434, 0.548434 * kRelative);
   EXPECT_NEAR(norm(v), 1.90861, 1.90861 * kRelative);
@@ -54,7 +54,7 @@ TEST(Relaxation, A30_FirstStepOfASlidingSphere) {
 }
 
 TEST(Relaxation, A30_FirstStepOfABlockFromRest) {
-  Scene scene = block_scene(0.2, 0, 0, kStep, Model::convex);
+  Scene scene = block_scene(0.2, 0, 0, kTimeStep, Model::convex);
   tilt(scene, 65);
   const double speed = norm(velocity_after_one_step(scene));
   EXPECT_NEAR(speed, 0.0197629, 0.0197629 * kRelative);
@@ -73,7 +73,7 @@ TEST(Relaxation, A30_PublishedTransientOfTheBlock) {
                               1.82903, 1.82855, 1.83333, 1.84333, 1.85846,
                               1.87859, 1.82997, 1.64016, 1.61072, 1.58128};
   constexpr int kLanding = 11;  // this sample depends on when exactly the block lands
-  const Scene scene = block_scene(0.3, 2, 0, kStep, Model::convex);
+  const Scene scene = block_scene(0.3, 2, 0, kTimeStep, Model::convex);
   World world = reference_world(scene);
   for (int k = 0; k < 15; ++k) {
     for (int i = 0; i < (k == 0 ? 1 : 4); ++i) EXPECT_TRUE(world.step().converged);
@@ -83,8 +83,8 @@ TEST(Relaxation, A30_PublishedTransientOfTheBlock) {
 }
 
 TEST(Relaxation, A30_TheConvexBlockRejoinsTheExactOne) {
-  const Scene convex = block_scene(0.3, 2, 0, kStep, Model::convex);
-  const Scene exact = block_scene(0.3, 2, 0, kStep, Model::exact);
+  const Scene convex = block_scene(0.3, 2, 0, kTimeStep, Model::convex);
+  const Scene exact = block_scene(0.3, 2, 0, kTimeStep, Model::exact);
   World convex_world = reference_world(convex), exact_world = reference_world(exact);
   double stop = -1;
   for (int k = 0; k < 280; ++k) {
@@ -97,7 +97,7 @@ TEST(Relaxation, A30_TheConvexBlockRejoinsTheExactOne) {
     }
     if (stop < 0 && v_exact < 1e-9) stop = exact_world.time();
   }
-  EXPECT_NEAR(stop, 2 / (0.3 * kGravity), 2 * kStep);
+  EXPECT_NEAR(stop, 2 / (0.3 * kGravity), 2 * kTimeStep);
 }
 
 /// State of the gliding block at t = 0.3 s.
@@ -165,23 +165,23 @@ TEST(Relaxation, A32_RollingAndSpinningFrictionLiftToo) {
 }
 
 TEST(Relaxation, A33_TheExactModelKeepsASlidingBlockDown) {
-  const Scene scene = block_scene(0.3, 2, 0, kStep, Model::exact);
+  const Scene scene = block_scene(0.3, 2, 0, kTimeStep, Model::exact);
   World world = reference_world(scene);
   for (int k = 1; k <= 200; ++k) {
     EXPECT_TRUE(world.step().converged);
     const BodyStates s = world.states();
-    EXPECT_NEAR(s.velocity[1].x, 2 - 0.3 * kGravity * kStep * k, 1e-9) << "step " << k;
+    EXPECT_NEAR(s.velocity[1].x, 2 - 0.3 * kGravity * kTimeStep * k, 1e-9) << "step " << k;
     EXPECT_LT(std::abs(s.position[1].z - 0.1), 1e-9) << "step " << k;
-    EXPECT_NEAR(normal_impulse(world, 1), kGravity * kStep, 1e-9) << "step " << k;
+    EXPECT_NEAR(normal_impulse(world, 1), kGravity * kTimeStep, 1e-9) << "step " << k;
   }
 }
 
 TEST(Relaxation, A33_PublishedFirstStepsOfTheExactModel) {
-  const Vec3d block = velocity_after_one_step(block_scene(0.3, 2, 0, kStep, Model::exact));
+  const Vec3d block = velocity_after_one_step(block_scene(0.3, 2, 0, kTimeStep, Model::exact));
   EXPECT_NEAR(norm(block), 1.99264, 1.99264 * kRelative);
   const Vec3d ball = velocity_after_one_step(sphere_scene(0.2, 2, Model::exact));
   EXPECT_NEAR(norm(ball), 1.99509, 1.99509 * kRelative);
-  Scene steep = block_scene(0.2, 0, 0, kStep, Model::exact);
+  Scene steep = block_scene(0.2, 0, 0, kTimeStep, Model::exact);
   tilt(steep, 65);
   EXPECT_NEAR(norm(velocity_after_one_step(steep)), 0.0201543, 0.0201543 * kRelative);
 }

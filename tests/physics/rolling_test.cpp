@@ -8,9 +8,11 @@ namespace scree::physics {
 namespace {
 
 class Rolling : public ::testing::TestWithParam<Model> {};
-std::string model_name(const ::testing::TestParamInfo<Model>& info) { return name_of(info.param); }
+std::string rolling_model_name(const ::testing::TestParamInfo<Model>& info) {
+  return name_of(info.param);
+}
 INSTANTIATE_TEST_SUITE_P(SingleBody, Rolling, ::testing::Values(Model::convex, Model::exact),
-                         model_name);
+                         rolling_model_name);
 
 TEST_P(Rolling, A15_SlideTurnsIntoRolling) {
   const double v0 = 2, mu = 0.2, r = 1;

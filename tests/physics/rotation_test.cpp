@@ -107,13 +107,13 @@ struct SteadyTop {
   }
 };
 
-struct TopErrors {
+struct FreeTopErrors {
   double angle = 0;   ///< of the precession after the run, relative
   double tilt = 0;    ///< largest change of theta [rad]
   double tip = 0;     ///< largest way of the tip [m]
   double energy = 0;  ///< largest change of kinetic and potential energy, relative to the former
 };
-TopErrors precess(double h, double duration) {
+FreeTopErrors precess_freely(double h, double duration) {
   constexpr double kThin = 1e-12;
   const SteadyTop top;
   const double rate = top.precession();
@@ -135,7 +135,7 @@ TopErrors precess(double h, double duration) {
            top.mass * kGravity * s.position[1].z;
   };
   const double start = energy(world.states());
-  TopErrors worst;
+  FreeTopErrors worst;
   double turned = 0, before = 0;
   const int steps = steps_for(scene, duration);
   for (int k = 0; k < steps; ++k) {
@@ -155,7 +155,7 @@ TopErrors precess(double h, double duration) {
 }
 
 TEST(Rotation, TopOnAStickingTipPrecessesToSecondOrder) {
-  const TopErrors coarse = precess(1e-3, 2), fine = precess(5e-4, 2);
+  const FreeTopErrors coarse = precess_freely(1e-3, 2), fine = precess_freely(5e-4, 2);
   for (const auto& [name, c, f] :
        {std::tuple{"angle", coarse.angle, fine.angle}, std::tuple{"tilt", coarse.tilt, fine.tilt},
         std::tuple{"tip", coarse.tip, fine.tip}}) {

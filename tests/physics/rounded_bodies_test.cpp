@@ -45,13 +45,13 @@ BodyDescription fixed(BodyDescription body) {
   return body;
 }
 
-constexpr Floor kFloors[] = {Floor::plane, Floor::box, Floor::mesh, Floor::hull,
-                             Floor::rounded_box};
+constexpr Floor kRoundedFloors[] = {Floor::plane, Floor::box, Floor::mesh, Floor::hull,
+                                    Floor::rounded_box};
 
 // Half of the core and the radius: at each floor to the digits of the solve. They fall a little first.
 TEST(RoundedBodies, RestOnEveryFloorAtHalfTheirCoreAndTheRadius) {
   constexpr double kRadius = 0.03, kFall = 1e-3;
-  for (const Floor floor : kFloors) {
+  for (const Floor floor : kRoundedFloors) {
     SCOPED_TRACE(static_cast<int>(floor));
     Scene scene = empty_scene(1e-2, 0.5);
     solve_to(scene, 1e-10);
@@ -93,7 +93,7 @@ TEST(RoundedBodies, RestOnEveryFloorAtHalfTheirCoreAndTheRadius) {
 // A cone that stands on its rounded point, held upright, is found from above a mesh, too.
 TEST(RoundedBodies, AConeOnItsPointRestsOnEveryFloor) {
   for (const double radius : {0.0, 0.02}) {
-    for (const Floor floor : kFloors) {
+    for (const Floor floor : kRoundedFloors) {
       SCOPED_TRACE(static_cast<int>(floor));
       Scene scene = empty_scene(1e-2, 0.5);
       Shape cone;

@@ -8,9 +8,9 @@ namespace scree::physics {
 namespace {
 
 constexpr int kBeads = 1500;
-constexpr double kDiameter = 2e-3;
-constexpr double kLength = 10e-3;  // L, along x
-constexpr double kWidth = 20e-3;   // w, along y: from wall to wall
+constexpr double kGrain = 2e-3;
+constexpr double kSlotLength = 10e-3;  // L, along x
+constexpr double kWidth = 20e-3;       // w, along y: from wall to wall
 
 /// A silo of 25 x 20 mm with a slot across the middle of its floor, closed by a gate
 /// that drops at `open`.
@@ -23,7 +23,7 @@ Scene silo(double open) {
   scene.materials[1].name = "walls";
   scene.material_pairs.push_back({0, 1, Material{"walls", 0.4, 0, 0, 0, 0}});
   const double side = 12.5e-3, thick = 2e-3;
-  add_lattice(scene, kBeads, 11, 9, {-10.75e-3, -8.6e-3, 1.2e-3}, 2.15e-3, kDiameter / 2, 2500, 5);
+  add_lattice(scene, kBeads, 11, 9, {-10.75e-3, -8.6e-3, 1.2e-3}, 2.15e-3, kGrain / 2, 2500, 5);
   const auto wall = [](BodyDescription& body) -> BodyDescription& {
     body.material = 1;
     return body;
@@ -32,12 +32,12 @@ Scene silo(double open) {
   wall(add_plane(scene, {-1, 0, 0}, {side, 0, 0}));
   wall(add_plane(scene, {0, 1, 0}, {0, -kWidth / 2, 0}));
   wall(add_plane(scene, {0, -1, 0}, {0, kWidth / 2, 0}));
-  const double shelf = (side - kLength / 2) / 2;
+  const double shelf = (side - kSlotLength / 2) / 2;
   for (const double sign : {-1.0, 1.0})
-    wall(
-        add_wall_box(scene, {sign * (kLength / 2 + shelf), 0, -thick}, {shelf, kWidth / 2, thick}));
-  BodyDescription& gate = wall(
-      add_wall_box(scene, {0, 0, -thick}, {kLength / 2, kWidth / 2, thick}, BodyKind::kinematic));
+    wall(add_wall_box(scene, {sign * (kSlotLength / 2 + shelf), 0, -thick},
+                      {shelf, kWidth / 2, thick}));
+  BodyDescription& gate = wall(add_wall_box(
+      scene, {0, 0, -thick}, {kSlotLength / 2, kWidth / 2, thick}, BodyKind::kinematic));
   Motion drop;
   drop.kind = Motion::Kind::linear;
   drop.velocity = {0, 0, -2};
@@ -52,8 +52,7 @@ TEST(SlotOutflow, C12_ConstantRateOfTheSlotLaw) {
   World world(scene, cpu_options(0));
   run_for(world, scene, open);
   double top = 0;
-  for (int i = 0; i < kBeads; ++i)
-    top = std::max(top, world.states().position[i].z + kDiameter / 2);
+  for (int i = 0; i < kBeads; ++i) top = std::max(top, world.states().position[i].z + kGrain / 2);
   EXPECT_LT(world.states().position.size() ? top : 1, 0.04);
 
   // Beads below the shelf, over time; the law holds while the silo is well filled.
@@ -80,12 +79,12 @@ TEST(SlotOutflow, C12_ConstantRateOfTheSlotLaw) {
     ty += (times[k] - t) * (out[k] - y);
     yy += (out[k] - y) * (out[k] - y);
   }
-  const double bead = 2500 * kPi / 6 * std::pow(kDiameter, 3);
+  const double bead = 2500 * kPi / 6 * std::pow(kGrain, 3);
   const double rate = bead * ty / tt;
   const double linearity = ty * ty / (tt * yy);
   const auto law = [](double k) {
-    return 1.03 * 1500 * std::sqrt(kGravity) * (kWidth - k * kDiameter) *
-           std::pow(kLength - k * kDiameter, 1.5);
+    return 1.03 * 1500 * std::sqrt(kGravity) * (kWidth - k * kGrain) *
+           std::pow(kSlotLength - k * kGrain, 1.5);
   };
   RecordProperty("rate_over_law_k1.0", std::to_string(rate / law(1.0)));
   RecordProperty("rate_over_law_k1.4", std::to_string(rate / law(1.4)));

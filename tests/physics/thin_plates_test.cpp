@@ -14,9 +14,9 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kSpeed = 100;  // [m/s]
-constexpr double kStep = 1e-3;  // [s]: 0.1 m a step
-constexpr double kSize = 0.02;  // [m]
+constexpr double kSpeed = 100;       // [m/s]
+constexpr double kPlateStep = 1e-3;  // [s]: 0.1 m a step
+constexpr double kSize = 0.02;       // [m]
 constexpr double kThin = 0.005;
 
 enum class Plate { box, mesh, free };
@@ -52,7 +52,7 @@ TEST_P(ThinPlates, AreNotPassedAt100MetersPerSecond) {
   const auto& [plate, shape, precision] = GetParam();
   for (const double start : {-0.33, -0.3571, -0.405}) {
     for (const double turn : {0.0, 0.6}) {
-      Scene scene = empty_scene(kStep, 0.3);
+      Scene scene = empty_scene(kPlateStep, 0.3);
       solve_to(scene, 1e-5);
       scene.gravity = {};
       BodyDescription shot = shot_of(shape);

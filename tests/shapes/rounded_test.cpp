@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "host/scene/convex_hull.h"
@@ -16,8 +17,6 @@ namespace scree {
 namespace {
 
 using shapes::Rounded;
-
-constexpr double kPi = 3.14159265358979323846;
 
 Shape core_of_kind(ShapeKind kind, const Vec3d& half) {
   Shape core;
@@ -58,7 +57,7 @@ std::vector<Sample> samples(double radius) {
 }
 const char* core_name(const Shape& shape) { return shape_card(shape.rounded.core).name; }
 
-Vec3d random_direction(std::mt19937& random) {
+Vec3d random_side(std::mt19937& random) {
   std::normal_distribution<double> normal;
   const double x = normal(random), y = normal(random);
   return normalized(Vec3d{x, y, normal(random)});
@@ -73,7 +72,7 @@ SolidMoments by_support(const Shape& shape, const TriangleMesh& mesh, int level)
   for (int octant = 0; octant < 8; ++octant) {
     const auto at = [&](int i, int j) {
       const auto warp = [&](int t, int bit) {
-        return (octant & bit ? -1 : 1) * std::sin(kPi / 2 * t / count);
+        return (octant & bit ? -1 : 1) * std::sin(std::numbers::pi / 2 * t / count);
       };
       const Vec3d n{warp(i, 1), warp(j, 2), warp(count - i - j, 4)};
       return Rounded::farthest(shape, &mesh, rotate(turn, normalized(n)));
@@ -112,7 +111,7 @@ SolidMoments by_chords(const Shape& shape, const TriangleMesh& mesh, int lines) 
   return sums.moments();
 }
 
-void expect_same(const SolidMoments& a, const SolidMoments& b, double tolerance) {
+void expect_moments(const SolidMoments& a, const SolidMoments& b, double tolerance) {
   const double size = std::cbrt(b.volume);
   EXPECT_NEAR(a.volume, b.volume, tolerance * b.volume);
   EXPECT_LT(norm(a.center - b.center), tolerance * size);
@@ -134,7 +133,7 @@ TEST(RoundedMass, IsThatOfChordsOfFineLines) {
   for (const double radius : {0.02, 0.3, 2.0})
     for (const Sample& s : samples(radius)) {
       SCOPED_TRACE(std::string(core_name(s.shape)) + " " + std::to_string(radius));
-      expect_same(own_moments(s), by_chords(s.shape, s.mesh, 200), 5e-4);
+      expect_moments(own_moments(s), by_chords(s.shape, s.mesh, 200), 5e-4);
     }
 }
 
@@ -153,41 +152,44 @@ TEST(RoundedMass, IsThatOfASurfaceOfSupports) {
       for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t b = 0; b < 3; ++b) improve(best.second[a][b], coarse.second[a][b]);
       const bool is_smooth = s.shape.rounded.core == shapes::Ellipsoid::kind;
-      expect_same(own_moments(s), best, is_smooth ? 1e-7 : 5e-4);
+      expect_moments(own_moments(s), best, is_smooth ? 1e-7 : 5e-4);
     }
 }
 
 // Steiner: V + S r + M r^2 + 4/3 pi r^3, with surface and mean width by their own closed forms.
 TEST(RoundedMass, VolumesAreSteinersPolynomials) {
   const double r = 0.37;
-  const double ball = 4.0 / 3 * kPi * r * r * r;
+  const double ball = 4.0 / 3 * std::numbers::pi * r * r * r;
   const auto volume = [&](const Shape& core) { return Rounded::of(core, r).volume; };
   const double radius = 0.4, height = 1.4;
   // Of a disk of revolution: integral of mean curvature pi (height + pi radius).
   EXPECT_NEAR(volume(core_of_kind(shapes::Cylinder::kind, {radius, radius, height / 2})),
-              kPi * radius * radius * height + 2 * kPi * radius * (radius + height) * r +
-                  kPi * (height + kPi * radius) * r * r + ball,
+              std::numbers::pi * radius * radius * height +
+                  2 * std::numbers::pi * radius * (radius + height) * r +
+                  std::numbers::pi * (height + std::numbers::pi * radius) * r * r + ball,
               1e-14);
   // Of a cone: its side is curved by pi height, its rim turns by the angle between base and side.
-  const double slant = std::hypot(radius, height), rim = kPi - std::atan2(height, radius);
+  const double slant = std::hypot(radius, height),
+               rim = std::numbers::pi - std::atan2(height, radius);
   EXPECT_NEAR(volume(core_of_kind(shapes::Cone::kind, {radius, radius, 0.75 * height})),
-              kPi * radius * radius * height / 3 + kPi * radius * (radius + slant) * r +
-                  kPi * (height + radius * rim) * r * r + ball,
+              std::numbers::pi * radius * radius * height / 3 +
+                  std::numbers::pi * radius * (radius + slant) * r +
+                  std::numbers::pi * (height + radius * rim) * r * r + ball,
               1e-14);
   // A spheroid: surface, and integral of mean curvature by that of its polar one.
   const double a = 0.5, c = 0.9, e = std::sqrt(1 - a * a / (c * c));
-  const double surface = 2 * kPi * a * a * (1 + c / (a * e) * std::asin(e));
-  const double mean = 2 * kPi * (c + a * a / (c * e) * std::atanh(e));
+  const double surface = 2 * std::numbers::pi * a * a * (1 + c / (a * e) * std::asin(e));
+  const double mean = 2 * std::numbers::pi * (c + a * a / (c * e) * std::atanh(e));
   EXPECT_NEAR(volume(core_of_kind(shapes::Ellipsoid::kind, {a, a, c})),
-              4.0 / 3 * kPi * a * a * c + surface * r + mean * r * r + ball, 1e-13);
+              4.0 / 3 * std::numbers::pi * a * a * c + surface * r + mean * r * r + ball, 1e-13);
   EXPECT_NEAR(volume(core_of_kind(shapes::Ellipsoid::kind, {c, a, a})),
-              4.0 / 3 * kPi * a * a * c + surface * r + mean * r * r + ball, 1e-13);
+              4.0 / 3 * std::numbers::pi * a * a * c + surface * r + mean * r * r + ball, 1e-13);
 }
 
 TEST(RoundedMass, OfVanishingCoresIsThatOfABallOrACapsule) {
   const double r = 0.3;
   const SolidMoments point = rounded::moments_of_box({0, 0, 0}, r);
-  EXPECT_NEAR(point.volume, 4.0 / 3 * kPi * r * r * r, 1e-15);
+  EXPECT_NEAR(point.volume, 4.0 / 3 * std::numbers::pi * r * r * r, 1e-15);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(point.second[k][k], 0.2 * r * r, 1e-15);
   Shape capsule;
   capsule.half_extents = {r, r, r + 0.7};
@@ -208,7 +210,7 @@ TEST(RoundedMass, OfAHullOfEightCornersIsThatOfABox) {
     const SolidMoments hull = rounded::moments_of_hull(convex_hull(points, "box"), r);
     SolidMoments box = rounded::moments_of_box(half, r);
     box.center = place;
-    expect_same(hull, box, 1e-13);
+    expect_moments(hull, box, 1e-13);
   }
 }
 
@@ -216,7 +218,7 @@ TEST(RoundedMass, OfAHullOfEightCornersIsThatOfABox) {
 TEST(RoundedMass, OfARoundedBallIsThatOfALargerBall) {
   Shape ball = core_of_kind(shapes::Ellipsoid::kind, {0.4, 0.4, 0.4});
   const Shape out = Rounded::of(ball, 0.6);
-  EXPECT_NEAR(out.volume, 4.0 / 3 * kPi, 1e-13);
+  EXPECT_NEAR(out.volume, 4.0 / 3 * std::numbers::pi, 1e-13);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(out.moments[k], 0.4, 1e-13);
 }
 
@@ -227,7 +229,10 @@ TEST(RoundedMass, OfThinEllipsoidsIsThatOfTheirLimits) {
   Shape capsule;
   capsule.half_extents = {r, r, r + 1};
   // A capsule, and the surface of the needle, pi^2 a c, times the radius.
-  EXPECT_NEAR(needle.volume, shapes::Capsule::mass(capsule, 1).mass + kPi * kPi * 1e-5 * r, 1e-8);
+  EXPECT_NEAR(
+      needle.volume,
+      shapes::Capsule::mass(capsule, 1).mass + std::numbers::pi * std::numbers::pi * 1e-5 * r,
+      1e-8);
   const Shape a = Rounded::of(core_of_kind(shapes::Ellipsoid::kind, {0.01, 1, 0.2}), r);
   const Shape b = Rounded::of(core_of_kind(shapes::Ellipsoid::kind, {1, 0.2, 0.01}), r);
   EXPECT_NEAR(a.volume, b.volume, 1e-12 * a.volume);
@@ -243,7 +248,7 @@ TEST(RoundedShape, LiesWithinItsBounds) {
     const double bound = Rounded::bounding_radius(s.shape, &s.mesh);
     double farthest = 0;
     for (int k = 0; k < 20000; ++k) {
-      const Vec3d x = Rounded::farthest(s.shape, &s.mesh, random_direction(random));
+      const Vec3d x = Rounded::farthest(s.shape, &s.mesh, random_side(random));
       farthest = std::max(farthest, norm(x));
       for (int axis = 0; axis < 3; ++axis)
         EXPECT_LE(std::abs(x[axis]), s.shape.half_extents[axis] + 1e-12);
@@ -270,11 +275,11 @@ double distance_by_supports(const Sample& s, const Vec3d& x, std::mt19937& rando
   };
   double best = -1e300;
   for (int start = 0; start < 5; ++start) {
-    Vec3d n = random_direction(random);
+    Vec3d n = random_side(random);
     double found = height(n);
     for (double step = 0.5; step > 1e-5; step *= 0.85)
       for (int k = 0; k < 24; ++k) {
-        const Vec3d turned = normalized(n + step * random_direction(random));
+        const Vec3d turned = normalized(n + step * random_side(random));
         if (height(turned) > found) found = height(turned), n = turned;
       }
     best = std::max(best, found);
@@ -283,7 +288,7 @@ double distance_by_supports(const Sample& s, const Vec3d& x, std::mt19937& rando
 }
 
 /// A shape as pictures see it.
-struct Drawn {
+struct DrawnRounded {
   Vec3f half_extents;
   Rounding<float> rounded;
   shapes::MeshHull hull;
@@ -292,12 +297,12 @@ struct Drawn {
     return half_extents + Vec3f{more, more, more};
   }
 };
-Drawn drawn(const Sample& s) {
+DrawnRounded drawn(const Sample& s) {
   const Shape core = Rounded::core(s.shape);
   const Rounding<double>& r = s.shape.rounded;
-  Drawn d{Vec3f(core.half_extents),
-          {r.core, static_cast<float>(r.radius), static_cast<float>(r.shift)},
-          {}};
+  DrawnRounded d{Vec3f(core.half_extents),
+                 {r.core, static_cast<float>(r.radius), static_cast<float>(r.shift)},
+                 {}};
   if (core.kind == shapes::Hull::kind)
     d.hull = {s.mesh.vertices.data(), s.mesh.triangles.data(), s.mesh.triangles.size(), 1};
   return d;
@@ -307,12 +312,12 @@ TEST(RoundedShape, RaysAndChordsEndAtTheDistanceOfItsSupports) {
   std::mt19937 random(4);
   for (const Sample& s : samples(0.2)) {
     SCOPED_TRACE(core_name(s.shape));
-    const Drawn as_drawn = drawn(s);
+    const DrawnRounded as_drawn = drawn(s);
     const double bound = Rounded::bounding_radius(s.shape, &s.mesh);
     int hits = 0, misses = 0;
     for (int k = 0; k < 70; ++k) {
-      const Vec3d from = 3 * bound * random_direction(random);
-      const Vec3d way = 0.9 * bound * random_direction(random) - from;
+      const Vec3d from = 3 * bound * random_side(random);
+      const Vec3d way = 0.9 * bound * random_side(random) - from;
       const Chord chord = Rounded::chord(s.shape, &s.mesh, from, way);
       const Ray ray{Vec3f(from), Vec3f(way)};
       const float depth = Rounded::hit(as_drawn, ray);
@@ -349,7 +354,7 @@ TEST(RoundedShape, NearestPointsAreAtTheirDistance) {
       shapes::MeshHull hull;
     } m{Rounded::core(s.shape).half_extents, s.shape.rounded, drawn(s).hull};
     for (int k = 0; k < 50; ++k) {
-      const Vec3d x = 1.5 * random_direction(random);
+      const Vec3d x = 1.5 * random_side(random);
       const double distance = distance_by_supports(s, x, random);
       const Vec3d y = Rounded::nearest(m, x);
       EXPECT_NEAR(norm(x - y), std::max(0.0, distance), kFound);

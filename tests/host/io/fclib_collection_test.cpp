@@ -30,7 +30,7 @@ std::vector<fs::path> files_in(const std::string& folder) {
   return files;
 }
 
-double norm_of(const std::vector<double>& v) {
+double length_of(const std::vector<double>& v) {
   double sum = 0;
   for (const double x : v) sum += x * x;
   return std::sqrt(sum);
@@ -72,7 +72,7 @@ TEST_F(FclibCollection, LocalProblemsHaveTheirPublishedFigures) {
     EXPECT_EQ(p.contact_count(), f.contact_count);
     EXPECT_NEAR(*std::min_element(p.mu.begin(), p.mu.end()), f.mu_min, 1e-6);
     EXPECT_NEAR(*std::max_element(p.mu.begin(), p.mu.end()), f.mu_max, 1e-6);
-    EXPECT_NEAR(norm_of(p.q), f.norm_q, 1e-11 * f.norm_q);
+    EXPECT_NEAR(length_of(p.q), f.norm_q, 1e-11 * f.norm_q);
     const double asymmetry = largest(difference(p.W, transpose(p.W))) / largest(p.W);
     EXPECT_NEAR(asymmetry, f.asymmetry, 0.06 * f.asymmetry + 1e-15);
   }
@@ -105,7 +105,7 @@ TEST_F(FclibCollection, PublishedImpulsesGiveThePublishedVelocitiesAndMinima) {
     const auto coulomb_u = solution.read<double>("coulomb_u");
     ASSERT_EQ(coulomb_u.size(), apart.size());
     for (std::size_t k = 0; k < apart.size(); ++k) apart[k] -= coulomb_u[k];
-    EXPECT_LE(norm_of(apart), 1e-9 * norm_of(p.q));
+    EXPECT_LE(length_of(apart), 1e-9 * length_of(p.q));
   }
 }
 
@@ -148,7 +148,7 @@ TEST_F(FclibCollection, GlobalProblemsReduceToTheLocalOnes) {
     double apart = 0;
     for (std::size_t k = 0; k < reduced.q.size(); ++k)
       apart = std::max(apart, std::abs(reduced.q[k] - expected.q[k]));
-    EXPECT_LE(apart, 1e-12 * norm_of(expected.q));
+    EXPECT_LE(apart, 1e-12 * length_of(expected.q));
     EXPECT_EQ(reduced.mu, expected.mu);
   }
 }

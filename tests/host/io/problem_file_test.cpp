@@ -124,7 +124,7 @@ class BadBodyProblem : public ::testing::TestWithParam<BadProblem> {};
 constexpr ContactLayout radial = ContactLayout::radial;
 constexpr ContactLayout general = ContactLayout::general;
 constexpr ContactLayout rolling = ContactLayout::rolling;
-const double nan_value = std::numeric_limits<double>::quiet_NaN();
+const double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 INSTANTIATE_TEST_SUITE_P(
     All, BadBodyProblem,
@@ -170,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(
                                  {"contact/normal[1]", "(2, 0, 0)", "unit"}},
                       BadProblem{"NanNormal",
                                  radial,
-                                 [](BodyProblem& p) { p.normal[1].x = nan_value; },
+                                 [](BodyProblem& p) { p.normal[1].x = not_a_number; },
                                  {"contact/normal[1]"}},
                       BadProblem{"NegativeMu",
                                  radial,
@@ -182,7 +182,7 @@ INSTANTIATE_TEST_SUITE_P(
                                  {"contact/adhesion[4]", "-1"}},
                       BadProblem{"NanBias",
                                  radial,
-                                 [](BodyProblem& p) { p.bias[0] = nan_value; },
+                                 [](BodyProblem& p) { p.bias[0] = not_a_number; },
                                  {"contact/bias[0]", "nan"}},
                       BadProblem{"ShortMu",
                                  radial,
@@ -194,7 +194,7 @@ INSTANTIATE_TEST_SUITE_P(
                                  {"warm_start/impulse", "20 values", "expected 40"}},
                       BadProblem{"NanVelocity",
                                  radial,
-                                 [](BodyProblem& p) { p.free_velocity[1].linear.y = nan_value; },
+                                 [](BodyProblem& p) { p.free_velocity[1].linear.y = not_a_number; },
                                  {"body/free_velocity[1]"}},
                       BadProblem{"NegativeInverseMass",
                                  radial,

@@ -27,15 +27,15 @@ using test::ScratchDirectory;
 using testing::HasSubstr;
 
 /// One frame as a reader of the format finds it (VTKHDF 2.0, PolyData with steps).
-struct Frame {
+struct SurfaceFrame {
   double time = 0;
   std::vector<float> points, speed;
   std::vector<std::int64_t> offsets, connectivity, id;
   std::vector<std::int32_t> group;
 };
 
-std::vector<Frame> read_frames(const std::filesystem::path& path) {
-  std::vector<Frame> frames;
+std::vector<SurfaceFrame> read_surface_frames(const std::filesystem::path& path) {
+  std::vector<SurfaceFrame> frames;
   for_each_frame(path, "Polygons", [&](const h5::Group& vtk, std::int64_t step, std::int64_t part) {
     const auto of_polygons = [&](const std::string& name) {
       return rows<std::int64_t>(vtk, name, step, 1)[2];
@@ -43,7 +43,7 @@ std::vector<Frame> read_frames(const std::filesystem::path& path) {
     const std::int64_t points = number(vtk, "NumberOfPoints", part);
     const std::int64_t cells = number(vtk, "Polygons/NumberOfCells", part);
     const std::int64_t ids = number(vtk, "Polygons/NumberOfConnectivityIds", part);
-    Frame frame;
+    SurfaceFrame frame;
     frame.time = rows<double>(vtk, "Steps/Values", step, 1)[0];
     frame.points = rows<float>(vtk, "Points", number(vtk, "Steps/PointOffsets", step), points);
     frame.speed = rows<float>(vtk, "PointData/speed",
@@ -69,7 +69,7 @@ struct Inside {
   std::int32_t group = -1;
 };
 
-std::map<std::int64_t, Inside> insides(const Frame& frame) {
+std::map<std::int64_t, Inside> insides(const SurfaceFrame& frame) {
   std::map<std::int64_t, Inside> all;
   EXPECT_EQ(frame.offsets.front(), 0);
   EXPECT_EQ(frame.offsets.back(), std::ssize(frame.connectivity));
@@ -94,8 +94,6 @@ std::map<std::int64_t, Inside> insides(const Frame& frame) {
   return all;
 }
 
-constexpr double kPi = std::numbers::pi;
-
 /// A wall, a free body of every shape, a set of three balls and one of two boxes, and a capsule and
 /// two balls that join later.
 class SurfaceFramesTest : public testing::Test {
@@ -104,12 +102,14 @@ class SurfaceFramesTest : public testing::Test {
     scene.groups = {"bodies", "walls", "grains"};
     add(test::box_of({5, 5, 1}), 0).kind = BodyKind::fixed;
     volume.erase(0);
-    add(test::ball_of(0.5), 4 * kPi / 3 * 0.125);
+    add(test::ball_of(0.5), 4 * std::numbers::pi / 3 * 0.125);
     add(test::box_of({0.3, 0.2, 0.4}), 8 * 0.3 * 0.2 * 0.4);
-    add(test::round_of("capsule", 0.3, 0.8), kPi * 0.09 * 1 + 4 * kPi / 3 * 0.027);
-    add(test::round_of("cylinder", 0.3, 0.5), kPi * 0.09);
-    add(test::round_of("cone", 0.4, 0.6), kPi * 0.16 * 0.8 / 3);  // 0.6 m above its center of mass
-    add(test::ellipsoid_of({0.2, 0.3, 0.6}), 4 * kPi / 3 * 0.036);
+    add(test::round_of("capsule", 0.3, 0.8),
+        std::numbers::pi * 0.09 * 1 + 4 * std::numbers::pi / 3 * 0.027);
+    add(test::round_of("cylinder", 0.3, 0.5), std::numbers::pi * 0.09);
+    add(test::round_of("cone", 0.4, 0.6),
+        std::numbers::pi * 0.16 * 0.8 / 3);  // 0.6 m above its center of mass
+    add(test::ellipsoid_of({0.2, 0.3, 0.6}), 4 * std::numbers::pi / 3 * 0.036);
     BodyDescription& hull = add({}, 1.0 / 6);  // a corner of a cube, about its center of mass
     set_hull(scene, hull, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
     BodyDescription& pair = add({}, 2 * 0.216 + 0.001);  // two cubes and a small one, apart
@@ -121,7 +121,7 @@ class SurfaceFramesTest : public testing::Test {
     balls.position.resize(3);
     balls.radius = PerParticle<double>(std::vector<double>{0.1, 0.2, 0.3});
     balls.group = PerParticle<int>(std::vector<int>{0, 2, 0});
-    for (const double r : {0.1, 0.2, 0.3}) volume[ids++] = 4 * kPi / 3 * r * r * r;
+    for (const double r : {0.1, 0.2, 0.3}) volume[ids++] = 4 * std::numbers::pi / 3 * r * r * r;
     ParticleSet boxes;
     boxes.position.resize(2);
     boxes.shape = test::box_of({0.1, 0.2, 0.3});
@@ -133,7 +133,7 @@ class SurfaceFramesTest : public testing::Test {
     later.bodies.push_back(scene.bodies[3]);
     volume[ids++] = volume[3];
     later.particles.push_back(balls);
-    for (const double r : {0.1, 0.2, 0.3}) volume[ids++] = 4 * kPi / 3 * r * r * r;
+    for (const double r : {0.1, 0.2, 0.3}) volume[ids++] = 4 * std::numbers::pi / 3 * r * r * r;
     scene.insertions = {later};
   }
 
@@ -176,10 +176,10 @@ class SurfaceFramesTest : public testing::Test {
 TEST_F(SurfaceFramesTest, EveryFreeBodyIsWhereItIsWithItsVolume) {
   SurfaceFrameWriter writer(file, scene);
   append(writer, 0, 5);
-  const std::vector<Frame> frames = read_frames(file);  // while the writer lives
+  const std::vector<SurfaceFrame> frames = read_surface_frames(file);  // while the writer lives
   ASSERT_EQ(frames.size(), 5u);
   for (int k = 0; k < 5; ++k) {
-    const Frame& frame = frames[static_cast<std::size_t>(k)];
+    const SurfaceFrame& frame = frames[static_cast<std::size_t>(k)];
     EXPECT_EQ(frame.time, k);
     const BodyStates states = states_at(static_cast<unsigned>(k), bodies_of(k));
     const auto found = insides(frame);
@@ -213,7 +213,7 @@ TEST_F(SurfaceFramesTest, RoundedBodiesOfOneOuterSizeHaveSurfacesOfTheirOwn) {
   for (BodyDescription& body : scene.bodies) body.kind = BodyKind::free;
   SurfaceFrameWriter writer(file, scene);
   writer.append(0, states_at(1, scene.bodies.size()));
-  const auto found = insides(read_frames(file).at(0));
+  const auto found = insides(read_surface_frames(file).at(0));
   ASSERT_EQ(found.size(), scene.bodies.size());
   for (const auto& [id, inside] : found) {
     const double ratio = inside.volume / scene.bodies[static_cast<std::size_t>(id)].shape.volume;
@@ -229,9 +229,10 @@ TEST_F(SurfaceFramesTest, BodiesTurn) {
   SurfaceFrameWriter writer(file, scene);
   BodyStates states = states_at(1, bodies_of(0));
   states.position[2] = {};
-  states.orientation[2] = {std::cos(kPi / 4), 0, 0, std::sin(kPi / 4)};  // a quarter about z
+  states.orientation[2] = {std::cos(std::numbers::pi / 4), 0, 0,
+                           std::sin(std::numbers::pi / 4)};  // a quarter about z
   writer.append(0, states);
-  const Frame frame = read_frames(file).at(0);
+  const SurfaceFrame frame = read_surface_frames(file).at(0);
   Vec3d most;
   for (std::size_t face = 0; face < frame.id.size(); ++face) {
     if (frame.id[face] != 2) continue;
@@ -250,7 +251,7 @@ TEST_F(SurfaceFramesTest, SizeIsThatOfTheFile) {
   EXPECT_EQ(size.bodies, volume.size());
   SurfaceFrameWriter writer(file, scene);
   append(writer, 0, 3);
-  const Frame frame = read_frames(file).back();
+  const SurfaceFrame frame = read_surface_frames(file).back();
   EXPECT_EQ(size.corners, frame.speed.size());
   EXPECT_EQ(size.faces, frame.id.size());
   EXPECT_EQ(size.face_corners, frame.connectivity.size());
@@ -261,7 +262,7 @@ TEST_F(SurfaceFramesTest, ResumeDropsFramesAfterTheCheckpointAndGoesOn) {
     SurfaceFrameWriter writer(file, scene);
     append(writer, 0, 7);
   }
-  const std::vector<Frame> whole = read_frames(file);
+  const std::vector<SurfaceFrame> whole = read_surface_frames(file);
   const auto stored = [&] { return h5::File::open(file).root().shape("VTKHDF/Points").rows; };
   const std::uint64_t points = stored();
   for (const double time : {-1.0, 0.0, 1.0, 2.5, 3.0, 100.0}) {
@@ -276,7 +277,7 @@ TEST_F(SurfaceFramesTest, ResumeDropsFramesAfterTheCheckpointAndGoesOn) {
     append(writer, kept, 7);
     append(writer, 6, 7);  // the same time: not written again
     EXPECT_EQ(stored(), points);
-    const std::vector<Frame> frames = read_frames(file);
+    const std::vector<SurfaceFrame> frames = read_surface_frames(file);
     ASSERT_EQ(frames.size(), whole.size());
     for (std::size_t k = 0; k < frames.size(); ++k) {
       EXPECT_EQ(frames[k].points, whole[k].points) << k;
@@ -317,7 +318,7 @@ TEST_F(SurfaceFramesTest, AFrameBeforeTheFirstFreeBodyIsLeftOut) {
   writer.append(0, states_at(0, 1));
   EXPECT_FALSE(std::filesystem::exists(file));
   writer.append(2, states_at(0, 5));
-  EXPECT_EQ(read_frames(file).size(), 1u);
+  EXPECT_EQ(read_surface_frames(file).size(), 1u);
 }
 
 TEST_F(SurfaceFramesTest, ASceneWithoutFreeBodiesGetsNoFile) {

@@ -25,7 +25,7 @@ using test::ScratchDirectory;
 using testing::HasSubstr;
 
 /// One frame as a reader of the format finds it (VTKHDF 2.0, PolyData with steps).
-struct Frame {
+struct WallFrame {
   double time = 0;
   std::vector<double> points;
   std::vector<std::int64_t> offsets, connectivity, id;
@@ -33,8 +33,8 @@ struct Frame {
   std::vector<std::uint8_t> kind;
 };
 
-std::vector<Frame> read_frames(const std::filesystem::path& path) {
-  std::vector<Frame> frames;
+std::vector<WallFrame> read_wall_frames(const std::filesystem::path& path) {
+  std::vector<WallFrame> frames;
   for_each_frame(path, "Polygons", [&](const h5::Group& vtk, std::int64_t step, std::int64_t part) {
     const auto data = [&](const std::string& name) {
       return number(vtk, "Steps/CellDataOffsets/" + name, step);
@@ -45,7 +45,7 @@ std::vector<Frame> read_frames(const std::filesystem::path& path) {
     const std::int64_t points = number(vtk, "NumberOfPoints", part);
     const std::int64_t cells = number(vtk, "Polygons/NumberOfCells", part);
     const std::int64_t ids = number(vtk, "Polygons/NumberOfConnectivityIds", part);
-    Frame frame;
+    WallFrame frame;
     frame.time = rows<double>(vtk, "Steps/Values", step, 1)[0];
     frame.points = rows<double>(vtk, "Points", number(vtk, "Steps/PointOffsets", step), points);
     frame.offsets =
@@ -90,7 +90,7 @@ BodyStates states_at(double x, double angle) {
 }
 
 /// The mean of the corners of one body's faces.
-Vec3d middle(const Frame& frame, std::int64_t body, double* largest_x = nullptr) {
+Vec3d middle(const WallFrame& frame, std::int64_t body, double* largest_x = nullptr) {
   Vec3d sum;
   double count = 0;
   for (std::size_t face = 0; face < frame.id.size(); ++face) {
@@ -119,11 +119,11 @@ TEST_F(WallFramesTest, WallsStandWhereTheyAreAtTheTimeOfTheFrame) {
   writer.append(0.0, states_at(0, 0));
   writer.append(0.5, states_at(7, 0));
   writer.append(1.0, states_at(7, std::numbers::pi / 2));
-  const std::vector<Frame> frames = read_frames(file);  // while the writer lives
+  const std::vector<WallFrame> frames = read_wall_frames(file);  // while the writer lives
   ASSERT_EQ(frames.size(), 3u);
   const double box_x[]{0, 7, 7}, box_end[]{1, 8, 9};  // turned, its longer side lies along x
   for (std::size_t k = 0; k < 3; ++k) {
-    const Frame& frame = frames[k];
+    const WallFrame& frame = frames[k];
     EXPECT_EQ(frame.time, 0.5 * static_cast<double>(k));
     EXPECT_EQ(frame.id, (std::vector<std::int64_t>{1, 2, 2, 2, 2, 2, 2}));
     EXPECT_EQ(frame.group, (std::vector<std::int32_t>{0, 1, 1, 1, 1, 1, 1}));
@@ -141,7 +141,7 @@ TEST_F(WallFramesTest, FramesInWhichNothingMovesShareTheirCorners) {
   for (int frame = 0; frame < 6; ++frame) writer.append(frame, states_at(x[frame], 0));
   writer.append(5, states_at(99, 0));  // the same time: not written again
   EXPECT_EQ(stored_points(), 3u * (3 + 8));
-  const std::vector<Frame> frames = read_frames(file);
+  const std::vector<WallFrame> frames = read_wall_frames(file);
   ASSERT_EQ(frames.size(), 6u);
   for (std::size_t frame = 0; frame < 6; ++frame)
     EXPECT_NEAR(middle(frames[frame], 2).x, x[frame], 1e-14) << frame;
@@ -159,7 +159,7 @@ TEST_F(WallFramesTest, ResumeDropsFramesAfterTheCheckpointAndGoesOn) {
     EXPECT_EQ(writer.frame_count(), kept);
     for (int frame = kept; frame < 9; ++frame) writer.append(frame, states_at(position(frame), 0));
     EXPECT_EQ(stored_points(), 11u * 6) << "the poses of 0, 4, 5, 6, 7 and 8 s";
-    const std::vector<Frame> frames = read_frames(file);
+    const std::vector<WallFrame> frames = read_wall_frames(file);
     ASSERT_EQ(frames.size(), 9u);
     for (int frame = 0; frame < 9; ++frame)
       EXPECT_NEAR(middle(frames[static_cast<std::size_t>(frame)], 2).x, position(frame), 1e-13);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "shapes/shape_card.h"
@@ -17,8 +18,6 @@ namespace {
 using test::ellipsoid_of;
 using test::part;
 using test::round_of;
-
-constexpr double kPi = 3.14159265358979323846;
 
 void expect_same(const SolidMoments& a, const SolidMoments& b, double tolerance) {
   EXPECT_NEAR(a.volume, b.volume, tolerance * b.volume);
@@ -47,7 +46,7 @@ TEST(Compounds, PartsThatDoNotOverlapAddUpExactly) {
 TEST(Compounds, WhatTwoBallsHaveInCommonIsALens) {
   const std::vector<ShapePart> balls{part(test::ball_of(1), {0, 0, 0}),
                                      part(test::ball_of(1), {0, 0, 1})};
-  const double both = 8 * kPi / 3, lens = 5 * kPi / 12;
+  const double both = 8 * std::numbers::pi / 3, lens = 5 * std::numbers::pi / 12;
   EXPECT_NEAR(once(balls).volume, both - lens, 1e-5 * lens);
   EXPECT_NEAR(moments_of(Scene{}, balls, SharedMass::each_part).volume, both, 1e-12);
   EXPECT_NEAR(once(balls).center.z, 0.5, 1e-5);
@@ -89,7 +88,7 @@ TEST(Compounds, AFreeOneHasItsPrincipalFrame) {
   EXPECT_LT(norm(body.position - Vec3d{11, 3, 0}), 1e-12);
   set_mass_from_density(body, 1000);
   // Point masses and the moments of the balls; the frame has the axes in another order, so compare sorted.
-  const double ball = 1000 * 4.0 / 3 * kPi * 1e-3;
+  const double ball = 1000 * 4.0 / 3 * std::numbers::pi * 1e-3;
   std::array<double, 3> expected{ball * (4 + 1 + 1), ball * 18, ball * (4 + 1 + 1 + 18)};
   for (double& moment : expected) moment += 3 * 0.4 * ball * 0.01;
   std::array<double, 3> found{body.inertia.x, body.inertia.y, body.inertia.z};

@@ -11,11 +11,13 @@
 #include "host/scene/mesh_reader.h"
 #include "tests/host/gray_png.h"
 #include "tests/host/input_files.h"
+#include "tests/mesh_volume.h"
 
 namespace scree {
 namespace {
 
 using test::refusal;
+using test::volume;
 using test::write_file;
 using testing::ElementsAre;
 using testing::EndsWith;
@@ -30,17 +32,8 @@ HeightGrid random_grid(std::size_t rows, std::size_t columns, unsigned seed) {
   return grid;
 }
 
-double volume(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& [i, j, k] : mesh.triangles)
-    sum += dot(mesh.vertices.at(static_cast<std::size_t>(i)),
-               cross(mesh.vertices.at(static_cast<std::size_t>(j)),
-                     mesh.vertices.at(static_cast<std::size_t>(k))));
-  return sum / 6;
-}
-
 /// Of all triangles, one after the other.
-std::vector<Vec3d> corners(const TriangleMesh& mesh) {
+std::vector<Vec3d> corner_list(const TriangleMesh& mesh) {
   std::vector<Vec3d> all;
   for (const auto& triangle : mesh.triangles)
     for (const int v : triangle) all.push_back(mesh.vertices.at(static_cast<std::size_t>(v)));
@@ -66,7 +59,7 @@ TEST(HeightFieldMesh, IsClosedForEveryNumberOfCells) {
       EXPECT_TRUE(mesh.closed);
       const TriangleMesh read = read_mesh(write_file("field.obj", obj_text(mesh)));
       EXPECT_EQ(read.vertices.size(), mesh.vertices.size());
-      EXPECT_EQ(corners(read), corners(mesh)) << "it was inside out";
+      EXPECT_EQ(corner_list(read), corner_list(mesh)) << "it was inside out";
     }
 }
 

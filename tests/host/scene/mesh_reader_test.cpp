@@ -6,11 +6,13 @@
 #include <cstring>
 
 #include "tests/host/input_files.h"
+#include "tests/mesh_volume.h"
 
 namespace scree {
 namespace {
 
 using test::refusal;
+using test::volume;
 using test::write_file;
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -31,15 +33,6 @@ f 2 3 7 6
 f 3 4 8 7
 f 4 1 5 8
 )";
-
-double volume(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& [i, j, k] : mesh.triangles)
-    sum += dot(mesh.vertices.at(static_cast<std::size_t>(i)),
-               cross(mesh.vertices.at(static_cast<std::size_t>(j)),
-                     mesh.vertices.at(static_cast<std::size_t>(k))));
-  return sum / 6;
-}
 
 /// Text of an ASCII STL file of a mesh.
 std::string ascii_stl(const TriangleMesh& mesh) {

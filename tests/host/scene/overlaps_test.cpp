@@ -20,21 +20,22 @@ std::string warning_of(const Scene& scene) {
   return overlap_warning(overlaps_of(scene), BodyConstants(scene));
 }
 
-/// Bodies by number in the file: a floor, a ball that comes later, and what is given.
+/// Bodies by number in the file: a floor, a ball_at that comes later, and what is given.
 std::string text_of(const std::string& bodies, const std::string& particles = "") {
   return R"({"time_step": 1e-3, "duration": 1, "bodies": [
     {"shape": "half_space"},
     {"shape": "sphere", "radius": 0.1, "density": 1000, "position": [0, 0, 1], "insert_at": 0.5})" +
          (bodies.empty() ? "" : ", " + bodies) + R"(], "particles": [)" + particles + "]}";
 }
-std::string ball(double x, double z) {
+std::string ball_at(double x, double z) {
   return R"({"shape": "sphere", "radius": 0.1, "density": 1000, "position": [)" +
          std::to_string(x) + ", 0, " + std::to_string(z) + "]}";
 }
 
 TEST(Overlaps, NoneAmongBodiesThatTouchOrComeLater) {
   // Each rests on the floor and touches the next one; the one at 1 m stands where a later one will.
-  const Scene scene = parsed(text_of(ball(0, 0.1) + ", " + ball(0.2, 0.1) + ", " + ball(0, 1)));
+  const Scene scene =
+      parsed(text_of(ball_at(0, 0.1) + ", " + ball_at(0.2, 0.1) + ", " + ball_at(0, 1)));
   const Overlaps found = overlaps_of(scene);
   EXPECT_EQ(found.pairs, 0);
   EXPECT_EQ(found.not_looked_for, "");
@@ -42,7 +43,7 @@ TEST(Overlaps, NoneAmongBodiesThatTouchOrComeLater) {
 }
 
 TEST(Overlaps, AreCountedAndTheDeepestIsNamedAsInTheFile) {
-  const Scene scene = parsed(text_of(ball(0, 0.09) + ", " + ball(0.15, 0.2)));
+  const Scene scene = parsed(text_of(ball_at(0, 0.09) + ", " + ball_at(0.15, 0.2)));
   const Overlaps found = overlaps_of(scene);
   EXPECT_EQ(found.pairs, 2);  // with the floor and with each other
   EXPECT_EQ(found.body_a, 1);
@@ -84,7 +85,7 @@ TEST(Overlaps, AreCountedByPairs) {
 }
 
 TEST(Overlaps, ACrowdInOnePlaceTakesNoTime) {
-  Scene scene = parsed(text_of(ball(0, 2)));
+  Scene scene = parsed(text_of(ball_at(0, 2)));
   ParticleSet crowd;
   crowd.position.assign(200'000, {3, 0, 3});  // two hundred thousand squared are too many pairs
   crowd.radius = 0.1;

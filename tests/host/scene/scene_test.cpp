@@ -41,47 +41,47 @@ Scene scene_with(std::vector<BodyDescription> bodies) {
   return scene;
 }
 /// The refusal of a good scene after a change.
-std::string refused(const std::function<void(Scene&)>& change) {
+std::string refused_after(const std::function<void(Scene&)>& change) {
   Scene scene = scene_with({sphere(), wall(shapes::HalfSpace::kind)});
   change(scene);
   return refusal([&] { validate(scene); });
 }
 
 TEST(Validate, AcceptsAGoodScene) {
-  EXPECT_EQ(refused([](Scene&) {}), "no error");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(shapes::Container::kind)); }),
+  EXPECT_EQ(refused_after([](Scene&) {}), "no error");
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies.push_back(wall(shapes::Container::kind)); }),
             "no error");
 }
 
 TEST(Validate, RefusesNonFiniteAndOutOfRangeValues) {
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].shape.radius = NAN; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].shape.radius = NAN; }),
             "bodies[0].radius: nan is not allowed: must be positive [m]");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].velocity.y = INFINITY; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].velocity.y = INFINITY; }),
             "bodies[0].velocity: [0, inf, 0] is not allowed: must be three finite numbers [m/s]");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].mass = 0; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].mass = 0; }),
             "bodies[0].mass: 0 is not allowed: a free body needs a positive mass [kg]");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].orientation.w = 1.1; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].orientation.w = 1.1; }),
             "bodies[0].orientation: [1.1, 0, 0, 0] is not allowed: must be a unit quaternion "
             "[w, x, y, z]");
-  EXPECT_EQ(refused([](Scene& s) {
+  EXPECT_EQ(refused_after([](Scene& s) {
               s.bodies[1].shape.normal = {0, 0, 2};
             }),
             "bodies[1].normal: [0, 0, 2] is not allowed: must have length 1");
-  EXPECT_EQ(refused([](Scene& s) { s.stepping.time_step = NAN; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.stepping.time_step = NAN; }),
             "time_step: nan is not allowed: must be positive [s]");
-  EXPECT_EQ(refused([](Scene& s) { s.gravity.x = NAN; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.gravity.x = NAN; }),
             "gravity: [nan, 0, -9.81] is not allowed: must be three finite numbers [m/s^2]");
-  EXPECT_EQ(refused([](Scene& s) { s.solver.name = "magic"; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.solver.name = "magic"; }),
             "solver.name: \"magic\" is not allowed: must be one of \"apgd\", \"jacobi\", "
             "\"gauss_seidel\", \"gauss_seidel_colored\", \"schwarz\"");
-  EXPECT_EQ(refused([](Scene& s) { s.solver.parameters["relaxation"] = 2; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.solver.parameters["relaxation"] = 2; }),
             "solver.relaxation: 2 is not allowed: must be between 0 and 2, both excluded");
-  EXPECT_EQ(refused([](Scene& s) { s.solver.parameters["metric"] = 2; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.solver.parameters["metric"] = 2; }),
             "solver.metric: 2 is not allowed: must be one of \"diagonal\", \"euclidean\"");
-  EXPECT_EQ(refused([](Scene& s) { s.solver.parameters["speed"] = 1; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.solver.parameters["speed"] = 1; }),
             "solver.parameters: \"speed\" is not allowed: must be one of \"metric\", "
             "\"relaxation\"");
-  EXPECT_EQ(refused([](Scene& s) { s.materials[0].friction = NAN; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.materials[0].friction = NAN; }),
             "materials.default.friction: nan is not allowed: must be zero or positive [-]");
 }
 
@@ -93,48 +93,48 @@ TEST(Validate, RefusesNumbersThatNoRunCanComputeWith) {
     body.shape.half_extents = {0.1, 0.1, 0.1};
     return body;
   };
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].shape.radius = 1e21; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].shape.radius = 1e21; }),
             "bodies[0].radius: 1e+21 is not allowed: must be from 1e-12 to 1e+15 [m]");
-  EXPECT_EQ(refused([&](Scene& s) { box(s).shape.half_extents.y = 1e-13; }),
+  EXPECT_EQ(refused_after([&](Scene& s) { box(s).shape.half_extents.y = 1e-13; }),
             "bodies[0].half_extents: 1e-13 is not allowed: must be from 1e-12 to 1e+15 [m]");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[1].position.z = -1e16; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[1].position.z = -1e16; }),
             "bodies[1].position: [0, 0, -1e+16] is not allowed: must be numbers from -1e+15 to "
             "1e+15 [m]");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].velocity.x = 1e27; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].velocity.x = 1e27; }),
             "bodies[0].velocity: [1e+27, 0, 0] is not allowed: must move the body by 1e+15 m/s at "
             "most, and by 1e+15 m in a step of 0.001 s [m/s]");
-  EXPECT_THAT(refused([](Scene& s) { s.bodies[0].angular_velocity.x = 1e17; }),
+  EXPECT_THAT(refused_after([](Scene& s) { s.bodies[0].angular_velocity.x = 1e17; }),
               StartsWith("bodies[0].angular_velocity: [1e+17, 0, 0] is not allowed"));
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].mass = 1e25; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].mass = 1e25; }),
             "bodies[0].mass: 1e+25 is not allowed: must be from 1e-24 to 1e+24 [kg]");
-  EXPECT_THAT(refused([&](Scene& s) { box(s).inertia.x = 1e-40; }),
+  EXPECT_THAT(refused_after([&](Scene& s) { box(s).inertia.x = 1e-40; }),
               StartsWith("bodies[0].inertia: 1e-40 is not allowed: must be from 1e-36"));
-  EXPECT_EQ(refused([](Scene& s) { s.materials[0].friction = 1e30; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.materials[0].friction = 1e30; }),
             "materials.default.friction: 1e+30 is not allowed: must be from 0 to 1e+06 [-]");
-  EXPECT_EQ(refused([](Scene& s) { s.materials[0].cohesion = 1e38; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.materials[0].cohesion = 1e38; }),
             "materials.default.cohesion: 1e+38 is not allowed: must be from 0 to 1e+15 [N]");
-  EXPECT_THAT(refused([](Scene& s) {
+  EXPECT_THAT(refused_after([](Scene& s) {
                 s.material_pairs = {{0, 0, {}}};
                 s.material_pairs[0].values.rolling_friction = 1e30;
               }),
               StartsWith("material_pairs[0].rolling_friction: 1e+30 is not allowed"));
-  EXPECT_EQ(refused([](Scene& s) { s.stepping.time_step = 1e-40; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.stepping.time_step = 1e-40; }),
             "time_step: 1e-40 is not allowed: must be from 1e-15 to 1e+09 [s]");
-  EXPECT_EQ(refused([](Scene& s) { s.stepping.duration = 1e17; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.stepping.duration = 1e17; }),
             "duration: 1e+17 is not allowed: would take 1e+20 steps of 0.001 s, must be 1e+15 "
             "steps or fewer");
-  EXPECT_THAT(refused([](Scene& s) { s.gravity.z = -1e30; }),
+  EXPECT_THAT(refused_after([](Scene& s) { s.gravity.z = -1e30; }),
               StartsWith("gravity: [0, 0, -1e+30] is not allowed"));
-  EXPECT_EQ(refused([](Scene& s) { s.stepping.envelope = 1e30; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.stepping.envelope = 1e30; }),
             "collision.envelope: 1e+30 is not allowed: must be from 0 to 1e+15 [m]");
-  EXPECT_EQ(refused([](Scene& s) { s.stepping.skin = 1e30; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.stepping.skin = 1e30; }),
             "collision.skin: 1e+30 is not allowed: must be from 0 to 1e+15 [m]");
-  EXPECT_THAT(refused([](Scene& s) {
+  EXPECT_THAT(refused_after([](Scene& s) {
                 s.periodicity.periodic[0] = true;
                 s.periodicity.upper.x = 1e300;
               }),
               StartsWith("periodic.x: [0, 1e+300] is not allowed: must be numbers from -1e+15"));
-  EXPECT_THAT(refused([](Scene& s) {
+  EXPECT_THAT(refused_after([](Scene& s) {
                 Motion motion;
                 motion.kind = Motion::Kind::rotating;
                 motion.center = {1e14, 0, 0};
@@ -143,7 +143,7 @@ TEST(Validate, RefusesNumbersThatNoRunCanComputeWith) {
                 s.bodies[1].motion = motion;
               }),
               StartsWith("bodies[1].motion: a start at [0, 0, 0] m with ["));
-  EXPECT_THAT(refused([](Scene& s) {
+  EXPECT_THAT(refused_after([](Scene& s) {
                 s.particles = {ParticleSet{}};
                 s.particles[0].position = {{0, 0, 1}, {0, 1e16, 1}};
                 s.particles[0].radius = 0.1;
@@ -153,13 +153,13 @@ TEST(Validate, RefusesNumbersThatNoRunCanComputeWith) {
 }
 
 TEST(Validate, TakesSizesFromGrainsOfPowderToMoons) {
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0] = sphere(1e-7); }), "no error");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0] = sphere(1e6); }), "no error");
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0] = sphere(1e-7); }), "no error");
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0] = sphere(1e6); }), "no error");
 }
 
 TEST(Validate, RefusesMoreMaterialsThanABodyCanName) {
   const auto with_materials = [](std::size_t count) {
-    return refused([&](Scene& s) { s.materials.resize(count); });
+    return refused_after([&](Scene& s) { s.materials.resize(count); });
   };
   EXPECT_EQ(with_materials(256), "no error");
   EXPECT_EQ(with_materials(257),
@@ -168,58 +168,59 @@ TEST(Validate, RefusesMoreMaterialsThanABodyCanName) {
 
 TEST(Validate, RefusesNamesThatAreNoFolderInsideAnother) {
   for (const char* name : {"..", ".", "", "../a", "/tmp/a", "a/b", "a\\b", "a\nb", "a\x1b[2Jb"})
-    EXPECT_THAT(refused([&](Scene& s) { s.name = name; }),
+    EXPECT_THAT(refused_after([&](Scene& s) { s.name = name; }),
                 testing::AllOf(StartsWith("name: \""), testing::HasSubstr("fit for a folder"),
                                testing::Not(testing::ContainsRegex("[\x1b\n]"))))
         << name;
-  EXPECT_THAT(refused([](Scene& s) { s.name = std::string(201, 'a'); }), StartsWith("name: \"aaa"));
+  EXPECT_THAT(refused_after([](Scene& s) { s.name = std::string(201, 'a'); }),
+              StartsWith("name: \"aaa"));
   for (const char* name : {"pile", "two words", "..a", "H\xc3\xb6he 3.5"})
-    EXPECT_EQ(refused([&](Scene& s) { s.name = name; }), "no error");
+    EXPECT_EQ(refused_after([&](Scene& s) { s.name = name; }), "no error");
 }
 
 TEST(Validate, RefusesBadIndices) {
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[0].material = 1; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[0].material = 1; }),
             "bodies[0].material: 1 is not allowed: must be an index below 1");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies[1].group = -1; }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies[1].group = -1; }),
             "bodies[1].group: -1 is not allowed: must be an index below 1");
-  EXPECT_EQ(refused([](Scene& s) { s.bodies.push_back(wall(shapes::Mesh::kind)); }),
+  EXPECT_EQ(refused_after([](Scene& s) { s.bodies.push_back(wall(shapes::Mesh::kind)); }),
             "bodies[2].mesh: -1 is not allowed: must be an index below 0");
-  EXPECT_EQ(refused([](Scene& s) {
+  EXPECT_EQ(refused_after([](Scene& s) {
               s.meshes.push_back({"m", {{0, 0, 0}}, {{0, 1, 2}}, true});
             }),
             "meshes[0] (m).triangles[0]: 1 is not allowed: must be a vertex index below 1");
 }
 
 TEST(Validate, RefusesImpossibleBodies) {
-  EXPECT_THAT(refused([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
+  EXPECT_THAT(refused_after([](Scene& s) { s.bodies[1].kind = BodyKind::free; }),
               StartsWith("bodies[1].kind: \"free\" is not allowed: only sphere, box, capsule, "
                          "cylinder, hull, cone, ellipsoid or compound bodies"));
-  EXPECT_THAT(refused([](Scene& s) {
+  EXPECT_THAT(refused_after([](Scene& s) {
                 Motion motion;
                 motion.kind = Motion::Kind::linear;
                 s.bodies[1].motion = motion;
               }),
               StartsWith("bodies[1].motion: a motion is not allowed: only kinematic bodies"));
-  EXPECT_THAT(refused([](Scene& s) { s.bodies.erase(s.bodies.begin()); }),
+  EXPECT_THAT(refused_after([](Scene& s) { s.bodies.erase(s.bodies.begin()); }),
               StartsWith("bodies: a scene of 1 bodies, none free is not allowed"));
 }
 
 TEST(Validate, RefusesBadInsertions) {
-  EXPECT_EQ(refused([](Scene& s) {
+  EXPECT_EQ(refused_after([](Scene& s) {
               s.insertions = {{1, {sphere()}}, {1, {sphere()}}};
             }),
             "insertions[1].time: 1 is not allowed: must be later than the insertion before [s]");
-  EXPECT_EQ(refused([](Scene& s) {
+  EXPECT_EQ(refused_after([](Scene& s) {
               s.insertions = {{-1, {sphere()}}};
             }),
             "insertions[0].time: -1 is not allowed: must be zero or positive [s]");
-  EXPECT_EQ(refused([](Scene& s) {
+  EXPECT_EQ(refused_after([](Scene& s) {
               s.insertions = {{1, {wall(shapes::HalfSpace::kind)}}};
             }),
             "insertions[0].bodies[0].kind: a fixed or kinematic body is not allowed: only free "
             "bodies can be inserted during a run");
   EXPECT_EQ(
-      refused([](Scene& s) {
+      refused_after([](Scene& s) {
         s.insertions = {{1, {sphere(0.1), sphere(0.2)}}};
         s.insertions[0].bodies[1].mass = NAN;
       }),
@@ -236,7 +237,7 @@ ParticleSet two_particles() {
 
 TEST(Validate, RefusesBadParticles) {
   const auto refused_set = [](auto change) {
-    return refused([&](Scene& s) {
+    return refused_after([&](Scene& s) {
       s.particles = {two_particles(), two_particles()};
       change(s.particles[1]);
     });
@@ -282,7 +283,7 @@ TEST(Validate, RefusesBadParticles) {
                 set.shape = none;
               }),
               StartsWith("particles[1][0].shape: number 200 is not allowed: must be one of"));
-  EXPECT_THAT(refused([](Scene& s) {
+  EXPECT_THAT(refused_after([](Scene& s) {
                 s.insertions = {{1, {}, {two_particles()}}};
                 s.insertions[0].particles[0].group = 3;
               }),
@@ -404,7 +405,7 @@ TEST(Validate, ContactsOfAllBodiesHaveNames) {
 
 TEST(Validate, PeriodsHoldTwoOfTheLargestBodyAndTheEnvelope) {
   const auto period = [](double length) {
-    return refused([&](Scene& s) {
+    return refused_after([&](Scene& s) {
       s.stepping.envelope = 0.01;
       s.periodicity.periodic[1] = true;
       s.periodicity.upper.y = length;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "host/scene/compound.h"
 #include "host/scene_reader.h"
@@ -22,8 +23,6 @@ using test::write_file;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-constexpr double kPi = 3.14159265358979323846;
 
 class Urdf : public testing::Test {
  protected:
@@ -51,7 +50,7 @@ std::string joint(const std::string& name, const std::string& type, const std::s
          "\"/><child link=\"" + child + "\"/>" + more + "</joint>\n";
 }
 
-Scene scene_of(const std::string& text, const UrdfPlacement& placement = {}) {
+Scene robot_scene(const std::string& text, const UrdfPlacement& placement = {}) {
   Scene scene;
   add_urdf(scene, parse_urdf(text, "arm.urdf"), placement);
   validate(scene);
@@ -59,10 +58,10 @@ Scene scene_of(const std::string& text, const UrdfPlacement& placement = {}) {
 }
 
 std::string refusal_of(const std::string& text, const UrdfPlacement& placement = {}) {
-  return refusal([&] { scene_of(text, placement); });
+  return refusal([&] { robot_scene(text, placement); });
 }
 
-void expect_near(const Vec3d& a, const Vec3d& b, double within = 1e-14) {
+void expect_vector(const Vec3d& a, const Vec3d& b, double within = 1e-14) {
   EXPECT_NEAR(norm(a - b), 0, within) << vector_text(a) << " against " << vector_text(b);
 }
 
@@ -73,7 +72,7 @@ TEST(UrdfWithoutXml, SaysWhichPackageIsMissing) {
 }
 
 TEST_F(Urdf, LinksBecomeBodiesAndJoints) {
-  const Scene scene = scene_of(robot(
+  const Scene scene = robot_scene(robot(
       link("a") + link("b") + link("c") + link("d") +
       joint(
           "ab", "revolute", "a", "b",
@@ -87,15 +86,15 @@ TEST_F(Urdf, LinksBecomeBodiesAndJoints) {
   EXPECT_EQ(scene.body_names.at("arm/b"), 1);
   EXPECT_EQ(scene.bodies[1].mass, 2);
   EXPECT_EQ(scene.bodies[1].shape.radius, 0.1);
-  expect_near(scene.bodies[1].position, {1, 0, 0});
-  expect_near(scene.bodies[static_cast<std::size_t>(scene.body_names.at("arm/d"))].position,
-              {0, 5, 0});
+  expect_vector(scene.bodies[1].position, {1, 0, 0});
+  expect_vector(scene.bodies[static_cast<std::size_t>(scene.body_names.at("arm/d"))].position,
+                {0, 5, 0});
   ASSERT_EQ(scene.joints.size(), 2u);  // a floating joint is none
   const Joint& hinge = scene.joints[0];
   EXPECT_EQ(hinge.kind, JointKind::hinge);
   EXPECT_EQ(hinge.bodies, (std::array{0, 1}));
-  expect_near(hinge.anchor, {1, 0, 0});
-  expect_near(hinge.axis, {0, 1, 0});
+  expect_vector(hinge.anchor, {1, 0, 0});
+  expect_vector(hinge.axis, {0, 1, 0});
   EXPECT_EQ(hinge.limits, (std::array{-1.0, 0.5}));
   EXPECT_EQ(hinge.friction, 0.5);
   ASSERT_TRUE(hinge.motor.has_value());  // a damper that pulls nowhere
@@ -113,23 +112,24 @@ TEST_F(Urdf, FramesFollowEachOther) {
             joint("bc", "continuous", "b", "c",
                   R"(<origin xyz="1 0 0" rpy="0.3 0.2 0.1"/><axis xyz="0 1 0"/>)"));
   UrdfPlacement placement;
-  placement.pose = {{10, 20, 30}, exp_map(Vec3d{kPi / 2, 0, 0})};
-  placement.joint_positions = {{"ab", kPi / 2}, {"bc", kPi / 6}};
+  placement.pose = {{10, 20, 30}, exp_map(Vec3d{std::numbers::pi / 2, 0, 0})};
+  placement.joint_positions = {{"ab", std::numbers::pi / 2}, {"bc", std::numbers::pi / 6}};
   placement.velocity = {1, 0, 0};
   placement.angular_velocity = {0, 0, 2};
-  const Scene scene = scene_of(text, placement);
+  const Scene scene = robot_scene(text, placement);
   // In the frame of the root: b at (0, 0, 1), c 1 m along the turned x, so at (0, 1, 1).
-  expect_near(scene.bodies[1].position, {10, 19, 30}, 1e-13);
-  expect_near(scene.bodies[2].position, {10, 19, 31}, 1e-13);
+  expect_vector(scene.bodies[1].position, {10, 19, 30}, 1e-13);
+  expect_vector(scene.bodies[2].position, {10, 19, 31}, 1e-13);
   // Roll, pitch and yaw are about fixed axes.
   const Quatd rpy =
       exp_map(Vec3d{0, 0, 0.1}) * exp_map(Vec3d{0, 0.2, 0}) * exp_map(Vec3d{0.3, 0, 0});
-  const Quatd joint_frame = exp_map(Vec3d{kPi / 2, 0, 0}) * exp_map(Vec3d{0, 0, kPi / 2}) * rpy;
-  expect_near(scene.joints[1].axis, rotate(joint_frame, Vec3d{0, 1, 0}), 1e-13);
-  const Quatd own = joint_frame * exp_map(Vec3d{0, kPi / 6, 0});
-  expect_near(rotate(scene.bodies[2].orientation, Vec3d{1, 0, 0}), rotate(own, Vec3d{1, 0, 0}),
-              1e-13);
-  expect_near(scene.bodies[2].velocity, {1 - 2 * (19 - 20), 2 * (10 - 10), 0}, 1e-13);
+  const Quatd joint_frame =
+      exp_map(Vec3d{std::numbers::pi / 2, 0, 0}) * exp_map(Vec3d{0, 0, std::numbers::pi / 2}) * rpy;
+  expect_vector(scene.joints[1].axis, rotate(joint_frame, Vec3d{0, 1, 0}), 1e-13);
+  const Quatd own = joint_frame * exp_map(Vec3d{0, std::numbers::pi / 6, 0});
+  expect_vector(rotate(scene.bodies[2].orientation, Vec3d{1, 0, 0}), rotate(own, Vec3d{1, 0, 0}),
+                1e-13);
+  expect_vector(scene.bodies[2].velocity, {1 - 2 * (19 - 20), 2 * (10 - 10), 0}, 1e-13);
 }
 
 TEST_F(Urdf, LimitsAndMotorsCountFromZeroOfTheFile) {
@@ -144,7 +144,7 @@ TEST_F(Urdf, LimitsAndMotorsCountFromZeroOfTheFile) {
   motor.stiffness = 10;
   motor.damping = 1;
   placement.motors = {{"ab", motor}};
-  const Scene scene = scene_of(text, placement);
+  const Scene scene = robot_scene(text, placement);
   EXPECT_EQ(scene.joints[0].limits, (std::array{-1.5, 1.5}));
   EXPECT_EQ(scene.joints[0].motor->position, 0.5);
   EXPECT_EQ(scene.joints[0].motor->max_force, 7);
@@ -157,21 +157,21 @@ TEST_F(Urdf, InertiaKeepsItsAxes) {
       robot(R"(<link name="a"><inertial><origin rpy="0.4 0.5 0.6"/><mass value="3"/>
       <inertia ixx="0.3" iyy="0.4" izz="0.5" ixy="0.02" ixz="-0.03" iyz="0.04"/></inertial>
       <collision><geometry><sphere radius="0.1"/></geometry></collision></link>)");
-  const BodyDescription body = scene_of(text).bodies.at(0);
+  const BodyDescription body = robot_scene(text).bodies.at(0);
   const Sym3<double> world = rotated_diagonal(body.orientation, body.inertia);
   const Quatd q = exp_map(Vec3d{0, 0, 0.6}) * exp_map(Vec3d{0, 0.5, 0}) * exp_map(Vec3d{0.4, 0, 0});
   Sym3<double> given;
   given.xx = 0.3, given.yy = 0.4, given.zz = 0.5;
   given.xy = 0.02, given.xz = -0.03, given.yz = 0.04;
   for (const Vec3d& v : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
-    expect_near(world * v, rotate(q, given * rotate_back(q, v)), 1e-14);
+    expect_vector(world * v, rotate(q, given * rotate_back(q, v)), 1e-14);
 }
 
 TEST_F(Urdf, FixedLinksThatLackMassOrShapeAreOneBody) {
   // A frame without mass, a body, and two loads of 1 kg without a shape on either side of it.
   const std::string load =
       R"("><inertial><mass value="1"/><inertia ixx="0.01" iyy="0.02" izz="0.03"/></inertial></link>)";
-  const Scene scene = scene_of(robot(
+  const Scene scene = robot_scene(robot(
       "<link name=\"foot\"/>" + link("a") + "<link name=\"left" + load + "<link name=\"right" +
       load + joint("f", "fixed", "foot", "a", R"(<origin xyz="0 0 1"/>)") +
       joint("l", "fixed", "a", "left", R"(<origin xyz="0 0.5 0"/>)") +
@@ -180,7 +180,7 @@ TEST_F(Urdf, FixedLinksThatLackMassOrShapeAreOneBody) {
   EXPECT_TRUE(scene.joints.empty());
   const BodyDescription& body = scene.bodies[0];
   EXPECT_EQ(body.mass, 4);
-  expect_near(body.position, {0, 0, 1});
+  expect_vector(body.position, {0, 0, 1});
   const Sym3<double> world = rotated_diagonal(body.orientation, body.inertia);
   EXPECT_NEAR(world.xx, 0.1 + 2 * (0.01 + 0.25), 1e-14);
   EXPECT_NEAR(world.yy, 0.1 + 2 * 0.02, 1e-14);
@@ -200,21 +200,21 @@ std::vector<ShapePart> parts_in_world(const Scene& scene, const BodyDescription&
 }
 
 TEST_F(Urdf, WholeBodiesThatAreFixedAreOne) {
-  const Scene scene = scene_of(
+  const Scene scene = robot_scene(
       robot(link("a") + link("b") + joint("ab", "fixed", "a", "b", R"(<origin xyz="1 0 0"/>)")));
   ASSERT_EQ(scene.bodies.size(), 1u);
   EXPECT_TRUE(scene.joints.empty());
   const BodyDescription& body = scene.bodies[0];
   EXPECT_EQ(body.mass, 4);
-  expect_near(body.position, {0.5, 0, 0});
+  expect_vector(body.position, {0.5, 0, 0});
   const Sym3<double> world = rotated_diagonal(body.orientation, body.inertia);
   EXPECT_NEAR(world.xx, 0.2, 1e-14);
   EXPECT_NEAR(world.yy, 0.2 + 4 * 0.25, 1e-14);
   EXPECT_NEAR(world.zz, 0.2 + 4 * 0.25, 1e-14);
   const std::vector<ShapePart> parts = parts_in_world(scene, body);
   ASSERT_EQ(parts.size(), 2u);
-  expect_near(parts[0].position, {0, 0, 0});
-  expect_near(parts[1].position, {1, 0, 0});
+  expect_vector(parts[0].position, {0, 0, 0});
+  expect_vector(parts[1].position, {1, 0, 0});
   EXPECT_EQ(parts[1].shape.radius, 0.1);
 }
 
@@ -224,7 +224,7 @@ TEST_F(Urdf, ShapesAreWhereTheFileSaysWhateverTheInertia) {
   const auto in_world = [&](const Vec3d& x) {
     return placement.pose.position + rotate(placement.pose.orientation, x);
   };
-  const Scene scene = scene_of(
+  const Scene scene = robot_scene(
       robot(
           R"(<link name="a"><inertial><origin xyz="0.1 0.2 0.3"/><mass value="2"/>)"
           R"(<inertia ixx="0.3" ixy="0.02" ixz="-0.03" iyy="0.4" iyz="0.01" izz="0.5"/></inertial>)"
@@ -233,7 +233,7 @@ TEST_F(Urdf, ShapesAreWhereTheFileSaysWhateverTheInertia) {
       placement);
   const BodyDescription& body = scene.bodies.at(0);
   EXPECT_EQ(body.mass, 2);
-  expect_near(body.position, in_world({0.1, 0.2, 0.3}));
+  expect_vector(body.position, in_world({0.1, 0.2, 0.3}));
   const Quatd to_link = conjugate(placement.pose.orientation) * body.orientation;
   const Sym3<double> own = rotated_diagonal(to_link, body.inertia);
   for (const auto& [is, should] :
@@ -242,12 +242,12 @@ TEST_F(Urdf, ShapesAreWhereTheFileSaysWhateverTheInertia) {
     EXPECT_NEAR(is, should, 1e-14);
   const std::vector<ShapePart> parts = parts_in_world(scene, body);
   ASSERT_EQ(parts.size(), 2u);
-  expect_near(parts[0].position, in_world({0, 0, 0.5}));
-  expect_near(parts[1].position, in_world({1, 0, 0}));
+  expect_vector(parts[0].position, in_world({0, 0, 0.5}));
+  expect_vector(parts[1].position, in_world({1, 0, 0}));
   const auto expect_turned = [&](const ShapePart& part, const Vec3d& rotation) {
     for (const Vec3d& v : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
-      expect_near(rotate(part.orientation, v),
-                  rotate(placement.pose.orientation, rotate(exp_map(rotation), v)));
+      expect_vector(rotate(part.orientation, v),
+                    rotate(placement.pose.orientation, rotate(exp_map(rotation), v)));
   };
   expect_turned(parts[0], {0.3, 0, 0});
   expect_turned(parts[1], {0, 0.5, 0});
@@ -265,10 +265,10 @@ TEST_F(Urdf, AMeshOffTheCenterOfMassIsAPart) {
                       mesh.parent_path() / "arm.urdf"));
   validate(scene);
   const BodyDescription& body = scene.bodies.at(0);
-  expect_near(body.position, {1, 1, 1});
+  expect_vector(body.position, {1, 1, 1});
   const std::vector<ShapePart> parts = parts_in_world(scene, body);
   ASSERT_EQ(parts.size(), 1u);
-  expect_near(parts[0].position, {0.25, -0.25, 0.5}, 1e-12);
+  expect_vector(parts[0].position, {0.25, -0.25, 0.5}, 1e-12);
 }
 
 TEST_F(UrdfRefusal, OfTwoMaterialsOfOneBody) {
@@ -284,9 +284,9 @@ TEST_F(Urdf, ARootCalledWorldRests) {
   const std::string shape =
       R"(<collision><origin xyz="0 0 -1"/><geometry><box size="2 2 2"/></geometry></collision>)";
   const std::string arm = link("a") + joint("wa", "continuous", "world", "a");
-  const Scene bare = scene_of(robot("<link name=\"world\"/>" + arm));
+  const Scene bare = robot_scene(robot("<link name=\"world\"/>" + arm));
   EXPECT_EQ(bare.joints.at(0).bodies, (std::array{kWorldBody, 0}));
-  const Scene scene = scene_of(robot("<link name=\"world\">" + shape + shape + "</link>" + arm));
+  const Scene scene = robot_scene(robot("<link name=\"world\">" + shape + shape + "</link>" + arm));
   ASSERT_EQ(scene.bodies.size(), 3u);  // one fixed body for each collision
   EXPECT_EQ(scene.bodies[0].kind, BodyKind::fixed);
   EXPECT_EQ(scene.bodies[2].kind, BodyKind::free);
@@ -294,7 +294,7 @@ TEST_F(Urdf, ARootCalledWorldRests) {
   UrdfPlacement fixed;
   fixed.fixed_base = true;
   const Scene pillar =
-      scene_of(robot(link("a") + link("b") + joint("ab", "floating", "a", "b")), fixed);
+      robot_scene(robot(link("a") + link("b") + joint("ab", "floating", "a", "b")), fixed);
   EXPECT_EQ(pillar.bodies.at(0).kind, BodyKind::fixed);
   EXPECT_EQ(pillar.bodies.at(1).kind, BodyKind::free);
 }
@@ -545,8 +545,8 @@ TEST_F(Urdf, IsAnEntryOfAScene) {
   EXPECT_EQ(scene.body_names.at("other/a"), 3);
   EXPECT_EQ(scene.body_names.at("floor"), 0);
   EXPECT_EQ(scene.body_names.at("late"), 5);
-  expect_near(scene.bodies[2].position, {1, 0, 2});
-  expect_near(scene.bodies[3].velocity, {0, 0, 1});
+  expect_vector(scene.bodies[2].position, {1, 0, 2});
+  expect_vector(scene.bodies[3].velocity, {0, 0, 1});
   EXPECT_EQ(scene.materials[static_cast<std::size_t>(scene.bodies[2].material)].name, "rubber");
   EXPECT_EQ(scene.groups[static_cast<std::size_t>(scene.bodies[2].group)], "hand");
   ASSERT_EQ(scene.joints.size(), 3u);

@@ -1,4 +1,4 @@
-// Compounds in scene files: the pose of their parts, what bodies share, and what is refused.
+// Compounds in scene files: the pose of their parts, what bodies share, and what is refused_parts.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,7 +116,7 @@ TEST(CompoundsOfScenes, ParticlesMayBeCompoundsOfManySizes) {
   }
 }
 
-std::string refused(const std::string& body) {
+std::string refused_parts(const std::string& body) {
   try {
     parsed(with_body(body));
   } catch (const std::exception& error) {
@@ -126,20 +126,20 @@ std::string refused(const std::string& body) {
 }
 
 TEST(CompoundsOfScenes, WhatIsWrongIsNamed) {
-  EXPECT_THAT(refused(R"({"shape": "compound", "density": 1})"),
+  EXPECT_THAT(refused_parts(R"({"shape": "compound", "density": 1})"),
               HasSubstr("bodies[1].parts: missing: must be a list of shapes"));
-  EXPECT_THAT(refused(compound("")), HasSubstr("must hold one shape or more"));
-  EXPECT_THAT(refused(compound(R"({"shape": "sphere", "radius": -1})")),
+  EXPECT_THAT(refused_parts(compound("")), HasSubstr("must hold one shape or more"));
+  EXPECT_THAT(refused_parts(compound(R"({"shape": "sphere", "radius": -1})")),
               HasSubstr("bodies[1].parts[0].radius: -1 is not allowed"));
-  EXPECT_THAT(refused(compound(R"({"shape": "sphere", "radius": 1, "mass": 2})")),
+  EXPECT_THAT(refused_parts(compound(R"({"shape": "sphere", "radius": 1, "mass": 2})")),
               HasSubstr("bodies[1].parts[0].mass"));
-  EXPECT_THAT(refused(compound(R"({"shape": "compound"})")),
+  EXPECT_THAT(refused_parts(compound(R"({"shape": "compound"})")),
               HasSubstr("bodies[1].parts[0].shape: \"compound\" is not allowed"));
-  EXPECT_THAT(refused(compound(R"({"shape": "half_space"})")),
+  EXPECT_THAT(refused_parts(compound(R"({"shape": "half_space"})")),
               HasSubstr("bodies[1].parts[0].shape: \"half_space\" is not allowed"));
-  EXPECT_THAT(refused(compound(kBalls, R"(, "density": 1, "overlaps": "twice")")),
+  EXPECT_THAT(refused_parts(compound(kBalls, R"(, "density": 1, "overlaps": "twice")")),
               HasSubstr("bodies[1].overlaps: \"twice\" is not allowed"));
-  EXPECT_THAT(refused(R"({"shape": "sphere", "radius": 1, "density": 1, "parts": []})"),
+  EXPECT_THAT(refused_parts(R"({"shape": "sphere", "radius": 1, "density": 1, "parts": []})"),
               HasSubstr("a sphere has no such key"));
 }
 

@@ -24,7 +24,7 @@ std::string field(const std::string& more) {
 }
 
 /// The scene in a file, so that others are beside it.
-Scene scene_of(const std::string& body) {
+Scene scene_beside(const std::string& body) {
   return read_scene(write_file("scene.json", with_body(body)));
 }
 
@@ -60,9 +60,9 @@ TEST(HeightFieldsOfScenes, MoveAsOtherWalls) {
 TEST(HeightFieldsOfScenes, ComeFromTablesAndPicturesAsWell) {
   write_file("a.csv", "1,2,3\n4,5,6\n");
   write_file("a.PNG", test::png_bytes(3, 2, {0, 51, 102, 153, 204, 255}));
-  const Scene inlined = scene_of(field(R"("heights": [[1, 2, 3], [4, 5, 6]])"));
-  const Scene table = scene_of(field(R"("file": "a.csv")"));
-  const Scene picture = scene_of(field(R"("file": "a.PNG", "height_range": [1, 6])"));
+  const Scene inlined = scene_beside(field(R"("heights": [[1, 2, 3], [4, 5, 6]])"));
+  const Scene table = scene_beside(field(R"("file": "a.csv")"));
+  const Scene picture = scene_beside(field(R"("file": "a.PNG", "height_range": [1, 6])"));
   for (const Scene* scene : {&table, &picture}) {
     EXPECT_EQ(scene->meshes.at(0).vertices, inlined.meshes.at(0).vertices);
     EXPECT_EQ(scene->meshes.at(0).triangles, inlined.meshes.at(0).triangles);
@@ -80,7 +80,7 @@ TEST(HeightFieldsOfScenes, BodiesWithTheSameHeightsShareThem) {
 }
 
 TEST(HeightFieldsOfScenes, WhatIsWrongIsNamed) {
-  const auto refused = [](const std::string& body) { return refusal([&] { scene_of(body); }); };
+  const auto refused = [](const std::string& body) { return refusal([&] { scene_beside(body); }); };
   write_file("a.csv", "1,2,3\n4,5,6\n");
   write_file("ragged.csv", "1,2,3\n4,5\n");
   const auto text = write_file("text.png", "1,2,3\n4,5,6\n");

@@ -1,4 +1,4 @@
-// Entries of `particles` with shapes: what they become, and what is refused.
+// Entries of `particles` with shapes: what they become, and what is refused_set.
 
 #include "host/scene/particle_shapes.h"
 
@@ -248,7 +248,7 @@ TEST(ParticleShapes, AreConstantsOfBodies) {
   }
 }
 
-std::string refused(const std::string& keys, const std::string& layout = "lattice") {
+std::string refused_set(const std::string& keys, const std::string& layout = "lattice") {
   const std::string message = refusal([&] { parsed(with_particles(entry(keys, layout, 5))); });
   const std::string start = "x.json: particles[0]";
   EXPECT_THAT(message, StartsWith(start));
@@ -256,69 +256,70 @@ std::string refused(const std::string& keys, const std::string& layout = "lattic
 }
 
 TEST(ParticleShapes, AreRefusedByPathAndExpectation) {
-  EXPECT_THAT(refused(R"("shape": "bxo", "size": [1, 1, 1])"),
+  EXPECT_THAT(refused_set(R"("shape": "bxo", "size": [1, 1, 1])"),
               StartsWith(".shape: \"bxo\" is not allowed: must be one of \"sphere\", \"box\""));
-  EXPECT_THAT(refused(R"("shape": "half_space")"),
+  EXPECT_THAT(refused_set(R"("shape": "half_space")"),
               StartsWith(".shape: \"half_space\" is not allowed: must be one of"));
-  EXPECT_THAT(refused(R"("shape": "box")"), StartsWith(".size: missing: must be three full edge"));
-  EXPECT_THAT(refused(R"("shape": "box", "size": [1, 0, 1])"),
+  EXPECT_THAT(refused_set(R"("shape": "box")"),
+              StartsWith(".size: missing: must be three full edge"));
+  EXPECT_THAT(refused_set(R"("shape": "box", "size": [1, 0, 1])"),
               StartsWith(".size: [1,0,1] is not allowed: must be positive [m]"));
-  EXPECT_EQ(refused(kBox + R"(, "radius": 0.1)"), ".radius: a box has no such key");
-  EXPECT_EQ(refused(kBox + R"(, "length": 0.1)"), ".length: a box has no such key");
-  EXPECT_EQ(refused(kBox + R"(, "file": "box.stl")"), ".file: a box has no such key");
-  EXPECT_THAT(refused(R"("shape": "sphere", "radius": {"min": 1, "max": 2})"),
+  EXPECT_EQ(refused_set(kBox + R"(, "radius": 0.1)"), ".radius: a box has no such key");
+  EXPECT_EQ(refused_set(kBox + R"(, "length": 0.1)"), ".length: a box has no such key");
+  EXPECT_EQ(refused_set(kBox + R"(, "file": "box.stl")"), ".file: a box has no such key");
+  EXPECT_THAT(refused_set(R"("shape": "sphere", "radius": {"min": 1, "max": 2})"),
               StartsWith(".radius: {\"min\":1,\"max\":2} is not allowed: must be"));
-  EXPECT_EQ(refused(R"("radius": 0.1, "size": [1, 1, 1])"),
+  EXPECT_EQ(refused_set(R"("radius": 0.1, "size": [1, 1, 1])"),
             ".size: this key goes with a shape, and none is given; spheres have a radius");
-  EXPECT_EQ(refused(R"("radius": 0.1, "scale": 2)"),
+  EXPECT_EQ(refused_set(R"("radius": 0.1, "scale": 2)"),
             ".scale: this key goes with a shape, and none is given; spheres have a radius");
-  EXPECT_EQ(refused(R"("velocity": [0, 0, 1])"), ".radius: missing: must be positive [m]");
-  EXPECT_EQ(refused(kBox + ", " + kMix), ".shapes: give either shape or shapes");
-  EXPECT_THAT(refused(R"("shapes": [])"),
+  EXPECT_EQ(refused_set(R"("velocity": [0, 0, 1])"), ".radius: missing: must be positive [m]");
+  EXPECT_EQ(refused_set(kBox + ", " + kMix), ".shapes: give either shape or shapes");
+  EXPECT_THAT(refused_set(R"("shapes": [])"),
               StartsWith(".shapes: [] is not allowed: must hold one shape or more"));
-  EXPECT_THAT(refused(kMix + R"(, "radius": 0.1)"),
+  EXPECT_THAT(refused_set(kMix + R"(, "radius": 0.1)"),
               StartsWith(".radius: give it in the entries of shapes"));
-  EXPECT_THAT(refused(kMix + R"(, "size": [1, 1, 1])"),
+  EXPECT_THAT(refused_set(kMix + R"(, "size": [1, 1, 1])"),
               StartsWith(".size: give it in the entries of shapes"));
-  EXPECT_THAT(refused(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "density": 1}])"),
+  EXPECT_THAT(refused_set(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "density": 1}])"),
               StartsWith(".shapes[0].density: unknown key"));
-  EXPECT_THAT(refused(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "weight": -1}])"),
+  EXPECT_THAT(refused_set(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "weight": -1}])"),
               StartsWith(".shapes[0].weight: -1 is not allowed: must be zero or positive"));
-  EXPECT_THAT(refused(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "weight": 0}])"),
+  EXPECT_THAT(refused_set(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "weight": 0}])"),
               StartsWith(".shapes: "));
-  EXPECT_THAT(refused(R"("shapes": [{"size": [1, 1, 1]}])"),
+  EXPECT_THAT(refused_set(R"("shapes": [{"size": [1, 1, 1]}])"),
               StartsWith(".shapes[0].shape: missing: must be one of"));
-  EXPECT_EQ(refused(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "length": 1}])"),
+  EXPECT_EQ(refused_set(R"("shapes": [{"shape": "box", "size": [1, 1, 1], "length": 1}])"),
             ".shapes[0].length: a box has no such key");
 }
 
 TEST(ParticleShapes, ScalesAreRefusedByPathAndExpectation) {
-  EXPECT_THAT(refused(kBox + R"(, "scale": 0)"),
+  EXPECT_THAT(refused_set(kBox + R"(, "scale": 0)"),
               StartsWith(".scale: 0 is not allowed: must be positive [-]"));
   EXPECT_THAT(
-      refused(kBox + R"(, "scale": "big")"),
+      refused_set(kBox + R"(, "scale": "big")"),
       StartsWith(".scale: \"big\" is not allowed: must be a positive number [-] or one of"));
-  EXPECT_THAT(refused(kBox + R"(, "scale": {"min": 2, "max": 1})"),
+  EXPECT_THAT(refused_set(kBox + R"(, "scale": {"min": 2, "max": 1})"),
               StartsWith(".scale.max: 1 is not allowed: must not be below min [-]"));
-  EXPECT_THAT(refused(kBox + R"(, "scale": {"values": []})"),
+  EXPECT_THAT(refused_set(kBox + R"(, "scale": {"values": []})"),
               StartsWith(".scale.values: [] is not allowed: must hold one scale or more [-]"));
-  EXPECT_THAT(refused(kBox + R"(, "scale": 1e-13)"),
+  EXPECT_THAT(refused_set(kBox + R"(, "scale": 1e-13)"),
               StartsWith(".scale: a scale of 1e-13 makes the half_extents of a box 5"));
-  EXPECT_THAT(refused(kBox + R"(, "scale": 30)"),
+  EXPECT_THAT(refused_set(kBox + R"(, "scale": 30)"),
               StartsWith(".count: 5 is not allowed: the region holds 0 spheres"));
-  EXPECT_THAT(refused(kBox + R"(, "scale": {"min": 1, "max": 2}, "spacing": 0.5)"),
+  EXPECT_THAT(refused_set(kBox + R"(, "scale": {"min": 1, "max": 2}, "spacing": 0.5)"),
               StartsWith(".spacing: 0.5 is not allowed: must be at least the largest diameter, "
                          "0.748331 [m]"));
 }
 
 TEST(ParticleShapes, OrientationsAreRefusedByPathAndExpectation) {
   EXPECT_THAT(
-      refused(kBox + R"(, "orientation": "any")"),
+      refused_set(kBox + R"(, "orientation": "any")"),
       StartsWith(".orientation: \"any\" is not allowed: must be \"random\" or a quaternion"));
-  EXPECT_THAT(refused(kBox + R"(, "orientation": [1, 1, 0, 0])"), StartsWith(".orientation: "));
+  EXPECT_THAT(refused_set(kBox + R"(, "orientation": [1, 1, 0, 0])"), StartsWith(".orientation: "));
   EXPECT_EQ(
-      refused(kBox +
-              R"(, "orientation": "random", "rotation_deg": {"axis": [0, 0, 1], "angle": 9})"),
+      refused_set(kBox +
+                  R"(, "orientation": "random", "rotation_deg": {"axis": [0, 0, 1], "angle": 9})"),
       ".rotation_deg: give either orientation or rotation_deg");
 }
 

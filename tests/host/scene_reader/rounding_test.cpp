@@ -1,7 +1,9 @@
-// Shapes of scene files that are rounded: sizes, masses, sets, parts, and what is refused.
+// Shapes of scene files that are rounded: sizes, masses, sets, parts, and what is refused_rounded.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <numbers>
 
 #include "host/scene/compound.h"
 #include "host/scene_reader.h"
@@ -18,9 +20,7 @@ using test::with_body;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr double kPi = 3.14159265358979323846;
-
-std::string refused(const std::string& body) {
+std::string refused_rounded(const std::string& body) {
   return test::refusal([&] { validate(parsed(with_body(body))); });
 }
 
@@ -33,8 +33,8 @@ TEST(RoundingOfScenes, SizesAreThoseOfTheCore) {
   EXPECT_EQ(body.shape.kind, Rounded::kind);
   EXPECT_EQ(body.shape.rounded.core, shapes::Box::kind);
   EXPECT_EQ(body.shape.half_extents, Vec3d(1.5, 2.5, 3.5));
-  const double volume =
-      48 + 88 * 0.5 + kPi * 12 * 0.25 + 4.0 / 3 * kPi * 0.125;  // Steiner: V + S r + pi L r^2 + ...
+  const double volume = 48 + 88 * 0.5 + std::numbers::pi * 12 * 0.25 +
+                        4.0 / 3 * std::numbers::pi * 0.125;  // Steiner: V + S r + pi L r^2 + ...
   EXPECT_NEAR(body.mass, 10 * volume, 1e-10);
 }
 
@@ -112,26 +112,31 @@ TEST(RoundingOfScenes, WhatIsWrongIsNamed) {
     return R"({"shape": "box", "size": [2, 4, 6], "density": 1, "rounding": )" + rounding + "}";
   };
   for (const char* value : {"0", "-0.1"})
-    EXPECT_THAT(refused(box(value)), AllOf(HasSubstr("bodies[1].rounding"), HasSubstr(value),
-                                           HasSubstr("must be positive [m]")));
-  EXPECT_THAT(refused(box(R"("0.1")")),
+    EXPECT_THAT(refused_rounded(box(value)),
+                AllOf(HasSubstr("bodies[1].rounding"), HasSubstr(value),
+                      HasSubstr("must be positive [m]")));
+  EXPECT_THAT(refused_rounded(box(R"("0.1")")),
               AllOf(HasSubstr("bodies[1].rounding"), HasSubstr("must be")));
-  EXPECT_THAT(refused(box("[0.1]")), HasSubstr("bodies[1].rounding"));
-  EXPECT_THAT(refused(box("3001")), AllOf(HasSubstr("bodies[1].rounding"), HasSubstr("3001"),
-                                          HasSubstr("1000 times half the longest edge")));
-  EXPECT_EQ(refused(box("2999")), "no error");
-  EXPECT_THAT(refused(box("1e-13")), AllOf(HasSubstr("bodies[1].rounding"), HasSubstr("1e-12")));
-  EXPECT_THAT(refused(R"({"shape": "hull", "points": [[0,0,0],[1,0,0],[0,1,0],[0,0,1]],
+  EXPECT_THAT(refused_rounded(box("[0.1]")), HasSubstr("bodies[1].rounding"));
+  EXPECT_THAT(refused_rounded(box("3001")),
+              AllOf(HasSubstr("bodies[1].rounding"), HasSubstr("3001"),
+                    HasSubstr("1000 times half the longest edge")));
+  EXPECT_EQ(refused_rounded(box("2999")), "no error");
+  EXPECT_THAT(refused_rounded(box("1e-13")),
+              AllOf(HasSubstr("bodies[1].rounding"), HasSubstr("1e-12")));
+  EXPECT_THAT(refused_rounded(R"({"shape": "hull", "points": [[0,0,0],[1,0,0],[0,1,0],[0,0,1]],
                           "density": 1, "rounding": 1e9})"),
               HasSubstr("bodies[1].rounding"));
-  EXPECT_THAT(refused(R"({"shape": "sphere", "radius": 1, "density": 1, "rounding": 0.1})"),
+  EXPECT_THAT(refused_rounded(R"({"shape": "sphere", "radius": 1, "density": 1, "rounding": 0.1})"),
               AllOf(HasSubstr("bodies[1].rounding"), HasSubstr("a sphere has no such key")));
   EXPECT_THAT(
-      refused(R"({"shape": "capsule", "radius": 1, "length": 1, "density": 1, "rounding": 0.1})"),
+      refused_rounded(
+          R"({"shape": "capsule", "radius": 1, "length": 1, "density": 1, "rounding": 0.1})"),
       HasSubstr("a capsule has no such key"));
-  EXPECT_THAT(refused(R"({"shape": "half_space", "rounding": 0.1})"),
+  EXPECT_THAT(refused_rounded(R"({"shape": "half_space", "rounding": 0.1})"),
               HasSubstr("a half_space has no such key"));
-  EXPECT_THAT(refused(R"({"shape": "rounded", "density": 1})"), HasSubstr("bodies[1].shape"));
+  EXPECT_THAT(refused_rounded(R"({"shape": "rounded", "density": 1})"),
+              HasSubstr("bodies[1].shape"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "shapes/sphere.h"
 #include "tests/host/input_files.h"
@@ -18,8 +19,6 @@ using test::with_particles;
 using test::with_sphere;
 using test::write_file;
 using testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
 
 void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = 1e-15) {
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(a[k], b[k], tolerance) << "component " << k;
@@ -146,8 +145,8 @@ TEST(SceneReader, ReadsASphere) {
   EXPECT_EQ(body.kind, BodyKind::free);
   EXPECT_EQ(body.shape.kind, shapes::Sphere::kind);
   EXPECT_EQ(body.shape.radius, 0.5);
-  EXPECT_NEAR(body.mass, kPi, 1e-14);
-  EXPECT_NEAR(body.inertia.y, 0.4 * kPi * 0.25, 1e-14);
+  EXPECT_NEAR(body.mass, std::numbers::pi, 1e-14);
+  EXPECT_NEAR(body.inertia.y, 0.4 * std::numbers::pi * 0.25, 1e-14);
   EXPECT_EQ(body.position, Vec3d(1, 2, 3));
   EXPECT_EQ(body.velocity, Vec3d(4, 5, 6));
   EXPECT_EQ(body.angular_velocity, Vec3d(7, 8, 9));
@@ -282,7 +281,7 @@ TEST(SceneReader, ReadsParticlesOfEveryLayout) {
   EXPECT_EQ(lattice.velocity[0], Vec3d(0, 0, -1));
   EXPECT_EQ(lattice.locks, lock_rx);
   EXPECT_EQ(scene.groups.at(static_cast<std::size_t>(lattice.group[0])), "a");
-  EXPECT_NEAR(particle_mass(lattice, 0), 1000 * 4 / 3.0 * kPi * 1e-3, 1e-12);
+  EXPECT_NEAR(particle_mass(lattice, 0), 1000 * 4 / 3.0 * std::numbers::pi * 1e-3, 1e-12);
   ASSERT_EQ(scene.insertions.size(), 3u);
   EXPECT_EQ(scene.insertions[0].time, 0.25);
   EXPECT_EQ(scene.insertions[2].time, 1.25);
@@ -310,7 +309,7 @@ TEST(SceneReader, ReadsParticlesFromCsvWithDefaultsFromTheEntry) {
   ASSERT_EQ(set.position.size(), 2u);
   EXPECT_EQ(set.position[0], Vec3d(1, 2, 3));
   EXPECT_EQ(set.velocity[0], Vec3d(4, 5, 6));
-  EXPECT_NEAR(particle_mass(set, 0), kPi, 1e-14);
+  EXPECT_NEAR(particle_mass(set, 0), std::numbers::pi, 1e-14);
   EXPECT_EQ(set.material[1], 1);
   EXPECT_EQ(scene.groups.at(static_cast<std::size_t>(set.group[1])), "right");
 
@@ -340,7 +339,7 @@ TEST(SceneReader, OverridesSetAddAndNameElements) {
 
 TEST(SceneReader, TextOfASceneHasOverridesAndNoComments) {
   const auto file = write_file("scene.json", with_sphere("\"seed\": 1 /* why */"));
-  const std::string text = scene_text(file, {"seed=9"});
+  const std::string text = scree::scene_text(file, {"seed=9"});
   EXPECT_THAT(text, HasSubstr("\"seed\": 9"));
   EXPECT_THAT(text, testing::Not(HasSubstr("why")));
   EXPECT_EQ(parsed(text).seed, 9u);

@@ -38,13 +38,13 @@ INSTANTIATE_TEST_SUITE_P(Solvers, FclibConvex,
                          [](const auto& info) { return info.param; });
 
 /// Gauss-Seidel and CPG take minutes on this one: what they reach is 1e-5 then.
-bool is_rock_pile(const std::string& name) { return name.find("RockPile") == 0; }
+bool is_slow(const std::string& name) { return name.find("RockPile") == 0; }
 
 TEST_P(FclibConvex, ReachesTheMinimumOfTheInteriorPointAndThePublishedOne) {
   const std::string solver = GetParam();
   const bool quick = solver != "gauss_seidel" && solver != "cpg";
   for (const fclib::Figures& f : fclib::figures()) {
-    if (is_rock_pile(f.name) && !quick) continue;
+    if (is_slow(f.name) && !quick) continue;
     SCOPED_TRACE(f.name);
     const ReadyProblem p =
         ready(f.name, read_problem(shared_file("fclib/local/" + f.name + ".hdf5")));

@@ -16,8 +16,8 @@ using fixtures::PlainProblem;
 using fixtures::ProblemBuffers;
 using fixtures::random_problem;
 
-const ContactLayout kLayouts[] = {ContactLayout::radial, ContactLayout::general,
-                                  ContactLayout::rolling, ContactLayout::mixed};
+const ContactLayout kOperatorLayouts[] = {ContactLayout::radial, ContactLayout::general,
+                                          ContactLayout::rolling, ContactLayout::mixed};
 
 template <class R, class Real>
 struct StoreWrench {
@@ -51,7 +51,7 @@ TYPED_TEST_SUITE(ContactOperatorTest, Reals);
 TYPED_TEST(ContactOperatorTest, A03Adjoint) {
   using Real = TypeParam;
   TestBackend& b = this->backend();
-  for (ContactLayout layout : kLayouts) {
+  for (ContactLayout layout : kOperatorLayouts) {
     PlainProblem plain =
         random_problem({.layout = layout, .free_count = 200, .contact_count = 700, .seed = 2});
     for (auto& c : plain.data.contacts) c.bias = 0;
@@ -91,7 +91,7 @@ TYPED_TEST(ContactOperatorTest, A03Adjoint) {
 TYPED_TEST(ContactOperatorTest, VelocitiesAndResidualsMatchDenseMatrices) {
   using Real = TypeParam;
   TestBackend& b = this->backend();
-  for (ContactLayout layout : kLayouts) {
+  for (ContactLayout layout : kOperatorLayouts) {
     PlainProblem plain = random_problem(
         {.layout = layout, .free_count = 12, .contact_count = 30, .seed = 3, .has_adhesion = true});
     fixtures::round_to<Real>(plain);
@@ -129,7 +129,7 @@ TYPED_TEST(ContactOperatorTest, VelocitiesAndResidualsMatchDenseMatrices) {
 TYPED_TEST(ContactOperatorTest, BlockMetricBoundsTheDiagonalBlock) {
   using Real = TypeParam;
   TestBackend& b = this->backend();
-  for (ContactLayout layout : kLayouts) {
+  for (ContactLayout layout : kOperatorLayouts) {
     PlainProblem plain =
         random_problem({.layout = layout, .free_count = 40, .contact_count = 150, .seed = 8});
     fixtures::round_to<Real>(plain);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -14,8 +15,6 @@
 
 namespace scree {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 using TestBox = PosedBody;
 
@@ -198,7 +197,7 @@ TEST(BoxBoxTest, ASmallBoxStandsOnItsOwnCornersAndALargeOneOnTheOthers) {
 
 TEST(BoxBoxTest, FourOfEightPointsHoldMostOfTheArea) {
   const TestBox low{{}, {}, {0.5, 0.5, 0.5}};
-  for (const double angle : {kPi / 4, 0.6, 0.2}) {
+  for (const double angle : {std::numbers::pi / 4, 0.6, 0.2}) {
     const TestBox top{{0, 0, 1}, exp_map(Vec3d{0, 0, angle}), {0.5, 0.5, 0.5}};
     const Manifold m = manifold(low, top, 1e-3);
     ASSERT_EQ(m.count, 4) << angle;
@@ -224,8 +223,9 @@ TEST(BoxBoxTest, CrossedEdgesMeetInOnePoint) {
   // Each box stands on an edge: one along x, one along y above it.
   const double r = std::sqrt(0.5);
   for (const double gap : {1e-3, -1e-3}) {
-    const TestBox low{{}, exp_map(Vec3d{kPi / 4, 0, 0}), {1, 0.5, 0.5}};
-    const TestBox top{{0.2, 0.3, 2 * r + gap}, exp_map(Vec3d{0, kPi / 4, 0}), {0.5, 1, 0.5}};
+    const TestBox low{{}, exp_map(Vec3d{std::numbers::pi / 4, 0, 0}), {1, 0.5, 0.5}};
+    const TestBox top{
+        {0.2, 0.3, 2 * r + gap}, exp_map(Vec3d{0, std::numbers::pi / 4, 0}), {0.5, 1, 0.5}};
     const Manifold m = manifold(low, top, 0.01);
     ASSERT_EQ(m.count, 1);
     expect_sound(low, top, m);
@@ -249,7 +249,8 @@ TEST(BoxBoxTest, ACornerMeetsAFaceAndAnEdgeLiesOnIt) {
   EXPECT_NEAR(m.contact[0].gap, -1e-3, 1e-12);
   EXPECT_LT(norm(m.contact[0].arm_a - Vec3d{0.3, -0.2, 0.5}), 1e-12);
 
-  const TestBox edge{{0, 0, 0.5 + std::sqrt(0.5)}, exp_map(Vec3d{kPi / 4, 0, 0}), {0.7, 0.5, 0.5}};
+  const TestBox edge{
+      {0, 0, 0.5 + std::sqrt(0.5)}, exp_map(Vec3d{std::numbers::pi / 4, 0, 0}), {0.7, 0.5, 0.5}};
   const Manifold n = manifold(floor, edge, 0.01);
   ASSERT_EQ(n.count, 2);
   for (int k = 0; k < 2; ++k) {
@@ -278,7 +279,7 @@ TEST(BoxBoxTest, FeaturesOutliveRounding) {
     return size * Vec3d{uniform(random), uniform(random), uniform(random)};
   };
   for (const Vec3d& shift : {Vec3d{0, 0, 1}, Vec3d{0.5, 0, 1}, Vec3d{0.5, 0.5, 1}}) {
-    for (const double angle : {0.0, kPi / 2, kPi / 4}) {
+    for (const double angle : {0.0, std::numbers::pi / 2, std::numbers::pi / 4}) {
       const TestBox low{{}, {}, {0.5, 0.5, 0.5}};
       const TestBox top{shift, exp_map(Vec3d{0, 0, angle}), {0.5, 0.5, 0.5}};
       const Manifold m = manifold(low, top, 1e-3);

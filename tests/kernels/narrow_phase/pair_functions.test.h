@@ -14,9 +14,9 @@
 namespace scree {
 namespace {
 
-constexpr double kTiny = 1e-13;
+constexpr double kRounding = 1e-13;
 
-void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = kTiny) {
+void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = kRounding) {
   EXPECT_NEAR(a.x, b.x, tolerance);
   EXPECT_NEAR(a.y, b.y, tolerance);
   EXPECT_NEAR(a.z, b.z, tolerance);
@@ -24,7 +24,7 @@ void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = kTiny) {
 
 /// The two contact points lie `gap` apart along the normal.
 void expect_consistent(const ContactGeometry& g, const Vec3d& d) {
-  EXPECT_NEAR(norm(g.normal), 1, kTiny);
+  EXPECT_NEAR(norm(g.normal), 1, kRounding);
   expect_near(d + g.arm_b - g.arm_a, g.gap * g.normal, 1e-12);
 }
 
@@ -33,7 +33,7 @@ const Quatd kTurned = exp_map(Vec3d{0.3, -1.1, 0.8});
 TEST(SphereSphereTest, GapNormalAndArms) {
   const Vec3d d{0, 3, 4};
   const ContactGeometry g = sphere_sphere(d, 1, 2.5);
-  EXPECT_NEAR(g.gap, 1.5, kTiny);
+  EXPECT_NEAR(g.gap, 1.5, kRounding);
   expect_near(g.normal, {0, 0.6, 0.8});
   expect_consistent(g, d);
 }
@@ -56,7 +56,7 @@ TEST(SphereSphereTest, WhatMissesHasThePlaneOfItsNearestPass) {
   };
   // A miss: where they pass, or where the step ends.
   expect_near(met({0.15, 1.015, 0}, {-0.2, 0, 0}).normal, {0, 1, 0});
-  EXPECT_NEAR(met({0.15, 1.015, 0}, {-0.2, 0, 0}).gap, 0.015, kTiny);
+  EXPECT_NEAR(met({0.15, 1.015, 0}, {-0.2, 0, 0}).gap, 0.015, kRounding);
   const Vec3d end = normalized(Vec3d{0.02, 1.015, 0});
   expect_near(met({0.22, 1.015, 0}, {-0.2, 0, 0}).normal, end);
   // As at the start: hits, overlap, short ways, ways that do not cut the plane,
@@ -72,7 +72,7 @@ TEST(SphereSphereTest, WhatMissesHasThePlaneOfItsNearestPass) {
 TEST(SphereHalfSpaceTest, NormalPointsIntoTheWall) {
   const Vec3d d{5, 5, -2};  // the wall body sits below and far to the side
   const ContactGeometry g = sphere_half_space(2, {0, 0, 1}, d, 0.5);
-  EXPECT_NEAR(g.gap, 1.5, kTiny);
+  EXPECT_NEAR(g.gap, 1.5, kRounding);
   expect_near(g.normal, {0, 0, -1});
   expect_consistent(g, d);
 }
@@ -80,18 +80,18 @@ TEST(SphereHalfSpaceTest, NormalPointsIntoTheWall) {
 TEST(SphereBoxTest, FaceEdgeAndCorner) {
   const Vec3d half{1, 2, 3};
   expect_near(sphere_box({-1.5, 0.5, 0.5}, 0.2, {}, half).normal, {-1, 0, 0});
-  EXPECT_NEAR(sphere_box({-1.5, 0.5, 0.5}, 0.2, {}, half).gap, 0.3, kTiny);
-  EXPECT_NEAR(sphere_box({-4, -6, 0}, 1, {}, half).gap, 4, kTiny) << "edge: hypot(3, 4) - 1";
-  EXPECT_NEAR(sphere_box({2, 4, 5}, 0.5, {}, half).gap, 2.5, kTiny) << "corner: 3 - 0.5";
+  EXPECT_NEAR(sphere_box({-1.5, 0.5, 0.5}, 0.2, {}, half).gap, 0.3, kRounding);
+  EXPECT_NEAR(sphere_box({-4, -6, 0}, 1, {}, half).gap, 4, kRounding) << "edge: hypot(3, 4) - 1";
+  EXPECT_NEAR(sphere_box({2, 4, 5}, 0.5, {}, half).gap, 2.5, kRounding) << "corner: 3 - 0.5";
 }
 
 TEST(SphereBoxTest, CenterInsideLeavesThroughTheNearestFace) {
   const ContactGeometry g = sphere_box({0, 0, -2.75}, 0.5, {}, {1, 2, 3});
-  EXPECT_NEAR(g.gap, -0.75, kTiny);
+  EXPECT_NEAR(g.gap, -0.75, kRounding);
   expect_near(g.normal, {0, 0, -1});
   const ContactGeometry center = sphere_box({0, 0, 0}, 0.5, {}, {1, 2, 3});
-  EXPECT_NEAR(center.gap, -1.5, kTiny);
-  EXPECT_NEAR(std::abs(center.normal.x), 1, kTiny);
+  EXPECT_NEAR(center.gap, -1.5, kRounding);
+  EXPECT_NEAR(std::abs(center.normal.x), 1, kRounding);
 }
 
 TEST(SphereBoxTest, TurnedBoxAgreesWithSampling) {
@@ -113,7 +113,7 @@ TEST(SphereBoxTest, TurnedBoxAgreesWithSampling) {
         }
       }
     }
-    EXPECT_LE(g.gap, nearest - 0.25 + kTiny);
+    EXPECT_LE(g.gap, nearest - 0.25 + kRounding);
     EXPECT_GE(g.gap, nearest - 0.25 - 0.04);
   }
 }
@@ -163,7 +163,7 @@ TEST(TriangleTest, ClosestPointAgreesWithSampling) {
       }
     }
     const double found = norm(p - closest_on_triangle(p, a, b, c).point);
-    EXPECT_LE(found, nearest + kTiny);
+    EXPECT_LE(found, nearest + kRounding);
     EXPECT_GE(found, nearest - 0.05);
   }
 }

@@ -29,7 +29,7 @@ struct After {
   double speed() const { return std::hypot(along, away); }
 };
 
-std::vector<std::string> cone_solvers() {
+std::vector<std::string> solvers_with_cones() {
   std::vector<std::string> names = assembled_solver_names();
   std::erase_if(names, [](const std::string& name) {
     return make_assembled_solver(name)->traits().friction != "cone";
@@ -55,7 +55,7 @@ class SlidingContact : public ::testing::TestWithParam<std::string> {
     return {along + result.r[1], away + result.r[0], -(t - 1) * result.r[1]};
   }
 };
-INSTANTIATE_TEST_SUITE_P(Cone, SlidingContact, ::testing::ValuesIn(cone_solvers()),
+INSTANTIATE_TEST_SUITE_P(Cone, SlidingContact, ::testing::ValuesIn(solvers_with_cones()),
                          [](const auto& info) { return info.param; });
 
 TEST_P(SlidingContact, FirstStepsHaveThePublishedSpeeds) {

@@ -58,16 +58,16 @@ void fill(BlockMatrix& m, bool symmetric, double diagonal, unsigned seed) {
       for (int e = 0; e < 9; ++e) m.block[k][e] = values(3 * row + e / 3, 3 * m.column[k] + e % 3);
 }
 
-struct Case {
+struct GraphCase {
   Graph graph;
   int count;
 };
 
-class BlockFactorsOf : public ::testing::TestWithParam<Case> {};
+class BlockFactorsOf : public ::testing::TestWithParam<GraphCase> {};
 INSTANTIATE_TEST_SUITE_P(Graphs, BlockFactorsOf,
-                         ::testing::Values(Case{Graph::grid, 216}, Case{Graph::path, 100},
-                                           Case{Graph::complete, 40}, Case{Graph::apart, 53},
-                                           Case{Graph::path, 1}));
+                         ::testing::Values(GraphCase{Graph::grid, 216}, GraphCase{Graph::path, 100},
+                                           GraphCase{Graph::complete, 40},
+                                           GraphCase{Graph::apart, 53}, GraphCase{Graph::path, 1}));
 
 TEST_P(BlockFactorsOf, SolveWhatDenseOnesSolve) {
   for (const bool symmetric : {true, false}) {

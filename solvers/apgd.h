@@ -321,10 +321,12 @@ std::unique_ptr<Solver<B, Real>> make_apgd(const SolverParams& params) {
 inline HeldBytes apgd_memory(const SolverCase& c) {
   const bool has_spheres = c.is_radial() || c.is_mixed();
   const bool is_fused = c.on_device && has_spheres && c.real == 4;
+  // Impulses and arms once more in records of 16 bytes, for the tuned program of general contacts.
+  const bool is_wide = c.on_device && c.layout == ContactLayout::general && c.real == 4;
   const bool is_diagonal = apgd_metric(c.parameters) == ApgdMetricKind::diagonal;
   const double metric = (c.uniform ? 1 : has_spheres ? 2 : 3) * c.real;
   return {(is_fused ? 2 : 3) * c.twist(),
-          2 * c.impulse() + (is_fused ? 8 : 0) + (is_diagonal ? metric : 0)};
+          2 * c.impulse() + (is_fused ? 8 : 0) + (is_wide ? 48 : 0) + (is_diagonal ? metric : 0)};
 }
 
 inline constexpr std::array kApgdParameters{kApgdMetric};

@@ -127,11 +127,16 @@ struct LeverArms {
   }
   static SCREE_HD Twist<Real> apply_inverse_mass(const ContactProblem<Real>& p, Index i,
                                                  const Twist<Real>& w) {
-    const GeneralInertia<Real>& body = inertia(p, i);
+    return apply_inverse_mass(inertia(p, i), w);
+  }
+  static SCREE_HD Twist<Real> apply_inverse_mass(const GeneralInertia<Real>& body,
+                                                 const Twist<Real>& w) {
     return {hadamard(body.inv_mass, w.linear), body.inv_inertia * w.angular};
   }
   static SCREE_HD double mass_norm2(const ContactProblem<Real>& p, Index i, const Twist<Real>& dv) {
-    const GeneralInertia<Real>& body = inertia(p, i);
+    return mass_norm2(inertia(p, i), dv);
+  }
+  static SCREE_HD double mass_norm2(const GeneralInertia<Real>& body, const Twist<Real>& dv) {
     return static_cast<double>(body.mass) * norm2(dv.linear) +
            dot(dv.angular, body.inertia * dv.angular);
   }
@@ -195,8 +200,12 @@ struct GeneralRows : ForceRowsBase<Real>, LeverArms<Real, kInMixed> {
   }
   static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
                                      const Rows& g) {
-    if (side_b) return {g.force, cross(GeneralRows::arm(p, c, true), g.force)};
-    return {-g.force, cross(g.force, GeneralRows::arm(p, c, false))};
+    return wrench_at(GeneralRows::arm(p, c, side_b), side_b, g.force);
+  }
+  static SCREE_HD Twist<Real> wrench_at(const Vec3<Real>& arm, bool side_b,
+                                        const Vec3<Real>& impulse) {
+    if (side_b) return {impulse, cross(arm, impulse)};
+    return {-impulse, cross(impulse, arm)};
   }
   static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
     return GeneralRows::force_metric(p, c);

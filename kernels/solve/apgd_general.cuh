@@ -5,7 +5,7 @@
 #include "kernels/solve/apgd_tile.cuh"
 
 namespace scree {
-namespace sweep {
+namespace apgd_sweep {
 
 /// General contacts of a body that one thread sums up, at most: it waits for memory at each.
 inline constexpr Index kLongGeneralList = 16;
@@ -86,5 +86,5 @@ __device__ void step_general_body(const ContactProblem<Real>& p, const Trial<Rea
   sums.value[2] += GeneralRows<Real, true>::mass_norm2(p, i, next - extrapolated);
 }
 
-}  // namespace sweep
+}  // namespace apgd_sweep
 }  // namespace scree

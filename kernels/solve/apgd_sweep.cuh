@@ -38,9 +38,10 @@
 #include "kernels/backend/split_barrier.cuh"
 #include "kernels/solve/apgd_general.cuh"
 #include "kernels/solve/apgd_tile.cuh"
+#include "kernels/solve/apgd_wide.cuh"
 
 namespace scree {
-namespace sweep {
+namespace apgd_sweep {
 
 inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
 
@@ -245,31 +246,33 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   if (blockIdx.x == 0 && local == 0) *a.state = state;
 }
 
-}  // namespace sweep
+}  // namespace apgd_sweep
 
 template <>
 class ApgdIteration<Cuda> {
  public:
-  explicit ApgdIteration(Cuda& cuda) : counters_(cuda), partial_(cuda), packed_(cuda) {}
+  explicit ApgdIteration(Cuda& cuda)
+      : counters_(cuda), partial_(cuda), packed_(cuda), wide_(cuda) {}
 
   template <class R, class Real>
   void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
     if constexpr (kIsSwept<R, Real>) {
       kernel_ = kernel_of<true>(a);
-      const Index size = sweep::bodies_of_tile(a.p.bodies.owned_count, resident_blocks(cuda));
-      if (size < sweep::kBodies) kernel_ = kernel_of<false>(a);
+      const Index size = apgd_sweep::bodies_of_tile(a.p.bodies.owned_count, resident_blocks(cuda));
+      if (size < apgd_sweep::kBodies) kernel_ = kernel_of<false>(a);
       tiles_ = (a.p.bodies.owned_count + size - 1) / size;
       blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
       const Offset counters = Offset{tiles_} / blocks_ + 2;
       counters_.reserve_discard(counters);
       partial_.reserve_discard(blocks_);
       fill(cuda, counters_.view(counters), 0u);
-      const Index radial = sweep::kIsMixed<R, Real> ? a.p.radial_count : a.p.contact_count;
+      const Index radial = apgd_sweep::kIsMixed<R, Real> ? a.p.radial_count : a.p.contact_count;
       packed_.reserve_discard(radial);
       for_each(cuda, radial,
-               sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
+               apgd_sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
       shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data(), size};
     }
+    if constexpr (kIsWide<R>) wide_.start(cuda, a);
   }
 
   template <class R, class Real>
@@ -285,12 +288,14 @@ class ApgdIteration<Cuda> {
   void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double enough) {
     if constexpr (kIsSwept<R, Real>) {
       // The law of the sweep tells impacts from other contacts.
-      sweep::RadialPasses<Real> passes = passes_on<RadialRows<Real>>(a);
+      apgd_sweep::RadialPasses<Real> passes = passes_on<RadialRows<Real>>(a);
       void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
-      check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, sweep::kThreads, arguments, kBytes,
-                                             cuda.stream()),
+      check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, apgd_sweep::kThreads, arguments,
+                                             kBytes, cuda.stream()),
                  "apgd_sweep");
       cuda.check_launch("apgd_sweep");
+    } else if constexpr (kIsWide<R>) {
+      for (int k = 0; k < count; ++k) wide_.run(cuda, a);
     } else {
       for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
     }
@@ -302,26 +307,29 @@ class ApgdIteration<Cuda> {
   static constexpr bool kIsSwept = std::is_same_v<Real, float> &&
                                    (std::is_same_v<R, RadialRows<Real>> ||
                                     std::is_same_v<R, MixedRows<Real>> ||
-                                    sweep::kIsImpact<R, Real>);
-  static constexpr int kBytes = sizeof(sweep::TileMemory<float>);
+                                    apgd_sweep::kIsImpact<R, Real>);
+  template <class R>
+  static constexpr bool kIsWide = std::is_same_v<R, wide::Rows>;
+  static constexpr int kBytes = sizeof(apgd_sweep::TileMemory<float>);
 
   template <bool kIsWhole, class R>
   static const void* kernel_of(const ApgdPasses<R, float>& a) {
-    if constexpr (sweep::kIsImpact<R, float>) {
-      return kernel_of<kIsWhole, sweep::Law::impact>(a.metric);
+    if constexpr (apgd_sweep::kIsImpact<R, float>) {
+      return kernel_of<kIsWhole, apgd_sweep::Law::impact>(a.metric);
     } else {
-      return a.exact ? kernel_of<kIsWhole, sweep::Law::coulomb>(a.metric)
-                     : kernel_of<kIsWhole, sweep::Law::convex>(a.metric);
+      return a.exact ? kernel_of<kIsWhole, apgd_sweep::Law::coulomb>(a.metric)
+                     : kernel_of<kIsWhole, apgd_sweep::Law::convex>(a.metric);
     }
   }
   /// Loads behind a branch would start late, so there is a program for each way to store weights.
-  template <bool kIsWhole, sweep::Law kLaw, class R>
+  template <bool kIsWhole, apgd_sweep::Law kLaw, class R>
   static const void* kernel_of(const StoredMetric<R, float>& metric) {
     const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
-    constexpr bool kIsMixed = sweep::kIsMixed<R, float>;
-    if (metric.values.empty()) return of(&sweep::run_trials<0, kLaw, kIsMixed, kIsWhole, float>);
-    return metric.one_each ? of(&sweep::run_trials<1, kLaw, kIsMixed, kIsWhole, float>)
-                           : of(&sweep::run_trials<2, kLaw, kIsMixed, kIsWhole, float>);
+    constexpr bool kIsMixed = apgd_sweep::kIsMixed<R, float>;
+    if (metric.values.empty())
+      return of(&apgd_sweep::run_trials<0, kLaw, kIsMixed, kIsWhole, float>);
+    return metric.one_each ? of(&apgd_sweep::run_trials<1, kLaw, kIsMixed, kIsWhole, float>)
+                           : of(&apgd_sweep::run_trials<2, kLaw, kIsMixed, kIsWhole, float>);
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {
@@ -333,7 +341,8 @@ class ApgdIteration<Cuda> {
   Buffer<Cuda, unsigned> counters_;  ///< arrived, round_done
   Buffer<Cuda, Sums<3>> partial_;
   Buffer<Cuda, PackedContact> packed_;
-  sweep::Shared shared_{};
+  wide::Iteration wide_;
+  apgd_sweep::Shared shared_{};
   const void* kernel_ = nullptr;
   Index tiles_ = 0;
   unsigned blocks_ = 0;

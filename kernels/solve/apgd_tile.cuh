@@ -9,7 +9,7 @@
 #include "kernels/solve/one_contact.h"
 
 namespace scree {
-namespace sweep {
+namespace apgd_sweep {
 
 inline constexpr int kThreads = Cuda::kBlock;  ///< of a block
 inline constexpr int kWarps = kThreads / 32;
@@ -419,5 +419,5 @@ class Gather {
   const PackedContact* const packed_;
 };
 
-}  // namespace sweep
+}  // namespace apgd_sweep
 }  // namespace scree

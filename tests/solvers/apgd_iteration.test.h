@@ -136,6 +136,23 @@ TYPED_TEST(ApgdIterationTest, MatchesInTwoGroups) {
   }
 }
 
+/// Bodies of any shape alone, in every metric, with one that has thousands of contacts.
+TYPED_TEST(ApgdIterationTest, MatchesWithLeverArms) {
+  using Rows = GeneralRows<TypeParam>;
+  const PlainProblem plain = random_problem({.layout = ContactLayout::general,
+                                             .free_count = 3000,
+                                             .fixed_count = 40,
+                                             .contact_count = 9000,
+                                             .seed = 5,
+                                             .has_adhesion = true,
+                                             .hub_contacts = 1000});
+  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+  const ContactProblem<TypeParam>& p = buffers.problem();
+  EXPECT_GT(this->template expect_match<Rows>(p), 10);
+  EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::diagonal, true), 10);
+  EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::euclidean), 10);
+}
+
 /// A sphere, or another body, with thousands of contacts of which many are general.
 TYPED_TEST(ApgdIterationTest, MatchesWithALargeBodyInTwoGroups) {
   for (const int count : {3000, 3002}) {

@@ -34,8 +34,8 @@
 
 #include <algorithm>
 
-#include "kernels/backend/device_counter.cuh"
 #include "kernels/backend/split_barrier.cuh"
+#include "kernels/solve/apgd_decide.cuh"
 #include "kernels/solve/apgd_general.cuh"
 #include "kernels/solve/apgd_tile.cuh"
 #include "kernels/solve/apgd_wide.cuh"
@@ -48,8 +48,7 @@ inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
   unsigned* round_done;         ///< [rounds] contact steps done, over all trials
-  unsigned* arrived;            ///< blocks at the end of a trial, over all trials
-  Sums<3>* partial;             ///< [blocks]
+  ApgdMeeting meeting;          ///< at the end of a trial
   const PackedContact* packed;  ///< [contacts]
   Index tile_bodies;            ///< see bodies_of_tile()
 };
@@ -100,53 +99,6 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
   sums.value[2] += static_cast<double>(energy);
 }
 
-/// Sum over the block in a fixed order, in thread 0.
-__device__ inline Sums<3> block_sum(Sums<3> mine) {
-  __shared__ Sums<3> of_warp[kWarps];
-  const auto over_warp = [](Sums<3>& x) {
-#pragma unroll
-    for (int step = 16; step > 0; step /= 2) {
-#pragma unroll
-      for (int k = 0; k < 3; ++k) x.value[k] += __shfl_down_sync(0xffffffffu, x.value[k], step);
-    }
-  };
-  over_warp(mine);
-  __syncthreads();
-  if (threadIdx.x % 32 == 0) of_warp[threadIdx.x / 32] = mine;
-  __syncthreads();
-  if (threadIdx.x < 32) {
-    mine = threadIdx.x < kWarps ? of_warp[threadIdx.x] : Sums<3>{};
-    over_warp(mine);
-  }
-  return mine;
-}
-
-/// Ends a trial: adds up the sums of all blocks and decides. Each block does so by itself, sooner
-/// than the word of one would reach it, and finds the same bits.
-/// @param meanwhile  to be done while other blocks finish
-/// @param exact      as of ApgdPasses
-template <class Meanwhile>
-__device__ void decide(const Shared& shared, unsigned trial, const Sums<3>& sums, ApgdState& state,
-                       bool exact, const Meanwhile& meanwhile) {
-  const Sums<3> mine = block_sum(sums);
-  if (threadIdx.x == 0) {
-    shared.partial[blockIdx.x] = mine;
-    DeviceCounter(*shared.arrived).fetch_add(1, cuda::memory_order_release);
-  }
-  meanwhile();
-  if (threadIdx.x == 0) wait_for(*shared.arrived, (trial + 1) * gridDim.x);
-  __syncthreads();
-  // A block writes its next sums when all have read these: before, it waits for their first round.
-  Sums<3> all;
-  for (unsigned k = threadIdx.x; k < gridDim.x; k += kThreads) all.combine(shared.partial[k]);
-  all = block_sum(all);
-  if (threadIdx.x == 0) {
-    ApgdContactFinish{&state}({{all.value[0], all.value[1]}});
-    ApgdBodyFinish{&state, exact}({{all.value[2]}});
-  }
-  __syncthreads();
-}
-
 /// @tparam kIsWhole  tiles of kBodies, whose number the compiler knows
 template <int kWeights, Law kLaw, bool kIsMixed, bool kIsWhole, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
@@ -168,7 +120,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     stepped.init(kThreads);
     reached.init(1);
     state = *a.state;
-    trials = *shared.arrived / gridDim.x;
+    trials = *shared.meeting.arrived / gridDim.x;
   }
   __syncthreads();
   const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x), tile_bodies);
@@ -238,7 +190,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       ready.arrive();
     }
     // Nearly all trials are accepted.
-    decide(shared, number, sums, state, kLaw == Law::coulomb,
+    decide(shared.meeting, number, sums, state, kLaw == Law::coulomb,
            [&] { first.start(trial.next_velocity, trial.velocity, memory.bodies); });
     if (state.accepted == accepted) first.restart(trial.velocity, trial.velocity, memory.bodies);
   }
@@ -270,14 +222,14 @@ class ApgdIteration<Cuda> {
       packed_.reserve_discard(radial);
       for_each(cuda, radial,
                apgd_sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
-      shared_ = {counters_.data() + 1, counters_.data(), partial_.data(), packed_.data(), size};
+      shared_ = {counters_.data() + 1, {counters_.data(), partial_.data()}, packed_.data(), size};
     }
     if constexpr (kIsWide<R>) wide_.start(cuda, a);
   }
 
   template <class R, class Real>
   bool stops(const ApgdPasses<R, Real>&) const {
-    return kIsSwept<R, Real>;
+    return kIsSwept<R, Real> || kIsWide<R>;
   }
   template <class R, class Real>
   bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
@@ -295,7 +247,7 @@ class ApgdIteration<Cuda> {
                  "apgd_sweep");
       cuda.check_launch("apgd_sweep");
     } else if constexpr (kIsWide<R>) {
-      for (int k = 0; k < count; ++k) wide_.run(cuda, a);
+      wide_.run(cuda, a, count, enough);
     } else {
       for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
     }

@@ -8,10 +8,10 @@
 // copied once a solve. Memory: 48 bytes a contact. On an H200 a trial takes 343 us instead of 480 with 1e6 boxes and
 // 4.9e6 contacts, and 47 instead of 52 with 1.1e5 boxes and 4.1e5 contacts (bench/results/h200).
 
+#include <algorithm>
 #include <cstring>
 
-#include "kernels/backend/cuda.cuh"
-#include "kernels/solve/apgd_passes.h"
+#include "kernels/solve/apgd_decide.cuh"
 
 namespace scree {
 namespace wide {
@@ -128,27 +128,88 @@ struct BodyPass {
   }
 };
 
+/// What the blocks share.
+struct Shared {
+  ApgdMeeting meeting;
+  unsigned*
+      stepped;  ///< blocks that are done with the contacts of a trial, over all trials; zero with a solve
+};
+
+/// Trials one after the other in one launch. Between contacts and bodies, and at the end of a trial, the blocks meet.
+inline __global__ void __launch_bounds__(kApgdThreads, 4)
+    run_trials(const __grid_constant__ Passes a, const __grid_constant__ Records records,
+               const Shared shared, int count, double enough) {
+  __shared__ ApgdState state;  // the same in all blocks
+  __shared__ unsigned trials;  // before this launch: no block arrives before all know
+  if (threadIdx.x == 0) {
+    state = *a.state;
+    trials = *shared.meeting.arrived / gridDim.x;
+  }
+  __syncthreads();
+  const auto first = static_cast<Index>(blockIdx.x * blockDim.x + threadIdx.x);
+  const auto stride = static_cast<Index>(gridDim.x * blockDim.x);
+  ContactPass contact{a.contact_pass(), records.impulse};
+  BodyPass body{a.body_pass(), records};
+  contact.plain.state = &state;
+  body.plain.state = &state;
+  for (unsigned k = 0; k < static_cast<unsigned>(count); ++k) {
+    if (k > 0 && !(state.measure > enough)) break;
+    Sums<3> sums;
+    for (Index c = first; c < a.p.contact_count; c += stride) {
+      const Sums<2> mine = contact(c);
+      sums.value[0] += mine.value[0];
+      sums.value[1] += mine.value[1];
+    }
+    __syncthreads();
+    if (threadIdx.x == 0) {
+      DeviceCounter(*shared.stepped).fetch_add(1, cuda::memory_order_release);
+      wait_for(*shared.stepped, (trials + k + 1) * gridDim.x);
+    }
+    __syncthreads();
+    for (Index i = first; i < a.p.bodies.owned_count; i += stride)
+      sums.value[2] += body(i).value[0];
+    decide(shared.meeting, trials + k, sums, state, a.exact, [] {});
+  }
+  if (blockIdx.x == 0 && threadIdx.x == 0) *a.state = state;
+}
+
 /// The copies of a solve, and its trials.
 class Iteration {
  public:
-  explicit Iteration(Cuda& cuda) : impulse_(cuda), arm_a_(cuda), arm_b_(cuda) {}
+  explicit Iteration(Cuda& cuda)
+      : impulse_(cuda), arm_a_(cuda), arm_b_(cuda), counters_(cuda), partial_(cuda) {}
 
   void start(Cuda& cuda, const Passes& a) {
     const Index n = a.p.contact_count;
     for (Buffer<Cuda, float4>* buffer : {&impulse_, &arm_a_, &arm_b_}) buffer->reserve_discard(n);
     records_ = {impulse_.view(n), arm_a_.view(n), arm_b_.view(n)};
     for_each(cuda, n, CopyArms{a.p.arm_a, a.p.arm_b, records_});
+    const Index elements = std::max(n, a.p.bodies.owned_count);
+    const Index wanted = (elements + kApgdThreads - 1) / kApgdThreads;
+    blocks_ = std::min(cuda.resident_blocks(kernel(), "occupancy of apgd_wide"),
+                       static_cast<unsigned>(wanted));
+    partial_.reserve_discard(blocks_);
+    counters_.reserve_discard(2);
+    fill(cuda, counters_.view(2), 0u);
   }
-  void run(Cuda& cuda, const Passes& a) const {
-    reduce<Sums<2>>(cuda, a.p.contact_count, ContactPass{a.contact_pass(), records_.impulse},
-                    ApgdContactFinish{a.state});
-    reduce<Sums<1>>(cuda, a.p.bodies.owned_count, BodyPass{a.body_pass(), records_},
-                    ApgdBodyFinish{a.state, a.exact});
+  void run(Cuda& cuda, const Passes& a, int count, double enough) {
+    Shared shared{{counters_.data(), partial_.data()}, counters_.data() + 1};
+    Passes passes = a;
+    void* arguments[] = {&passes, &records_, &shared, &count, &enough};
+    check_cuda(
+        cudaLaunchCooperativeKernel(kernel(), blocks_, kApgdThreads, arguments, 0, cuda.stream()),
+        "apgd_wide");
+    cuda.check_launch("apgd_wide");
   }
 
  private:
+  static const void* kernel() { return reinterpret_cast<const void*>(&run_trials); }
+
   Buffer<Cuda, float4> impulse_, arm_a_, arm_b_;
+  Buffer<Cuda, unsigned> counters_;
+  Buffer<Cuda, Sums<3>> partial_;
   Records records_;
+  unsigned blocks_ = 1;
 };
 
 }  // namespace wide

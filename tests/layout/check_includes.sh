@@ -71,6 +71,7 @@ awk '
     within["host/io"] = " . scene problems "
     within["host/engine"] = " . scene problems "
     within["host/solve"] = " . problems io plot "
+    within["host/variational"] = " . "
 
     # What a folder of dynamics/ may include of host/, and one of host/ of dynamics/.
     across["dynamics/. host"] = " . render "

@@ -1,0 +1,64 @@
+#pragma once
+// Mechanical systems for the tests of CollisionIntegrator.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "host/collision_integrator.h"
+#include "host/collision_walls.h"
+
+namespace scree::physics {
+
+inline constexpr double kWeight = 9.81;  // g [m/s^2]; masses are 1 kg
+
+/// V = weight q[coordinate].
+inline void add_gravity(MechanicalSystem& system, std::size_t coordinate, double weight = kWeight) {
+  system.potential = [=](std::span<const double> q) { return weight * q[coordinate]; };
+  system.potential_gradient = [=](std::span<const double>, std::span<double> gradient) {
+    std::fill(gradient.begin(), gradient.end(), 0.0);
+    gradient[coordinate] = weight;
+  };
+}
+
+/// Unit masses in n coordinates, without forces.
+inline MechanicalSystem unit_masses(std::size_t n) {
+  MechanicalSystem system;
+  system.mass.assign(n * n, 0);
+  for (std::size_t i = 0; i < n; ++i) system.mass[i * n + i] = 1;
+  return system;
+}
+
+/// A ball above a floor in one coordinate, its height.
+inline MechanicalSystem ball_on_floor() {
+  MechanicalSystem system = unit_masses(1);
+  add_gravity(system, 0);
+  system.walls = {half_space_wall("floor", {{1}, 0})};
+  return system;
+}
+
+/// What a run did to the energy of nodes.
+struct EnergyRecord {
+  double largest_change = 0;  // of E, relative to that at the start
+  double last_change = 0;
+};
+
+/// Relative changes of the energy over a number of steps.
+inline EnergyRecord run(CollisionIntegrator& integrator, int steps) {
+  const double start = integrator.energy();
+  EnergyRecord record;
+  for (int i = 0; i < steps; ++i) {
+    integrator.step();
+    record.last_change = std::abs(integrator.energy() / start - 1);
+    record.largest_change = std::max(record.largest_change, record.last_change);
+  }
+  return record;
+}
+
+/// 4 sigma of the energy after so many impacts, if their jumps g^2 h^2 (1 - 2 alpha) / 8 are independent of each other.
+inline double random_walk_bound(const CollisionIntegrator& integrator, double h) {
+  return 4 * kWeight * kWeight * h * h / (8 * integrator.energy()) *
+         std::sqrt(static_cast<double>(integrator.totals().impacts) / 3);
+}
+
+}  // namespace scree::physics

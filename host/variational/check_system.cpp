@@ -10,9 +10,6 @@
 namespace scree::variational {
 namespace {
 
-/// How far beyond a wall a start may be, in roundings of the wall function.
-constexpr double kStartSlack = 64;
-
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }

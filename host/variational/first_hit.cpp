@@ -14,8 +14,6 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostSteps = 10000;
-/// A way begins on the wall of the last impact to within this many roundings.
-constexpr double kStartSlack = 64;
 /// Where a way touches a wall without a rate, it is looked at after this share of its time.
 constexpr double kProbe = 1e-3;
 

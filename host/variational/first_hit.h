@@ -16,6 +16,9 @@ inline std::span<double> as_span(Vector& v) {
   return {v.data(), static_cast<std::size_t>(v.size())};
 }
 
+/// A way begins on or within a wall to within this many roundings of the wall function.
+inline constexpr double kStartSlack = 64;
+
 /// Least of the walls at q; infinite without walls.
 double gap_at(std::span<const Wall> walls, const Vector& q);
 

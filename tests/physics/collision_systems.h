@@ -55,6 +55,26 @@ inline EnergyRecord run(CollisionIntegrator& integrator, int steps) {
   return record;
 }
 
+/// A point above the parabola y = x^2/2 - 1/2, whose focus is the origin.
+inline MechanicalSystem point_in_bowl() {
+  MechanicalSystem system = unit_masses(2);
+  add_gravity(system, 1);
+  system.walls = {quadric_wall("bowl", {-1, 0, 0, 0}, {0, 1}, 0.5)};
+  return system;
+}
+
+/// A rod of length 1 m in a vertical plane, (x, y, angle), whose ends stay above y = 0.
+inline MechanicalSystem rod_on_floor() {
+  MechanicalSystem system;
+  system.mass = {1, 0, 0, 0, 1, 0, 0, 0, 1.0 / 12};
+  add_gravity(system, 1);
+  for (const double end : {0.5, -0.5})
+    system.walls.push_back(
+        plane_body_wall(end > 0 ? "right end" : "left end", {.x = end}, 0, 1, 0));
+  system.momenta = {linear_momentum("p_x", {1, 0, 0})};
+  return system;
+}
+
 /// 4 sigma of the energy after so many impacts, if their jumps g^2 h^2 (1 - 2 alpha) / 8 are independent of each other.
 inline double random_walk_bound(const CollisionIntegrator& integrator, double h) {
   return 4 * kWeight * kWeight * h * h / (8 * integrator.energy()) *

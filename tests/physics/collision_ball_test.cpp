@@ -33,6 +33,9 @@ TEST_P(CollisionBall, B01_EnergyOverAMillionSteps) {
   const BallCase expected = GetParam();
   CollisionIntegrator ball = dropped_ball(expected.h);
   const EnergyRecord energy = run(ball, kMillion);
+  report("largest", energy.largest_change);
+  report("last", energy.last_change);
+  report("impacts", static_cast<double>(ball.totals().impacts));
   EXPECT_LE(energy.largest_change, 3 * expected.largest);
   EXPECT_LE(energy.last_change, 3 * expected.last);
   EXPECT_LE(energy.largest_change, random_walk_bound(ball, expected.h));
@@ -51,6 +54,7 @@ TEST(CollisionBall, B01_JumpOfAnImpact) {
   const double h = 0.01;
   CollisionIntegrator ball = dropped_ball(h);
   int impacts = 0;
+  double largest_error = 0;
   for (int i = 0; i < kMillion; ++i) {
     const double before = ball.energy(), start = ball.time();
     ball.step();
@@ -63,8 +67,11 @@ TEST(CollisionBall, B01_JumpOfAnImpact) {
       EXPECT_NEAR(impact.energy_after, impact.energy, 1e-12);
       ++impacts;
     }
-    ASSERT_NEAR(ball.energy() - before, jump, 1e-10) << i;
+    const double error = std::abs(ball.energy() - before - jump);
+    largest_error = std::max(largest_error, error);
+    ASSERT_LE(error, 1e-10) << i;
   }
+  report("jump_error", largest_error);
   EXPECT_GT(impacts, 10000);
 }
 
@@ -81,30 +88,13 @@ TEST(CollisionBall, ErrorFallsWithTheSquareOfTheStep) {
     return sum / 200;
   };
   double coarse = error(0.04);
+  report("error_4e-2", coarse);
   for (const double h : {0.02, 0.01, 0.005}) {
     const double fine = error(h);
+    report("error_" + std::to_string(std::lround(h * 1000)) + "e-3", fine);
     EXPECT_NEAR(std::log2(coarse / fine), 2, 0.25) << h;
     coarse = fine;
   }
-}
-
-// Contrast: completing the step and turning the velocity at the clamped end loses or gains energy at every impact.
-TEST(CollisionBall, B02_ClampedEndPointsDoNotKeepTheEnergy) {
-  const double h = 0.01;
-  double q = 1, v = 0, largest = 0;
-  for (int i = 0; i < kMillion; ++i) {
-    v -= 0.5 * h * kWeight;
-    q += h * v;
-    v -= 0.5 * h * kWeight;
-    if (q < 0) {
-      q = 0;
-      v = -v;
-    }
-    largest = std::max(largest, std::abs((0.5 * v * v + kWeight * q) / kWeight - 1));
-  }
-  EXPECT_GT(largest, 0.1);
-  CollisionIntegrator ball = dropped_ball(h);
-  EXPECT_LT(run(ball, kMillion).largest_change, largest / 50);
 }
 
 // Heights of bounces with restitution e fall by e^2, the first ones off by O(h^2).
@@ -123,10 +113,14 @@ TEST(CollisionBall, B10_RestitutionScalesHeights) {
   };
   for (const double h : {0.01, 0.005, 0.0025}) {
     const std::vector<double> found = heights(h);
-    for (std::size_t n = 0; n < found.size(); ++n)
-      EXPECT_NEAR(found[n], std::pow(e, 2.0 * static_cast<double>(n + 1)),
-                  kWeight * h * h / 8 * static_cast<double>(n + 1))
-          << h << ' ' << n;
+    double largest = 0;
+    for (std::size_t n = 0; n < found.size(); ++n) {
+      const double bounces = static_cast<double>(n + 1);
+      const double error = std::abs(found[n] - std::pow(e, 2 * bounces));
+      EXPECT_LE(error, kWeight * h * h / 8 * bounces) << h << ' ' << n;
+      largest = std::max(largest, error);
+    }
+    report("height_error_" + std::to_string(std::lround(h * 10000)) + "e-4", largest);
   }
 }
 

@@ -35,6 +35,7 @@ void expect_errors_to_fall(const std::function<double(double h, int start)>& err
   for (const double h : {0.01, 0.005, 0.0025}) {
     double mean = 0;
     for (int start = 0; start < 5; ++start) mean += error(h, start) / 5;
+    report("mean_" + std::to_string(std::lround(h * 10000)) + "e-4", mean);
     if (coarse > 0) {
       EXPECT_GE(coarse / mean, 2) << h;
     }
@@ -48,7 +49,9 @@ TEST(CollisionBowl, B04_EnergyOfFiveStarts) {
 }
 
 TEST(CollisionBowl, B04_EnergyOverAMillionSteps) {
-  for (const double h : {0.01, 0.005}) energy_error(in_bowl(h), h, 1000000);
+  for (const double h : {0.01, 0.005})
+    report("largest_" + std::to_string(std::lround(h * 10000)) + "e-4",
+           energy_error(in_bowl(h), h, 1000000));
 }
 
 // The bowl with this focus has a second invariant, which the integrator keeps less well, and to the same order.
@@ -68,8 +71,11 @@ TEST(CollisionBowl, B04_SecondInvariant) {
     }
     return largest;
   };
-  EXPECT_LE(error(0.01), 3 * 3.0e-2);
-  EXPECT_LE(error(0.005), 3 * 5.8e-3);
+  const double coarse = error(0.01), fine = error(0.005);
+  report("largest_100e-4", coarse);
+  report("largest_50e-4", fine);
+  EXPECT_LE(coarse, 3 * 3.0e-2);
+  EXPECT_LE(fine, 3 * 5.8e-3);
 }
 
 // Places after some impacts, against steps that are 16 times as fine, over many starts.
@@ -88,8 +94,10 @@ TEST(CollisionBowl, ErrorFallsWithTheSquareOfTheStep) {
     return sum / 100;
   };
   double coarse = error(0.02);
+  report("error_20e-3", coarse);
   for (const double h : {0.01, 0.005}) {
     const double fine = error(h);
+    report("error_" + std::to_string(std::lround(h * 1000)) + "e-3", fine);
     EXPECT_NEAR(std::log2(coarse / fine), 2, 0.3) << h;
     coarse = fine;
   }
@@ -112,6 +120,11 @@ TEST(CollisionRod, B08_EnergyAndMomentumOverAMillionSteps) {
       largest = std::max(largest, std::abs(rod.energy() / start - 1));
       momentum_error = std::max(momentum_error, std::abs(rod.momenta()[0] - 0.2));
     }
+    const std::string name = "_" + std::to_string(std::lround(h * 10000)) + "e-4";
+    report("largest" + name, largest);
+    report("momentum_error" + name, momentum_error);
+    report("grazing" + name, static_cast<double>(rod.totals().grazing_impacts));
+    report("impacts" + name, static_cast<double>(rod.totals().impacts));
     EXPECT_LE(largest, 1.5 * random_walk_bound(rod, h));
     EXPECT_LE(momentum_error, 1e-13);
     EXPECT_LT(static_cast<double>(rod.totals().grazing_impacts),

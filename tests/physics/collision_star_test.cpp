@@ -81,24 +81,25 @@ CollisionIntegrator thrown_star(MechanicalSystem system, double h, double x = 0.
 TEST(CollisionStar, B09_EnergyAndMomentaWithoutForces) {
   CollisionIntegrator star = thrown_star(star_in_box(), 0.02);
   const double energy = star.energy();
-  int at_peg = 0, at_sides = 0, at_corners = 0;
+  int at_peg = 0, at_sides = 0;
+  double largest = 0;
   for (int i = 0; i < 200000; ++i) {
     const std::vector<double> before = star.momentum(), momenta = star.momenta();
     star.step();
-    ASSERT_NEAR(star.energy() / energy, 1, 1e-10) << i;
+    const double change = std::abs(star.energy() / energy - 1);
+    largest = std::max(largest, change);
+    ASSERT_LE(change, 1e-10) << i;
     if (star.impacts().empty()) {
       ASSERT_EQ(star.momentum(), before);
       continue;
     }
     bool peg_only = true, sides_keep[2] = {true, true};
-    for (const Impact& impact : star.impacts()) {
-      at_corners += impact.parts.size() > 1;
+    for (const Impact& impact : star.impacts())
       for (const ActivePart& part : impact.parts) {
         peg_only &= part.wall >= 20;
         sides_keep[0] &= part.wall < 20 && part.wall % 4 >= 2;
         sides_keep[1] &= part.wall < 20 && part.wall % 4 < 2;
       }
-    }
     at_peg += peg_only;
     at_sides += sides_keep[0] || sides_keep[1];
     for (std::size_t axis = 0; axis < 2; ++axis)
@@ -109,6 +110,9 @@ TEST(CollisionStar, B09_EnergyAndMomentaWithoutForces) {
       ASSERT_NEAR(star.momenta()[2], momenta[2], 1e-12);
     }
   }
+  report("largest", largest);
+  report("impacts", static_cast<double>(star.totals().impacts));
+  report("closest_point_error", star.totals().largest_closest_point_error);
   EXPECT_GT(at_peg, 100);
   EXPECT_GT(at_sides, 1000);
   EXPECT_GE(star.totals().smallest_gap, -1e-12);
@@ -136,6 +140,7 @@ TEST(CollisionStar, B09_EnergyUnderGravity) {
       grazing += star.totals().grazing_impacts;
       mean += largest / 5;
     }
+    report("mean_" + std::to_string(std::lround(h * 10000)) + "e-4", mean);
     if (coarse > 0) {
       EXPECT_GE(coarse / mean, 2) << h;
     }

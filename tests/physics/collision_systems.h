@@ -1,8 +1,12 @@
 #pragma once
 // Mechanical systems for the tests of CollisionIntegrator.
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string>
 #include <vector>
 
 #include "host/collision_integrator.h"
@@ -11,6 +15,13 @@
 namespace scree::physics {
 
 inline constexpr double kWeight = 9.81;  // g [m/s^2]; masses are 1 kg
+
+/// A figure for the tables of docs/results/variational.md, which bench/variational.py makes of the report of the tests.
+inline void report(const std::string& key, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2e", value);
+  testing::Test::RecordProperty(key, std::string(text));
+}
 
 /// V = weight q[coordinate].
 inline void add_gravity(MechanicalSystem& system, std::size_t coordinate, double weight = kWeight) {

@@ -88,7 +88,7 @@ TEST(CollisionBall, ErrorFallsWithTheSquareOfTheStep) {
     return sum / 200;
   };
   double coarse = error(0.04);
-  report("error_4e-2", coarse);
+  report("error_40e-3", coarse);
   for (const double h : {0.02, 0.01, 0.005}) {
     const double fine = error(h);
     report("error_" + std::to_string(std::lround(h * 1000)) + "e-3", fine);

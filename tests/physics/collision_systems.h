@@ -19,7 +19,7 @@ inline constexpr double kWeight = 9.81;  // g [m/s^2]; masses are 1 kg
 /// A figure for the tables of docs/results/variational.md, which bench/variational.py makes of the report of the tests.
 inline void report(const std::string& key, double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2e", value);
+  std::snprintf(text, sizeof text, "%.5g", value);
   testing::Test::RecordProperty(key, std::string(text));
 }
 

@@ -19,7 +19,9 @@ from markdown import number, put_tables, table
 
 SUITES = "*Collision*:-Impact/*:GranularGas.*:ImpactChain.*"
 METHODS = {"variational": "C0", "time steps": "C2", "clamped leapfrog": "C3"}
-SYSTEMS = {"ball": "Ball let go 1 m above a floor", "rod": "Rod of 1 m that falls on a floor"}
+CHARTS = [("ball", "energy_intervals", "Energy of a ball let go 1 m above a floor", "|dE / E|"),
+          ("rod", "energy_intervals", "Energy of a rod that falls on a floor", "|dE / E|"),
+          ("ball", "place_intervals_m", "Place of the ball", "off the closed form, m")]
 
 # Case, setting, figure, reference value, gate, and where the figure is: suite, test, key.
 BALL, BILLIARD = "Steps/CollisionBall.B01_EnergyOverAMillionSteps", "CollisionBilliard"
@@ -104,7 +106,8 @@ def figures_of(path):
 
 def figure(figures, test, key):
     try:
-        return number(float(figures[test][key]))
+        value = float(figures[test][key])
+        return str(int(value)) if value >= 1 and value == int(value) else number(value)
     except KeyError:
         sys.exit(f"tests.json: no figure {key} of {test}; expected what scree_tests_physics of this commit writes")
 
@@ -134,18 +137,18 @@ def draw(curves, path):
     except ImportError:
         sys.exit("show needs matplotlib, which is not installed: pip install matplotlib, "
                  "or on Debian and Ubuntu apt install python3-matplotlib")
-    picture, axes = pyplot.subplots(1, 2, figsize=(11, 4.2), sharey=True)
-    duration = curves["steps"] * curves["step_s"]
-    for axis, (system, title) in zip(axes, SYSTEMS.items()):
+    picture, axes = pyplot.subplots(1, 3, figsize=(14, 4.2))
+    for axis, (system, key, title, label) in zip(axes, CHARTS):
         for r in curves["results"]:
             if r["system"] != system:
                 continue
-            times = [duration * (k + 0.5) / len(r["intervals"]) for k in range(len(r["intervals"]))]
-            values = [max(value, 1e-16) for value in r["intervals"]]
-            axis.plot(times, values, color=METHODS[r["method"]], linewidth=1, label=r["method"])
-        axis.set(title=title, xlabel="time, s", yscale="log")
+            width = curves["steps"] * curves["step_s"] / len(r[key])
+            times = [width * (k + 0.5) for k in range(len(r[key]))]
+            axis.plot(times, [max(value, 1e-16) for value in r[key]], color=METHODS[r["method"]], linewidth=1,
+                      label=r["method"])
+        axis.set(title=title, xlabel="time, s", ylabel=f"{label}, largest of an interval", yscale="log")
         axis.grid(True, linewidth=0.3)
-    axes[0].set_ylabel("|dE / E|, largest of an interval")
+    axes[2].set_xscale("log")
     axes[1].legend(fontsize=8)
     picture.tight_layout()
     picture.savefig(path, dpi=110)

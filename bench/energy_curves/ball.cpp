@@ -8,6 +8,12 @@ namespace {
 
 constexpr double kRadius = 0.1;
 
+/// Height of a ball let go at 1 m that bounces elastically.
+double exact_height(double time) {
+  const double since_apex = std::remainder(time, 2 * std::sqrt(2 / kWeight));
+  return 1 - 0.5 * kWeight * since_apex * since_apex;
+}
+
 EnergyTrace variational(const RunLength& length) {
   MechanicalSystem system;
   system.mass = {1};
@@ -21,6 +27,7 @@ EnergyTrace variational(const RunLength& length) {
   for (int i = 0; i < length.steps; ++i) {
     ball.step();
     trace.add(i, ball.energy());
+    trace.add_place(i, ball.position()[0] - exact_height(ball.time()));
     for (const Impact& impact : ball.impacts()) trace.add_turn(impact.position[0]);
     trace.add_gap(ball.gap());
   }
@@ -34,8 +41,8 @@ EnergyTrace world(const RunLength& length) {
   body.position = {0, 0, 1};
   body.mass = 1;
   body.inertia = {0.4 * kRadius * kRadius, 0.4 * kRadius * kRadius, 0.4 * kRadius * kRadius};
-  return world_trace(length, body, -kRadius,
-                     [](Vec3d position, Quatd) { return position.z - kRadius; });
+  const auto lowest = [](Vec3d position, Quatd) { return position.z - kRadius; };
+  return world_trace(length, body, -kRadius, lowest, exact_height);
 }
 
 EnergyTrace clamped(const RunLength& length) {
@@ -52,6 +59,7 @@ EnergyTrace clamped(const RunLength& length) {
       v = std::abs(v);
     }
     trace.add(i, 0.5 * v * v + kWeight * q);
+    trace.add_place(i, q - exact_height((i + 1) * h));
     trace.add_gap(q);
   }
   return trace;

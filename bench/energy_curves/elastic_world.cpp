@@ -26,9 +26,12 @@ Scene floor_scene(double step, double height) {
 }  // namespace
 
 EnergyTrace world_trace(const RunLength& length, const BodyDescription& body, double floor,
-                        const std::function<double(Vec3d, Quatd)>& lowest) {
+                        const std::function<double(Vec3d, Quatd)>& lowest,
+                        const std::function<double(double)>& exact) {
+  const double half_change = 0.5 * length.step * kWeight;  // of the velocity in half a step
   Scene scene = floor_scene(length.step, floor);
   scene.bodies.push_back(body);
+  scene.bodies.back().velocity.z += half_change;
   WorldOptions options;
   options.backend = BackendKind::cpu;
   options.precision = Precision::double_precision;
@@ -37,18 +40,17 @@ EnergyTrace world_trace(const RunLength& length, const BodyDescription& body, do
   const Vec3d spin = body.angular_velocity, moment = body.inertia;
   const double turning =
       0.5 * (moment.x * spin.x * spin.x + moment.y * spin.y * spin.y + moment.z * spin.z * spin.z);
-  const auto mean = [&](double v) { return v - 0.5 * length.step * kWeight; };
-  const Vec3d v = body.velocity;
-  const double moving = 0.5 * (v.x * v.x + v.y * v.y + mean(v.z) * mean(v.z));
+  const double moving = 0.5 * dot(body.velocity, body.velocity);
   EnergyTrace trace("time steps", length, moving + turning + kWeight * body.position.z);
   double gap = lowest(body.position, body.orientation) - floor, rise = body.velocity.z;
   for (int i = 0; i < length.steps; ++i) {
     const StepReport report = world.step();
     const BodyStates s = world.states();
-    const double up = s.velocity.back().z;
-    const double kinetic = report.kinetic_energy + 0.5 * (mean(up) * mean(up) - up * up);
+    const double up = s.velocity.back().z, mean = up - half_change;
+    const double kinetic = report.kinetic_energy + 0.5 * (mean * mean - up * up);
     trace.add(i, kinetic + kWeight * s.position.back().z);
-    if (up > rise + 0.5 * length.step * kWeight) trace.add_turn(gap);
+    if (exact) trace.add_place(i, s.position.back().z - exact(report.time));
+    if (up > rise + half_change) trace.add_turn(gap);
     gap = lowest(s.position.back(), s.orientation.back()) - floor;
     trace.add_gap(gap);
     rise = up;

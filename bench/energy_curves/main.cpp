@@ -51,7 +51,8 @@ Json to_json(const char* system, const scree::bench::EnergyTrace& trace) {
           {"impacts", trace.turns()},
           {"largest_turn_error_m", trace.turn_error()},
           {"lowest_gap_m", trace.lowest()},
-          {"intervals", trace.intervals()}};
+          {"energy_intervals", trace.energy_intervals()},
+          {"place_intervals_m", trace.place_intervals()}};
 }
 
 }  // namespace

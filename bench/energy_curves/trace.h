@@ -18,16 +18,21 @@ struct RunLength {
 class EnergyTrace {
  public:
   /// @param intervals  of equal length, of each of which the largest change is kept
-  EnergyTrace(std::string method, const RunLength& length, double energy, int intervals = 400)
+  EnergyTrace(std::string method, const RunLength& length, double energy, int intervals = 1000)
       : method_(std::move(method)), length_(length), start_(energy) {
-    intervals_.resize(static_cast<std::size_t>(std::min(intervals, length.steps)), 0);
+    energy_.resize(static_cast<std::size_t>(std::min(intervals, length.steps)), 0);
   }
 
   void add(int step, double energy) {
     last_ = energy / start_ - 1;
-    const auto place = static_cast<std::size_t>(step) * intervals_.size() /
-                       static_cast<std::size_t>(length_.steps);
-    intervals_[place] = std::max(intervals_[place], std::abs(last_));
+    double& largest = energy_[interval(step)];
+    largest = std::max(largest, std::abs(last_));
+  }
+  /// Distance from where the body should be [m], where that is known.
+  void add_place(int step, double error) {
+    place_.resize(energy_.size(), 0);
+    double& largest = place_[interval(step)];
+    largest = std::max(largest, std::abs(error));
   }
   /// A body turns at a wall that it is this far from [m], negative: that far beyond it.
   void add_turn(double gap) {
@@ -37,18 +42,24 @@ class EnergyTrace {
   void add_gap(double gap) { lowest_ = std::min(lowest_, gap); }
 
   const std::string& method() const { return method_; }
-  const std::vector<double>& intervals() const { return intervals_; }
-  double largest() const { return *std::max_element(intervals_.begin(), intervals_.end()); }
+  const std::vector<double>& energy_intervals() const { return energy_; }
+  const std::vector<double>& place_intervals() const { return place_; }
+  double largest() const { return *std::max_element(energy_.begin(), energy_.end()); }
   double last() const { return last_; }
   int turns() const { return turns_; }
   double turn_error() const { return turn_error_; }
   double lowest() const { return lowest_; }
 
  private:
+  std::size_t interval(int step) const {
+    return static_cast<std::size_t>(step) * energy_.size() /
+           static_cast<std::size_t>(length_.steps);
+  }
+
   std::string method_;
   RunLength length_;
   double start_, last_ = 0;
-  std::vector<double> intervals_;
+  std::vector<double> energy_, place_;
   int turns_ = 0;
   double turn_error_ = 0;
   double lowest_ = std::numeric_limits<double>::infinity();

@@ -93,17 +93,19 @@ def draw_folders():
     p.box(20, 112, 900, 218, "host", "host/", [])
     p.text(85, 133, "public headers (world.h, scene.h, scene_reader.h, ...) beside the folders; no CUDA in them", 12, SOFT)
     small = [
-        (40, 150, "engine", "World, devices"), (260, 150, "solve", "scree solve: solvers compared"),
-        (480, 150, "io", "VTKHDF, HDF5, CSV, PNG"), (700, 150, "scene", "checks, meshes, motion"),
-        (40, 238, "render", "pictures"), (260, 238, "problems", "stored contact problems"),
-        (480, 238, "plot", "charts of scree solve"), (700, 238, "scene_reader", "JSON to Scene; layouts"),
+        (40, 150, "engine", "World, devices"), (219, 150, "solve", "solvers compared"),
+        (398, 150, "io", "HDF5, VTKHDF, CSV"), (577, 150, "scene", "checks, meshes, motion"),
+        (756, 150, "layouts", "places of particles"),
+        (40, 238, "render", "pictures"), (219, 238, "problems", "stored problems"),
+        (398, 238, "plot", "charts of scree solve"), (577, 238, "scene_reader", "JSON to Scene"),
+        (756, 238, "variational", "impacts as unknowns"),
     ]
     for x, y, name, words in small:
-        p.parts.append(f'<rect x="{x}" y="{y}" width="200" height="62" rx="5" fill="#ffffff" stroke="{LINE}"/>')
+        p.parts.append(f'<rect x="{x}" y="{y}" width="164" height="62" rx="5" fill="#ffffff" stroke="{LINE}"/>')
         p.text(x + 10, y + 24, name, 13, weight="bold")
         p.text(x + 10, y + 45, words, 12, SOFT)
-    p.text(40, 320, "engine includes scene, problems; solve includes problems, io, plot; plot, render, problems and "
-           "layouts include none.", 12, SOFT)
+    p.text(40, 320, "engine includes scene, problems; solve includes problems, io, plot; plot, render, problems, "
+           "layouts and variational include none.", 12, SOFT)
     p.arrow((470, 82), (470, 112))
     p.box(20, 370, 900, 84, "dynamics", "dynamics/", [])
     p.text(115, 391, "the interface of models; a folder a model", 12, SOFT)

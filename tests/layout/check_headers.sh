@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # check_headers.sh CXX SOURCE_DIR GENERATED_DIR [SECONDS]: .h files of the libraries compile on their own with the plain C++
-# compiler. Where the source of the same name includes its header first, building it has shown that. Those that the last
+# compiler, with Eigen for those inside of host/. Where the source of the same name includes its header first, building it has shown that. Those that the last
 # commit changed come first, then the others in an order that differs from commit to commit: when the time (40 s) is over,
 # the rest is left to later runs.
 set -euo pipefail
 cxx=$1 source_dir=$2 generated_dir=$3
 export seconds=${4:-40}
+eigen=$(pkg-config --cflags-only-I eigen3 2>/dev/null || echo -I/usr/include/eigen3)
+export eigen
 cd "$source_dir"
 left=$(mktemp)
 trap 'rm -f "$left"' EXIT
@@ -15,7 +17,10 @@ check_one() {
     echo "$3" >>"$4"
     return 0
   fi
-  "$1" -std=c++20 -fopenmp -fsyntax-only -I. -I"$2" -include "$3" -x c++ /dev/null
+  local more=""
+  [[ $3 != host/*/* ]] || more=$eigen
+  # shellcheck disable=SC2086
+  "$1" -std=c++20 -fopenmp -fsyntax-only -I. -I"$2" $more -include "$3" -x c++ /dev/null
 }
 started=$(date +%s)
 export -f check_one

@@ -26,6 +26,18 @@ Wall quadric_wall(std::string name, std::vector<double> matrix, std::vector<doub
 /// @param sides  half-spaces whose normals point out of the obstacle: it is what is in none of them
 Wall convex_obstacle(std::string name, const std::vector<HalfSpaceOfCoordinates>& sides);
 
+/// Two balls whose centers are `dimension` coordinates each, from first_a and first_b on.
+struct BallPair {
+  int coordinate_count = 6;
+  int first_a = 0, first_b = 3;
+  int dimension = 3;
+  double distance = 0;  ///< of the centers where the balls touch [m], > 0
+};
+
+/// The balls stay apart. The value is the distance of the centers squared less `distance` squared, over 2 distance: near
+/// contact the gap [m].
+Wall ball_pair_wall(std::string name, const BallPair& pair);
+
 /// A point of a plane body with the coordinates (x, y, angle) that are first, first + 1 and first + 2 of n.
 struct PlaneBodyPoint {
   int coordinate_count = 3;

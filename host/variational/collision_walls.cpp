@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -86,6 +87,40 @@ Wall convex_obstacle(std::string name, const std::vector<HalfSpaceOfCoordinates>
     wall.parts.push_back(linear_function(name, side));
   wall.name = std::move(name);
   return wall;
+}
+
+Wall ball_pair_wall(std::string name, const BallPair& pair) {
+  const bool is_apart = std::abs(pair.first_a - pair.first_b) >= pair.dimension;
+  const int last = std::max(pair.first_a, pair.first_b) + pair.dimension;
+  if (std::min(pair.first_a, pair.first_b) < 0 || pair.dimension < 1 || !is_apart ||
+      last > pair.coordinate_count)
+    throw InputError(fmt::format(
+        "wall \"{}\": {} coordinates from {} and from {} on of {}, expected two sets of them", name,
+        pair.dimension, pair.first_a, pair.first_b, pair.coordinate_count));
+  if (!(pair.distance > 0) || !std::isfinite(pair.distance))
+    throw InputError(
+        fmt::format("wall \"{}\": distance {}, expected a finite number > 0", name, pair.distance));
+  const auto a = static_cast<std::size_t>(pair.first_a), b = static_cast<std::size_t>(pair.first_b);
+  const auto dimension = static_cast<std::size_t>(pair.dimension);
+  const double distance = pair.distance;
+  WallFunction function;
+  function.value = [=](std::span<const double> q) {
+    double square = 0;
+    for (std::size_t i = 0; i < dimension; ++i)
+      square += (q[b + i] - q[a + i]) * (q[b + i] - q[a + i]);
+    return (square - distance * distance) / (2 * distance);
+  };
+  function.gradient = [=](std::span<const double> q, std::span<double> gradient) {
+    std::fill(gradient.begin(), gradient.end(), 0.0);
+    for (std::size_t i = 0; i < dimension; ++i) {
+      gradient[b + i] = (q[b + i] - q[a + i]) / distance;
+      gradient[a + i] = -gradient[b + i];
+    }
+  };
+  function.curvature.assign(static_cast<std::size_t>(pair.coordinate_count), 0);
+  for (std::size_t i = 0; i < dimension; ++i)
+    function.curvature[a + i] = function.curvature[b + i] = 2 / distance;
+  return smooth_wall(std::move(name), std::move(function));
 }
 
 Wall plane_body_wall(std::string name, const PlaneBodyPoint& point, double normal_x,

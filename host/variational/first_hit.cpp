@@ -16,6 +16,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostSteps = 10000;
 /// Where a way touches a wall without a rate, it is looked at after this share of its time.
 constexpr double kProbe = 1e-3;
+/// Systems that go along a wall without forces, as bodies that stay together, may do so off it by this many roundings.
+constexpr double kAlongSlack = 4096;
 
 /// The first r > 0 with value + rate r + bend r^2/2 = 0, value >= 0; infinite if there is none.
 double first_zero(double value, double rate, double bend) {
@@ -37,10 +39,6 @@ double value_of(const Wall& wall, const Vector& q) {
   double most = -kInfinity;
   for (const WallFunction& part : wall.parts) most = std::max(most, value_of(wall, part, q));
   return most;
-}
-
-bool is_straight(const WallFunction& part) {
-  return std::all_of(part.curvature.begin(), part.curvature.end(), [](double b) { return b == 0; });
 }
 
 bool has_bounds(const Wall& wall) {
@@ -113,23 +111,31 @@ double HitSearch::safe_time(const Wall& wall, const Way& way, double s, double l
       const double w = std::max(std::abs(w_[i]), std::abs(w_[i] + left * a));
       most += b * w * w;
       pull += b * a * a;
-      rate_rounding += 4 * kEpsilon * std::abs(gradient_[i] * w_[i]);
+      rate_rounding += 64 * kEpsilon * std::abs(gradient_[i] * w_[i]);
     }
     const double bound = bend - (most + left * std::sqrt(most * pull));
     const double rounding = rounding_of(gradient_, q_, way);
     const double slack = s == 0 ? kStartSlack * rounding : rounding;
     if (value > slack || (value >= -slack && rate > rate_rounding)) {
       safe = std::max(safe, first_zero(std::max(0.0, value), rate, bound));
-    } else if (s == 0 && value >= -slack && rate >= -rate_rounding) {  // it lies along the wall
-      const double probe = is_straight(part) ? left : kProbe * left;
-      Vector& q = w_;
-      way.place(probe, q);
-      const double later = value_of(wall, part, q);
-      if (later > slack || (is_straight(part) && later >= -slack)) safe = std::max(safe, probe);
-      way.rate(s, w_);
+    } else if (s == 0 && value >= -kAlongSlack * rounding && rate >= -rate_rounding) {
+      safe = std::max(safe, safe_time_along(wall, part, way, left, rounding));
+      way.place(s, q_);
     }
   }
   return safe;
+}
+
+double HitSearch::safe_time_along(const Wall& wall, const WallFunction& part, const Way& way,
+                                  double left, double rounding) {
+  const auto later = [&](double time) {
+    way.place(time, q_);
+    return value_of(wall, part, q_);
+  };
+  if (later(kProbe * left) > kStartSlack * rounding) return kProbe * left;
+  for (const double share : {kProbe, 0.5, 1.0})
+    if (later(share * left) < -kAlongSlack * rounding) return 0;
+  return left;
 }
 
 double HitSearch::value_on(const Wall& wall, const Way& way, double s) {
@@ -149,9 +155,9 @@ double HitSearch::rate_on(const Wall& wall, const Way& way, double s) {
 
 std::optional<double> HitSearch::first_sampled(const Wall& wall, const Way& way, double limit) {
   double a = 0, rate_a = rate_on(wall, way, 0);
-  const double slack = kStartSlack * rounding_of(gradient_, q_, way);
+  const double slack = kAlongSlack * rounding_of(gradient_, q_, way);
   if (value_on(wall, way, 0) <= slack && rate_a <= 0 &&
-      value_on(wall, way, kProbe * limit) <= slack)
+      value_on(wall, way, kProbe * limit) < -slack)
     return 0;
   // Keeps a point where the wall is positive below one where it is not.
   const auto zero_between = [&](double low, double high) {
@@ -163,14 +169,14 @@ std::optional<double> HitSearch::first_sampled(const Wall& wall, const Way& way,
   };
   for (int i = 1; i <= samples_; ++i) {
     const double b = limit * i / samples_, rate_b = rate_on(wall, way, b);
-    if (value_on(wall, way, b) < 0) return zero_between(a, b);
+    if (value_on(wall, way, b) < -slack) return zero_between(a, b);
     if (rate_a < 0 && rate_b > 0) {
       double low = a, high = b;
       while (high - low > kEpsilon * way.step + 1e-8 * (b - a)) {
         const double middle = 0.5 * (low + high);
         (rate_on(wall, way, middle) < 0 ? low : high) = middle;
       }
-      if (value_on(wall, way, low) < 0) return zero_between(a, low);
+      if (value_on(wall, way, low) < -slack) return zero_between(a, low);
     }
     a = b;
     rate_a = rate_b;

@@ -33,7 +33,7 @@ class HitSearch {
   HitSearch(std::span<const Wall> walls, int n, int samples);
 
   /// The first time at which a wall is zero and would be negative next, or none up to the end of the way. Walls that are zero at the
-  /// start and grow are left behind. Where all parts have a curvature bound b, a part g is followed by
+  /// start and grow are left behind, and so are those that stay zero, as between bodies that go on together. Where all parts have a curvature bound b, a part g is followed by
   ///
   ///   g(s + r) >= g + g' r + (grad g.a - K) r^2/2,   K = max b.w^2 + (D - s) (max b.w^2)^1/2 (b.a^2)^1/2
   ///
@@ -47,6 +47,9 @@ class HitSearch {
   std::optional<double> first_of(const Wall& wall, const Way& way, double limit);
   std::optional<double> first_sampled(const Wall& wall, const Way& way, double limit);
   double safe_time(const Wall& wall, const Way& way, double s, double limit);
+  /// How long a part that is zero at the start, without a rate, is safe: until the end where it is zero there and on the way.
+  double safe_time_along(const Wall& wall, const WallFunction& part, const Way& way, double left,
+                         double rounding);
   double value_on(const Wall& wall, const Way& way, double s);
   double rate_on(const Wall& wall, const Way& way, double s);
 

@@ -80,6 +80,9 @@ TEST(CheckSystem, WallsNameWhatIsWrong) {
   EXPECT_THROW(half_space_wall("w", {{0, 0}, 1}), InputError);
   EXPECT_THROW(quadric_wall("w", {1, 0, 0}, {0, 0}, 1), InputError);
   EXPECT_THROW(quadric_wall("w", {1, 2, 0, 1}, {0, 0}, 1), InputError);
+  EXPECT_THROW(ball_pair_wall("w", {.first_b = 2, .distance = 1}), InputError);
+  EXPECT_THROW(ball_pair_wall("w", {.first_b = 4, .distance = 1}), InputError);
+  EXPECT_THROW(ball_pair_wall("w", {.distance = 0}), InputError);
   EXPECT_THROW(plane_body_wall("w", {.coordinate_count = 4, .first = 2}, 0, 1, 0), InputError);
 }
 

@@ -58,7 +58,7 @@ TEST(CollisionBilliard, B05_InvariantsOfTheEllipse) {
   report("closest_point_error", point.totals().largest_closest_point_error);
   EXPECT_LE(speed_error, 1e-10);
   EXPECT_LE(invariant_error, 1e-10);
-  EXPECT_EQ(point.totals().impacts, 23989);
+  EXPECT_NEAR(static_cast<double>(point.totals().impacts), 23989, 2);
   EXPECT_EQ(point.totals().grazing_impacts, 0);
   EXPECT_LE(point.totals().largest_closest_point_error, 1e-12);
   EXPECT_GE(point.totals().smallest_gap, -1e-12);

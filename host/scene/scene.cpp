@@ -302,7 +302,7 @@ void check_settings(const Scene& scene) {
   check_non_negative("output.force_interval", output.force_interval, "s");
   const DynamicsCard& card = dynamics_card(scene.dynamics.type);
   const std::string no_contacts =
-      fmt::format("bodies of the dynamics \"{}\" do not touch", card.name);
+      fmt::format("the dynamics \"{}\" tells of no contacts", card.name);
   if (output.force_interval > 0 && !card.has_contacts)
     refuse("output.force_interval", text(output.force_interval), "must be 0: " + no_contacts);
   if (output.contact_frames && !card.has_contacts)

@@ -54,6 +54,7 @@ awk '
     within["kernels/broad_phase"] = " . math backend bodies contact "
     within["kernels/narrow_phase"] = " . math backend bodies contact broad_phase "
     within["kernels/step"] = " . math backend bodies contact broad_phase narrow_phase "
+    within["kernels/variational"] = " . math backend bodies contact broad_phase narrow_phase step "
     within["kernels/solve"] = " . math backend bodies contact "
     within["kernels/render"] = " . math backend bodies "
     within["solvers/."] = " assembled "
@@ -61,6 +62,7 @@ awk '
     within["solvers/rolling"] = " assembled "
     within["dynamics/."] = " "
     within["dynamics/rigid"] = " . "
+    within["dynamics/variational"] = " . rigid "
     within["host/."] = " "
     within["host/layouts"] = " . "
     within["host/plot"] = " . "
@@ -76,6 +78,7 @@ awk '
     # What a folder of dynamics/ may include of host/, and one of host/ of dynamics/.
     across["dynamics/. host"] = " . render "
     across["dynamics/rigid host"] = " . scene problems render "
+    across["dynamics/variational host"] = " . scene render "
     across["host/scene dynamics"] = across["host/scene_reader dynamics"] = " . "
     across["host/io dynamics"] = across["host/engine dynamics"] = " . "
     cuda = "^(cuda|cub/|thrust/|cusparse|cooperative_groups|nvtx3/|mma\\.h|math_constants\\.h)"

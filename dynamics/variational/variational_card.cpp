@@ -1,0 +1,104 @@
+#include "dynamics/variational/variational_card.h"
+
+#include <fmt/format.h>
+
+#include "dynamics/rigid/shared_constants.h"
+#include "host/error.h"
+#include "host/scene/bodies_by_id.h"
+#include "host/scene/particle_shapes.h"
+#include "host/scene/scene_checks.h"
+#include "host/scene/scene_summary.h"
+#include "shapes/shape_card.h"
+
+namespace scree {
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& value,
+                         const std::string& expected) {
+  throw InputError(fault_text(path, value, expected));
+}
+
+std::string body_path(const BodyDescription& body, std::size_t id) {
+  return body.entry >= 0 ? fmt::format("bodies[{}]", body.entry) : fmt::format("body {}", id);
+}
+
+void check_body(const BodyDescription& body, std::size_t id) {
+  const ShapeCard& shape = shape_card(body.shape.kind);
+  const std::string path = body_path(body, id);
+  if (body.kind == BodyKind::kinematic)
+    refuse(path + ".kind", "\"kinematic\"",
+           "must be free or fixed: walls of the dynamics \"variational\" rest");
+  if (body.kind == BodyKind::free && !shape.is_ball)
+    refuse(path + ".shape", fmt::format("\"{}\"", shape.name),
+           "must be \"sphere\": free bodies of the dynamics \"variational\" are spheres");
+  if (shape.is_compound)
+    refuse(path + ".shape", fmt::format("\"{}\"", shape.name),
+           "must be one of its parts: walls of the dynamics \"variational\" are no compounds");
+  if (body.kind == BodyKind::free && body.locks != 0)
+    refuse(path + ".locks", fmt::format("{} locked axes", std::popcount(body.locks)),
+           "must be none: bodies of the dynamics \"variational\" move along all axes");
+}
+
+void check_set(const ParticleSet& set) {
+  const std::string path = set.entry >= 0 ? fmt::format("particles[{}]", set.entry) : "particles";
+  if (!are_spheres(set))
+    refuse(path + ".shape", "another shape",
+           "must be spheres: free bodies of the dynamics \"variational\" are spheres");
+  if (set.locks != 0)
+    refuse(path + ".locks", fmt::format("{} locked axes", std::popcount(set.locks)),
+           "must be none: bodies of the dynamics \"variational\" move along all axes");
+}
+
+void check_materials(const Scene& scene) {
+  const std::vector<Material> pairs = all_pair_values(scene);
+  const std::size_t n = scene.materials.size();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Material& pair = pairs[k];
+    const std::string path = fmt::format("materials: pair (\"{}\", \"{}\")",
+                                         scene.materials[k / n].name, scene.materials[k % n].name);
+    for (const auto& [key, value] : {std::pair{"friction", pair.friction},
+                                     {"cohesion", pair.cohesion},
+                                     {"rolling_friction", pair.rolling_friction},
+                                     {"spinning_friction", pair.spinning_friction}})
+      if (value > 0)
+        refuse(fmt::format("{}: {}", path, key), fmt::format("{:g}", value),
+               "must be 0: impacts of the dynamics \"variational\" are along the normal");
+  }
+}
+
+}  // namespace
+
+void check_variational(const Scene& scene) {
+  if (!scene.insertions.empty())
+    refuse("insertions", fmt::format("a list of {}", scene.insertions.size()),
+           "must be empty: all bodies of the dynamics \"variational\" are there from the start");
+  check_materials(scene);
+  for_each_by_id(
+      scene, [](std::size_t id, const BodyDescription& body) { check_body(body, id); },
+      [](std::size_t, const ParticleSet& set) { check_set(set); });
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double g = scene.gravity[static_cast<int>(axis)];
+    if (scene.periodicity.periodic[axis] && g != 0)
+      refuse("gravity", vector_text(scene.gravity),
+             fmt::format("must be 0 along {}, which is periodic: the dynamics \"variational\" "
+                         "keeps the energy of "
+                         "bodies, and it would not be the same in all periods",
+                         "xyz"[axis]));
+  }
+}
+
+double variational_bytes_per_body(const Scene& scene, const WorldOptions&) {
+  const SharedConstants shared = shared_constants(scene);
+  const double constants = (shared.mass ? 0 : 8) + (shared.radius ? 0 : 8) +
+                           (shared.spheres ? 0 : 4) + (shared.locks ? 0 : 1) +
+                           (shared.material ? 0 : 1) + (shared.group ? 0 : 4) +
+                           (summarize(scene).solid_spheres ? 0 : 24);
+  constexpr double kState = 24 + 32 + 24 + 24 + 4, kAfter = 48;
+  // Near pairs of a body, when it is listed farther than a diameter away, and what listing them takes at its fullest.
+  constexpr double kPairs = 4, kLists = 24 + 8 + 16 + 8 * kPairs, kListing = 16 + 24 * kPairs;
+  // One body in five is in an island, and there is room for half as many more.
+  constexpr double kIslands = 16 + 0.3 * (sizeof(double) * 26);
+  return kState + constants + kAfter + kLists + std::max(kListing, 0.0) + kIslands;
+}
+
+}  // namespace scree

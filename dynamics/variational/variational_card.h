@@ -1,0 +1,89 @@
+#pragma once
+// What the variational model says of itself.
+
+#include <array>
+
+#include "dynamics/dynamics_card.h"
+
+namespace scree {
+
+inline constexpr SolverParameter kMostImpacts{
+    .key = "max_impacts",
+    .description = "most impacts of one body in a step; more end the run [-].",
+    .standard = 100,
+    .low = 0,
+    .high = 1e9};
+inline constexpr std::array kVariationalParameters{kMostImpacts};
+
+/// Place of the energy in StepReport::own.
+inline constexpr std::size_t kEnergyColumn = 4;
+
+inline constexpr std::array kVariationalReport{
+    ReportColumn{"step", &StepReport::step},
+    ReportColumn{"time_s", &StepReport::time},
+    ReportColumn{"bodies", &StepReport::body_count},
+    ReportColumn{"impacts", Own{0}},
+    ReportColumn{"grazing_impacts", Own{1}},
+    ReportColumn{"rounds", Own{2}},
+    ReportColumn{"bodies_in_islands", Own{3}},
+    ReportColumn{"max_penetration_m", &StepReport::max_penetration},
+    ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy},
+    ReportColumn{"energy_J", Own{kEnergyColumn}},
+    ReportColumn{"momentum_x_kg_m_per_s", Own{5}},
+    ReportColumn{"momentum_y_kg_m_per_s", Own{6}},
+    ReportColumn{"momentum_z_kg_m_per_s", Own{7}},
+    ReportColumn{"angular_momentum_x_kg_m2_per_s", Own{8}},
+    ReportColumn{"angular_momentum_y_kg_m2_per_s", Own{9}},
+    ReportColumn{"angular_momentum_z_kg_m2_per_s", Own{10}},
+    ReportColumn{"identity_error_m", Own{11}},
+    ReportColumn{"collision_ms", &StageTimes::collision},
+    ReportColumn{"solve_ms", &StageTimes::solve},
+    ReportColumn{"integrate_ms", &StageTimes::integrate},
+    ReportColumn{"total_ms", &StageTimes::total}};
+
+inline constexpr std::array kVariationalFrame{
+    FrameField{"velocity", 3, &BodyStates::velocity},
+    FrameField{"angular_velocity", 3, &BodyStates::angular_velocity},
+    FrameField{"orientation", 4, &BodyStates::orientation},
+    FrameField{.name = "speed", .columns = 1, .values = &BodyStates::velocity, .length = true}};
+
+inline constexpr std::array kVariationalState{
+    StateField{.name = "body/id", .type = StateField::Type::int32},
+    StateField{.name = "body/position",
+               .type = StateField::Type::vector,
+               .rows_of = "body/id",
+               .largest = 1e15},
+    StateField{.name = "body/orientation",
+               .type = StateField::Type::quaternion,
+               .rows_of = "body/id",
+               .largest = 2},
+    StateField{.name = "body/velocity",
+               .type = StateField::Type::vector,
+               .rows_of = "body/id",
+               .largest = 1e15},
+    StateField{.name = "body/angular_velocity",
+               .type = StateField::Type::vector,
+               .rows_of = "body/id",
+               .largest = 1e15},
+    StateField{.name = "world/gravity",
+               .type = StateField::Type::vector,
+               .may_be_absent = true,
+               .largest = 1e15}};
+
+/// @throws InputError naming what of the scene the model does not have
+void check_variational(const Scene& scene);
+double variational_bytes_per_body(const Scene& scene, const WorldOptions& options);
+
+constexpr DynamicsCard variational_card() {
+  return {
+      .name = "variational",
+      .description = "spheres that bounce without friction, by a variational collision integrator",
+      .parameters = kVariationalParameters,
+      .report = kVariationalReport,
+      .frame = kVariationalFrame,
+      .state = kVariationalState,
+      .check = check_variational,
+      .bytes_per_body = variational_bytes_per_body};
+}
+
+}  // namespace scree

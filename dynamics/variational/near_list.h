@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "collision/pair_candidates.h"
 #include "kernels/backend/ordered_lists.h"
@@ -16,8 +17,11 @@ namespace scree {
 template <class B>
 class NearList {
  public:
-  NearList(B& b, const Vec3d& period)
-      : period_(period), pairs_(b), begin_(b), other_(b), origin_(b), fastest_(b, 1) {}
+  /// @param fixed  storage indices of the fixed spheres
+  NearList(B& b, const Vec3d& period, const std::vector<Index>& fixed)
+      : period_(period), pairs_(b), begin_(b), other_(b), fixed_(b), origin_(b), fastest_(b, 1) {
+    upload(b, fixed, fixed_);
+  }
 
   bool is_kept() const { return is_kept_; }
   void forget() { is_kept_ = false; }
@@ -34,9 +38,8 @@ class NearList {
   /// @param widening  how often the room was too small for this step
   void build(B& b, const BodyView<double>& bodies, const Vec3d& gravity, double h, double diameter,
              int widening) {
-    const Index present = bodies.owned_count + bodies.fixed_count();
-    if (present <= kFew) {
-      list_all(b, bodies, present);
+    if (bodies.owned_count + fixed_.capacity() <= kFew) {
+      list_all(b, bodies.owned_count);
     } else {
       room_ = std::ldexp(room_for(b, bodies, gravity, h, diameter), widening);
       list_near(b, bodies);
@@ -63,12 +66,12 @@ class NearList {
     return std::max(room, 1e-6 * diameter);
   }
 
-  void list_all(B& b, const BodyView<double>& bodies, Index present) {
+  void list_all(B& b, Index owned) {
     room_ = kNever;
-    const Offset total = static_cast<Offset>(bodies.owned_count) * (present - 1);
-    for_each(b, bodies.owned_count + 1,
-             AllNear{bodies.owned_count, bodies.fixed_begin, present,
-                     begin_.resize_discard(bodies.owned_count + 1), other_.resize_discard(total)});
+    const Span<const Index> fixed = fixed_.view(fixed_.capacity());
+    const Offset total = owned * (owned - 1 + fixed.size);
+    for_each(b, owned + 1,
+             AllNear{owned, fixed, begin_.resize_discard(owned + 1), other_.resize_discard(total)});
   }
 
   void list_near(B& b, const BodyView<double>& bodies) {
@@ -99,7 +102,7 @@ class NearList {
   Vec3d period_;
   PairCandidates<B, double> pairs_;
   Buffer<B, Offset> begin_;
-  Buffer<B, Index> other_;
+  Buffer<B, Index> other_, fixed_;
   Buffer<B, Vec3d> origin_;
   Buffer<B, Largest<double>> fastest_;
   double room_ = 0;

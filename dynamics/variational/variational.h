@@ -40,7 +40,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
         obstacles_(backend(), scene_, store_.fixed_begin()),
         walls_(backend(), obstacles_.data(), box_.length),
         restitution_(backend()),
-        near_(backend(), box_.length),
+        near_(backend(), box_.length, fixed_spheres(scene_, store_.fixed_begin())),
         islands_(backend(), summary_.free_capacity),
         x_(backend(), summary_.free_capacity),
         v_(backend(), summary_.free_capacity),
@@ -139,6 +139,17 @@ class VariationalDynamics final : public ModelOn<B, double> {
   static constexpr int kMostAttempts = 24;
 
   using ModelOn<B, double>::backend;
+
+  static std::vector<Index> fixed_spheres(const Scene& scene, Index fixed_begin) {
+    std::vector<Index> spheres;
+    Index place = fixed_begin;
+    for (const BodyDescription& body : scene.bodies) {
+      if (body.kind == BodyKind::free) continue;
+      if (shape_card(body.shape.kind).is_ball) spheres.push_back(place);
+      ++place;
+    }
+    return spheres;
+  }
 
   /// Calls f(stage) with what the programs of a step read.
   template <class F>

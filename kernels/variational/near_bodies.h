@@ -61,24 +61,22 @@ struct OwnerOf {
   SCREE_HD Index operator()(Index k, Index) const { return body[k]; }
 };
 
-/// Lists all pairs of few bodies. @param element  body * (count - 1) + place
+/// Lists all pairs of few bodies.
 struct AllNear {
   static constexpr const char* name = "all_near";
   Index owned;
-  Index fixed_begin;
-  Index count;  ///< bodies that there are: owned ones, then fixed ones from fixed_begin on
-  Span<Offset> begin;
-  Span<Index> other;
+  Span<const Index> fixed;  ///< fixed spheres
+  Span<Offset> begin;       ///< out
+  Span<Index> other;        ///< out
 
+  /// @param i  a body, or `owned`
   SCREE_HD void operator()(Index i) const {
-    const Offset first = static_cast<Offset>(i) * (count - 1);
-    begin[i] = first;
+    Offset at = static_cast<Offset>(i) * (owned - 1 + fixed.size);
+    begin[i] = at;
     if (i == owned) return;
-    Offset at = first;
-    for (Index k = 0; k < count; ++k) {
-      const Index body = k < owned ? k : k - owned + fixed_begin;
-      if (body != i) other[at++] = body;
-    }
+    for (Index k = 0; k < owned; ++k)
+      if (k != i) other[at++] = k;
+    for (Offset k = 0; k < fixed.size; ++k) other[at++] = fixed[k];
   }
 };
 

@@ -2,8 +2,7 @@
 // Fixed walls as sets of convex parts: planes, convex solids, triangles of meshes. What of a part is nearest to the
 // center of a sphere may be a face, an edge or a corner: the normal is the direction from there to the center.
 
-#include "kernels/narrow_phase/mesh_way.h"
-#include "kernels/narrow_phase/wall_contacts.h"
+#include "kernels/narrow_phase/solid_walls.h"
 #include "kernels/variational/impact_time.h"
 #include "shapes/shape_list.h"
 

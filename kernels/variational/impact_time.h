@@ -31,7 +31,8 @@ SCREE_HD inline double time_of_spheres(const Vec3<double>& d, const Vec3<double>
   const double distance = norm(d);
   const double c = (distance - sum) * (distance + sum);
   if (!(c > 0)) return 0;
-  const double square = b * b - norm2(u) * c;
+  // b^2 - u^2 c, from how far the ways pass each other: nothing large cancels for spheres far apart.
+  const double square = norm2(u) * sum * sum - norm2(cross(d, u));
   return square >= 0 ? c / (std::sqrt(square) - b) : kNever;
 }
 

@@ -4,7 +4,6 @@
 
 #include "host/state_hash.h"
 #include "tests/dynamics/variational_scenes.h"
-#include "tests/physics/long_tests.h"
 
 namespace scree::test {
 namespace {
@@ -259,12 +258,7 @@ void expect_haff(int per_edge, double taus, double slope_tolerance) {
   if (taus >= 5) EXPECT_NEAR(36 * r.kinetic_energy / 1.5 / count, 1, 0.15);
 }
 
-TEST(VariationalGas, C50_CoolsByHaffsLaw) { expect_haff(12, 1, 0.05); }
-
-TEST(VariationalGas, C50_CoolsByHaffsLawForLong) {
-  if (!physics::runs_long_tests()) GTEST_SKIP() << physics::kLongTest;
-  expect_haff(16, 5, 0.05);
-}
+TEST(VariationalGas, C50_CoolsByHaffsLaw) { expect_haff(16, 5, 0.05); }
 
 }  // namespace
 }  // namespace scree::test

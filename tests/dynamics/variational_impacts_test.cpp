@@ -5,7 +5,6 @@
 #include "shapes/capsule.h"
 #include "shapes/cylinder.h"
 #include "tests/dynamics/variational_scenes.h"
-#include "tests/physics/long_tests.h"
 
 namespace scree::test {
 namespace {
@@ -42,23 +41,18 @@ Bounces bounce(double h, int steps) {
 }
 
 TEST(VariationalImpacts, B01_BallOnAFloorKeepsItsEnergy) {
-  const int steps = 200000;
-  const Bounces b = bounce(0.01, steps);
-  EXPECT_NEAR(b.hits, 2215, 20) << "11075 in 1e6 steps";
-  EXPECT_LT(b.largest_error, 3 * 1.22e-3);
-  EXPECT_LT(b.largest_error, 4 * (g * g * 1e-4 / 8 / g) * std::sqrt(b.hits / 3));
-  EXPECT_LT(b.identity_error, 1e-13);
-  EXPECT_LT(b.penetration, 1e-12);
-}
-
-TEST(VariationalImpacts, B01_ALongRun) {
-  if (!physics::runs_long_tests()) GTEST_SKIP() << physics::kLongTest;
-  const Bounces coarse = bounce(0.01, 1000000), middle = bounce(0.005, 1000000),
-                fine = bounce(0.0025, 1000000);
+  const int steps = 1000000;
+  const Bounces coarse = bounce(0.01, steps), middle = bounce(0.005, steps),
+                fine = bounce(0.0025, steps);
   EXPECT_NEAR(coarse.hits, 11075, 20);
   EXPECT_LT(coarse.largest_error, 3 * 1.22e-3);
   EXPECT_LT(middle.largest_error, 3 * 7.1e-5);
   EXPECT_LT(fine.largest_error, 3 * 1.2e-5);
+  EXPECT_LT(coarse.largest_error, 4 * (g * g * 1e-4 / 8 / g) * std::sqrt(coarse.hits / 3));
+  for (const Bounces& b : {coarse, middle, fine}) {
+    EXPECT_LT(b.identity_error, 1e-13);
+    EXPECT_LT(b.penetration, 1e-12);
+  }
 }
 
 /// An impact at the part alpha of a step changes the energy by g^2 h^2 (1 - 2 alpha) / 8.

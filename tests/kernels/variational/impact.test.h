@@ -109,7 +109,7 @@ TEST_F(VariationalImpact, PassesNoTouchUnderGravity) {
     do {
       s.flight.x = {2 * uniform(random), 2 * uniform(random), 2 * uniform(random)};
     } while (norm(s.flight.x - shapes::Box::nearest(s.half, s.flight.x)) < 0.2);
-    s.flight.v = {2 * uniform(random), 2 * uniform(random), 2 * uniform(random)};
+    s.flight.v = Vec3d{uniform(random), uniform(random), uniform(random)} - s.flight.x;
     s.flight.g = {0, 0, -5};
   }
   const std::vector<double> times = box_times(shots);
@@ -126,8 +126,8 @@ TEST_F(VariationalImpact, PassesNoTouchUnderGravity) {
     ++hits;
     EXPECT_NEAR(gap(end), 0, 1e-12) << "shot " << i;
   }
-  EXPECT_GT(hits, 60);
-  EXPECT_LT(hits, 340);
+  EXPECT_GT(hits, 40);
+  EXPECT_LT(hits, 360);
 }
 
 TEST_F(VariationalImpact, SpheresMeetWhereTheirWaysDo) {
@@ -209,7 +209,7 @@ TEST_F(VariationalImpact, CarriesTheDiscreteEnergyAcross) {
     const Rebound up = rebound(down, carried_square(g, s, t));
     const double after = z + t * up.speed - 0.5 * g * t * t;
     EXPECT_FALSE(up.is_grazing);
-    EXPECT_NEAR(energy(before, z, s), energy(z, after, t), 1e-13) << alpha;
+    EXPECT_NEAR(energy(before, z, s), energy(z, after, t), 1e-12) << alpha;
     EXPECT_NEAR(0.5 * (up.speed * up.speed - down * down), g * g * h * h * (1 - 2 * alpha) / 8,
                 1e-14);
     // The same run backward.

@@ -83,7 +83,7 @@ const std::vector<std::string>& own_particle_keys() {
       "scale",        "density",  "material",         "group", "orientation",
       "rotation_deg", "velocity", "angular_velocity", "lock",  "region",
       "spacing",      "jitter",   "layers",           "rate",  "start",
-      "interval",     "file"};
+      "interval",     "file",     "velocity_spread"};
   return keys;
 }
 

@@ -112,17 +112,49 @@ class Orientations {
   RandomNumbers random_;
 };
 
+/// Velocities of the particles of an entry: all the same, or about it as in a gas.
+class Velocities {
+ public:
+  /// Their random numbers are a sequence of their own, far from those of places and orientations.
+  Velocities(const Node& node, std::uint64_t seed, std::size_t index)
+      : random_(seed, index + (std::uint64_t{1} << 62)) {
+    node.read("velocity_spread", spread_, kNonNegative, "m/s");
+  }
+
+  /// @param mean  of those drawn, to rounding
+  PerParticle<Vec3d> draw(const Vec3d& mean, std::size_t count) {
+    if (!(spread_ > 0) || count == 0) return mean;
+    std::vector<Vec3d> drawn(count);
+    Vec3d sum;
+    for (Vec3d& v : drawn) {
+      for (int axis = 0; axis < 3; ++axis) v[axis] = spread_ * random_.normal();
+      sum += v;
+    }
+    const Vec3d shift = mean - (1 / static_cast<double>(count)) * sum;
+    for (Vec3d& v : drawn) v += shift;
+    return PerParticle<Vec3d>(std::move(drawn));
+  }
+  /// Of the host for a particle.
+  double bytes() const { return spread_ > 0 ? sizeof(Vec3d) : 0; }
+
+ private:
+  double spread_ = 0;
+  RandomNumbers random_;
+};
+
 /// What placed particles need to become a set.
 struct Recipe {
   ParticleSet common;
   ParticleShapes shapes;
   Orientations orientations;
+  Velocities velocities;
 
   ParticleSet make(PlacedSpheres placed, const Scene& scene) {
     ParticleSet set = common;
     const std::size_t count = placed.center.size();
-    require_host_memory(static_cast<long long>(count), orientations.bytes());
+    require_host_memory(static_cast<long long>(count), orientations.bytes() + velocities.bytes());
     set.orientation = orientations.draw(count);
+    set.velocity = velocities.draw(common.velocity[0], count);
     set_placed(shapes, std::move(placed), scene, set);
     return set;
   }
@@ -201,7 +233,7 @@ PerParticle<int> renumbered(const PerParticle<int>& index, std::size_t count,
 }
 
 void read_file(const Node& node, const ParticleSet& common, Orientations orientations,
-               Draft& draft) {
+               Velocities velocities, Draft& draft) {
   refuse_particle_shapes(node, "particles of the layout \"file\" are spheres");
   const Node named = node.at("file", "must be the name of a .csv or .h5 file");
   const std::filesystem::path path = named.file();
@@ -227,10 +259,10 @@ void read_file(const Node& node, const ParticleSet& common, Orientations orienta
   if (set.mass.uniform() && !(set.density[0] > 0))
     node.fail_missing("density",
                       "the file has no mass or density column, so one is needed here [kg/m^3]");
-  if (set.velocity.uniform()) set.velocity = common.velocity;
   if (set.angular_velocity.uniform()) set.angular_velocity = common.angular_velocity;
   const std::size_t count = set.position.size();
   if (set.orientation.uniform()) set.orientation = orientations.draw(count);
+  if (set.velocity.uniform()) set.velocity = velocities.draw(common.velocity[0], count);
   set.group = set.group.uniform() ? common.group : renumbered(set.group, count, groups);
   set.material =
       set.material.uniform() ? common.material : renumbered(set.material, count, materials);
@@ -273,12 +305,13 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
   ParticleSet common = read_common(node, draft);
   common.entry = static_cast<int>(index);
   Orientations orientations(node, draft.scene.seed, index);
+  Velocities velocities(node, draft.scene.seed, index);
   if (layout == Layout::file) {
-    read_file(node, common, orientations, draft);
+    read_file(node, common, orientations, velocities, draft);
     return;
   }
   if (common.density[0] == 0) node.fail_missing("density", "must be positive [kg/m^3]");
-  Recipe recipe{std::move(common), read_particle_shapes(node, draft), orientations};
+  Recipe recipe{std::move(common), read_particle_shapes(node, draft), orientations, velocities};
   const SizeLaw& size = recipe.shapes.size;
   const Region region =
       read_region(node.at("region", "the space to fill, {min, max} or {cylinder}"));

@@ -42,6 +42,33 @@ const std::string kMix = R"("shapes": [
   {"shape": "capsule", "radius": 0.05, "length": 0.2, "weight": 2},
   {"shape": "sphere", "radius": 0.1, "weight": 1}])";
 
+TEST(ParticleShapes, VelocitiesAreSpreadAboutTheirMean) {
+  const ParticleSet set =
+      set_of(R"("radius": 0.1, "velocity": [1, 2, -3], "velocity_spread": 0.5)");
+  EXPECT_FALSE(set.velocity.uniform());
+  const double count = static_cast<double>(set.position.size());
+  Vec3d mean, square, product;
+  for (std::size_t i = 0; i < set.position.size(); ++i) {
+    const Vec3d d = set.velocity[i] - Vec3d{1, 2, -3};
+    mean += (1 / count) * d;
+    square += (1 / count) * hadamard(d, d);
+    product += (1 / count) * hadamard(d, {d.y, d.z, d.x});
+  }
+  EXPECT_LT(norm(mean), 1e-14);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(square[k], 0.25, 0.05);
+    EXPECT_NEAR(product[k], 0, 0.05) << "components are independent";
+  }
+  EXPECT_EQ(set_of(R"("radius": 0.1, "velocity_spread": 0.5)").velocity[7],
+            set_of(R"("radius": 0.1, "velocity_spread": 0.5)").velocity[7]);
+  EXPECT_EQ(set_of(R"("radius": 0.1, "velocity_spread": 0.5)").position[7],
+            set_of(R"("radius": 0.1)").position[7]);
+  EXPECT_TRUE(
+      set_of(R"("radius": 0.1, "velocity": [1, 0, 0], "velocity_spread": 0)").velocity.uniform());
+  EXPECT_THAT(refusal(with_particles(entry(R"("radius": 0.1, "velocity_spread": -1)"))),
+              testing::HasSubstr("velocity_spread"));
+}
+
 TEST(ParticleShapes, OneShapeOfOneSizeIsStoredOnce) {
   const ParticleSet set = set_of(kBox);
   EXPECT_TRUE(set.shape.uniform());

@@ -65,7 +65,7 @@ TEST(ParticleShapes, VelocitiesAreSpreadAboutTheirMean) {
             set_of(R"("radius": 0.1)").position[7]);
   EXPECT_TRUE(
       set_of(R"("radius": 0.1, "velocity": [1, 0, 0], "velocity_spread": 0)").velocity.uniform());
-  EXPECT_THAT(refusal(with_particles(entry(R"("radius": 0.1, "velocity_spread": -1)"))),
+  EXPECT_THAT(refusal([] { set_of(R"("radius": 0.1, "velocity_spread": -1)"); }),
               testing::HasSubstr("velocity_spread"));
 }
 

@@ -83,7 +83,12 @@ class VariationalDynamics final : public ModelOn<B, double> {
         report.ms.solve += clock.lap();
       });
       if (impacts.is_done) break;
-      if (flight.left > 0 || impacts.faults.left != IslandFaults::kNone) near_.forget();
+      if (flight.left > 0 || impacts.faults.left != IslandFaults::kNone) {
+        // A list of this step that holds as far as the period lets bodies go is not what lacks.
+        if (widening > 0 && near_.room() >= most_way())
+          throw_step_too_long(steps_done() + 1, scene_.stepping.time_step, box_.length);
+        near_.forget();
+      }
     }
     refuse(impacts.faults);
     reduce<MotionSums>(b, n,

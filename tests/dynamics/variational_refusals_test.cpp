@@ -172,6 +172,14 @@ TEST(VariationalRefusals, StepsAreShortForPeriodicDomains) {
               AllOf(HasSubstr("too far in a step of 0.1 s"), HasSubstr("period")));
 }
 
+/// The same with lists of neighbors, which would grow beyond all bounds before they hold.
+TEST(VariationalRefusals, StepsOfManyBodiesAreShortForPeriodicDomains) {
+  Scene scene = gas(5, 0.05, 0.05, 1);
+  scene.bodies[7].velocity = {1000, 0, 0};
+  World world(scene, cpu_options());
+  EXPECT_THAT(thrown<RunError>([&] { world.step(); }), HasSubstr("too far in a step of 0.05 s"));
+}
+
 TEST(VariationalRefusals, WrittenStatesAreTakenOver) {
   Scene scene = two_spheres();
   World world(scene, cpu_options());

@@ -72,6 +72,7 @@ class PartStore {
   }
 
   bool is_used() const { return ranges_.count > 0; }
+  PartSet<Real> set() const { return {whole(records_), whole(first_)}; }
 
   /// Places of bodies changed, or there are more of them.
   void forget() { is_listed_ = false; }
@@ -126,7 +127,6 @@ class PartStore {
  private:
   static constexpr Index kSphere = -1;  ///< see BodyView::shape
 
-  PartSet<Real> set() const { return {whole(records_), whole(first_)}; }
   template <class T>
   static Span<const T> whole(const Buffer<B, T>& buffer) {
     return buffer.view(buffer.capacity());

@@ -19,8 +19,9 @@ struct ImpactReport {
   bool is_done = true;  ///< else the step must begin again
 };
 
-/// Memory: 8 bytes a body, and 208 for each that may be in an island.
-template <class B>
+/// Memory: 8 bytes a body, and for each that may be in an island 24 and a member: 184 of a sphere.
+/// @tparam M  what a member of an island is
+template <class B, class M>
 class IslandRounds {
  public:
   IslandRounds(B& b, Index bodies)
@@ -45,9 +46,11 @@ class IslandRounds {
   Span<Index> is_active() { return is_active_.view(); }
   Span<Index> place() { return place_.view(); }
 
-  /// @param active  bodies that meet something  @param x, v  out: [owned] of bodies in islands after the step
-  template <bool kSolids>
-  ImpactReport run(B& b, const Stage<kSolids>& stage, Index active, Span<Vec3d> x, Span<Vec3d> v) {
+  /// @param stage   what its programs read; RunOf names that which works through islands
+  /// @param active  bodies that meet something
+  /// @param finish  finish(members): the program that writes where bodies in islands are after the step
+  template <class OwnStage, class Finish>
+  ImpactReport run(B& b, const OwnStage& stage, Index active, Finish&& finish) {
     ImpactReport report;
     const Index n = stage.bodies.owned_count;
     Index linked = 0;
@@ -58,11 +61,12 @@ class IslandRounds {
                      slot_.view(static_cast<Offset>(n) + 1));
       if (report.rounds > 1) active = fetch(b, slot_.data() + n);
       make_islands(b, n, active, linked);
-      const Span<Member> member = member_.view(active);
+      const Span<M> member = member_.view(active);
       fill(b, faults_.view(), IslandFaults{});
-      for_each(b, active,
-               RunIslands<kSolids>{stage, member, place_.view(n), links(), faults_.data()});
-      for_each(b, active, CheckIslands<kSolids>{stage, member, place_.view(n), links()});
+      for_each(
+          b, active,
+          typename RunOf<OwnStage>::Type{stage, member, place_.view(n), links(), faults_.data()});
+      for_each(b, active, CheckIslands<OwnStage, M>{stage, member, place_.view(n), links()});
       report.faults = fetch(b, faults_.data());
       const Index wanted = fetch(b, link_count_.data());
       if (report.faults.left != IslandFaults::kNone) return not_done(report);
@@ -75,7 +79,7 @@ class IslandRounds {
       for_each(b, linked, DrawIn{links(), partner_.view(n), is_active_.view(n)});
     }
     report.active = active;
-    reduce<IslandSums>(b, active, FinishIslands<kSolids>{stage, member_.view(active), x, v},
+    reduce<IslandSums>(b, active, finish(Span<const M>(member_.view(active))),
                        StoreResult<IslandSums>{sums_.data()});
     const IslandSums sums = fetch(b, sums_.data());
     report.impacts = sums.half_impacts / 2;
@@ -117,8 +121,9 @@ class IslandRounds {
     const Span<Index> order = order_.view(active);
     for_each(b, active, KeyMembers{parent, key, order});
     sort_pairs(b, sort_, key, order, 32 + bits_for(static_cast<std::uint64_t>(active)));
-    for_each(b, active,
-             PlaceMembers{order, body_.view(active), parent, member_.view(active), place_.view(n)});
+    for_each(
+        b, active,
+        PlaceMembers<M>{order, body_.view(active), parent, member_.view(active), place_.view(n)});
   }
 
   Buffer<B, Index> slot_, is_active_, partner_, place_;
@@ -126,7 +131,7 @@ class IslandRounds {
   Buffer<B, std::uint32_t> parent_;
   Buffer<B, Index> order_;
   Buffer<B, std::uint64_t> key_;
-  Buffer<B, Member> member_;
+  Buffer<B, M> member_;
   Buffer<B, Link> link_;
   Buffer<B, Index> link_count_;
   Buffer<B, std::uint8_t> changed_;

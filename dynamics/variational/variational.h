@@ -1,5 +1,6 @@
 #pragma once
-// Spheres in flight that bounce off each other and off fixed walls: the variational collision integrator.
+// Bodies in flight that bounce off each other and off fixed walls: the variational collision integrator. Spheres, which need
+// not turn, or convex bodies of any shape, which do (rigid_flight.h).
 // docs/theory.md, section "Variational collisions". All states are in double, whatever the precision of the run.
 //
 // Bytes per body and step of a dilute gas: 48 of position and velocity read, 24 of where it was listed, 16 + 4 m of
@@ -8,6 +9,7 @@
 // Every 4 to 16 steps all near pairs are listed anew.
 
 #include <algorithm>
+#include <optional>
 
 #include "collision/body_order.h"
 #include "collision/obstacle_buffers.h"
@@ -19,6 +21,7 @@
 #include "dynamics/rigid/obstacles.h"
 #include "dynamics/variational/island_rounds.h"
 #include "dynamics/variational/near_list.h"
+#include "dynamics/variational/rigid_flight.h"
 #include "dynamics/variational/run_faults.h"
 #include "dynamics/variational/variational_card.h"
 #include "host/scene/scene_summary.h"
@@ -41,7 +44,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
         walls_(backend(), obstacles_.data(), box_.length),
         restitution_(backend()),
         near_(backend(), box_.length, fixed_spheres(scene_, store_.fixed_begin())),
-        islands_(backend(), summary_.free_capacity),
+        islands_(backend(), has_convex_bodies(scene_) ? 0 : summary_.free_capacity),
         x_(backend(), summary_.free_capacity),
         v_(backend(), summary_.free_capacity),
         flight_(backend(), 1),
@@ -50,8 +53,11 @@ class VariationalDynamics final : public ModelOn<B, double> {
     for (const Material& pair : all_pair_values(scene_)) restitution.push_back(pair.restitution);
     upload(backend(), restitution, restitution_);
     most_impacts_ = kMostImpacts.of(scene_.dynamics.parameters);
+    if (has_convex_bodies(scene_))
+      rigid_.emplace(backend(), summary_.free_capacity, obstacles_.data(), obstacles_.shapes(),
+                     store_.ranges(), box_);
     BodyLoading<B, double>(scene_, store_, obstacles_).load_first();
-    walls_.refresh(backend(), store_.view(), {}, {});
+    walls_.refresh(backend(), seen(), {}, {});
     require_apart();
   }
 
@@ -65,6 +71,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
     if (steps_done() % kReorderEvery == 0 && n > 1) reorder();
     FlightSums flight;
     ImpactReport impacts;
+    set_out();
     for (int attempt = 0, widening = 0;; ++attempt) {
       if (attempt > kMostAttempts)
         throw_step_too_long(steps_done() + 1, scene_.stepping.time_step, box_.length);
@@ -78,8 +85,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
         flight = fly(stage);
         report.ms.integrate += clock.lap();
         impacts.is_done = flight.left == 0;
-        if (impacts.is_done && flight.active > 0)
-          impacts = islands_.run(b, stage, flight.active, x_.view(n), v_.view(n));
+        if (impacts.is_done && flight.active > 0) impacts = run_islands(stage, flight.active);
         report.ms.solve += clock.lap();
       });
       if (impacts.is_done) break;
@@ -91,11 +97,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
       }
     }
     refuse(impacts.faults);
-    reduce<MotionSums>(b, n,
-                       TakeMotion{x_.view(n), v_.view(n), store_.view(), box_, scene_.gravity,
-                                  scene_.stepping.time_step},
-                       StoreResult<MotionSums>{motion_.data()});
-    const MotionSums sums = fetch(b, motion_.data());
+    const MotionSums sums = take();
     if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
     this->count_step();
     report.ms.integrate += clock.lap();
@@ -160,7 +162,9 @@ class VariationalDynamics final : public ModelOn<B, double> {
   template <class F>
   void with_stage(F&& f) {
     const WallView<double> walls = walls_.walls();
-    if (walls.solids.size > 0) {
+    if (rigid_) {
+      f(rigid_->stage(stage<true>(walls), walls_.shapes(), seen()));
+    } else if (walls.solids.size > 0) {
       f(stage<true>(walls));
     } else {
       f(stage<false>(walls));
@@ -201,17 +205,52 @@ class VariationalDynamics final : public ModelOn<B, double> {
     return fetch(backend(), flight_.data());
   }
 
+  FlightSums fly(const RigidStage& stage) {
+    const Index n = store_.owned_count();
+    return rigid_->fly(backend(), stage, x_.view(n), v_.view(n));
+  }
+  template <bool kSolids>
+  ImpactReport run_islands(const Stage<kSolids>& stage, Index active) {
+    const Index n = store_.owned_count();
+    return islands_.run(backend(), stage, active, [&](Span<const Member> members) {
+      return FinishIslands<kSolids>{stage, members, x_.view(n), v_.view(n)};
+    });
+  }
+  ImpactReport run_islands(const RigidStage& stage, Index active) {
+    const Index n = store_.owned_count();
+    return rigid_->run(backend(), stage, active, x_.view(n), v_.view(n));
+  }
+  MotionSums take() {
+    const Index n = store_.owned_count();
+    const double h = scene_.stepping.time_step;
+    if (rigid_)
+      return rigid_->take(backend(), store_.view(), box_, scene_.gravity, h, x_.view(n),
+                          v_.view(n));
+    reduce<MotionSums>(backend(), n,
+                       TakeMotion{x_.view(n), v_.view(n), store_.view(), box_, scene_.gravity, h},
+                       StoreResult<MotionSums>{motion_.data()});
+    return fetch(backend(), motion_.data());
+  }
+  /// Bodies, or the parts of those that have several.
+  BodyView<double> seen() { return rigid_ ? rigid_->parts(store_.view()) : store_.view(); }
+  /// Bodies that turn begin their ways.
+  void set_out() {
+    if (rigid_)
+      rigid_->set_out(backend(), store_.view(), scene_.gravity, scene_.stepping.time_step);
+  }
+
   /// Impacts begin with bodies that are apart.
   void require_apart() {
     if (store_.owned_count() == 0) return;
     near_.build(backend(), store_.view(), scene_.gravity, scene_.stepping.time_step,
                 summary_.largest_diameter, 0);
     FlightSums flight;
+    set_out();
     with_stage([&](const auto& stage) { flight = fly(stage); });
     if (!(flight.min_gap < 0)) return;
     const BodyView<double> bodies = store_.view();
     const double radius = radius_of(flight.deepest);
-    if (flight.min_gap < -kMostOverlap * radius)
+    if (flight.min_gap < -(rigid_ ? kTouchPart : kMostOverlap) * radius)
       throw_overlap(store_.id_of(flight.deepest),
                     fetch(backend(), bodies.position.data + flight.deepest), -flight.min_gap);
   }
@@ -258,6 +297,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
     BodyOrder<B> order(b);
     order.compute(b, Span<const Vec3d>(store_.view().position.first(store_.owned_count())));
     store_.for_each_array([&](auto& array) { order.apply(b, array.view()); });
+    if (rigid_) rigid_->forget();
     near_.forget();
   }
 
@@ -272,13 +312,14 @@ class VariationalDynamics final : public ModelOn<B, double> {
     if (id.size() != n) throw_wrong_body_count(id.size(), n);
     store_.arrange(id);
     store_.restore_owned(s);
+    if (rigid_) rigid_->forget();
     scene_.gravity =
         s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : first_gravity_;
     near_.forget();
   }
 
   typename ModelOn<B, double>::Drawn drawn() override {
-    return {store_.view(), obstacles_.shapes(), obstacles_.mesh_set()};
+    return {seen(), obstacles_.shapes(), obstacles_.mesh_set()};
   }
 
   void for_each_array(const typename ModelOn<B, double>::VisitArray& visit) override {
@@ -288,6 +329,11 @@ class VariationalDynamics final : public ModelOn<B, double> {
     visit({"position", "m", "center of mass, world frame", true}, rows(bodies.position.data));
     visit({"velocity", "m/s", "of the center of mass, world frame", true},
           rows(bodies.velocity.data));
+    if (rigid_) {
+      visit({"orientation", "1", "body to world, unit quaternion w x y z", true},
+            rows(bodies.orientation.data));
+      visit({"angular_velocity", "rad/s", "world frame", true}, rows(bodies.angular_velocity.data));
+    }
     visit({"id", "1", "index of the body in the scene", false}, rows(bodies.id.data));
   }
 
@@ -305,8 +351,9 @@ class VariationalDynamics final : public ModelOn<B, double> {
   ObstacleBuffers<B, double> walls_;
   Buffer<B, double> restitution_;
   NearList<B> near_;
-  IslandRounds<B> islands_;
-  Buffer<B, Vec3d> x_, v_;  ///< [owned] after the step, while it is made
+  IslandRounds<B, Member> islands_;
+  std::optional<RigidFlight<B>> rigid_;  ///< where bodies turn
+  Buffer<B, Vec3d> x_, v_;               ///< [owned] after the step, while it is made
   Buffer<B, FlightSums> flight_;
   Buffer<B, MotionSums> motion_;
   double most_impacts_ = 0;

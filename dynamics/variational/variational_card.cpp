@@ -5,10 +5,13 @@
 #include "dynamics/rigid/shared_constants.h"
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/compound.h"
 #include "host/scene/particle_shapes.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
+#include "kernels/variational/rigid_islands.h"
 #include "shapes/shape_card.h"
+#include "shapes/sphere.h"
 
 namespace scree {
 namespace {
@@ -28,10 +31,7 @@ void check_body(const BodyDescription& body, std::size_t id) {
   if (body.kind == BodyKind::kinematic)
     refuse(path + ".kind", "\"kinematic\"",
            "must be free or fixed: walls of the dynamics \"variational\" rest");
-  if (body.kind == BodyKind::free && !shape.is_ball)
-    refuse(path + ".shape", fmt::format("\"{}\"", shape.name),
-           "must be \"sphere\": free bodies of the dynamics \"variational\" are spheres");
-  if (shape.is_compound)
+  if (body.kind != BodyKind::free && shape.is_compound)
     refuse(path + ".shape", fmt::format("\"{}\"", shape.name),
            "must be one of its parts: walls of the dynamics \"variational\" are no compounds");
   if (body.kind == BodyKind::free && body.locks != 0)
@@ -41,9 +41,6 @@ void check_body(const BodyDescription& body, std::size_t id) {
 
 void check_set(const ParticleSet& set) {
   const std::string path = set.entry >= 0 ? fmt::format("particles[{}]", set.entry) : "particles";
-  if (!are_spheres(set))
-    refuse(path + ".shape", "another shape",
-           "must be spheres: free bodies of the dynamics \"variational\" are spheres");
   if (set.locks != 0)
     refuse(path + ".locks", fmt::format("{} locked axes", std::popcount(set.locks)),
            "must be none: bodies of the dynamics \"variational\" move along all axes");
@@ -66,7 +63,40 @@ void check_materials(const Scene& scene) {
   }
 }
 
+/// Bytes of the parts of compounds, see PartStore, for each body.
+double part_bytes_per_body(const Scene& scene) {
+  double bodies = 0, parts = 0;
+  bool has_compounds = false;
+  const auto count = [&](const Shape& shape) {
+    ++bodies;
+    parts += static_cast<double>(part_count_of(scene, shape));
+    has_compounds = has_compounds || shape_card(shape.kind).is_compound;
+  };
+  for_each_by_id(
+      scene, [&](std::size_t, const BodyDescription& body) { count(body.shape); },
+      [&](std::size_t, const ParticleSet& set) {
+        Shape sphere;
+        sphere.kind = shapes::Sphere::kind;
+        const bool spheres = are_spheres(set);
+        for (std::size_t i = 0; i < set.position.size(); ++i)
+          count(spheres ? sphere : particle_shape(set, i));
+      });
+  constexpr double kPart = 5 * 4 + 2 * 8 + 2 + 24 + 32 + 3 * 24;
+  return has_compounds ? kPart * parts / bodies : 0;
+}
+
 }  // namespace
+
+bool has_convex_bodies(const Scene& scene) {
+  bool has = false;
+  for_each_by_id(
+      scene,
+      [&](std::size_t, const BodyDescription& body) {
+        has = has || (body.kind == BodyKind::free && !shape_card(body.shape.kind).is_ball);
+      },
+      [&](std::size_t, const ParticleSet& set) { has = has || !are_spheres(set); });
+  return has;
+}
 
 void check_variational(const Scene& scene) {
   if (!scene.insertions.empty())
@@ -98,7 +128,10 @@ double variational_bytes_per_body(const Scene& scene, const WorldOptions&) {
   constexpr double kPairs = 4, kLists = 24 + 8 + 16 + 8 * kPairs, kListing = 16 + 24 * kPairs;
   // One body in five is in an island, and there is room for half as many more.
   constexpr double kIslands = 16 + 0.3 * (sizeof(double) * 26);
-  return kState + constants + kAfter + kLists + std::max(kListing, 0.0) + kIslands;
+  // Ways and states after a step of bodies that turn; their members of islands are larger.
+  constexpr double kTurning = sizeof(RigidPath) + 32 + 24 + 0.3 * sizeof(RigidMember);
+  return kState + constants + kAfter + kLists + std::max(kListing, 0.0) +
+         (has_convex_bodies(scene) ? 16 + kTurning + part_bytes_per_body(scene) : kIslands);
 }
 
 }  // namespace scree

@@ -70,20 +70,23 @@ inline constexpr std::array kVariationalState{
                .may_be_absent = true,
                .largest = 1e15}};
 
+/// Whether free bodies have other shapes than spheres: then all of them turn as they fly.
+bool has_convex_bodies(const Scene& scene);
 /// @throws InputError naming what of the scene the model does not have
 void check_variational(const Scene& scene);
 double variational_bytes_per_body(const Scene& scene, const WorldOptions& options);
 
 constexpr DynamicsCard variational_card() {
-  return {
-      .name = "variational",
-      .description = "spheres that bounce without friction, by a variational collision integrator",
-      .parameters = kVariationalParameters,
-      .report = kVariationalReport,
-      .frame = kVariationalFrame,
-      .state = kVariationalState,
-      .check = check_variational,
-      .bytes_per_body = variational_bytes_per_body};
+  return {.name = "variational",
+          .description =
+              "bodies of any shape that bounce without friction, by a variational collision "
+              "integrator",
+          .parameters = kVariationalParameters,
+          .report = kVariationalReport,
+          .frame = kVariationalFrame,
+          .state = kVariationalState,
+          .check = check_variational,
+          .bytes_per_body = variational_bytes_per_body};
 }
 
 }  // namespace scree

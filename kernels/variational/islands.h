@@ -121,12 +121,13 @@ struct Member {
   Index grazing = 0;
 };
 
-/// Puts members into order.
+/// Puts members into order. @tparam M  what a member is
+template <class M>
 struct PlaceMembers {
   static constexpr const char* name = "place_members";
   Span<const Index> order, body;
   Span<const std::uint32_t> parent;
-  Span<Member> member;
+  Span<M> member;
   Span<Index> place;  ///< [owned]
   SCREE_HD void operator()(Index p) const {
     const Index s = order[p];
@@ -312,24 +313,32 @@ struct RunIslands {
   }
 };
 
+/// The program that works through the islands of a stage.
+template <class OwnStage>
+struct RunOf;
+template <bool kSolids>
+struct RunOf<Stage<kSolids>> {
+  using Type = RunIslands<kSolids>;
+};
+
 /// Links islands that may have met: bodies of both left their free ways, and came near enough. All other bodies
 /// fly freely as far as an island sees, which it has looked at.
-template <bool kSolids>
+template <class OwnStage, class M>
 struct CheckIslands {
   static constexpr const char* name = "check_islands";
-  Stage<kSolids> stage;
-  Span<const Member> member;
+  OwnStage stage;
+  Span<const M> member;
   Span<const Index> place;
   LinkList links;
 
   SCREE_HD void operator()(Index p) const {
-    const Member& m = member[p];
+    const M& m = member[p];
     if (!(m.way >= 0) || m.impacts == 0) return;
     const Vec3d x = stage.bodies.position[m.body];
     for (Offset q = stage.near.begin[m.body]; q < stage.near.begin[m.body + 1]; ++q) {
       const Index k = stage.near.other[q];
       if (k < m.body || !stage.is_free(k) || place[k] < 0) continue;
-      const Member& other = member[place[k]];
+      const M& other = member[place[k]];
       if (other.island == m.island || other.impacts == 0 || !(other.way >= 0)) continue;
       const double gap =
           norm(stage.between(x, stage.bodies.position[k])) - stage.sum_of_radii(m.body, k);

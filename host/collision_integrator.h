@@ -11,7 +11,7 @@
 
 namespace scree {
 
-struct CollisionSettings {
+struct ImpactSettings {
   double step = 0;       ///< h [s], > 0
   int max_impacts = 50;  ///< in one step, > 0
   double together =
@@ -85,7 +85,7 @@ class CollisionIntegrator {
   /// @param position,velocity  n numbers each
   /// @throws InputError for sizes that do not match, a mass matrix that is not symmetric and positive definite, a missing function,
   ///         settings out of range, values that are not finite, and a position beyond a wall
-  CollisionIntegrator(MechanicalSystem system, const CollisionSettings& settings,
+  CollisionIntegrator(MechanicalSystem system, const ImpactSettings& settings,
                       const std::vector<double>& position, const std::vector<double>& velocity);
   ~CollisionIntegrator();
   CollisionIntegrator(CollisionIntegrator&&) noexcept;

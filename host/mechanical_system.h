@@ -15,7 +15,7 @@ struct WallFunction {
   std::function<void(std::span<const double> q, std::span<double> gradient)> gradient;
   /// b with |w.H w| <= sum_i b_i w_i^2 for all w, H the second derivatives, at all q between two points of the motion: n
   /// numbers >= 0, all zero for a linear function. With it no impact is missed. Empty: not known; then the way of a step is
-  /// looked at in CollisionSettings::samples places, and in between where the value has a minimum.
+  /// looked at in ImpactSettings::samples places, and in between where the value has a minimum.
   std::vector<double> curvature;
 };
 

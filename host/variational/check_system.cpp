@@ -34,7 +34,7 @@ void check_mass(const std::vector<double>& mass, std::size_t n) {
           "mass is not positive definite");
 }
 
-void check_settings(const CollisionSettings& s) {
+void check_settings(const ImpactSettings& s) {
   const auto in_range = [](const char* key, double value, bool is_met, const char* expected) {
     require(is_met, fmt::format("{} is {}, expected {}", key, value, expected));
   };
@@ -81,7 +81,7 @@ void check_wall(const Wall& wall, const Vector& q) {
 
 }  // namespace
 
-void check_system(const MechanicalSystem& system, const CollisionSettings& settings,
+void check_system(const MechanicalSystem& system, const ImpactSettings& settings,
                   const std::vector<double>& position, const std::vector<double>& velocity) {
   const std::size_t n = position.size();
   require(n > 0, "position is empty, expected n > 0 numbers");

@@ -6,7 +6,7 @@
 namespace scree::variational {
 
 /// @throws InputError that names what is wrong, its value and what was expected
-void check_system(const MechanicalSystem& system, const CollisionSettings& settings,
+void check_system(const MechanicalSystem& system, const ImpactSettings& settings,
                   const std::vector<double>& position, const std::vector<double>& velocity);
 
 }  // namespace scree::variational

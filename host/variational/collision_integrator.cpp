@@ -32,7 +32,7 @@ Vector to_eigen(const std::vector<double>& v) {
 }
 
 /// Checks first: what follows may rely on sizes.
-MechanicalSystem checked(MechanicalSystem system, const CollisionSettings& settings,
+MechanicalSystem checked(MechanicalSystem system, const ImpactSettings& settings,
                          const std::vector<double>& position, const std::vector<double>& velocity) {
   check_system(system, settings, position, velocity);
   return system;
@@ -47,7 +47,7 @@ struct Point {
 
 class CollisionIntegrator::State {
  public:
-  State(MechanicalSystem system, const CollisionSettings& settings,
+  State(MechanicalSystem system, const ImpactSettings& settings,
         const std::vector<double>& position, const std::vector<double>& velocity)
       : system_(checked(std::move(system), settings, position, velocity)),
         settings_(settings),
@@ -228,7 +228,7 @@ class CollisionIntegrator::State {
   }
 
   MechanicalSystem system_;
-  CollisionSettings settings_;
+  ImpactSettings settings_;
   Metric metric_;
   Forces forces_;
   HitSearch search_;
@@ -247,7 +247,7 @@ class CollisionIntegrator::State {
   std::vector<Impact> new_impacts_;
 };
 
-CollisionIntegrator::CollisionIntegrator(MechanicalSystem system, const CollisionSettings& settings,
+CollisionIntegrator::CollisionIntegrator(MechanicalSystem system, const ImpactSettings& settings,
                                          const std::vector<double>& position,
                                          const std::vector<double>& velocity)
     : state_(std::make_unique<State>(std::move(system), settings, position, velocity)) {}

@@ -159,7 +159,7 @@ double Reflection::closest_point_error(const Vector& from, double time_to, const
 }
 
 Reflection::Rest Reflection::rest(const Departure& departure,
-                                  const CollisionSettings& settings) const {
+                                  const ImpactSettings& settings) const {
   const Vector v = metric_.velocity(departure.momentum);
   const Vector v_before = metric_.velocity(arrival_.momentum);
   const Vector acceleration = metric_.velocity(arrival_.gradient);

@@ -57,7 +57,7 @@ class Reflection {
     double speed = 0;      ///< the lower one of both
     double threshold = 0;  ///< hand-over speed
   };
-  Rest rest(const Departure& departure, const CollisionSettings& settings) const;
+  Rest rest(const Departure& departure, const ImpactSettings& settings) const;
 
  private:
   void add_active(std::span<const Wall> walls, double reach, bool approached_only);

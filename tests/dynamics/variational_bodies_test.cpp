@@ -15,8 +15,6 @@
 namespace scree::test {
 namespace {
 
-constexpr double g = 9.81;
-
 struct Course {
   double largest_error = 0;  ///< of the energy, over that at the start
   double hits = 0, grazing = 0;

@@ -9,8 +9,6 @@
 namespace scree::test {
 namespace {
 
-constexpr double g = 9.81;
-
 /// A ball of radius 1/4 whose lowest point starts 1 m above a floor.
 Scene ball_on_floor(double h, double restitution = 1) {
   Scene scene = variational_scene(h, restitution);

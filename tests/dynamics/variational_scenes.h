@@ -13,6 +13,8 @@ namespace scree::test {
 using physics::add_sphere;
 using physics::cpu_options;
 
+inline constexpr double g = 9.81;  ///< [m/s^2]
+
 /// No bodies and no gravity.
 inline Scene variational_scene(double time_step, double restitution = 1) {
   Scene scene = physics::empty_scene(time_step, 0);

@@ -15,7 +15,7 @@ namespace {
 using Vec = Eigen::VectorXd;
 using Mat = Eigen::MatrixXd;
 
-std::vector<double> list(const Vec& v) { return {v.begin(), v.end()}; }
+std::vector<double> numbers_of(const Vec& v) { return {v.begin(), v.end()}; }
 
 /// (q, p) after some steps from (q, p); all masses are 1.
 using PhaseMap = std::function<Vec(const Vec&)>;
@@ -24,7 +24,8 @@ using PhaseMap = std::function<Vec(const Vec&)>;
 PhaseMap map_of(const MechanicalSystem& system, double h, int steps, int impacts) {
   return [=](const Vec& start) {
     const Eigen::Index n = start.size() / 2;
-    CollisionIntegrator integrator(system, {.step = h}, list(start.head(n)), list(start.tail(n)));
+    CollisionIntegrator integrator(system, {.step = h}, numbers_of(start.head(n)),
+                                   numbers_of(start.tail(n)));
     for (int i = 0; i < steps; ++i) integrator.step();
     EXPECT_EQ(integrator.totals().impacts, impacts);
     EXPECT_EQ(integrator.totals().grazing_impacts, 0);

@@ -15,7 +15,7 @@ namespace {
 /// All that a CollisionIntegrator is made of: a point between a floor and an obstacle.
 struct Parts {
   MechanicalSystem system;
-  CollisionSettings settings{.step = 0.1};
+  ImpactSettings settings{.step = 0.1};
   std::vector<double> position{0, 1}, velocity{0, 0};
 
   Parts() {

@@ -14,10 +14,10 @@ namespace scree {
 struct ImpactSettings {
   double step = 0;       ///< h [s], > 0
   int max_impacts = 50;  ///< in one step, > 0
-  double together =
-      1e-9;  ///< walls that are reached within this share of a step are hit at once [-], in [0, 1)
-  /// Rate at which a system meets or leaves a wall that forces press it to, below which it rests there [unit of the wall per s], >= 0; 0: half
-  /// of what these forces change in a step, and for an elastic wall that over max_impacts.
+  /// Walls that are reached within this share of a step are hit at once [-], in [0, 1).
+  double together = 1e-9;
+  /// Rate at which a system meets or leaves a wall that forces press it to, below which it rests there [unit of the wall
+  /// per s], >= 0; 0: half of what these forces change in a step, and for an elastic wall that over max_impacts.
   double handover_speed = 0;
   int samples = 64;  ///< places of a step where walls of unknown curvature are looked at, > 0
 };
@@ -26,8 +26,8 @@ struct ImpactSettings {
 struct ActivePart {
   int wall = 0;  ///< index in MechanicalSystem::walls
   int part = 0;  ///< index in Wall::parts
-  double impulse =
-      0;  ///< multiplier of the gradient [mass unit x wall unit / s]; friction is not in it
+  /// Multiplier of the gradient of the part, without friction: N s where the part is a distance.
+  double impulse = 0;
 };
 
 struct Impact {
@@ -37,9 +37,8 @@ struct Impact {
   std::vector<double> after;      ///< momentum just after
   std::vector<ActivePart> parts;  ///< those that span the normal cone there
   double energy = 0;              ///< discrete energy of the way to the impact
-  double energy_after =
-      0;  ///< that of the way from it, the same for an elastic impact that is not grazing
-  bool grazing = false;  ///< reflected at once, since the energy equation had no root
+  double energy_after = 0;        ///< of the way from it: the same if elastic and not grazing
+  bool grazing = false;           ///< reflected at once, since the energy equation had no root
   /// How far q~ is from being the closest point of the obstacle to the chord, in the norm of M [sqrt(mass) x length]: what M (q~ -
   /// q_(i-alpha)), less the part of the forces, is off the normal cone. NaN for an impact with friction.
   double closest_point_error = 0;
@@ -50,12 +49,11 @@ struct CollisionTotals {
   std::int64_t impacts = 0;
   std::int64_t grazing_impacts = 0;        ///< those that were reflected at once
   double largest_closest_point_error = 0;  ///< over all impacts without friction
-  double smallest_gap =
-      0;  ///< least value of a wall at a node so far, the start included; infinite without walls
+  double smallest_gap = 0;  ///< least value of a wall at nodes so far; infinite without walls
 };
 
-/// The system came to rest at a wall: forces press it there and it meets or leaves it more slowly than the hand-over speed. Such contact is for the
-/// time steps of a World. The integrator is as it was before the step.
+/// The system came to rest at a wall: forces press it there and it meets or leaves it more slowly than the hand-over speed. Such
+/// contact is for the time steps of a World. The integrator is as it was before the step.
 class RestingContact : public RunError {
  public:
   using RunError::RunError;

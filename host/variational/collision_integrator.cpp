@@ -38,7 +38,7 @@ MechanicalSystem checked(MechanicalSystem system, const ImpactSettings& settings
   return system;
 }
 
-/// A point of the discrete motion, and what leaves it.
+/// A point of the discrete motion, with the gradient of V there.
 struct Point {
   Vector q, p, gradient;
 };
@@ -203,6 +203,8 @@ class CollisionIntegrator::State {
     const double left = impact_ ? std::max(0.0, settings_.step - elapsed_) : settings_.step;
     go(left);
     end_segment(left);
+    const double gap =
+        gap_at(system_.walls, end_.q);  // what may fail is done: from here on the step counts
     std::swap(node_, end_);
     last_duration_ = left;
     ++totals_.steps;
@@ -213,7 +215,7 @@ class CollisionIntegrator::State {
         totals_.largest_closest_point_error =
             std::max(totals_.largest_closest_point_error, impact.closest_point_error);
     }
-    totals_.smallest_gap = std::min(totals_.smallest_gap, gap_at(system_.walls, node_.q));
+    totals_.smallest_gap = std::min(totals_.smallest_gap, gap);
     publish();
   }
 

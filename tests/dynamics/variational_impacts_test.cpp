@@ -78,6 +78,59 @@ TEST(VariationalImpacts, B01_EnergyJumpsByItsFormula) {
   }
 }
 
+/// However many impacts are in a step, the discrete energy of its last part is that of its first.
+TEST(VariationalImpacts, SeveralImpactsInAStepCarryTheDiscreteEnergy) {
+  const double h = 0.05, r = 0.25, lid = 0.625;  // room of 1/8 m
+  Scene scene = variational_scene(h);
+  scene.gravity = {0, 0, -g};
+  physics::add_plane(scene);
+  physics::add_plane(scene, {0, 0, -1}, {0, 0, lid});
+  add_sphere(scene, {0, 0, 0.3}, r, 1).velocity = {0, 0, 9};
+  World world(scene, cpu_options());
+  double several = 0;
+  BodyStates before = world.states();
+  for (int k = 0; k < 500; ++k) {
+    const StepReport report = world.step();
+    const BodyStates after = world.states();
+    const auto node_energy = [](const BodyStates& s) {
+      return 0.5 * norm2(s.velocity[2]) + g * s.position[2].z;
+    };
+    // From a node to the plate ahead, and back to the one behind, along the parabola.
+    const auto time_to_plate = [&](double z, double v) {
+      const double down = z - r, up = lid - r - z;
+      const double floor = (v + std::sqrt(v * v + 2 * g * down)) / g;
+      const double left = v * v - 2 * g * up;
+      return v > 0 && left >= 0 ? (v - std::sqrt(left)) / g : floor;
+    };
+    const double first = time_to_plate(before.position[2].z, before.velocity[2].z);
+    const double last = time_to_plate(after.position[2].z, -after.velocity[2].z);
+    ASSERT_GE(report.own[impacts], 1);
+    several += report.own[impacts] > 1;
+    const double jump = node_energy(after) - node_energy(before);
+    ASSERT_NEAR(jump, g * g / 8 * (last * last - first * first), 1e-11) << "step " << k;
+    before = after;
+  }
+  EXPECT_GT(several, 400);
+}
+
+/// The same of two bodies that meet: what one loses the other gains, but for the parts of the step.
+TEST(VariationalImpacts, PairsCarryTheSumOfTheirDiscreteEnergies) {
+  const double h = 0.1, ma = 2, mb = 0.5;
+  Scene scene = variational_scene(h);
+  scene.gravity = {0, 0, -g};
+  add_sphere(scene, {0, 0, 5}, 0.25, ma).velocity = {5, 0, 0.5};
+  add_sphere(scene, {0.75, 0.1, 5.1}, 0.25, mb).velocity = {-1, 0, 0};
+  World world(scene, cpu_options());
+  const double start = 0.5 * ma * 25.25 + ma * g * 5 + 0.5 * mb + mb * g * 5.1;
+  const Vec3d d{0.75, 0.1, 0.1}, u{-6, 0, -0.5};
+  const double b = dot(d, u), t = (-b - std::sqrt(b * b - norm2(u) * (norm2(d) - 0.25))) / norm2(u);
+  const StepReport report = world.step();
+  ASSERT_EQ(report.own[impacts], 1);
+  EXPECT_NEAR(report.own[energy] - start, (ma + mb) * g * g * h * (h - 2 * t) / 8, 1e-12);
+  EXPECT_NEAR(report.own[px], 5 * ma - mb, 1e-14);
+  EXPECT_NEAR(report.own[pz], 0.5 * ma - (ma + mb) * g * h, 1e-14);
+}
+
 /// Heights are e^2 times those before, and times those of the closed form, to second order in h.
 TEST(VariationalImpacts, B10_PartlyElasticBouncesAreOfSecondOrder) {
   const double e = 0.9, end = 3;

@@ -255,7 +255,9 @@ void expect_haff(int per_edge, double taus, double slope_tolerance) {
   testing::Test::RecordProperty("early_slope", std::to_string(xy / xx));
   EXPECT_NEAR(xy / xx, 1, slope_tolerance);
   EXPECT_LT(norm(momentum(r) - first), 1e-10);
-  if (taus >= 5) EXPECT_NEAR(36 * r.kinetic_energy / 1.5 / count, 1, 0.15);
+  if (taus >= 5) {
+    EXPECT_NEAR(36 * r.kinetic_energy / 1.5 / count, 1, 0.15);
+  }
 }
 
 TEST(VariationalGas, C50_CoolsByHaffsLaw) { expect_haff(16, 5, 0.05); }

@@ -177,7 +177,9 @@ TEST_F(VariationalImpact, ProjectsOnNormalCones) {
       Vec3d w = vector();
       bool is_polar = true;
       for (int j = 0; j < cones[i].count; ++j) is_polar = is_polar && dot(cones[i].n[j], w) >= 0;
-      if (is_polar) EXPECT_LE(dot(found[i], w), 1e-10) << i;
+      if (is_polar) {
+        EXPECT_LE(dot(found[i], w), 1e-10) << i;
+      }
     }
     ++kinds[norm(found[i]) > 0];
   }

@@ -178,7 +178,9 @@ SCREE_HD RollingRow<Real> rolling_row(const BodyView<Real>& bodies,
 
 /// Velocity that the vertex of a free body at arm r gains by turning for half a step [m/s]: h/2 of
 /// the acceleration w' x r + w x (w x r) of a free rotation, I w' = I w x w. With it a contact that
-/// sticks keeps its place to second order. docs/theory.md, section "Rotation".
+/// sticks keeps its place to second order. That is the beginning of a series in the angle of a step: above half a radian it
+/// fades, and from one on there is none, since a vertex that turns so far within a step is not where the series says, and
+/// walls would push it with energy from nowhere. docs/theory.md, section "Rotation".
 template <class Real>
 struct ContactDrift {
   static constexpr const char* name = "contact_drift";
@@ -203,7 +205,10 @@ struct ContactDrift {
     const Vec3<Real> r = contacts.arm_a[k] - rounding * contacts.normal[c];
     const GeneralInertia<Real>& body = inertia[a];
     const Vec3<Real> turn = body.inv_inertia * cross(body.inertia * w, w);
-    drift[k] = -half_step * (cross(turn, r) + cross(w, cross(w, r)));
+    const Real fading = 2 - 4 * half_step * norm(w);
+    if (!(fading > Real(0))) return;
+    const Real share = fading < Real(1) ? fading : Real(1);
+    drift[k] = -(share * half_step) * (cross(turn, r) + cross(w, cross(w, r)));
   }
 };
 

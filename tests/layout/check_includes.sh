@@ -57,6 +57,7 @@ awk '
     within["kernels/variational"] = " . math backend bodies contact broad_phase narrow_phase step "
     within["kernels/solve"] = " . math backend bodies contact "
     within["kernels/render"] = " . math backend bodies "
+    within["kernels/affine"] = " . math "
     within["solvers/."] = " assembled "
     within["solvers/assembled"] = " "
     within["solvers/rolling"] = " assembled "

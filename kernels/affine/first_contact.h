@@ -1,0 +1,105 @@
+#pragma once
+// Continuous collision detection: how far four points may move along straight ways before their
+// features come near. Additive: the distance, over the largest speed at which it can shrink, is a
+// way that is free; it is taken until little of the distance is left.
+// Source: Li et al., Codimensional Incremental Potential Contact, ACM TOG 40(4), 2021, section 5.
+// What is added here: distances are bounded from below, rounding included, so that the answer is
+// never late. docs/theory.md, "Barrier contact".
+
+#include "kernels/affine/nearest.h"
+
+namespace scree::affine {
+
+/// Smallest coordinate along a direction of the points of A, less the largest of those of B: no more
+/// than their distance, whichever unit direction it is.
+SCREE_HD inline double apart_along(const Four& x, int split, const Vec3d& direction) {
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  for (int i = 0; i < 4; ++i) {
+    const double at = dot(direction, x[i]);
+    if (i < split)
+      lowest = at < lowest ? at : lowest;
+    else
+      highest = at > highest ? at : highest;
+  }
+  return lowest - highest;
+}
+
+/// A lower bound of the distance, below it by rounding only where features are not degenerate.
+/// @param size  bound of the coordinates [m]; the errors of a few operations on them are taken off
+SCREE_HD inline double distance_bound(PairKind kind, const Four& x, double size) {
+  constexpr double kErrors = 32 * 2.220446049250313e-16;
+  const int split = first_points(kind);
+  const Nearest n = nearest_points(kind, x);
+  double apart = apart_along(x, split, normalized(n.gap));
+  // The plane of the triangle or of both edges, whose direction does not depend on a small gap.
+  const Vec3d plane = kind == PairKind::point_triangle ? cross(x[2] - x[1], x[3] - x[1])
+                                                       : cross(x[1] - x[0], x[3] - x[2]);
+  const Vec3d direction = normalized(dot(plane, n.gap) < 0 ? -plane : plane);
+  const double across = apart_along(x, split, direction);
+  apart = across > apart ? across : apart;
+  return apart - kErrors * size;
+}
+
+struct FirstContactParameters {
+  double separation = 0;  ///< distance that must not be reached [m], >= 0
+  double remaining =
+      0.1;                ///< share of the distance at the start, above the separation, that may be
+                          ///< left at the answer: in (0, 1)
+  int most_steps = 1000;  ///< of the search; the answer is then the way found free so far
+};
+
+struct FirstContact {
+  double time = 1;   ///< share of the ways that is free, in [0, 1]
+  bool hit = false;  ///< whether less than all of the ways is free
+  int steps = 0;     ///< distances that were computed
+};
+
+/// @param from, to  the four points at the start and at the end of their straight ways [m]
+/// @return a time up to which the features stay farther apart than the separation
+SCREE_HD inline FirstContact first_contact(PairKind kind, const Four& from, const Four& to,
+                                           const FirstContactParameters& parameters) {
+  const int split = first_points(kind);
+  Four start, way;
+  Vec3d mean;
+  for (int i = 0; i < 4; ++i) {
+    start[i] = from[i] - from[0];
+    way[i] = (to[i] - from[i]) - (to[0] - from[0]);
+    mean += 0.25 * way[i];
+  }
+  double speed[2] = {0, 0}, size = 0;
+  for (int i = 0; i < 4; ++i) {
+    way[i] -= mean;
+    double& most = speed[i < split ? 0 : 1];
+    const double own = norm(way[i]);
+    most = own > most ? own : most;
+    const double far = norm(start[i]) + own + norm(mean) + norm(to[i] - from[i]);
+    size = far > size ? far : size;
+  }
+  const double rate = (speed[0] + speed[1]) * (1 + 1e-14);
+  FirstContact r;
+  double stop = 0;
+  for (double time = 0;;) {
+    Four x;
+    for (int i = 0; i < 4; ++i) x[i] = start[i] + time * way[i];
+    const double left = distance_bound(kind, x, size) - parameters.separation;
+    ++r.steps;
+    if (r.steps == 1) stop = parameters.remaining * left;
+    if (!(left > stop) || r.steps >= parameters.most_steps) {
+      if (r.steps == 1) time = 0;
+      r.time = time;
+      r.hit = true;
+      return r;
+    }
+    if (rate * (1 - time) <= left) return r;
+    // Less than all of it, so that the next distance is not lost to rounding.
+    const double next = time + (r.steps == 1 ? 1 - parameters.remaining : 0.9) * left / rate;
+    if (next <= time) {
+      r.time = time;
+      r.hit = true;
+      return r;
+    }
+    time = next;
+  }
+}
+
+}  // namespace scree::affine

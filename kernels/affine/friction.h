@@ -1,0 +1,102 @@
+#pragma once
+// Smoothed friction of one pair, with its tangents, weights and normal force of an earlier state.
+// Source: Li et al., ACM TOG 39(4), 2020, section 5.4. docs/theory.md, "Barrier contact".
+
+#include <cmath>
+
+#include "kernels/affine/nearest.h"
+
+namespace scree::affine {
+
+/// A pair as friction remembers it.
+struct FrictionContact {
+  double weight[4] = {};  ///< of the four points, as in Nearest
+  Vec3d tangent[2];       ///< orthonormal
+  double bound = 0;       ///< mu times the normal force [N]
+};
+
+/// @param n      nearest points at the earlier state, apart. @param force  normal force there [N]
+SCREE_HD inline FrictionContact friction_contact(const Nearest& n, double mu, double force) {
+  FrictionContact f;
+  for (int i = 0; i < 4; ++i) f.weight[i] = n.weight[i];
+  const Vec3d normal = normalized(n.gap);
+  f.tangent[0] = any_orthogonal(normal);
+  f.tangent[1] = cross(normal, f.tangent[0]);
+  f.bound = mu * force;
+  return f;
+}
+
+/// Energy of a slip by y under a unit bound: f0, whose derivative f1 grows from 0 to 1 over the
+/// length `slip` and stays there.
+struct SlipLaw {
+  double slip = 1e-5;  ///< speed below which contacts count as sticking, times the step [m]; > 0
+
+  SCREE_HD double energy(double y) const {
+    if (y >= slip) return y;
+    const double r = y / slip;
+    return slip * (r * r * (1 - r / 3) + 1.0 / 3);
+  }
+  /// f1(y) / y, also for y = 0.
+  SCREE_HD double force_per_slip(double y) const {
+    return y >= slip ? 1 / y : (2 - y / slip) / slip;
+  }
+  /// f1'(y).
+  SCREE_HD double stiffness(double y) const { return y >= slip ? 0 : 2 * (1 - y / slip) / slip; }
+};
+
+/// How far the points of the pair slipped, in tangents. @param moved  displacements since the start
+/// of the step [m]
+SCREE_HD inline void slip_of(const FrictionContact& f, const Four& moved, double (&u)[2]) {
+  Vec3d sum;
+  for (int i = 0; i < 4; ++i) sum += f.weight[i] * moved[i];
+  u[0] = dot(f.tangent[0], sum);
+  u[1] = dot(f.tangent[1], sum);
+}
+
+SCREE_HD inline double friction_energy(const FrictionContact& f, const SlipLaw& law,
+                                       const Four& moved) {
+  double u[2];
+  slip_of(f, moved, u);
+  return f.bound * law.energy(std::sqrt(u[0] * u[0] + u[1] * u[1]));
+}
+
+SCREE_HD inline Four friction_gradient(const FrictionContact& f, const SlipLaw& law,
+                                       const Four& moved) {
+  double u[2];
+  slip_of(f, moved, u);
+  const double scale = f.bound * law.force_per_slip(std::sqrt(u[0] * u[0] + u[1] * u[1]));
+  const Vec3d force = (scale * u[0]) * f.tangent[0] + (scale * u[1]) * f.tangent[1];
+  Four g;
+  for (int i = 0; i < 4; ++i) g[i] = f.weight[i] * force;
+  return g;
+}
+
+/// The 3x3 matrix K of the pair: blocks of the Hessian are w_i w_j K. Along the slip it is f1', across
+/// it f1 / y, both never below zero: it needs no projection.
+SCREE_HD inline Dense<3> friction_stiffness(const FrictionContact& f, const SlipLaw& law,
+                                            const Four& moved) {
+  double u[2];
+  slip_of(f, moved, u);
+  const double y = std::sqrt(u[0] * u[0] + u[1] * u[1]);
+  const double across = f.bound * law.force_per_slip(y);
+  const double along = f.bound * law.stiffness(y);
+  Dense<3> k;
+  k.add_outer(0, 0, across, f.tangent[0], f.tangent[0]);
+  k.add_outer(0, 0, across, f.tangent[1], f.tangent[1]);
+  if (y > 0) {
+    const Vec3d direction = (u[0] / y) * f.tangent[0] + (u[1] / y) * f.tangent[1];
+    k.add_outer(0, 0, along - across, direction, direction);
+  }
+  return k;
+}
+
+SCREE_HD inline Dense<12> friction_hessian(const FrictionContact& f, const SlipLaw& law,
+                                           const Four& moved) {
+  const Dense<3> k = friction_stiffness(f, law, moved);
+  Dense<12> h;
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) h(i, j) = f.weight[i / 3] * f.weight[j / 3] * k(i % 3, j % 3);
+  return h;
+}
+
+}  // namespace scree::affine

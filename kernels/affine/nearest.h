@@ -1,0 +1,163 @@
+#pragma once
+// Nearest points of a point and a triangle, and of two edges, with derivatives of their squared
+// distance. docs/theory.md, "Barrier contact".
+
+#include "kernels/math/dense.h"
+
+namespace scree::affine {
+
+using Vec3d = Vec3<double>;
+
+/// Four points of a pair, or a vector for each: a point and the corners of a triangle, or the ends
+/// of edge A and of edge B.
+struct Four {
+  Vec3d at[4];
+  SCREE_HD Vec3d& operator[](int i) { return at[i]; }
+  SCREE_HD const Vec3d& operator[](int i) const { return at[i]; }
+};
+
+enum class PairKind : std::uint8_t { point_triangle, edge_edge };
+
+/// How many of the four points belong to the first body.
+SCREE_HD inline int first_points(PairKind kind) { return kind == PairKind::point_triangle ? 1 : 2; }
+
+/// Nearest points of a pair as weights of the four points: the nearest point of A less that of B is
+/// their weighted sum. Weights of A add up to 1, those of B to -1.
+struct Nearest {
+  Vec3d gap;               ///< nearest point of A less that of B [m]
+  double squared = 1e300;  ///< its square D [m^2]
+  double weight[4] = {};
+  int free = 0;             ///< parameters that are not at a bound: 0 to 2, where points are fixed,
+                            ///< on an edge, or on a triangle or two edges
+  double slope[2][4] = {};  ///< derivatives of the weights with respect to these
+};
+
+/// Takes the nearest point of the edge (a, b) to the point p if it is nearer than what was found.
+/// @param sign  1 where the point belongs to A, -1 where the edge does
+SCREE_HD inline void try_point_edge(const Four& x, int p, int a, int b, double sign,
+                                    Nearest& best) {
+  const Vec3d edge = x[b] - x[a], d = x[p] - x[a];
+  const double along = dot(d, edge), length = norm2(edge);
+  const bool free = along > 0 && along < length;
+  const double t = free ? along / length : along > 0 ? 1 : 0;
+  const Vec3d gap = t == 1 ? x[p] - x[b] : d - t * edge;
+  const double squared = norm2(gap);
+  if (!(squared < best.squared)) return;
+  best = Nearest{};
+  best.gap = sign * gap;
+  best.squared = squared;
+  best.weight[p] = sign;
+  best.weight[a] = -sign * (1 - t);
+  best.weight[b] = -sign * t;
+  if (!free) return;
+  best.free = 1;
+  best.slope[0][a] = sign;
+  best.slope[0][b] = -sign;
+}
+
+/// Parameters of the smallest |d + s e + t f|, with one step that takes out what rounding left of
+/// the residual. @return whether e and f are far enough from parallel
+SCREE_HD inline bool nearest_parameters(const Vec3d& d, const Vec3d& e, const Vec3d& f, double& s,
+                                        double& t) {
+  const Vec3d n = cross(e, f);
+  const double area = norm2(n), ee = norm2(e), ff = norm2(f), ef = dot(e, f);
+  if (!(area > 1e-20 * ee * ff)) return false;
+  s = dot(cross(f, d), n) / area;
+  t = dot(cross(d, e), n) / area;
+  const Vec3d r = d + s * e + t * f;
+  const double re = dot(r, e), rf = dot(r, f);
+  s -= (ff * re - ef * rf) / area;
+  t -= (ee * rf - ef * re) / area;
+  return true;
+}
+
+/// Nearest points of the point x[0] and the triangle of the others.
+SCREE_HD inline Nearest nearest_point_triangle(const Four& x) {
+  Nearest best;
+  const Vec3d d = x[0] - x[1], e = x[2] - x[1], f = x[3] - x[1];
+  double s = 0, t = 0;
+  if (nearest_parameters(d, -e, -f, s, t) && s > 0 && t > 0 && s + t < 1) {
+    best.gap = d - s * e - t * f;
+    best.squared = norm2(best.gap);
+    const double weight[4] = {1, -(1 - s - t), -s, -t};
+    const double slope[2][4] = {{0, 1, -1, 0}, {0, 1, 0, -1}};
+    for (int i = 0; i < 4; ++i) {
+      best.weight[i] = weight[i];
+      best.slope[0][i] = slope[0][i];
+      best.slope[1][i] = slope[1][i];
+    }
+    best.free = 2;
+  }
+  try_point_edge(x, 0, 1, 2, 1, best);
+  try_point_edge(x, 0, 2, 3, 1, best);
+  try_point_edge(x, 0, 3, 1, 1, best);
+  return best;
+}
+
+/// Nearest points of the edges (x[0], x[1]) and (x[2], x[3]).
+SCREE_HD inline Nearest nearest_edge_edge(const Four& x) {
+  Nearest best;
+  const Vec3d d = x[0] - x[2], e = x[1] - x[0], f = x[3] - x[2];
+  double s = 0, t = 0;
+  if (nearest_parameters(d, e, -f, s, t) && s > 0 && s < 1 && t > 0 && t < 1) {
+    best.gap = d + s * e - t * f;
+    best.squared = norm2(best.gap);
+    const double weight[4] = {1 - s, s, -(1 - t), -t};
+    const double slope[2][4] = {{-1, 1, 0, 0}, {0, 0, 1, -1}};
+    for (int i = 0; i < 4; ++i) {
+      best.weight[i] = weight[i];
+      best.slope[0][i] = slope[0][i];
+      best.slope[1][i] = slope[1][i];
+    }
+    best.free = 2;
+  }
+  try_point_edge(x, 0, 2, 3, 1, best);
+  try_point_edge(x, 1, 2, 3, 1, best);
+  try_point_edge(x, 2, 0, 1, -1, best);
+  try_point_edge(x, 3, 0, 1, -1, best);
+  return best;
+}
+
+SCREE_HD inline Nearest nearest_points(PairKind kind, const Four& x) {
+  return kind == PairKind::point_triangle ? nearest_point_triangle(x) : nearest_edge_edge(x);
+}
+
+/// Gradient of the squared distance: the free parameters are at a minimum and so do not add to it.
+SCREE_HD inline Four distance_gradient(const Nearest& n) {
+  Four g;
+  for (int i = 0; i < 4; ++i) g[i] = (2 * n.weight[i]) * n.gap;
+  return g;
+}
+
+/// Second derivatives of the squared distance. With F = |sum of w_i x_i|^2 at parameters b, which
+/// follow the points, they are F_xx - F_xb F_bb^-1 F_bx.
+SCREE_HD inline Dense<12> distance_hessian(const Four& x, const Nearest& n) {
+  Dense<12> h;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) h.add_identity(i, j, 2 * n.weight[i] * n.weight[j]);
+  if (n.free == 0) return h;
+  Vec3d along[2];  // derivatives of the gap with respect to the parameters
+  for (int k = 0; k < n.free; ++k)
+    for (int i = 0; i < 4; ++i)
+      if (i > 0) along[k] += n.slope[k][i] * (x[i] - x[0]);
+  double inverse[2][2] = {};  // of F_bb / 2
+  const double aa = norm2(along[0]), bb = norm2(along[1]), ab = dot(along[0], along[1]);
+  if (n.free == 1) {
+    inverse[0][0] = 1 / aa;
+  } else {
+    const double area = norm2(cross(along[0], along[1]));
+    inverse[0][0] = bb / area, inverse[1][1] = aa / area;
+    inverse[0][1] = inverse[1][0] = -ab / area;
+  }
+  Four mixed[2];  // F_xb / 2
+  for (int k = 0; k < n.free; ++k)
+    for (int i = 0; i < 4; ++i) mixed[k][i] = n.slope[k][i] * n.gap + n.weight[i] * along[k];
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      for (int k = 0; k < n.free; ++k)
+        for (int l = 0; l < n.free; ++l)
+          h.add_outer(i, j, -2 * inverse[k][l], mixed[k][i], mixed[l][j]);
+  return h;
+}
+
+}  // namespace scree::affine

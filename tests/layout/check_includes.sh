@@ -64,6 +64,7 @@ awk '
     within["dynamics/."] = " "
     within["dynamics/rigid"] = " . "
     within["dynamics/variational"] = " . rigid "
+    within["dynamics/affine"] = " . "
     within["host/."] = " "
     within["host/layouts"] = " . "
     within["host/plot"] = " . "

@@ -1,0 +1,366 @@
+#include "dynamics/affine/affine_system.h"
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <cmath>
+
+#include "dynamics/affine/pair_search.h"
+#include "kernels/affine/first_contact.h"
+#include "kernels/affine/friction.h"
+#include "kernels/affine/orthogonality.h"
+#include "kernels/affine/reduction.h"
+
+namespace scree::affine {
+namespace {
+
+using State = std::vector<AffineVec>;
+
+Sym3<double> world_inertia(const AffineMass& mass, const AffineVec& q) {
+  const Sym3<double>& s = mass.second;
+  const double rows[3][3] = {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};
+  Sym3<double> w;  // A S A^T
+  for (int k = 0; k < 3; ++k) {
+    for (int l = 0; l < 3; ++l) {
+      const Vec3d &a = q.node[k + 1], &b = q.node[l + 1];
+      const double f = rows[k][l];
+      w.xx += f * a.x * b.x, w.yy += f * a.y * b.y, w.zz += f * a.z * b.z;
+      w.xy += f * a.x * b.y, w.xz += f * a.x * b.z, w.yz += f * a.y * b.z;
+    }
+  }
+  return AffineMass{mass.mass, w}.inertia();
+}
+
+Vec3d turn_rate(const AffineMass& mass, const AffineVec& q, const Vec3d& momentum) {
+  return inverse_on_axes(world_inertia(mass, q), 7u) * momentum;
+}
+
+/// The columns of A turned by |w| about w.
+AffineVec turned(const AffineVec& q, const Vec3d& w) {
+  AffineVec r = q;
+  const Quat<double> turn = exp_map(w);
+  for (int k = 1; k < 4; ++k) r.node[k] = rotate(turn, q.node[k]);
+  return r;
+}
+
+}  // namespace
+
+void set_pose(AffineBody& body, const Vec3d& center, const Quat<double>& turn) {
+  body.position.node[0] = center;
+  for (int k = 0; k < 3; ++k) {
+    Vec3d axis;
+    axis[k] = 1;
+    body.position.node[k + 1] = rotate(turn, axis);
+  }
+}
+
+void set_motion(AffineBody& body, const Vec3d& velocity, const Vec3d& angular_velocity) {
+  body.velocity.node[0] = velocity;
+  for (int k = 1; k < 4; ++k)
+    body.velocity.node[k] = cross(angular_velocity, body.position.node[k]);
+}
+
+Vec3d angular_momentum(const AffineBody& body) {
+  const AffineVec momentum = body.mass.product(body.velocity);
+  Vec3d sum;
+  for (int k = 1; k < 4; ++k) sum += cross(body.position.node[k], momentum.node[k]);
+  return sum;
+}
+
+double kinetic_energy(const AffineBody& body) {
+  return 0.5 * dot(body.velocity, body.mass.product(body.velocity));
+}
+
+std::size_t AffineSystem::add(AffineBody body) {
+  bodies_.push_back(std::move(body));
+  earlier_position_.clear();
+  return bodies_.size() - 1;
+}
+
+/// One minimization: the potential 1/2 |q - target|_M^2 + scale (elastic + barrier + friction).
+struct AffineSystem::Impl {
+  const AffineSettings& settings;
+  const std::vector<AffineBody>& bodies;
+  State start;   ///< where the step began
+  State target;  ///< where bodies would be without forces but loads
+  double scale;  ///< h^2 or, with bdf2, 4/9 h^2
+
+  struct Slip {
+    SurfacePair pair;
+    Four rest, start;
+    FrictionContact contact;
+  };
+  std::vector<Slip> slips;
+  SlipLaw law;
+
+  Barrier barrier() const { return settings.barrier; }
+  double reach() const { return barrier().separation + barrier().reach; }
+
+  ContactPair contact_pair(const SurfacePair& pair, const Four& rest) const {
+    ContactPair c;
+    c.kind = pair.kind;
+    if (pair.kind == PairKind::edge_edge)
+      c.parallel_below = mollifier_threshold(rest[1] - rest[0], rest[3] - rest[2]);
+    return c;
+  }
+
+  /// Friction of the contacts at a state, for slips from the start of the step on.
+  void remember_friction(const State& q) {
+    slips.clear();
+    if (settings.mu == 0) return;
+    for (const SurfacePair& pair : pairs_near(bodies, q, q, reach())) {
+      const Four rest = rest_points(bodies, pair), x = points_of(q, pair, rest);
+      const double force = normal_force(contact_pair(pair, rest), barrier(), x);
+      if (force > 0)
+        slips.push_back({pair, rest, points_of(start, pair, rest),
+                         friction_contact(nearest_points(pair.kind, x), settings.mu, force)});
+    }
+  }
+  static Four moved(const Slip& slip, const State& q) {
+    Four m = points_of(q, slip.pair, slip.rest);
+    for (int i = 0; i < 4; ++i) m[i] -= slip.start[i];
+    return m;
+  }
+
+  double energy(const State& q, const std::vector<SurfacePair>& pairs) const {
+    double inertial = 0, rest_energy = 0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (bodies[b].fixed) continue;
+      const AffineVec off = q[b] - target[b];
+      inertial += 0.5 * dot(off, bodies[b].mass.product(off));
+      rest_energy += orthogonality_energy(bodies[b].stiffness, q[b]);
+    }
+    for (const SurfacePair& pair : pairs) {
+      const Four rest = rest_points(bodies, pair);
+      rest_energy += contact_energy(contact_pair(pair, rest), barrier(), points_of(q, pair, rest));
+    }
+    for (const Slip& slip : slips)
+      rest_energy += friction_energy(slip.contact, law, moved(slip, q));
+    return inertial + scale * rest_energy;
+  }
+
+  /// What rounding may make of the energy: near the minimum steps gain less. A^T A - I is what is left
+  /// of numbers near one.
+  double rounding(const State& q, double energy_there) const {
+    double sum = 1e-14 * std::abs(energy_there);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (!bodies[b].fixed)
+        sum += 1e-14 * scale * bodies[b].stiffness * (strain_norm(q[b]) + 1e-14);
+    return sum;
+  }
+
+  using Triplets = std::vector<Eigen::Triplet<double>>;
+
+  /// Where the unknowns of bodies begin; -1 for fixed ones.
+  std::vector<int> places() const {
+    std::vector<int> r;
+    int next = 0;
+    for (const AffineBody& b : bodies) {
+      r.push_back(b.fixed ? -1 : next);
+      if (!b.fixed) next += 12;
+    }
+    return r;
+  }
+  static void add_block(Triplets& matrix, int row, int column, const Dense<12>& block, bool turn) {
+    if (row < 0 || column < 0) return;
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j)
+        matrix.emplace_back(row + i, column + j, turn ? block(j, i) : block(i, j));
+  }
+
+  /// The Newton step -H^-1 g with semidefinite second derivatives, and its slope g.step.
+  State newton_step(const State& q, double& slope) const {
+    const std::vector<int> place = places();
+    const auto unknowns = static_cast<Eigen::Index>(
+        12 * std::count_if(place.begin(), place.end(), [](int p) { return p >= 0; }));
+    State force(bodies.size());
+    Triplets matrix;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (bodies[b].fixed) continue;
+      force[b] = bodies[b].mass.product(target[b] - q[b]) +
+                 (-scale) * orthogonality_gradient(bodies[b].stiffness, q[b]);
+      const Dense<9> elastic = projected_orthogonality_hessian(bodies[b].stiffness, q[b]);
+      Dense<12> block;
+      for (int i = 0; i < 9; ++i)
+        for (int j = 0; j < 9; ++j) block(3 + i, 3 + j) = scale * elastic(i, j);
+      for (int k = 0; k < 4; ++k) {
+        AffineVec unit;
+        unit.node[k].x = 1;
+        const AffineVec column = bodies[b].mass.product(unit);
+        for (int l = 0; l < 4; ++l) block.add_identity(l, k, column.node[l].x);
+      }
+      add_block(matrix, place[b], place[b], block, false);
+    }
+    const auto add_pair = [&](const SurfacePair& pair, const Four& rest, const Four& gradient,
+                              Dense<12> h) {
+      const auto a = static_cast<std::size_t>(pair.body[0]);
+      const auto b = static_cast<std::size_t>(pair.body[1]);
+      Four push;
+      for (int i = 0; i < 4; ++i) push[i] = -scale * gradient[i];
+      add_forces(pair.kind, rest, push, force[a], force[b]);
+      h.scale(scale);
+      BodyBlocks blocks;
+      add_blocks(pair.kind, rest, h, blocks);
+      add_block(matrix, place[a], place[a], blocks.first, false);
+      add_block(matrix, place[a], place[b], blocks.mixed, false);
+      add_block(matrix, place[b], place[a], blocks.mixed, true);
+      add_block(matrix, place[b], place[b], blocks.second, false);
+    };
+    for (const SurfacePair& pair : pairs_near(bodies, q, q, reach())) {
+      const Four rest = rest_points(bodies, pair), x = points_of(q, pair, rest);
+      if (!barrier().acts(nearest_points(pair.kind, x).squared)) continue;
+      const ContactPair c = contact_pair(pair, rest);
+      add_pair(pair, rest, contact_gradient(c, barrier(), x),
+               contact_hessian(c, barrier(), x, Projection::eigenvalues));
+    }
+    for (const Slip& slip : slips) {
+      const Four m = moved(slip, q);
+      add_pair(slip.pair, slip.rest, friction_gradient(slip.contact, law, m),
+               friction_hessian(slip.contact, law, m));
+    }
+    Eigen::SparseMatrix<double> h(unknowns, unknowns);
+    h.setFromTriplets(matrix.begin(), matrix.end());
+    Eigen::VectorXd right(unknowns);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      for (int i = 0; i < 12 && place[b] >= 0; ++i)
+        right(place[b] + i) = force[b].node[i / 3][i % 3];
+    const Eigen::VectorXd step = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(h).solve(right);
+    slope = -right.dot(step);
+    State r(bodies.size());
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      for (int i = 0; i < 12 && place[b] >= 0; ++i) r[b].node[i / 3][i % 3] = step(place[b] + i);
+    return r;
+  }
+
+  /// Largest way of a corner, nearly [m].
+  double size_of(const State& step) const {
+    double most = 0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      double turn = 0;
+      for (int k = 1; k < 4; ++k) turn += norm2(step[b].node[k]);
+      most = std::max(most, norm(step[b].node[0]) + bodies[b].surface->radius * std::sqrt(turn));
+    }
+    return most;
+  }
+
+  static State moved_by(const State& q, double share, const State& step) {
+    State r = q;
+    for (std::size_t b = 0; b < q.size(); ++b) r[b] += share * step[b];
+    return r;
+  }
+
+  /// Moves q to the minimum.
+  void minimize(State& q, AffineReport& report) const {
+    for (int iteration = 0;; ++iteration) {
+      double slope = 0;
+      const State step = newton_step(q, slope);
+      report.residual = size_of(step) / settings.h;
+      if (report.residual < settings.tolerance) return;
+      if (iteration == settings.most_iterations) break;
+      ++report.iterations;
+      const State full = moved_by(q, 1, step);
+      const std::vector<SurfacePair> pairs = pairs_near(bodies, q, full, reach());
+      double share = 1;
+      for (const SurfacePair& pair : pairs) {
+        const Four rest = rest_points(bodies, pair);
+        FirstContactParameters parameters;
+        parameters.separation = barrier().separation;
+        share = std::min(share, first_contact(pair.kind, points_of(q, pair, rest),
+                                              points_of(full, pair, rest), parameters)
+                                    .time);
+      }
+      const double before = energy(q, pairs);
+      State next = moved_by(q, share, step);
+      const double noise = rounding(q, before);
+      const auto lower = [&] {
+        return energy(next, pairs) <= before + 1e-4 * share * slope + noise;
+      };
+      while (share > 1e-12 && !lower()) {
+        share *= 0.5;
+        next = moved_by(q, share, step);
+      }
+      if (share <= 1e-12) break;
+      q = next;
+    }
+    report.converged = false;
+  }
+};
+
+AffineReport AffineSystem::step() {
+  const double h = settings_.h;
+  const bool second_order = settings_.rule == StepRule::bdf2 && !earlier_position_.empty();
+  const bool turning = settings_.rule == StepRule::rotational;
+  Impl impl{settings_, bodies_, {}, {}, (second_order ? 4.0 / 9 : 1) * h * h, {}, {}};
+  impl.law.slip = settings_.slip_speed * h;
+  State target_velocity;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const AffineBody& body = bodies_[b];
+    impl.start.push_back(body.position);
+    AffineVec load;
+    load.node[0] = body.force;
+    if (!turning) load += torque_force(body.position, body.torque);
+    AffineVec gain = body.mass.solve(load);
+    gain.node[0] += settings_.gravity;
+    AffineVec target;
+    if (second_order) {
+      target = (1.0 / 3) * (4.0 * body.position - earlier_position_[b]) +
+               (2 * h / 9) * (4.0 * body.velocity - earlier_velocity_[b]);
+    } else {
+      target = body.position + h * body.velocity;
+    }
+    AffineVec rate = body.velocity;
+    if (turning) {
+      const Vec3d momentum = angular_momentum(body) + h * body.torque;
+      const Vec3d w = turn_rate(body.mass, body.position, momentum);
+      const Vec3d middle = turn_rate(body.mass, turned(body.position, (0.5 * h) * w), momentum);
+      const AffineVec frame = turned(body.position, h * middle);
+      const Vec3d end = turn_rate(body.mass, frame, momentum);
+      for (int k = 1; k < 4; ++k) {
+        target.node[k] = frame.node[k];
+        rate.node[k] = cross(end, frame.node[k]);
+      }
+    }
+    impl.target.push_back(target + impl.scale * gain);
+    target_velocity.push_back(rate);
+  }
+  AffineReport report;
+  State q = impl.start;
+  const int solves = settings_.mu > 0 ? std::max(1, settings_.friction_solves) : 1;
+  for (int solve = 0; solve < solves; ++solve) {
+    impl.remember_friction(q);
+    impl.minimize(q, report);
+  }
+  const std::vector<AffineVec> last_velocity = [&] {
+    State r;
+    for (const AffineBody& body : bodies_) r.push_back(body.velocity);
+    return r;
+  }();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    AffineBody& body = bodies_[b];
+    if (body.fixed) continue;
+    if (second_order) {
+      body.velocity = (0.5 / h) * (3.0 * q[b] - 4.0 * body.position + earlier_position_[b]);
+    } else {
+      AffineVec v = (1 / h) * (q[b] - body.position);
+      if (turning)
+        for (int k = 1; k < 4; ++k)
+          v.node[k] =
+              target_velocity[b].node[k] + (1 / h) * (q[b].node[k] - impl.target[b].node[k]);
+      body.velocity = v;
+    }
+    body.position = q[b];
+  }
+  earlier_position_ = impl.start;
+  earlier_velocity_ = last_velocity;
+
+  report.gap = 2 * impl.reach();
+  for (const SurfacePair& pair : pairs_near(bodies_, q, q, report.gap)) {
+    const double squared =
+        nearest_points(pair.kind, points_of(q, pair, rest_points(bodies_, pair))).squared;
+    report.gap = std::min(report.gap, std::sqrt(squared));
+    report.contacts += settings_.barrier.acts(squared) ? 1 : 0;
+  }
+  return report;
+}
+
+}  // namespace scree::affine

@@ -1,0 +1,79 @@
+#pragma once
+// Affine bodies with barrier contact, stepped by minimizing their incremental potential: few bodies,
+// on the host, every matrix assembled and factorized. It is the reference that faster steps are
+// measured against. docs/theory.md, "Affine bodies" and "Barrier contact".
+
+#include <memory>
+#include <vector>
+
+#include "dynamics/affine/surface.h"
+#include "kernels/affine/barrier.h"
+
+namespace scree::affine {
+
+/// A body with its state.
+struct AffineBody {
+  std::shared_ptr<const Surface> surface;
+  AffineMass mass;
+  double stiffness = 0;  ///< kappa times the volume [J]
+  AffineVec position;    ///< q: center of mass and columns of A
+  AffineVec velocity;
+  Vec3d force;   ///< at the center of mass [N]
+  Vec3d torque;  ///< world axes [N m]
+  bool fixed = false;
+};
+
+/// A rigid pose and motion as affine coordinates.
+void set_pose(AffineBody& body, const Vec3d& center, const Quat<double>& turn);
+void set_motion(AffineBody& body, const Vec3d& velocity, const Vec3d& angular_velocity);
+
+/// Momentum of the turn about the center of mass [kg m^2/s], world axes.
+Vec3d angular_momentum(const AffineBody& body);
+double kinetic_energy(const AffineBody& body);
+
+enum class StepRule : std::uint8_t {
+  implicit_euler,
+  bdf2,        ///< of second order; its first step is one of implicit Euler
+  rotational,  ///< implicit Euler from a target that turns: free bodies keep their spin
+};
+
+struct AffineSettings {
+  double h = 0.01;             ///< time step [s], > 0
+  Vec3d gravity{0, 0, -9.81};  ///< [m/s^2]
+  StepRule rule = StepRule::bdf2;
+  Barrier barrier;
+  double mu = 0;             ///< friction coefficient of all contacts [-], >= 0
+  double slip_speed = 1e-3;  ///< below which contacts count as sticking [m/s], > 0
+  int friction_solves = 1;   ///< minimizations a step, each with the friction of the one before
+  double tolerance = 1e-3;   ///< largest speed of a corner in a Newton step that ends it [m/s], > 0
+  int most_iterations = 200;  ///< of a minimization
+};
+
+struct AffineReport {
+  int iterations = 0;     ///< Newton steps of all minimizations
+  double residual = 0;    ///< what the last one would have moved a corner by, over h [m/s]
+  bool converged = true;  ///< whether that is below the tolerance, in every minimization
+  int contacts = 0;       ///< pairs of corners, edges and triangles within reach, at the end
+  double gap = 0;  ///< smallest distance of two bodies at the end [m], at most twice the reach
+};
+
+class AffineSystem {
+ public:
+  explicit AffineSystem(const AffineSettings& settings) : settings_(settings) {}
+
+  /// @return its number
+  std::size_t add(AffineBody body);
+  std::vector<AffineBody>& bodies() { return bodies_; }
+  const std::vector<AffineBody>& bodies() const { return bodies_; }
+
+  /// Advances all bodies by h. Bodies that do not touch at the start never do.
+  AffineReport step();
+
+ private:
+  struct Impl;
+  AffineSettings settings_;
+  std::vector<AffineBody> bodies_;
+  std::vector<AffineVec> earlier_position_, earlier_velocity_;  ///< of bdf2, once there are
+};
+
+}  // namespace scree::affine

@@ -108,7 +108,7 @@ def draw_folders():
            "layouts and variational include none.", 12, SOFT)
     p.arrow((470, 82), (470, 112))
     p.box(20, 370, 900, 84, "dynamics", "dynamics/", [])
-    p.text(115, 391, "the interface of models; a folder a model", 12, SOFT)
+    p.text(115, 391, "the interface of models; a folder a model; affine, in the making, includes nothing of host/", 12, SOFT)
     for x, name, words in ((40, "dynamics.h", "includes the public headers of host/"),
                            (480, "rigid", "the stages of a step; includes render, scene, problems of host/")):
         p.parts.append(f'<rect x="{x}" y="400" width="420" height="44" rx="5" fill="#ffffff" stroke="{LINE}"/>')
@@ -136,11 +136,11 @@ def draw_folders():
         p.text(x + 52, 669, name, 12, weight="bold", anchor="middle")
         if k:
             p.arrow((x, 664), (x - 20, 664))
-    for name, x, onto in (("render", 288, 288), ("solve", 412, 412)):
+    for name, x, onto in (("affine", 40, 40), ("render", 288, 288), ("solve", 412, 412)):
         p.parts.append(f'<rect x="{x}" y="710" width="104" height="36" rx="5" fill="#ffffff" stroke="{LINE}"/>')
         p.text(x + 52, 733, name, 12, weight="bold", anchor="middle")
         p.arrow((onto + 52, 710), (onto + 52, 682))
-    p.box(560, 702, 340, 50, "data", "shapes/", ["one file a shape; includes math, host/ and render include it"])
+    p.box(560, 702, 340, 50, "data", "shapes/", ["one file a shape; includes math; host/, render, affine include it"])
     p.arrow((712, 682), (712, 702))
     p.text(40, 774, "An arrow means: may include that folder and all that it may include. Tuned CUDA twins (.cuh) lie beside "
            "their programs.", 12, SOFT)

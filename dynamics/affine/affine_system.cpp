@@ -4,12 +4,15 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
+#include <sstream>
+#include <utility>
 
 #include "dynamics/affine/pair_search.h"
 #include "kernels/affine/first_contact.h"
 #include "kernels/affine/friction.h"
 #include "kernels/affine/orthogonality.h"
 #include "kernels/affine/reduction.h"
+#include "solvers/solver.h"
 
 namespace scree::affine {
 namespace {
@@ -29,6 +32,12 @@ Sym3<double> world_inertia(const AffineMass& mass, const AffineVec& q) {
     }
   }
   return AffineMass{mass.mass, w}.inertia();
+}
+
+/// Leading minors of S: all positive where it is positive definite.
+Vec3d leading_minors(const Sym3<double>& s) {
+  const double two = s.xx * s.yy - s.xy * s.xy;
+  return {s.xx, two, two * s.zz + 2 * s.xy * s.yz * s.xz - s.xx * s.yz * s.yz - s.yy * s.xz * s.xz};
 }
 
 Vec3d turn_rate(const AffineMass& mass, const AffineVec& q, const Vec3d& momentum) {
@@ -71,7 +80,37 @@ double kinetic_energy(const AffineBody& body) {
   return 0.5 * dot(body.velocity, body.mass.product(body.velocity));
 }
 
+void validate(const AffineSettings& s) {
+  const auto refuse = [](const char* name, double value, const char* range) {
+    std::ostringstream text;
+    text << name << " must be " << range << ", got " << value;
+    throw InvalidParameter(text.str());
+  };
+  const std::pair<const char*, double> positive[] = {{"h", s.h},
+                                                     {"barrier.stiffness", s.barrier.stiffness},
+                                                     {"barrier.reach", s.barrier.reach},
+                                                     {"slip_speed", s.slip_speed},
+                                                     {"tolerance", s.tolerance}};
+  for (const auto& [name, value] : positive)
+    if (!(value > 0)) refuse(name, value, "positive");
+  if (!(s.barrier.separation >= 0))
+    refuse("barrier.separation", s.barrier.separation, "zero or more");
+  if (!(s.mu >= 0)) refuse("mu", s.mu, "zero or more");
+  if (s.friction_solves < 1) refuse("friction_solves", s.friction_solves, "1 or more");
+  if (s.most_iterations < 1) refuse("most_iterations", s.most_iterations, "1 or more");
+}
+
+AffineSystem::AffineSystem(const AffineSettings& settings) : settings_(settings) {
+  validate(settings);
+}
+
 std::size_t AffineSystem::add(AffineBody body) {
+  const Vec3d minors = leading_minors(body.mass.second);
+  if (body.surface == nullptr) throw InvalidParameter("an affine body needs a surface");
+  if (!body.fixed &&
+      !(body.stiffness > 0 && body.mass.mass > 0 && minors.x > 0 && minors.y > 0 && minors.z > 0))
+    throw InvalidParameter(
+        "an affine body needs a mass, a stiffness and second moments about all axes");
   bodies_.push_back(std::move(body));
   earlier_position_.clear();
   return bodies_.size() - 1;
@@ -325,7 +364,7 @@ AffineReport AffineSystem::step() {
   }
   AffineReport report;
   State q = impl.start;
-  const int solves = settings_.mu > 0 ? std::max(1, settings_.friction_solves) : 1;
+  const int solves = settings_.mu > 0 ? settings_.friction_solves : 1;
   for (int solve = 0; solve < solves; ++solve) {
     impl.remember_friction(q);
     impl.minimize(q, report);

@@ -49,6 +49,9 @@ struct AffineSettings {
   int most_iterations = 200;  ///< of a minimization
 };
 
+/// @throws InvalidParameter naming the setting and its value
+void validate(const AffineSettings& settings);
+
 struct AffineReport {
   int iterations = 0;     ///< Newton steps of all minimizations
   double residual = 0;    ///< what the last one would have moved a corner by, over h [m/s]
@@ -59,9 +62,10 @@ struct AffineReport {
 
 class AffineSystem {
  public:
-  explicit AffineSystem(const AffineSettings& settings) : settings_(settings) {}
+  /// @throws InvalidParameter as validate() does
+  explicit AffineSystem(const AffineSettings& settings);
 
-  /// @return its number
+  /// @return its number. @throws InvalidParameter for a body without surface, mass or stiffness
   std::size_t add(AffineBody body);
   std::vector<AffineBody>& bodies() { return bodies_; }
   const std::vector<AffineBody>& bodies() const { return bodies_; }

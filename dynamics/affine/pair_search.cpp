@@ -70,6 +70,8 @@ Four rest_points(const std::vector<AffineBody>& bodies, const SurfacePair& pair)
   return rest;
 }
 
+// Bodies are taken before the loop: g++ 12.2 reads beside the array where it makes a choice of indices
+// within the loop into gathers of AVX-512.
 Four points_of(const std::vector<AffineVec>& q, const SurfacePair& pair, const Four& rest) {
   const AffineVec &first = q[static_cast<std::size_t>(pair.body[0])],
                   &second = q[static_cast<std::size_t>(pair.body[1])];

@@ -1,8 +1,9 @@
 #include "dynamics/affine/surface.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <string>
+
+#include "solvers/solver.h"
 
 namespace scree::affine {
 
@@ -17,9 +18,9 @@ Surface make_surface(const TriangleMesh& mesh, const Vec3d& center) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
       if (a < 0 || static_cast<std::size_t>(a) >= mesh.vertices.size())
-        throw std::invalid_argument(mesh.name + ": triangle " + std::to_string(t) + " has vertex " +
-                                    std::to_string(a) + ", but there are " +
-                                    std::to_string(mesh.vertices.size()));
+        throw InvalidParameter(mesh.name + ": triangle " + std::to_string(t) + " has vertex " +
+                               std::to_string(a) + ", but there are " +
+                               std::to_string(mesh.vertices.size()));
       s.edges.push_back({std::min(a, b), std::max(a, b)});
     }
   }

@@ -16,7 +16,7 @@ struct Surface {
   double radius = 0;  ///< distance of the farthest corner from the center of mass [m]
 };
 
-/// @param center  of mass, in coordinates of the mesh [m]. @throws std::invalid_argument naming the
+/// @param center  of mass, in coordinates of the mesh [m]. @throws InvalidParameter naming the
 /// triangle for an index that is no vertex
 Surface make_surface(const TriangleMesh& mesh, const Vec3d& center);
 

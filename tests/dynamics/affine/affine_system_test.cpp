@@ -2,11 +2,15 @@
 // torques, the gap at rest (A81), creep and slip on a slope (A80), and no intersection ever (A84).
 #include "dynamics/affine/affine_system.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
+#include "dynamics/affine/pair_search.h"
 #include "kernels/affine/orthogonality.h"
+#include "solvers/solver.h"
 #include "tests/exact_triangles.h"
 
 namespace scree::affine {
@@ -133,6 +137,25 @@ TEST(AffineSpinTest, TheRotationalRuleKeepsMomentumAndEnergyOfATumblingBody) {
   EXPECT_NEAR(kinetic_energy(body) / energy, 1, 1e-3);
 }
 
+/// Error of the angle after half a second of a spin, for steps and half of them: of first and second
+/// order.
+TEST(AffineSpinTest, RulesHaveTheirOrder) {
+  for (const auto& [rule, order] :
+       {std::pair{StepRule::implicit_euler, 1.0}, std::pair{StepRule::bdf2, 2.0}}) {
+    double error[2];
+    for (int fine = 0; fine < 2; ++fine) {
+      const int steps = 200 << fine;
+      AffineSystem system(free_settings(rule, 0.5 / steps));
+      system.add(spinner({0, 0, 2}));
+      for (int k = 0; k < steps; ++k) system.step();
+      Vec3d column[3];
+      nearest_rotation(system.bodies()[0].position, column);
+      error[fine] = std::atan2(column[0].y, column[0].x) - 1;  // w t = 1
+    }
+    EXPECT_NEAR(std::log2(error[0] / error[1]), order, 0.1) << static_cast<int>(rule);
+  }
+}
+
 TEST(AffineMotionTest, FallsAndIsPushedAsTheRulesSay) {
   for (const StepRule rule : {StepRule::implicit_euler, StepRule::bdf2, StepRule::rotational}) {
     AffineSettings settings = free_settings(rule, 0.01);
@@ -243,6 +266,63 @@ TEST(AffineContactTest, ABlockSlidesDownASlopeThatIsTooSteep) {
   EXPECT_NEAR((system.bodies()[1].velocity.node[0].x - early) / 0.5 / expected, 1, 0.01);
 }
 
+/// All pairs of all bodies that come near each other on their ways, looked at many times.
+TEST(AffineContactTest, TheSearchOfPairsMissesNone) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto vector = [&] { return Vec3d{unit(random), unit(random), unit(random)}; };
+  std::vector<AffineBody> bodies;
+  std::vector<AffineVec> from, to;
+  for (int k = 0; k < 5; ++k) {
+    bodies.push_back(solid(box_mesh({0.3, 0.2, 0.1}), 1, 1, 0.5 * vector(), exp_map(vector())));
+    bodies.back().fixed = k < 2;
+    from.push_back(bodies.back().position);
+    to.push_back(from.back());
+    for (Vec3d& n : to.back().node) n += 0.2 * vector();
+  }
+  const double distance = 0.02;
+  using Name = std::array<int, 7>;  // kind, bodies, vertices
+  std::vector<Name> found;
+  for (const SurfacePair& p : pairs_near(bodies, from, to, distance))
+    found.push_back({static_cast<int>(p.kind), p.body[0], p.body[1], p.vertex[0], p.vertex[1],
+                     p.vertex[2], p.vertex[3]});
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(std::unique(found.begin(), found.end()), found.end());
+  int near = 0, all = 0;
+  const auto look = [&](const SurfacePair& p) {
+    ++all;
+    const Four rest = rest_points(bodies, p), a = points_of(from, p, rest),
+               b = points_of(to, p, rest);
+    double least = 1;
+    for (int s = 0; s <= 10; ++s) {
+      Four x;
+      for (int i = 0; i < 4; ++i) x[i] = a[i] + 0.1 * s * (b[i] - a[i]);
+      least = std::min(least, std::sqrt(nearest_points(p.kind, x).squared));
+    }
+    if (least > distance) return;
+    ++near;
+    EXPECT_TRUE(std::binary_search(found.begin(), found.end(),
+                                   Name{static_cast<int>(p.kind), p.body[0], p.body[1], p.vertex[0],
+                                        p.vertex[1], p.vertex[2], p.vertex[3]}));
+  };
+  for (int a = 0; a < 5; ++a) {
+    for (int b = 0; b < 5; ++b) {
+      if (a == b || (a < 2 && b < 2)) continue;
+      const Surface& own = *bodies[static_cast<std::size_t>(a)].surface;
+      const Surface& other = *bodies[static_cast<std::size_t>(b)].surface;
+      for (int v = 0; v < 8; ++v)
+        for (const auto& t : other.triangles)
+          look({PairKind::point_triangle, {a, b}, {v, t[0], t[1], t[2]}});
+      if (a < b)
+        for (const auto& e : own.edges)
+          for (const auto& f : other.edges)
+            look({PairKind::edge_edge, {a, b}, {e[0], e[1], f[0], f[1]}});
+    }
+  }
+  EXPECT_GT(near, 100);
+  EXPECT_LT(found.size(), static_cast<std::size_t>(all));
+}
+
 std::vector<exact::Triangle> triangles_of(const AffineBody& body) {
   std::vector<exact::Triangle> r;
   for (const auto& t : body.surface->triangles) {
@@ -316,6 +396,41 @@ TEST(AffineContactTest, A84FastCardsDoNotPass) {
       EXPECT_GT(system.bodies()[1].position.node[0].z, 0) << k;
     }
   }
+}
+
+template <class F>
+std::string message_of(const F& f) {
+  try {
+    f();
+  } catch (const InvalidParameter& e) {
+    return e.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(AffineInputTest, BadInputIsNamed) {
+  const auto of_settings = [](void (*change)(AffineSettings&)) {
+    AffineSettings s;
+    change(s);
+    return message_of([&] { AffineSystem system(s); });
+  };
+  EXPECT_EQ(of_settings([](AffineSettings& s) { s.h = 0; }), "h must be positive, got 0");
+  EXPECT_EQ(of_settings([](AffineSettings& s) { s.mu = -0.5; }),
+            "mu must be zero or more, got -0.5");
+  EXPECT_THAT(of_settings([](AffineSettings& s) { s.barrier.reach = std::nan(""); }),
+              testing::HasSubstr("barrier.reach must be positive"));
+  EXPECT_EQ(of_settings([](AffineSettings& s) { s.most_iterations = 0; }),
+            "most_iterations must be 1 or more, got 0");
+  AffineSystem system(AffineSettings{});
+  EXPECT_THAT(message_of([&] { system.add({}); }), testing::HasSubstr("surface"));
+  AffineBody flat = solid(box_mesh({1, 1, 1}), 1, 1, {});
+  flat.mass.second.zz = 0;
+  EXPECT_THAT(message_of([&] { system.add(flat); }), testing::HasSubstr("second moments"));
+  TriangleMesh mesh = box_mesh({1, 1, 1});
+  mesh.name = "box.obj";
+  mesh.triangles[3][1] = 8;
+  EXPECT_EQ(message_of([&] { make_surface(mesh, {}); }),
+            "box.obj: triangle 3 has vertex 8, but there are 8");
 }
 
 }  // namespace

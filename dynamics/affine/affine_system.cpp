@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
 #include <utility>
 
 #include "dynamics/affine/pair_search.h"
@@ -120,6 +121,7 @@ std::size_t AffineSystem::add(AffineBody body) {
 struct AffineSystem::Impl {
   const AffineSettings& settings;
   const std::vector<AffineBody>& bodies;
+  const std::vector<PointJoint>& joints;
   State start;   ///< where the step began
   State target;  ///< where bodies would be without forces but loads
   double scale;  ///< h^2 or, with bdf2, 4/9 h^2
@@ -207,6 +209,31 @@ struct AffineSystem::Impl {
         matrix.emplace_back(row + i, column + j, turn ? block(j, i) : block(i, j));
   }
 
+  /// The equations of joints, three rows each, as triplets.
+  Triplets joint_rows() const {
+    const std::vector<int> place = places();
+    Triplets rows;
+    const auto add_point = [&](int row, std::size_t body, const Vec3d& rest, double sign) {
+      for (int k = 0; k < 4 && place[body] >= 0; ++k)
+        for (int i = 0; i < 3; ++i)
+          rows.emplace_back(row + i, place[body] + 3 * k + i, sign * node_weight(rest, k));
+    };
+    int row = 0;
+    for (const PointJoint& joint : joints) {
+      add_point(row, joint.body, joint.rest, 1);
+      if (joint.other >= 0)
+        add_point(row, static_cast<std::size_t>(joint.other), joint.other_rest, -1);
+      row += 3;
+    }
+    return rows;
+  }
+  static Vec3d apart(const PointJoint& joint, const State& q) {
+    const Vec3d on = joint.other < 0
+                         ? joint.other_rest
+                         : point_of(q[static_cast<std::size_t>(joint.other)], joint.other_rest);
+    return point_of(q[joint.body], joint.rest) - on;
+  }
+
   /// The Newton step -H^-1 g with semidefinite second derivatives, and its slope g.step.
   State newton_step(const State& q, double& slope) const {
     const std::vector<int> place = places();
@@ -257,14 +284,27 @@ struct AffineSystem::Impl {
       add_pair(slip.pair, slip.rest, friction_gradient(slip.contact, law, m),
                friction_hessian(slip.contact, law, m));
     }
-    Eigen::SparseMatrix<double> h(unknowns, unknowns);
+    const auto rows = static_cast<Eigen::Index>(3 * joints.size());
+    for (const Eigen::Triplet<double>& t : joint_rows()) {
+      const int row = static_cast<int>(unknowns) + t.row();
+      matrix.emplace_back(row, t.col(), t.value());
+      matrix.emplace_back(t.col(), row, t.value());
+    }
+    Eigen::SparseMatrix<double> h(unknowns + rows, unknowns + rows);
     h.setFromTriplets(matrix.begin(), matrix.end());
-    Eigen::VectorXd right(unknowns);
+    Eigen::VectorXd right(unknowns + rows);
     for (std::size_t b = 0; b < bodies.size(); ++b)
       for (int i = 0; i < 12 && place[b] >= 0; ++i)
         right(place[b] + i) = force[b].node[i / 3][i % 3];
-    const Eigen::VectorXd step = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(h).solve(right);
-    slope = -right.dot(step);
+    for (std::size_t k = 0; k < joints.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        right(unknowns + static_cast<Eigen::Index>(3 * k) + i) = -apart(joints[k], q)[i];
+    using Matrix = Eigen::SparseMatrix<double>;
+    const Eigen::VectorXd all = joints.empty()
+                                    ? Eigen::SimplicialLDLT<Matrix>(h).solve(right).eval()
+                                    : Eigen::SparseLU<Matrix>(h).solve(right).eval();
+    const Eigen::VectorXd step = all.head(unknowns);
+    slope = -right.head(unknowns).dot(step);
     State r(bodies.size());
     for (std::size_t b = 0; b < bodies.size(); ++b)
       for (int i = 0; i < 12 && place[b] >= 0; ++i) r[b].node[i / 3][i % 3] = step(place[b] + i);
@@ -325,11 +365,42 @@ struct AffineSystem::Impl {
   }
 };
 
+void AffineSystem::add(const PointJoint& joint) {
+  const auto count = static_cast<int>(bodies_.size());
+  for (const int body : {static_cast<int>(joint.body), joint.other})
+    if (body >= count)
+      throw InvalidParameter("a joint holds body " + std::to_string(body) + ", but there are " +
+                             std::to_string(count));
+  if (bodies_[joint.body].fixed &&
+      (joint.other < 0 || bodies_[static_cast<std::size_t>(joint.other)].fixed))
+    throw InvalidParameter("a joint of body " + std::to_string(joint.body) +
+                           " holds nothing that moves");
+  State q;
+  for (const AffineBody& body : bodies_) q.push_back(body.position);
+  const double gap = norm(Impl::apart(joint, q));
+  if (!(gap <= 1e-9 * (1 + bodies_[joint.body].surface->radius))) {
+    std::ostringstream text;
+    text << "the points of a joint of body " << joint.body << " are " << gap
+         << " m apart, expected none";
+    throw InvalidParameter(text.str());
+  }
+  joints_.push_back(joint);
+  const Impl impl{settings_, bodies_, joints_, {}, {}, 1, {}, {}};
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(3 * joints_.size()),
+                                               static_cast<Eigen::Index>(12 * bodies_.size()));
+  for (const Eigen::Triplet<double>& t : impl.joint_rows()) rows(t.row(), t.col()) = t.value();
+  if (Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(rows).rank() < rows.rows()) {
+    joints_.pop_back();
+    throw InvalidParameter("a joint of body " + std::to_string(joint.body) +
+                           " repeats or contradicts the joints before it");
+  }
+}
+
 AffineReport AffineSystem::step() {
   const double h = settings_.h;
   const bool second_order = settings_.rule == StepRule::bdf2 && !earlier_position_.empty();
   const bool turning = settings_.rule == StepRule::rotational;
-  Impl impl{settings_, bodies_, {}, {}, (second_order ? 4.0 / 9 : 1) * h * h, {}, {}};
+  Impl impl{settings_, bodies_, joints_, {}, {}, (second_order ? 4.0 / 9 : 1) * h * h, {}, {}};
   impl.law.slip = settings_.slip_speed * h;
   State target_velocity;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {

@@ -31,6 +31,15 @@ void set_motion(AffineBody& body, const Vec3d& velocity, const Vec3d& angular_ve
 Vec3d angular_momentum(const AffineBody& body);
 double kinetic_energy(const AffineBody& body);
 
+/// A point of a body that stays on a point of another body or of the world: three linear equations,
+/// which steps meet to rounding. Two such points make a hinge, three or four fix a body.
+struct PointJoint {
+  std::size_t body = 0;
+  Vec3d rest;        ///< in coordinates of the body, about its center of mass [m]
+  int other = -1;    ///< the other body; -1: the world
+  Vec3d other_rest;  ///< in its coordinates [m]
+};
+
 enum class StepRule : std::uint8_t {
   implicit_euler,
   bdf2,        ///< of second order; its first step is one of implicit Euler
@@ -67,6 +76,9 @@ class AffineSystem {
 
   /// @return its number. @throws InvalidParameter for a body without surface, mass or stiffness
   std::size_t add(AffineBody body);
+  /// @throws InvalidParameter for a joint of bodies that there are not, or that are both fixed; whose
+  /// points are apart; or whose equations say again, or against, what those of other joints say
+  void add(const PointJoint& joint);
   std::vector<AffineBody>& bodies() { return bodies_; }
   const std::vector<AffineBody>& bodies() const { return bodies_; }
 
@@ -77,6 +89,7 @@ class AffineSystem {
   struct Impl;
   AffineSettings settings_;
   std::vector<AffineBody> bodies_;
+  std::vector<PointJoint> joints_;
   std::vector<AffineVec> earlier_position_, earlier_velocity_;  ///< of bdf2, once there are
 };
 

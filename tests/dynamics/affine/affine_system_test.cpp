@@ -184,6 +184,107 @@ TEST(AffineMotionTest, FallsAndIsPushedAsTheRulesSay) {
   }
 }
 
+/// A rod that hangs by one end, let go at 60 degrees.
+struct Swing {
+  double amplitude = 0;  ///< last largest angle of ten seconds on the side of the first, over it
+  double period = 0;     ///< mean one [s]
+  double exact = 0;      ///< by the elliptic integral [s]
+};
+
+Swing swing(StepRule rule, double h) {
+  const double pi = 3.14159265358979323846, start = pi / 3;
+  AffineSettings settings = free_settings(rule, h);
+  settings.gravity = {0, 0, -9.81};
+  settings.tolerance = 1e-7;
+  AffineSystem system(settings);
+  system.add(solid(box_mesh({0.05, 0.05, 0.5}), 1000, 1e9,
+                   {-0.5 * std::sin(start), 0, -0.5 * std::cos(start)},
+                   exp_map(Vec3d{0, start, 0})));
+  const AffineMass mass = system.bodies()[0].mass;
+  system.add(PointJoint{0, {0, 0, 0.5}, -1, {}});
+  Swing r;
+  std::vector<double> crossings;
+  double last = start, before = start;
+  for (int k = 1; k * h < 10; ++k) {
+    EXPECT_TRUE(system.step().converged) << k;
+    const AffineVec& q = system.bodies()[0].position;
+    EXPECT_LT(norm(point_of(q, {0, 0, 0.5})), 1e-12);
+    const double angle = std::atan2(-q.node[0].x, -q.node[0].z);
+    if (last * angle < 0) crossings.push_back(h * (k - angle / (angle - last)));
+    if (angle < last && last > before) r.amplitude = last / start;
+    before = last;
+    last = angle;
+  }
+  r.period = 2 * (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
+  double a = 1, g = std::cos(start / 2);  // arithmetic-geometric mean
+  for (int k = 0; k < 10; ++k) {
+    const double next = 0.5 * (a + g);
+    g = std::sqrt(a * g);
+    a = next;
+  }
+  const double moment = mass.inertia().yy + mass.mass * 0.25;
+  r.exact = 2 * pi * std::sqrt(moment / (mass.mass * 9.81 * 0.5)) / a;
+  return r;
+}
+
+/// Along a curved way implicit Euler damps, with and without a target that turns; BDF2 hardly does.
+TEST(AffineJointTest, PendulaKeepOfTheirSwingWhatTheirRuleLeaves) {
+  struct Row {
+    StepRule rule;
+    double h, amplitude, period, within_amplitude, within_period;
+  };
+  const double exact = 1.76748;  // of the rod of the table
+  for (const Row& row : {Row{StepRule::implicit_euler, 0.01, 0.438, 1.691 / exact, 0.01, 2e-3},
+                         Row{StepRule::bdf2, 0.01, 0.997, 1.769 / exact, 0.002, 1e-3},
+                         Row{StepRule::rotational, 0.01, 0.460, 1.694 / exact, 0.01, 2e-3},
+                         Row{StepRule::implicit_euler, 0.002, 0.817, 1.740 / exact, 0.01, 2e-3},
+                         Row{StepRule::bdf2, 0.002, 1.000, 1.768 / exact, 0.001, 1e-3},
+                         Row{StepRule::rotational, 0.002, 0.834, 1.743 / exact, 0.01, 2e-3}}) {
+    SCOPED_TRACE(testing::Message() << "rule " << static_cast<int>(row.rule) << ", h " << row.h);
+    const Swing s = swing(row.rule, row.h);
+    EXPECT_NEAR(s.amplitude, row.amplitude, row.within_amplitude);
+    EXPECT_NEAR(s.period / s.exact, row.period, row.within_period);
+  }
+}
+
+/// Two points of a door hold its axis: it turns about it by a torque as a rigid body does, and what
+/// is hung from it goes along.
+TEST(AffineJointTest, HingesTurnAndBodiesShareJoints) {
+  AffineSettings settings = free_settings(StepRule::bdf2, 0.01);
+  settings.tolerance = 1e-9;
+  AffineSystem system(settings);
+  AffineBody door = solid(box_mesh({0.4, 0.02, 1}), 500, 1e9, {0.4, 0, 0});
+  door.torque = {0, 0, 2};
+  system.add(door);
+  system.add(PointJoint{0, {-0.4, 0, 1}, -1, {0, 0, 1}});
+  system.add(PointJoint{0, {-0.4, 0, -1}, -1, {0, 0, -1}});
+  const double moment = door.mass.inertia().zz + door.mass.mass * 0.16;
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(system.step().converged);
+  const AffineBody& turned = system.bodies()[0];
+  EXPECT_LT(norm(point_of(turned.position, {-0.4, 0, 1}) - Vec3d{0, 0, 1}), 1e-12);
+  const Vec3d edge = point_of(turned.position, {0.4, 0, 0}),
+              rate = point_of(turned.velocity, {0.4, 0, 0});
+  EXPECT_NEAR(norm(edge), 0.8, 1e-6);
+  EXPECT_NEAR(norm(rate) / 0.8, 2 / moment, 1e-3 * 2 / moment);
+  EXPECT_LT(strain_norm(turned.position), 1e-6);
+
+  // Two boxes that share a point and fall: it stays shared, and their center falls as a stone.
+  settings.gravity = {0, 0, -9.81};
+  settings.rule = StepRule::implicit_euler;
+  AffineSystem pair(settings);
+  AffineBody one = solid(box_mesh({0.05, 0.05, 0.05}), 1000, 1e8, {-0.15, 0, 0});
+  AffineBody two = solid(box_mesh({0.05, 0.05, 0.05}), 1000, 1e8, {0.15, 0, 0});
+  set_motion(one, {}, {0, 3, 1});
+  pair.add(one);
+  pair.add(two);
+  pair.add(PointJoint{0, {0.15, 0, 0}, 1, {-0.15, 0, 0}});
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(pair.step().converged);
+  const AffineVec &p = pair.bodies()[0].position, &q = pair.bodies()[1].position;
+  EXPECT_LT(norm(point_of(p, {0.15, 0, 0}) - point_of(q, {-0.15, 0, 0})), 1e-12);
+  EXPECT_NEAR(0.5 * (p.node[0] + q.node[0]).z, -9.81 * 0.5 * (0.5 + 0.01) / 2, 1e-8);
+  EXPECT_NEAR((p.node[0] + q.node[0]).x, 0, 1e-8);
+}
+
 /// Half the distance of bisection where `f` goes from above to below zero.
 template <class F>
 double root(const F& f, double low, double high) {
@@ -422,7 +523,7 @@ TEST(AffineInputTest, BadInputIsNamed) {
   EXPECT_EQ(of_settings([](AffineSettings& s) { s.most_iterations = 0; }),
             "most_iterations must be 1 or more, got 0");
   AffineSystem system(AffineSettings{});
-  EXPECT_THAT(message_of([&] { system.add({}); }), testing::HasSubstr("surface"));
+  EXPECT_THAT(message_of([&] { system.add(AffineBody{}); }), testing::HasSubstr("surface"));
   AffineBody flat = solid(box_mesh({1, 1, 1}), 1, 1, {});
   flat.mass.second.zz = 0;
   EXPECT_THAT(message_of([&] { system.add(flat); }), testing::HasSubstr("second moments"));
@@ -431,6 +532,26 @@ TEST(AffineInputTest, BadInputIsNamed) {
   mesh.triangles[3][1] = 8;
   EXPECT_EQ(message_of([&] { make_surface(mesh, {}); }),
             "box.obj: triangle 3 has vertex 8, but there are 8");
+}
+
+TEST(AffineInputTest, JointsThatCannotHoldAreRefused) {
+  AffineSystem system(AffineSettings{});
+  system.add(solid(box_mesh({1, 1, 1}), 1, 1, {}));
+  AffineBody fixed = solid(box_mesh({1, 1, 1}), 1, 1, {5, 0, 0});
+  fixed.fixed = true;
+  system.add(fixed);
+  const auto message = [&](const PointJoint& joint) {
+    return message_of([&] { system.add(joint); });
+  };
+  EXPECT_EQ(message({0, {}, 2, {}}), "a joint holds body 2, but there are 2");
+  EXPECT_THAT(message({1, {}, -1, {5, 0, 0}}), testing::HasSubstr("holds nothing that moves"));
+  EXPECT_EQ(message({0, {1, 0, 0}, 1, {-3, 0, 0}}),
+            "the points of a joint of body 0 are 1 m apart, expected none");
+  system.add(PointJoint{0, {1, 0, 0}, 1, {-4, 0, 0}});
+  EXPECT_THAT(message({0, {1, 0, 0}, -1, {1, 0, 0}}), testing::HasSubstr("repeats or contradicts"));
+  for (const Vec3d& corner : {Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{0, 0, 0}})
+    system.add(PointJoint{0, corner, -1, corner});  // four points: all of the body
+  EXPECT_THAT(message({0, {1, 1, 1}, -1, {1, 1, 1}}), testing::HasSubstr("repeats or contradicts"));
 }
 
 }  // namespace

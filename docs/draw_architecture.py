@@ -108,13 +108,15 @@ def draw_folders():
            "layouts and variational include none.", 12, SOFT)
     p.arrow((470, 82), (470, 112))
     p.box(20, 370, 900, 84, "dynamics", "dynamics/", [])
-    p.text(115, 391, "the interface of models; a folder a model; affine, in the making, includes nothing of host/", 12, SOFT)
-    for x, name, words in ((40, "dynamics.h", "includes the public headers of host/"),
-                           (480, "rigid", "the stages of a step; includes render, scene, problems of host/")):
-        p.parts.append(f'<rect x="{x}" y="400" width="420" height="44" rx="5" fill="#ffffff" stroke="{LINE}"/>')
+    p.text(115, 391, "the interface of models, and a folder a model with what each includes; affine, in the making, includes nothing of host/", 12, SOFT)
+    for x, name, words, indent in ((40, "dynamics.h", "public headers of host/", 90),
+                                   (330, "rigid", "render, scene, problems of host/", 48),
+                                   (630, "variational", "scene of host/, and rigid", 88)):
+        p.parts.append(f'<rect x="{x}" y="400" width="270" height="44" rx="5" fill="#ffffff" stroke="{LINE}"/>')
         p.text(x + 10, 427, name, 13, weight="bold")
-        p.text(x + 90, 427, words, 12, SOFT)
-    p.arrow((480, 422), (460, 422))
+        p.text(x + 10 + indent, 427, words, 12, SOFT)
+    p.arrow((330, 422), (310, 422))
+    p.arrow((630, 422), (600, 422))
     p.arrow((420, 330), (420, 400))
     p.text(40, 354, "engine, io, scene, scene_reader include the interface", 12, SOFT)
     p.box(20, 494, 420, 78, "collision", "collision/", ["near pairs, contacts, margins of impacts, contacts kept",

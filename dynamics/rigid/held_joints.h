@@ -143,7 +143,7 @@ class HeldJoints {
   int rows_ = 0;
   std::vector<std::array<int, kJointRows>> place_;  ///< unknown of each row, -1: none
   std::vector<JointRow<double>> joint_;
-  std::vector<MatrixEntry> entries_;
+  std::vector<FactorEntry> entries_;
   std::vector<double> right_;
   SparseFactor factor_;
 };

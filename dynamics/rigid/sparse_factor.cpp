@@ -47,10 +47,10 @@ SparseFactor::~SparseFactor() = default;
 SparseFactor::SparseFactor(SparseFactor&&) noexcept = default;
 SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 
-bool SparseFactor::factorize(int size, const std::vector<MatrixEntry>& entries) {
+bool SparseFactor::factorize(int size, const std::vector<FactorEntry>& entries) {
   std::vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(entries.size());
-  for (const MatrixEntry& e : entries)
+  for (const FactorEntry& e : entries)
     triplets.emplace_back(e.row, e.column, e.row == e.column ? (1 + kShift) * e.value : e.value);
   Matrix matrix(size, size);
   matrix.setFromTriplets(triplets.begin(), triplets.end());

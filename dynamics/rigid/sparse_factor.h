@@ -7,7 +7,7 @@
 namespace scree {
 
 /// An entry on or below the diagonal; those of one place are added up.
-struct MatrixEntry {
+struct FactorEntry {
   int row = 0, column = 0;
   double value = 0;
 };
@@ -22,7 +22,7 @@ class SparseFactor {
 
   /// The order of elimination of the last matrix serves the next one that has its pattern.
   /// @return  false: it would take too long, or the matrix has no such factors; there is none now
-  bool factorize(int size, const std::vector<MatrixEntry>& entries);
+  bool factorize(int size, const std::vector<FactorEntry>& entries);
   /// @param x  right-hand side, replaced by the solution; of a matrix that factorize() has taken
   void solve(std::vector<double>& x) const;
 

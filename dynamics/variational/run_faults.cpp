@@ -32,6 +32,14 @@ void throw_crowded(std::int64_t step, int body, double most) {
       step, body, most));
 }
 
+void throw_spinning(std::int64_t step, int body, double turn, double most) {
+  throw RunError(
+      fmt::format("step {}: body {} turns by {:g} rad in the step; at most {:g} are solved: take a "
+                  "smaller time "
+                  "step",
+                  step, body, turn, most));
+}
+
 void throw_step_too_long(std::int64_t step, double time_step, const Vec3d& period) {
   const bool is_periodic = period.x > 0 || period.y > 0 || period.z > 0;
   throw RunError(fmt::format(

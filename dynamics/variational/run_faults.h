@@ -14,6 +14,9 @@ namespace scree {
 [[noreturn]] void throw_resting(std::int64_t step, int body, double speed);
 /// A body has too many impacts in a step. @throws RunError naming the body
 [[noreturn]] void throw_crowded(std::int64_t step, int body, double most);
+/// A body turns farther in a step than is solved. @throws RunError naming the body
+/// @param turn, most  what it turns, and what it may [rad]
+[[noreturn]] void throw_spinning(std::int64_t step, int body, double turn, double most);
 /// Bodies go too far in a step. @throws RunError
 [[noreturn]] void throw_step_too_long(std::int64_t step, double time_step, const Vec3d& period);
 

@@ -338,6 +338,10 @@ class VariationalDynamics final : public ModelOn<B, double> {
   }
 
   [[noreturn]] void report_bad_body(Index storage) {
+    const double turn = scene_.stepping.time_step *
+                        norm(fetch(backend(), store_.view().angular_velocity.data + storage));
+    if (rigid_ && turn >= kMostTurn)
+      throw_spinning(steps_done() + 1, store_.id_of(storage), turn, kMostTurn);
     throw_bad_body(steps_done() + 1, store_.id_of(storage), fetch(backend(), x_.data() + storage),
                    fetch(backend(), v_.data() + storage));
   }

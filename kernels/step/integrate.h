@@ -12,7 +12,7 @@
 namespace scree {
 
 /// The most of h |L| / (the least moment) for which the midpoint rule is taken, and of h |w| for a part of a split step [rad].
-inline constexpr double kMostTurn = 0.25;
+inline constexpr double kMostMidpointTurn = 0.25;
 inline constexpr int kMostTurnParts = 1024;
 
 /// One step of the implicit Lie midpoint rule: w_m = I(q_m)^-1 L with q_m = exp(h w_m / 2) q; q' = exp(h w_m) q.
@@ -58,7 +58,7 @@ SCREE_HD Quat<Real> split_turn(Real h, const Vec3<Real>& inverse, const Vec3<Rea
     return from * exp_map(angle);
   };
   if (is_zero(rest)) return normalized(exp_map(h * shared * momentum) * turned(q, k, own, h));
-  const Real wanted = h * norm(w) / Real(kMostTurn);
+  const Real wanted = h * norm(w) / Real(kMostMidpointTurn);
   const int parts = wanted < Real(kMostTurnParts) ? static_cast<int>(wanted) + 1 : kMostTurnParts;
   const Real time = h / static_cast<Real>(parts);
   for (int part = 0; part < parts; ++part) {
@@ -78,8 +78,9 @@ SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3
   const Vec3<Real> momentum = rotate(q, hadamard(moments, rotate_back(q, w)));
   Real most = inverse.x;
   for (int axis = 1; axis < 3; ++axis) most = inverse[axis] > most ? inverse[axis] : most;
-  q = h * most * norm(momentum) > Real(kMostTurn) ? split_turn(h, inverse, momentum, q, w)
-                                                  : midpoint_turn(h, inverse, momentum, q, w);
+  q = h * most * norm(momentum) > Real(kMostMidpointTurn)
+          ? split_turn(h, inverse, momentum, q, w)
+          : midpoint_turn(h, inverse, momentum, q, w);
   w = rotate(q, hadamard(inverse, rotate_back(q, momentum)));
   // One step of iterative refinement: without it the rounding of a slightly long or short
   // quaternion adds up over the steps.

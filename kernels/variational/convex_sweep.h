@@ -9,7 +9,8 @@
 //     (V3) s(t + u w) >= (1 - u) s(t) + u s(t + w) - K w^2 u (1 - u) / 2
 //
 // Until the first root of that nothing meets. There a new direction is found, which is that of the nearest points (GJK). The
-// direction may stay, or turn with A or with B, as the normal of a face does: what of the three is free longest counts.
+// direction may stay, or turn with A or with B, as the normal of a face does, or be across an edge of A and one of B: what
+// of these is free longest counts. Where two edges cross no other direction would let them leave each other.
 // Close to an impact a step leaves an error of second order, so few are needed. This is conservative advancement (Mirtich,
 // Impulse-based dynamic simulation, 1996) with a bound of second order in place of that by the largest speed, which also lets
 // bodies that touch leave each other.
@@ -81,9 +82,11 @@ struct Nearness {
 
 /// One direction in several frames, and what is measured along it in each.
 struct FrameDirections {
-  static constexpr int kMost = 3;  ///< that of the world, and those of A and B
+  static constexpr int kMost = 4;  ///< that of the world, those of A and B, across two edges
   int count = 1;
-  Vec3d direction[kMost];
+  Vec3d direction[3];
+  Vec3d edge_a, edge_b;  ///< unit, each in the frame of its body; the direction is across them
+  double across = 0;     ///< length of their product
 };
 struct FrameValues {
   double value[FrameDirections::kMost] = {};
@@ -103,14 +106,31 @@ struct ConvexApproach {
   /// Where a direction of some frame is at a time.
   SCREE_HD Vec3d direction(double time, const FrameDirections& n, int frame) const {
     if (frame == 0) return n.direction[0];
+    if (frame == 3)
+      return normalized(cross(rotate(path_a.pose(time).orientation, n.edge_a),
+                              rotate(path_b.pose(time).orientation, n.edge_b)));
     return rotate((frame == 1 ? path_a : path_b).pose(time).orientation, n.direction[frame]);
   }
   SCREE_HD FrameDirections directions(double time, const Vec3d& n) const {
     FrameDirections d;
     d.direction[0] = n;
-    d.direction[1] = rotate_back(path_a.pose(time).orientation, n);
-    d.direction[2] = rotate_back(path_b.pose(time).orientation, n);
-    d.count = path_a.turns() || path_b.turns() ? 3 : 1;
+    if (!path_a.turns() && !path_b.turns()) return d;
+    const BodyPose pose_a = path_a.pose(time), pose_b = path_b.pose(time);
+    d.direction[1] = rotate_back(pose_a.orientation, n);
+    d.direction[2] = rotate_back(pose_b.orientation, n);
+    d.count = 3;
+    const ConvexCore core_a = a.core_at(pose_a, pose_a.position);
+    const ConvexCore core_b = b.core_at(pose_b, pose_a.position);
+    const CoreFacet p = core_a.edge_toward(n, kEdgeSlope), q = core_b.edge_toward(-n, kEdgeSlope);
+    if (p.count != 2 || q.count != 2) return d;
+    const Vec3d u = normalized(p.point[1] - p.point[0]), v = normalized(q.point[1] - q.point[0]);
+    const Vec3d m = cross(u, v);
+    const double length = norm(m), along = dot(m, n);
+    if (!(length > 1e-2 && std::abs(along) > (1 - 1e-8) * length)) return d;
+    d.edge_a = rotate_back(pose_a.orientation, along < 0 ? -u : u);
+    d.edge_b = rotate_back(pose_b.orientation, v);
+    d.across = length;
+    d.count = 4;
     return d;
   }
   /// Of the surfaces along a direction [m].
@@ -123,12 +143,24 @@ struct ConvexApproach {
     if (n.count == 1) return s;
     s.value[1] = separation_of(core_a, core_b, rotate(pose_a.orientation, n.direction[1]));
     s.value[2] = separation_of(core_a, core_b, rotate(pose_b.orientation, n.direction[2]));
+    if (n.count == 3) return s;
+    const Vec3d m =
+        cross(rotate(pose_a.orientation, n.edge_a), rotate(pose_b.orientation, n.edge_b));
+    const double length = norm(m);
+    // Of the product itself, over its length at first: this is what has a second derivative.
+    if (length > 0)
+      s.value[3] = length / n.across * separation_of(core_a, core_b, (1 / length) * m);
     return s;
+  }
+  /// How much longer the product of two edges may become in a window, as a part.
+  SCREE_HD double stretch(double window, const FrameDirections& n, int frame) const {
+    return frame < 3 ? 0 : window * (path_a.most_rate + path_b.most_rate) / n.across;
   }
   /// K in a window [m/s^2].
   SCREE_HD FrameValues bends(double time, double window, const FrameDirections& n) const {
     const double reach_a = a.reach(), reach_b = b.reach();
     const double own_a = path_a.change_of_turn(), own_b = path_b.change_of_turn();
+    const double rate_a = path_a.most_rate, rate_b = path_b.most_rate;
     const Vec3d bend = path_b.acceleration - path_a.acceleration;
     FrameValues k;
     k.value[0] = std::abs(dot(bend, n.direction[0])) + reach_a * own_a + reach_b * own_b;
@@ -137,12 +169,17 @@ struct ConvexApproach {
     const double speed = norm(path_b.velocity_at(time) - path_a.velocity_at(time)) + most * window;
     const double distance = norm(path_b.position(time) - path_a.position(time)) + speed * window;
     // Seen from a frame that turns with a body, that body stays, and the points of the other have all of it.
-    k.value[1] = most + reach_b * own_b +
-                 2 * (speed + reach_b * path_b.most_rate) * path_a.most_rate +
+    k.value[1] = most + reach_b * own_b + 2 * (speed + reach_b * rate_b) * rate_a +
                  (distance + reach_b) * own_a;
-    k.value[2] = most + reach_a * own_a +
-                 2 * (speed + reach_a * path_a.most_rate) * path_b.most_rate +
+    k.value[2] = most + reach_a * own_a + 2 * (speed + reach_a * rate_a) * rate_b +
                  (distance + reach_a) * own_b;
+    if (n.count == 3) return k;
+    // Of (y - x) . (u x v), u and v being edges.
+    const double reach = distance + reach_a + a.radius + reach_b + b.radius;
+    k.value[3] = (most + reach_a * own_a + reach_b * own_b +
+                  2 * (speed + reach_a * rate_a + reach_b * rate_b) * (rate_a + rate_b) +
+                  reach * (own_a + own_b + 2 * rate_a * rate_b)) /
+                 n.across;
     return k;
   }
 
@@ -162,6 +199,8 @@ struct ConvexApproach {
   }
 
  private:
+  /// Up to which edges count as across a direction.
+  static constexpr double kEdgeSlope = 1e-5;
   /// Of what GJK only comes near the nearest points.
   SCREE_HD static bool is_bent(const ConvexCore& core) {
     return core.is_curved() || core.is_round();
@@ -171,7 +210,6 @@ struct ConvexApproach {
   /// @param known   another direction, if it is not zero
   SCREE_HD static void sharpen(const ConvexCore& a, const ConvexCore& b, double length,
                                const Vec3d& known, Nearness& near) {
-    constexpr double kSlope = 1e-5;
     const Vec3d n = near.normal;
     const auto offer = [&](const Vec3d& across) {
       const double length = norm(across);
@@ -183,7 +221,7 @@ struct ConvexApproach {
       near.normal = way;
     };
     if (dot(known, n) > 0) offer(known);
-    const CoreFacet p = a.edge_toward(n, kSlope), q = b.edge_toward(-n, kSlope);
+    const CoreFacet p = a.edge_toward(n, kEdgeSlope), q = b.edge_toward(-n, kEdgeSlope);
     Vec3d along_a, along_b;
     if (p.count == 2) along_a = normalized(p.point[1] - p.point[0]);
     if (q.count == 2) along_b = normalized(q.point[1] - q.point[0]);
@@ -232,6 +270,9 @@ struct PlaneApproach {
   SCREE_HD FrameValues separations(double time, const FrameDirections& /*n*/) const {
     const ConvexCore core = core_at(time);
     return {{dot(core.center + core.support(-up), up) - core.rounding}};
+  }
+  SCREE_HD static double stretch(double /*window*/, const FrameDirections& /*n*/, int /*frame*/) {
+    return 0;
   }
   SCREE_HD FrameValues bends(double /*time*/, double /*window*/, const FrameDirections& n) const {
     return {
@@ -293,7 +334,6 @@ template <class Approach>
     const double remaining = end - out.time;
     if (!(remaining > 0)) return out;
     const FrameDirections n = approach.directions(out.time, out.near.normal);
-    const double before = out.near.gap > floor ? out.near.gap - floor : 0;
     const bool touches = out.near.gap <= tolerance;
     double window = touches || 8 * last > remaining ? remaining : 8 * last;
     double advance = 0;
@@ -306,10 +346,15 @@ template <class Approach>
       const FrameValues bend = approach.bends(out.time, window, n);
       double part = 0;
       for (int frame = 0; frame < n.count; ++frame) {
-        const double own = variational_parts::free_part(before, after.value[frame] - floor,
+        const double more = approach.stretch(window, n, frame);
+        const double own_floor = floor * (floor > 0 ? 1 + more : more < 1 ? 1 - more : 0);
+        const double own_before = out.near.gap - own_floor;
+        if (frame > 0 && !(own_before >= 0)) continue;
+        const double own_after = after.value[frame] - own_floor;
+        const double own = variational_parts::free_part(own_before > 0 ? own_before : 0, own_after,
                                                         0.5 * bend.value[frame] * window * window);
         part = own > part ? own : part;
-        const bool is_free = own >= 1 && (!touches || after.value[frame] - floor >= before);
+        const bool is_free = own >= 1 && (!touches || after.value[frame] >= out.near.gap);
         if (!(is_free || own * window > advance)) continue;
         best = frame;
         advance = is_free ? until - out.time : own * window;

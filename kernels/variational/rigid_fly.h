@@ -6,6 +6,9 @@
 
 namespace scree {
 
+/// What a body may turn by in a step, so that the parts of free_turn() make all of it [rad].
+inline constexpr double kMostTurn = 0.5 * kMostParts * kMostOfPart;
+
 /// The state of bodies after a step, while it is made.
 struct RigidStates {
   Span<Vec3d> x;  ///< [m]
@@ -92,7 +95,7 @@ struct TakeRigid {
     bodies.angular_velocity[i] = w;
     sums.kinetic += spin_energy(moments, spin);
     sums.angular += rotate(q, spin);
-    if (!is_speed_in_range(norm(w), h)) sums.bad_body = i;
+    if (!(h * norm(w) < kMostTurn)) sums.bad_body = i;
     return sums;
   }
 };

@@ -66,7 +66,7 @@ enum class ImpactOutcome : std::uint8_t {
   grazing     ///< (V4) has no root, or one that has little to do with the approach: r = 1
 };
 
-struct Impact {
+struct ImpactResult {
   ImpactOutcome outcome = ImpactOutcome::none;
   double lambda = 0;          ///< of the direction d
   double approach_speed = 0;  ///< the largest of the points [m/s]
@@ -178,8 +178,8 @@ struct RigidImpact {
   ///                     ImpactBody::energy() [J]
   /// @param rest         what is left of the step [s]
   /// @param restitution  of the speed after it that (V4) gives [-]
-  [[gnu::noinline]] SCREE_HD Impact collide(double energy, double rest, double restitution) {
-    Impact out;
+  [[gnu::noinline]] SCREE_HD ImpactResult collide(double energy, double rest, double restitution) {
+    ImpactResult out;
     variational_parts::ConeProjection cone;
     int name[ImpactPoints::kMost];
     for (int k = 0; k < points.count; ++k) {

@@ -185,7 +185,8 @@ struct RunRigidIslands {
     const double at_a = potential(a, impact.a, t), at_b = potential(b, impact.b, t);
     const double energy =
         energy_before(a, impact.a, t) + energy_before(b, impact.b, t) - at_a - at_b;
-    const Impact done = impact.collide(energy, stage.h - t, stage.restitution_of(a.body, b.body));
+    const ImpactResult done =
+        impact.collide(energy, stage.h - t, stage.restitution_of(a.body, b.body));
     if (done.outcome == ImpactOutcome::none) {
       ++a.sinks, ++b.sinks;
     } else {
@@ -219,7 +220,7 @@ struct RunRigidIslands {
           [&](const ConvexApproach& pair) { touch(pair, t, m.sinks, impact, normal); });
     }
     const double energy = energy_before(m, impact.a, t) - potential(m, impact.a, t);
-    const Impact done = impact.collide(energy, stage.h - t, restitution);
+    const ImpactResult done = impact.collide(energy, stage.h - t, restitution);
     if (done.outcome == ImpactOutcome::none) {
       ++m.sinks;
     } else {

@@ -336,6 +336,29 @@ TEST(VariationalBodies, ABoxOfEightBoxesMovesAsOneOfOne) {
   EXPECT_LT(norm(a.states().position[1] - b.states().position[1]), 1e-5);
 }
 
+TEST(VariationalBodies, ADenseGasOfBoxesGoesOn) {
+  // Edges that cross after an impact, corners in corners: nothing comes to rest without a force.
+  constexpr double kCell = 0.15;
+  Scene scene = variational_scene(0.004);
+  scene.periodicity.periodic = {true, true, true};
+  scene.periodicity.upper = {6 * kCell, 6 * kCell, 6 * kCell};
+  std::mt19937 random(6);
+  for (int k = 0; k < 216; ++k) {
+    const Vec3d site(k % 6 + 0.5, k / 6 % 6 + 0.5, k / 36 + 0.5);
+    BodyDescription& body = physics::add_box(scene, kCell * site, {0.045, 0.04, 0.03}, 1);
+    body.velocity = 0.5 * random_vector(random);
+    body.angular_velocity = 5.0 * random_vector(random);
+  }
+  World world(scene, cpu_options());
+  const StepReport first = world.step();
+  const Course c = follow(world, 120);
+  EXPECT_GT(c.hits, 1000);
+  EXPECT_LT(c.grazing, 1e-3 * c.hits);
+  EXPECT_EQ(c.penetration, 0);
+  EXPECT_LT(c.largest_error, 1e-12);
+  EXPECT_LT(norm(momentum(c.last) - momentum(first)), 1e-12);
+}
+
 TEST(VariationalBodies, SpheresAmongOthersMoveAsSpheresAlone) {
   // Two spheres by the programs of spheres, and by those of convex bodies since a box is far away.
   Scene alone = variational_scene(0.01);
@@ -405,6 +428,22 @@ TEST(VariationalBodies, ARestingBoxIsRefusedByName) {
   } catch (const RunError& error) {
     EXPECT_NE(std::string(error.what()).find("body 1"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find("rest"), std::string::npos) << error.what();
+  }
+}
+
+TEST(VariationalBodies, SpinsThatNoStepResolvesEndTheRun) {
+  // Forty turns a step are solved, and keep the energy; more than that is told.
+  Scene scene = variational_scene(0.005);
+  physics::add_box(scene, {}, {0.1, 0.2, 0.3}, 1).angular_velocity = {3e4, 2e4, 1e4};
+  World world(scene, cpu_options());
+  EXPECT_LT(follow(world, 20).largest_error, 1e-9);
+  scene.bodies[0].angular_velocity = {1e6, 1e6, 0};
+  World faster(scene, cpu_options());
+  try {
+    faster.step();
+    FAIL();
+  } catch (const RunError& error) {
+    EXPECT_NE(std::string(error.what()).find("body 0 turns by"), std::string::npos) << error.what();
   }
 }
 

@@ -76,8 +76,8 @@ TEST(FreeTurns, OfOtherBodiesAreOfSecondOrder) {
       return turn_between(q, turned_freely(moments, momentum, 1, start));
     };
     const double measure = norm(momentum) / std::min({moments.x, moments.y, moments.z});
-    const std::size_t rule = measure / 50 < kMostTurn ? 0 : 1;
-    if (rule == 1 && measure / 100 < kMostTurn) continue;  // one of them by each
+    const std::size_t rule = measure / 50 < kMostMidpointTurn ? 0 : 1;
+    if (rule == 1 && measure / 100 < kMostMidpointTurn) continue;  // one of them by each
     coarse[rule] += error(50);
     fine[rule] += error(100);
   }

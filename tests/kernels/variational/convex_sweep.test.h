@@ -330,6 +330,32 @@ TEST(ConvexSweepTest, BodiesThatTouchMayLeave) {
   EXPECT_EQ(found.time, 0);
 }
 
+TEST(ConvexSweepTest, EdgesThatCrossMayLeaveEachOther) {
+  // One along x below, one along y above; both turn, so that ends of one go toward the other's body.
+  const double gap = 0.7 * kTolerance, diagonal = std::sqrt(0.5), quarter = std::atan(1.0);
+  std::mt19937 random(7);
+  int left = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vec3d rate_a = 2.0 * normal_vector(random), rate_b = 2.0 * normal_vector(random);
+    const RigidPath lower = spinning(straight({}, {}), exp_map(Vec3d{quarter, 0, 0}), rate_a);
+    RigidPath upper = spinning(straight({0.1, 0.05, 2 * diagonal + gap}, {}),
+                               exp_map(Vec3d{0, quarter, 0}), rate_b);
+    // The points that touch leave each other at 0.2.
+    const Vec3d point{0.1, 0, diagonal};
+    const Vec3d u = cross(rate_b, point - upper.node.position) - cross(rate_a, point);
+    upper.velocity = {0, 0, 0.2 - u.z};
+    const ConvexApproach pair{box({0.5, 0.5, 0.5}), box({0.5, 0.5, 0.5}), lower, upper};
+    const Sweep found = sweep(pair, 0, 0.01, kTolerance);
+    EXPECT_TRUE(found.outcome == SweepOutcome::apart || found.time > 1e-4) << trial;
+    left += found.outcome == SweepOutcome::apart;
+    // And the other way they meet at once.
+    upper.velocity.z -= 0.4;
+    const ConvexApproach back{pair.a, pair.b, lower, upper};
+    EXPECT_EQ(sweep(back, 0, 0.01, kTolerance).time, 0) << trial;
+  }
+  EXPECT_GT(left, 50);
+}
+
 TEST(ConvexSweepTest, ABallMeetsATriangleAtItsFaceEdgeAndCorner) {
   Vec3d center;
   const SweptShape triangle = SweptShape::triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, center);

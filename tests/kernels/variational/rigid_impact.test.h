@@ -26,7 +26,7 @@ TEST(RigidImpactTest, TwoBallsExchangeAlongTheLineOfCenters) {
   i.a = moving(2, {1, 1, 1}, {3, 1, 0});
   i.b = moving(1, {1, 1, 1}, {-1, 0, 2});
   i.points.add({{1, 0, 0}, {0.5, 0, 0}, {-0.3, 0, 0}});
-  const Impact done = i.collide(energy(i, 0), 0, 1);
+  const ImpactResult done = i.collide(energy(i, 0), 0, 1);
   EXPECT_EQ(done.outcome, ImpactOutcome::reflected);
   EXPECT_NEAR(done.approach_speed, 4, 1e-15);
   EXPECT_NEAR(i.a.velocity().x, 1.0 / 3, 4e-15);
@@ -44,7 +44,7 @@ TEST(RigidImpactTest, TheEndOfARodReboundsWithItsRestitution) {
     const Vec3d arm{half * std::cos(angle), 0, -half * std::sin(angle)};
     i.points.add({{0, 0, -1}, arm, {}});
     const double before = i.opening_speed(i.points.point[0]);
-    const Impact done = i.collide(energy(i, 0), 0, e);
+    const ImpactResult done = i.collide(energy(i, 0), 0, e);
     EXPECT_NEAR(i.opening_speed(i.points.point[0]), -e * before, 1e-14);
     EXPECT_NEAR(done.impulse.z, (1 + e) * before / (1 / m + arm.x * arm.x / inertia), 1e-14);
     EXPECT_EQ(i.a.momentum.x, 0.3) << "no friction";
@@ -76,7 +76,7 @@ TEST(RigidImpactTest, WhatLeavesIsLeftAlone) {
   RigidImpact i;
   i.a = moving(1, {1, 1, 1}, {0, 0, 1});
   i.points.add({{0, 0, -1}, {0, 0, -0.1}, {}});
-  const Impact done = i.collide(energy(i, 0), 0, 1);
+  const ImpactResult done = i.collide(energy(i, 0), 0, 1);
   EXPECT_EQ(done.outcome, ImpactOutcome::none);
   EXPECT_EQ(i.a.velocity().z, 1);
 }
@@ -113,7 +113,7 @@ TEST(RigidImpactTest, RandomPairsKeepMomentaAndTheDiscreteEnergy) {
     const RigidImpact before = i;
     const double part = trial % 3 == 0 ? 0 : 0.003, rest = trial % 3 == 0 ? 0 : 0.007;
     const double carried = energy(i, part);
-    const Impact done = i.collide(carried, rest, 1);
+    const ImpactResult done = i.collide(carried, rest, 1);
     if (done.outcome == ImpactOutcome::none) continue;
     if (done.outcome == ImpactOutcome::grazing) {
       EXPECT_LT(done.approach_speed, 0.1) << "the pull of gravity in this step";
@@ -168,7 +168,7 @@ TEST(RigidImpactTest, ATouchTooSlowForTheEnergyEquationReflects) {
   i.a.gravity = {0, 0, -9.81};
   i.points.add({{0, 0, -1}, {0, 0, -0.1}, {}});
   // Late in the step: energy is to be given away that the normal speed does not have.
-  const Impact done = i.collide(energy(i, 0.95 * h), 0.05 * h, 1);
+  const ImpactResult done = i.collide(energy(i, 0.95 * h), 0.05 * h, 1);
   EXPECT_EQ(done.outcome, ImpactOutcome::grazing);
   EXPECT_NEAR(i.a.velocity().z, 0.01, 1e-16);
 }

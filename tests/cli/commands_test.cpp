@@ -152,8 +152,11 @@ TEST_P(CliScenes, TakesSteps) {
     more.insert(more.end(), {"--set", "particles." + std::to_string(i) + ".count=200"});
   const Result result = scree(scratch, run_arguments(GetParam(), scratch / "a", more));
   ASSERT_EQ(result.code, 0) << result.err;
-  const std::vector<StepReport> steps = read_steps_csv(scratch / "a/steps.csv");
+  const std::string model = scene.value("/dynamics/type"_json_pointer, "rigid");
+  const std::vector<StepReport> steps =
+      read_steps_csv(scratch / "a/steps.csv", dynamics_card(model).report);
   ASSERT_EQ(steps.size(), 3u);
+  if (model != "rigid") return;  // no solver that converges
   for (const StepReport& step : steps) EXPECT_TRUE(step.converged) << "step " << step.step;
 }
 

@@ -94,6 +94,8 @@ void validate(const AffineSettings& s) {
                                                      {"tolerance", s.tolerance}};
   for (const auto& [name, value] : positive)
     if (!(value > 0)) refuse(name, value, "positive");
+  if (s.barrier.form != BarrierForm::original)
+    throw InvalidParameter("barrier.form must be original: pairs have no areas here");
   if (!(s.barrier.separation >= 0))
     refuse("barrier.separation", s.barrier.separation, "zero or more");
   if (!(s.mu >= 0)) refuse("mu", s.mu, "zero or more");

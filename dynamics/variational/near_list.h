@@ -25,7 +25,6 @@ class NearList {
 
   bool is_kept() const { return is_kept_; }
   void forget() { is_kept_ = false; }
-  std::int64_t build_count() const { return build_count_; }
 
   /// How far bodies may be from where they were [m]; kNever: anywhere.
   double room() const { return room_; }
@@ -45,7 +44,6 @@ class NearList {
       list_near(b, bodies);
     }
     is_kept_ = true;
-    ++build_count_;
   }
 
  private:
@@ -107,7 +105,6 @@ class NearList {
   Buffer<B, Largest<double>> fastest_;
   double room_ = 0;
   bool is_kept_ = false;
-  std::int64_t build_count_ = 0;
 };
 
 }  // namespace scree

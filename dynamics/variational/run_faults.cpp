@@ -23,6 +23,13 @@ void throw_resting(std::int64_t step, int body, double speed) {
                   step, body, speed));
 }
 
+void throw_stuck(std::int64_t step, int body) {
+  throw RunError(fmt::format(
+      "step {}: body {} touches another body or a wall and neither approaches nor leaves it. The "
+      "dynamics \"variational\" has no resting contact; \"rigid\" has",
+      step, body));
+}
+
 void throw_crowded(std::int64_t step, int body, double most) {
   throw RunError(fmt::format(
       "step {}: body {} has more than {:g} impacts in the step: it rests on something, is held "

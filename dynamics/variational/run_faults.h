@@ -12,6 +12,8 @@ namespace scree {
 [[noreturn]] void throw_overlap(int body, const Vec3d& position, double depth);
 /// A body came to rest. @param speed  at which contacts are handed over [m/s]  @throws RunError naming the body
 [[noreturn]] void throw_resting(std::int64_t step, int body, double speed);
+/// A body touches, and neither approaches nor leaves. @throws RunError naming the body
+[[noreturn]] void throw_stuck(std::int64_t step, int body);
 /// A body has too many impacts in a step. @throws RunError naming the body
 [[noreturn]] void throw_crowded(std::int64_t step, int body, double most);
 /// A body turns farther in a step than is solved. @throws RunError naming the body

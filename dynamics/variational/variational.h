@@ -264,6 +264,8 @@ class VariationalDynamics final : public ModelOn<B, double> {
     if (faults.resting != IslandFaults::kNone)
       throw_resting(steps_done() + 1, static_cast<int>(faults.resting),
                     0.5 * scene_.stepping.time_step * norm(scene_.gravity));
+    if (faults.stuck != IslandFaults::kNone)
+      throw_stuck(steps_done() + 1, static_cast<int>(faults.stuck));
     if (faults.crowded != IslandFaults::kNone)
       throw_crowded(steps_done() + 1, static_cast<int>(faults.crowded), most_impacts_);
   }

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "dynamics/dynamics_card.h"
+#include "dynamics/rigid/rigid_card.h"
 
 namespace scree {
 
@@ -41,18 +41,12 @@ inline constexpr std::array kVariationalReport{
     ReportColumn{"integrate_ms", &StageTimes::integrate},
     ReportColumn{"total_ms", &StageTimes::total}};
 
-inline constexpr std::array kVariationalFrame{
-    FrameField{"velocity", 3, &BodyStates::velocity},
-    FrameField{"angular_velocity", 3, &BodyStates::angular_velocity},
-    FrameField{"orientation", 4, &BodyStates::orientation},
-    FrameField{.name = "speed", .columns = 1, .values = &BodyStates::velocity, .length = true}};
-
 inline constexpr std::array kVariationalState{
     StateField{.name = "body/id", .type = StateField::Type::int32},
     StateField{.name = "body/position",
                .type = StateField::Type::vector,
                .rows_of = "body/id",
-               .largest = 1e15},
+               .largest = kLargestOfState},
     StateField{.name = "body/orientation",
                .type = StateField::Type::quaternion,
                .rows_of = "body/id",
@@ -60,15 +54,15 @@ inline constexpr std::array kVariationalState{
     StateField{.name = "body/velocity",
                .type = StateField::Type::vector,
                .rows_of = "body/id",
-               .largest = 1e15},
+               .largest = kLargestOfState},
     StateField{.name = "body/angular_velocity",
                .type = StateField::Type::vector,
                .rows_of = "body/id",
-               .largest = 1e15},
+               .largest = kLargestOfState},
     StateField{.name = "world/gravity",
                .type = StateField::Type::vector,
                .may_be_absent = true,
-               .largest = 1e15}};
+               .largest = kLargestOfState}};
 
 /// Whether free bodies have other shapes than spheres: then all of them turn as they fly.
 bool has_convex_bodies(const Scene& scene);
@@ -83,7 +77,7 @@ constexpr DynamicsCard variational_card() {
               "integrator",
           .parameters = kVariationalParameters,
           .report = kVariationalReport,
-          .frame = kVariationalFrame,
+          .frame = kRigidFrame,
           .state = kVariationalState,
           .check = check_variational,
           .bytes_per_body = variational_bytes_per_body};

@@ -129,6 +129,10 @@ Wall plane_body_wall(std::string name, const PlaneBodyPoint& point, double norma
   if (point.first < 0 || point.first + 3 > point.coordinate_count)
     throw InputError(fmt::format("wall \"{}\": coordinates {} to {} of {}, expected three of them",
                                  name, point.first, point.first + 2, point.coordinate_count));
+  const double length = std::hypot(normal_x, normal_y);
+  if (!(length > 0) || !std::isfinite(length))
+    throw InputError(
+        fmt::format("wall \"{}\": a normal of length {}, expected a finite one > 0", name, length));
   // The point turned by the angle: along is its part along the normal, across its derivative by the angle.
   const auto turned = [=](double angle, double& along, double& across) {
     const double c = std::cos(angle), s = std::sin(angle);

@@ -297,9 +297,6 @@ struct Sweep {
   double first_gap = 0;  ///< at the beginning [m]
 };
 
-/// What tolerances must not be below, as a part of the radii of both: there GJK ends.
-inline constexpr double kLeastSweepTolerance = 2e-8;
-
 namespace variational_parts {
 
 inline constexpr int kMostSweepSteps = 200;
@@ -318,7 +315,7 @@ SCREE_HD inline double free_part(double before, double after, double bend) {
 
 /// The first impact from one time to another.
 /// @tparam Approach   ConvexApproach or PlaneApproach, its paths with bounds up to `end`
-/// @param tolerance   length within which bodies touch [m]; at least kLeastSweepTolerance of their radii
+/// @param tolerance   length within which bodies touch [m]
 template <class Approach>
 [[gnu::noinline]] SCREE_HD Sweep sweep(const Approach& approach, double begin, double end,
                                        double tolerance) {

@@ -18,7 +18,6 @@ struct Flight {
 
   SCREE_HD Vec3<double> place(double s) const { return x + s * (v + (0.5 * s) * g); }
   SCREE_HD Vec3<double> velocity(double s) const { return v + s * g; }
-  SCREE_HD Flight after(double s) const { return {place(s), velocity(s), g}; }
   /// No part of the flight up to s is farther than this from its chord [m].
   SCREE_HD double sag(double s) const { return 0.125 * s * s * norm(g); }
 };

@@ -40,17 +40,13 @@ struct FlyFreely {
     const Flight f{a.x, a.v, stage.gravity};
     FlightSums sums;
     sums.deepest = i;
-    Event first;
-    const double wall = stage.wall_time(i, a, sums.min_gap);
-    if (wall < kNever) first = {wall, kWall};
-    for (Offset q = stage.near.begin[i]; q < stage.near.begin[i + 1]; ++q) {
-      const Index k = stage.near.other[q];
+    const auto node_of = [&](Index k) {
       const Node b = stage.start(k);
       const double gap = norm(stage.between(a.x, b.x)) - stage.sum_of_radii(i, k);
       if (gap < sums.min_gap) sums.min_gap = gap;
-      const double time = stage.pair_time(i, a, k, b);
-      if (time < kNever && stage.comes_before(time, k, first)) first = {time, k};
-    }
+      return b;
+    };
+    const Event first = stage.next(i, a, node_of, sums.min_gap);
     x[i] = f.place(stage.h);
     v[i] = f.velocity(stage.h);
     partner[i] = first.partner;

@@ -54,7 +54,7 @@ struct IsTouching {
   ImpactPoints out;
   PairList::visit_plane(side.kind, [&](auto pair) {
     using P = decltype(pair);
-    for (int corner = 0; corner < P::kCorners && out.count < ImpactPoints::kMost; ++corner) {
+    for (int corner = 0; corner < P::kCorners; ++corner) {
       const ContactGeometry g =
           P::contact(side, height, approach.up, approach.origin - center, corner);
       if (!(g.gap <= near.gap + spread)) continue;

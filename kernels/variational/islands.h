@@ -107,7 +107,7 @@ struct KeyMembers {
   }
 };
 
-/// A body of an island, on its way through the step. 160 bytes.
+/// A body of an island, on its way through the step. 128 bytes.
 struct Member {
   Node node;
   Event next;
@@ -143,26 +143,31 @@ struct IslandFaults {
   std::uint32_t left = kNone;     ///< neighbors are not all listed
   std::uint32_t crowded = kNone;  ///< too many impacts
   std::uint32_t resting = kNone;  ///< came to rest on a wall
+  std::uint32_t stuck = kNone;    ///< touches, and neither approaches nor leaves
 };
 
 /// Works through the islands. Elements: members; the first one of an island does the work.
-template <bool kSolids>
-struct RunIslands {
-  static constexpr const char* name = "run_islands";
+/// @tparam Program   what is its own with these members: set_out(m), find(p), meet(p, q, time), meet_walls(p, event), end_of(m),
+///                   is_stuck(p)
+/// @tparam OwnStage  what it reads
+/// @tparam M         what a member is
+template <class Program, class OwnStage, class M>
+struct WorkThroughIslands {
   static constexpr Index kSerialBelow = 16;
   static constexpr int kBlockThreads = 64;
-  Stage<kSolids> stage;
-  Span<Member> member;      ///< in: body and island; out: the rest
+  OwnStage stage;
+  Span<M> member;           ///< in: body and island; out: the rest
   Span<const Index> place;  ///< [owned] of members
   LinkList links;           ///< out: bodies that an island needs
   IslandFaults* faults;     ///< out
 
   SCREE_HD void operator()(Index first) const {
+    const Program& own = static_cast<const Program&>(*this);
     const Index island = member[first].island;
     if (first > 0 && member[first - 1].island == island) return;
     Index end = first;
-    for (; end < member.size && member[end].island == island; ++end) set_out(member[end]);
-    for (Index p = first; p < end; ++p) find(p);
+    for (; end < member.size && member[end].island == island; ++end) own.set_out(member[end]);
+    for (Index p = first; p < end; ++p) own.find(p);
     for (;;) {
       const Index p = earliest(first, end);
       const Event event = member[p].next;
@@ -170,40 +175,27 @@ struct RunIslands {
       if (event.partner >= 0 && stage.is_free(event.partner)) {
         const Index q = member_of(event.partner, island);
         if (q < 0) return links.add(member[p].body, event.partner);
-        meet(p, q, event.time);
+        own.meet(p, q, event.time);
       } else {
-        meet_walls(p, event);
+        own.meet_walls(p, event);
       }
       if (member[p].impacts > stage.most_impacts) return atomic_min(&faults->crowded, id(p));
+      if (own.is_stuck(p)) return atomic_min(&faults->stuck, id(p));
     }
-    for (Index p = first; p < end; ++p) finish(member[p]);
+    for (Index p = first; p < end; ++p) {
+      M& m = member[p];
+      pass(m, own.end_of(m));
+      m.way += 0.125 * stage.h * stage.h * norm(stage.gravity);
+    }
   }
 
- private:
   SCREE_HD std::uint32_t id(Index p) const {
     return static_cast<std::uint32_t>(stage.bodies.id[member[p].body]);
   }
-
-  SCREE_HD void set_out(Member& m) const {
-    m.node = stage.start(m.body);
-    m.next = {};
-    m.normal = {};
-    m.way = -1;
-    m.impacts = m.of_walls = m.grazing = 0;
-  }
   /// Place of a body that is in the island; negative: it is not.
   SCREE_HD Index member_of(Index body, Index island) const {
-    const Index p = place[body];
+    const Index p = stage.is_free(body) ? place[body] : -1;
     return p >= 0 && member[p].island == island ? p : -1;
-  }
-  SCREE_HD Node node_of(Index body, Index island) const {
-    const Index p = stage.is_free(body) ? member_of(body, island) : -1;
-    return p < 0 ? stage.start(body) : member[p].node;
-  }
-  SCREE_HD void find(Index p) const {
-    Member& m = member[p];
-    const Index island = m.island;
-    m.next = stage.next(m.body, m.node, [&](Index k) { return node_of(k, island); });
   }
   SCREE_HD Index earliest(Index first, Index end) const {
     Index best = first;
@@ -213,6 +205,44 @@ struct RunIslands {
     }
     return best;
   }
+  /// Notes that a member comes to a place.
+  SCREE_HD void pass(M& m, const Vec3d& x) const {
+    const double way = norm(x - stage.bodies.position[m.body]);
+    if (way > m.way) m.way = way;
+    if (!stage.is_covered(m.body, x)) atomic_min(&faults->left, std::uint32_t(0));
+  }
+};
+
+/// The same with spheres.
+template <bool kSolids>
+struct RunIslands : WorkThroughIslands<RunIslands<kSolids>, Stage<kSolids>, Member> {
+  static constexpr const char* name = "run_islands";
+  using Base = WorkThroughIslands<RunIslands<kSolids>, Stage<kSolids>, Member>;
+  using Base::faults;
+  using Base::id;
+  using Base::member;
+  using Base::member_of;
+  using Base::stage;
+
+  SCREE_HD void set_out(Member& m) const {
+    m.node = stage.start(m.body);
+    m.next = {};
+    m.normal = {};
+    m.way = -1;
+    m.impacts = m.of_walls = m.grazing = 0;
+  }
+  SCREE_HD Node node_of(Index body, Index island) const {
+    const Index p = member_of(body, island);
+    return p < 0 ? stage.start(body) : member[p].node;
+  }
+  SCREE_HD void find(Index p) const {
+    Member& m = member[p];
+    const Index island = m.island;
+    double least_gap = kNever;
+    m.next = stage.next(
+        m.body, m.node, [&](Index k) { return node_of(k, island); }, least_gap);
+  }
+  SCREE_HD static bool is_stuck(Index) { return false; }
 
   /// After an impact of member p: what it, and those it may meet now, meet next.
   SCREE_HD void find_again(Index p) const {
@@ -220,7 +250,7 @@ struct RunIslands {
     const Index i = member[p].body, island = member[p].island;
     for (Offset q = stage.near.begin[i]; q < stage.near.begin[i + 1]; ++q) {
       const Index k = stage.near.other[q];
-      const Index at = stage.is_free(k) ? member_of(k, island) : -1;
+      const Index at = member_of(k, island);
       if (at < 0) continue;
       Member& other = member[at];
       if (other.next.partner == i) {
@@ -240,9 +270,7 @@ struct RunIslands {
 
   SCREE_HD void go_to(Member& m, double t) const {
     m.node = m.node.at(t, stage.gravity);
-    const double way = norm(m.node.x - stage.bodies.position[m.body]);
-    if (way > m.way) m.way = way;
-    if (!stage.is_covered(m.body, m.node.x)) atomic_min(&faults->left, std::uint32_t(0));
+    this->pass(m, m.node.x);
   }
 
   /// Two spheres: an impulse along the line between the centers.
@@ -305,12 +333,7 @@ struct RunIslands {
     find_again(p);
   }
 
-  SCREE_HD void finish(Member& m) const {
-    const Vec3d end = m.node.at(stage.h, stage.gravity).x;
-    const double way = norm(end - stage.bodies.position[m.body]);
-    m.way = (way > m.way ? way : m.way) + 0.125 * stage.h * stage.h * norm(stage.gravity);
-    if (!stage.is_covered(m.body, end)) atomic_min(&faults->left, std::uint32_t(0));
-  }
+  SCREE_HD Vec3d end_of(const Member& m) const { return m.node.at(stage.h, stage.gravity).x; }
 };
 
 /// The program that works through the islands of a stage.

@@ -24,13 +24,31 @@ struct ImpactPoint {
   Vec3d arm_b;   ///< from that of B to the same point [m]
 };
 
+/// Of more points than there is room for, the inner one of the two that are most alike goes: on a face it lies
+/// between others, and adds nothing.
 struct ImpactPoints {
   static constexpr int kMost = 8;
   int count = 0;
   ImpactPoint point[kMost];
 
   SCREE_HD void add(const ImpactPoint& p) {
-    if (count < kMost) point[count++] = p;
+    if (count < kMost) {
+      point[count++] = p;
+      return;
+    }
+    const auto at = [&](int k) -> const ImpactPoint& { return k < kMost ? point[k] : p; };
+    double least = -1;
+    int out = kMost;
+    for (int i = 1; i <= kMost; ++i) {
+      for (int j = 0; j < i; ++j) {
+        const double apart = norm2(at(i).arm_a - at(j).arm_a) +
+                             norm2(at(i).arm_a) * norm2(at(i).normal - at(j).normal);
+        if (least >= 0 && apart >= least) continue;
+        least = apart;
+        out = norm2(at(i).arm_a) < norm2(at(j).arm_a) ? i : j;
+      }
+    }
+    if (out < kMost) point[out] = p;
   }
 };
 
@@ -68,7 +86,6 @@ enum class ImpactOutcome : std::uint8_t {
 
 struct ImpactResult {
   ImpactOutcome outcome = ImpactOutcome::none;
-  double lambda = 0;          ///< of the direction d
   double approach_speed = 0;  ///< the largest of the points [m/s]
   Vec3d impulse;              ///< on B [N s]
 };
@@ -212,10 +229,10 @@ struct RigidImpact {
     // A factor of two in speed either way, so that neither gains nor losses are preferred.
     const bool is_grazing = !(ratio2 > 0.25 && ratio2 < 4);
     out.outcome = is_grazing ? ImpactOutcome::grazing : ImpactOutcome::reflected;
-    out.lambda = 1 + restitution * (is_grazing ? 1 : std::sqrt(ratio2));
-    out.impulse = out.lambda * d;
-    push(a, -out.lambda, d, out.lambda, turn_a);
-    push(b, out.lambda, d, out.lambda, turn_b);
+    const double lambda = 1 + restitution * (is_grazing ? 1 : std::sqrt(ratio2));
+    out.impulse = lambda * d;
+    push(a, -lambda, d, lambda, turn_a);
+    push(b, lambda, d, lambda, turn_b);
     return out;
   }
 

@@ -26,44 +26,10 @@ struct RigidMember {
   Index sinks = 0;  ///< impacts since the last one at which nothing approached
 };
 
-/// Works through the islands. Elements: members; the first one of an island does the work.
-struct RunRigidIslands {
+/// Works through islands of bodies that turn.
+struct RunRigidIslands : WorkThroughIslands<RunRigidIslands, RigidStage, RigidMember> {
   static constexpr const char* name = "run_rigid_islands";
-  static constexpr Index kSerialBelow = 16;
-  static constexpr int kBlockThreads = 64;
-  RigidStage stage;
-  Span<RigidMember> member;  ///< in: body and island; out: the rest
-  Span<const Index> place;   ///< [owned] of members
-  LinkList links;            ///< out: bodies that an island needs
-  IslandFaults* faults;      ///< out
 
-  SCREE_HD void operator()(Index first) const {
-    const Index island = member[first].island;
-    if (first > 0 && member[first - 1].island == island) return;
-    Index end = first;
-    for (; end < member.size && member[end].island == island; ++end) set_out(member[end]);
-    for (Index p = first; p < end; ++p) find(p);
-    for (;;) {
-      const Index p = earliest(first, end);
-      const Event event = member[p].next;
-      if (event.partner == kNobody) break;
-      if (event.partner >= 0 && stage.is_free(event.partner)) {
-        const Index q = member_of(event.partner, island);
-        if (q < 0) return links.add(member[p].body, event.partner);
-        meet(p, q, event.time);
-      } else {
-        meet_walls(p, event);
-      }
-      if (member[p].impacts > stage.most_impacts) return atomic_min(&faults->crowded, id(p));
-      if (member[p].sinks > kMostSinks) return atomic_min(&faults->resting, id(p));
-    }
-    for (Index p = first; p < end; ++p) finish(member[p]);
-  }
-
- private:
-  SCREE_HD std::uint32_t id(Index p) const {
-    return static_cast<std::uint32_t>(stage.bodies.id[member[p].body]);
-  }
   SCREE_HD void set_out(RigidMember& m) const {
     m.node = stage.ways[m.body];
     m.next = {};
@@ -72,31 +38,19 @@ struct RunRigidIslands {
     m.way = -1;
     m.impacts = m.of_walls = m.grazing = m.sinks = 0;
   }
-  /// Place of a body that is in the island; negative: it is not.
-  SCREE_HD Index member_of(Index body, Index island) const {
-    const Index p = place[body];
-    return p >= 0 && member[p].island == island ? p : -1;
-  }
   SCREE_HD void find(Index p) const {
     RigidMember& m = member[p];
     const Index island = m.island;
     double least_gap = kNever;
     const auto node_of = [&](Index k, Index& sinks) {
-      const Index at = stage.is_free(k) ? member_of(k, island) : -1;
+      const Index at = member_of(k, island);
       if (at < 0) return stage.way_of(k);
       sinks = member[at].sinks;
       return member[at].node;
     };
     m.next = stage.next(m.body, m.node, m.sinks, node_of, least_gap);
   }
-  SCREE_HD Index earliest(Index first, Index end) const {
-    Index best = first;
-    for (Index p = first + 1; p < end; ++p) {
-      const double t = member[p].next.time, least = member[best].next.time;
-      if (t < least || (t == least && id(p) < id(best))) best = p;
-    }
-    return best;
-  }
+  SCREE_HD bool is_stuck(Index p) const { return member[p].sinks > kMostSinks; }
 
   /// After an impact of member p: what it, and those it may meet now, meet next.
   SCREE_HD void find_again(Index p) const {
@@ -104,7 +58,7 @@ struct RunRigidIslands {
     const RigidMember& m = member[p];
     for (Offset q = stage.near.begin[m.body]; q < stage.near.begin[m.body + 1]; ++q) {
       const Index k = stage.near.other[q];
-      const Index at = stage.is_free(k) ? member_of(k, m.island) : -1;
+      const Index at = member_of(k, m.island);
       if (at < 0) continue;
       RigidMember& other = member[at];
       if (other.next.partner == m.body) {
@@ -149,10 +103,7 @@ struct RunRigidIslands {
     m.energy = b.energy(stage.h - t) + potential(m, b, t);
     m.node = next;
     m.node.bound_rotation(stage.h);
-    const double way = norm(m.node.node.position - stage.bodies.position[m.body]);
-    if (way > m.way) m.way = way;
-    if (!stage.is_covered(m.body, m.node.node.position))
-      atomic_min(&faults->left, std::uint32_t(0));
+    pass(m, m.node.node.position);
     ++m.impacts;
     m.sinks = 0;
   }
@@ -237,12 +188,7 @@ struct RunRigidIslands {
     find_again(p);
   }
 
-  SCREE_HD void finish(RigidMember& m) const {
-    const Vec3d end = m.node.position(stage.h);
-    const double way = norm(end - stage.bodies.position[m.body]);
-    m.way = (way > m.way ? way : m.way) + 0.125 * stage.h * stage.h * norm(stage.gravity);
-    if (!stage.is_covered(m.body, end)) atomic_min(&faults->left, std::uint32_t(0));
-  }
+  SCREE_HD Vec3d end_of(const RigidMember& m) const { return m.node.position(stage.h); }
 };
 
 template <>

@@ -91,12 +91,13 @@ struct Stage {
     return bodies.id[k] < bodies.id[other.partner];
   }
 
-  /// The next impact of body i. @param node_of  node_of(k): node of a neighbor
+  /// The next impact of body i.
+  /// @param node_of    node_of(k): node of a neighbor
+  /// @param least_gap  lowered to that to a wall [m]
   template <class NodeOf>
-  SCREE_HD Event next(Index i, const Node& a, NodeOf&& node_of) const {
+  SCREE_HD Event next(Index i, const Node& a, NodeOf&& node_of, double& least_gap) const {
     Event first;
-    double gap = kNever;
-    const double wall = wall_time(i, a, gap);
+    const double wall = wall_time(i, a, least_gap);
     if (wall < kNever) first = {wall, kWall};
     for (Offset q = near.begin[i]; q < near.begin[i + 1]; ++q) {
       const Index k = near.other[q];

@@ -12,6 +12,7 @@
 #include "shapes/container.h"
 #include "shapes/half_space.h"
 #include "shapes/mesh.h"
+#include "tests/box_mesh.h"
 
 namespace scree {
 using BuildBackend = TestBackend;
@@ -224,13 +225,10 @@ inline MeshSource flat_floor(int n, double cell) {
 
 /// A closed box of 12 triangles.
 inline MeshSource box_mesh(Vec3<double> half) {
+  const TriangleMesh box = test::box_mesh(half);
   MeshSource m;
-  for (int k = 0; k < 8; ++k) {
-    m.vertices.push_back(
-        {k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z});
-  }
-  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  m.vertices = box.vertices;
+  m.triangles = box.triangles;
   return m;
 }
 

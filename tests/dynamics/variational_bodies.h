@@ -8,6 +8,7 @@
 #include "shapes/rounded.h"
 #include "tests/dynamics/variational_scenes.h"
 #include "tests/host/scene/shape_samples.h"
+#include "tests/kernels/variational/random_motion.h"
 
 namespace scree::test {
 
@@ -31,17 +32,6 @@ inline BodyDescription& add_solid(Scene& scene, ShapeKind kind, const Vec3d& x, 
   return scene.bodies.back();
 }
 
-inline Vec3d random_vector(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  const double x = normal(random), y = normal(random);
-  return {x, y, normal(random)};
-}
-inline Quatd random_turn(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  const double w = normal(random), x = normal(random), y = normal(random);
-  return normalized(Quatd{w, x, y, normal(random)});
-}
-
 /// Bodies of every shape that has no mesh, among them spheres, on a lattice.
 inline Scene every_shape(double h, int per_edge, double cell, unsigned seed) {
   Scene scene = variational_scene(h);
@@ -60,8 +50,8 @@ inline Scene every_shape(double h, int per_edge, double cell, unsigned seed) {
       set_mass_from_density(body, 1000);
     }
     body.orientation = random_turn(random);
-    body.velocity = 0.5 * random_vector(random);
-    body.angular_velocity = 5.0 * random_vector(random);
+    body.velocity = 0.5 * normal_vector(random);
+    body.angular_velocity = 5.0 * normal_vector(random);
   }
   return scene;
 }

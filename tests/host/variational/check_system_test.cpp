@@ -84,6 +84,8 @@ TEST(CheckSystem, WallsNameWhatIsWrong) {
   EXPECT_THROW(ball_pair_wall("w", {.first_b = 4, .distance = 1}), InputError);
   EXPECT_THROW(ball_pair_wall("w", {.distance = 0}), InputError);
   EXPECT_THROW(plane_body_wall("w", {.coordinate_count = 4, .first = 2}, 0, 1, 0), InputError);
+  EXPECT_THROW(plane_body_wall("w", {.coordinate_count = 3}, 0, 0, -1), InputError);
+  EXPECT_THROW(plane_body_wall("w", {.coordinate_count = 3}, NAN, 1, 0), InputError);
 }
 
 // A wall whose gradient vanishes on it has no normal there.
@@ -92,12 +94,17 @@ TEST(CheckSystem, AWallWithoutNormalIsRefusedWhereItIsHit) {
   Wall flat;
   flat.name = "flat";
   flat.parts.resize(1);
-  flat.parts[0].value = [](std::span<const double> q) { return q[0] < 0.5 ? 1.0 : -1.0; };
+  flat.parts[0].value = [](std::span<const double> q) { return q[0] < 0.5 ? 0.0 : -1.0; };
   flat.parts[0].gradient = [](std::span<const double>, std::span<double> g) { g[0] = g[1] = 0; };
   parts.system.walls = {flat};
   parts.velocity = {10, 0};
   CollisionIntegrator integrator = parts.made();
-  EXPECT_THROW(integrator.step(), RunError);
+  try {
+    integrator.step();
+    FAIL();
+  } catch (const RunError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("its gradient is zero"));
+  }
 }
 
 }  // namespace

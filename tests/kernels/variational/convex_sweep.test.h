@@ -7,6 +7,7 @@
 #include "collision/hull_tables.h"
 #include "kernels/variational/convex_sweep.h"
 #include "tests/backend_fixture.h"
+#include "tests/box_separation.h"
 #include "tests/kernels/variational/random_motion.h"
 
 namespace scree {
@@ -146,35 +147,6 @@ TEST(ConvexSweepTest, ATurningRodMeetsASphereAtTheRoot) {
   EXPECT_GT(hits, 100);
 }
 
-/// The largest separation of two boxes along the normals of faces and of pairs of edges: positive if and only if they are
-/// apart, and their distance where a corner or two edges are next to each other.
-double box_separation(const SweptShape& a, const BodyPose& pose_a, const SweptShape& b,
-                      const BodyPose& pose_b) {
-  Vec3d axis[2][3];
-  for (int k = 0; k < 3; ++k) {
-    Vec3d unit;
-    unit[k] = 1;
-    axis[0][k] = rotate(pose_a.orientation, unit);
-    axis[1][k] = rotate(pose_b.orientation, unit);
-  }
-  double most = -1e300;
-  const auto offer = [&](const Vec3d& n) {
-    const double length = norm(n);
-    if (length < 1e-9) return;
-    double shadow = 0;
-    for (int k = 0; k < 3; ++k) {
-      shadow += a.side.half_extents[k] * std::abs(dot(axis[0][k], n)) +
-                b.side.half_extents[k] * std::abs(dot(axis[1][k], n));
-    }
-    most = std::max(most, (std::abs(dot(pose_b.position - pose_a.position, n)) - shadow) / length);
-  };
-  for (int i = 0; i < 3; ++i) {
-    offer(axis[0][i]), offer(axis[1][i]);
-    for (int j = 0; j < 3; ++j) offer(cross(axis[0][i], axis[1][j]));
-  }
-  return most;
-}
-
 RigidPath tumbling(std::mt19937& random, const Vec3d& half, const Vec3d& x, const Vec3d& v,
                    double end) {
   RigidPath p = straight(x, v, random() % 2 == 0 ? Vec3d{0, 0, -9.81} : Vec3d{});
@@ -203,7 +175,9 @@ TEST(ConvexSweepTest, BoxesThatTumbleAreNeverMissed) {
                               tumbling(random, half_b, 1.8 * way,
                                        -10 * uniform(random) * way + normal_vector(random), kEnd)};
     const auto gap = [&](double t) {
-      return box_separation(pair.a, pair.path_a.pose(t), pair.b, pair.path_b.pose(t));
+      const BodyPose a = pair.path_a.pose(t), b = pair.path_b.pose(t);
+      return test::box_separation(pair.a.side.half_extents, a.orientation, pair.b.side.half_extents,
+                                  b.orientation, b.position - a.position);
     };
     if (gap(0) < 1e-3) continue;
     const Sweep found = sweep(pair, 0, kEnd, kTolerance);

@@ -19,7 +19,7 @@ struct ImpactReport {
   bool is_done = true;  ///< else the step must begin again
 };
 
-/// Memory: 8 bytes a body, and for each that may be in an island 24 and a member: 184 of a sphere.
+/// Memory: 16 bytes a body, and for each that may be in an island 24 and a member: 152 of a sphere.
 /// @tparam M  what a member of an island is
 template <class B, class M>
 class IslandRounds {

@@ -7,7 +7,7 @@
 
 namespace scree {
 
-/// Memory: 248 bytes a body beside places and velocities after the step, 8 of islands, and some 350 for each that may be in one.
+/// Memory: 232 bytes a body beside places and velocities after the step, 16 of islands, and some 280 for each that may be in one.
 template <class B>
 class RigidFlight {
  public:

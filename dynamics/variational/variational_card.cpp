@@ -127,11 +127,12 @@ double variational_bytes_per_body(const Scene& scene, const WorldOptions&) {
   // Near pairs of a body, when it is listed farther than a diameter away, and what listing them takes at its fullest.
   constexpr double kPairs = 4, kLists = 24 + 8 + 16 + 8 * kPairs, kListing = 16 + 24 * kPairs;
   // One body in five is in an island, and there is room for half as many more.
-  constexpr double kIslands = 16 + 0.3 * (sizeof(double) * 26);
+  constexpr double kBeside = 24;  // what is sorted and linked beside a member
+  constexpr double kIslands = 0.3 * (kBeside + sizeof(Member));
   // Ways and states after a step of bodies that turn; their members of islands are larger.
-  constexpr double kTurning = sizeof(RigidPath) + 32 + 24 + 0.3 * sizeof(RigidMember);
-  return kState + constants + kAfter + kLists + std::max(kListing, 0.0) +
-         (has_convex_bodies(scene) ? 16 + kTurning + part_bytes_per_body(scene) : kIslands);
+  constexpr double kTurning = sizeof(RigidPath) + 32 + 24 + 0.3 * (kBeside + sizeof(RigidMember));
+  return kState + constants + kAfter + kLists + kListing + 16 +
+         (has_convex_bodies(scene) ? kTurning + part_bytes_per_body(scene) : kIslands);
 }
 
 }  // namespace scree

@@ -75,6 +75,9 @@ struct DynamicsCard {
   /// Bodies meet in contacts that a solver of steps solves: it is asked whether it serves the
   /// scene, and progress, totals and benchmarks tell of contacts and residuals.
   bool has_contacts = false;
+  /// Parameter that bounds iterations of a step in models that solve by themselves: progress and totals tell of contacts,
+  /// iterations and residuals. Null: a step has none, or those of a solver.
+  const SolverParameter* iteration_cap = nullptr;
   bool has_joints = false;               ///< joints hold bodies together; else scenes have none
   std::span<const ReportColumn> report;  ///< steps.csv; the first is the number of the step
   std::span<const FrameField> frame;

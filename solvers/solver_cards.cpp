@@ -23,7 +23,7 @@ std::string described(const SolverParameter& p) {
 }  // namespace
 
 bool SolverParameter::allows(double value) const {
-  if (choices.empty()) return value > low && value < high;
+  if (choices.empty()) return (value > low || (is_low_allowed && value >= low)) && value < high;
   return value >= 0 && value < static_cast<double>(choices.size()) && value == std::floor(value);
 }
 
@@ -34,7 +34,9 @@ std::string SolverParameter::text(double value) const {
 
 std::string SolverParameter::expected() const {
   if (choices.empty())
-    return "must be between " + shortest(low) + " and " + shortest(high) + ", both excluded";
+    return (is_low_allowed ? "must be " + shortest(low) + " or more, and below " + shortest(high)
+                           : "must be between " + shortest(low) + " and " + shortest(high) +
+                                 ", both excluded");
   return "must be one of " + joined(choices, "\"");
 }
 
@@ -42,6 +44,7 @@ bool SolverParameter::takes_as(const SolverParameter& other) const {
   const auto same_name = [](const char* a, const char* b) { return std::string(a) == b; };
   const auto same = [](double a, double b) { return !(a < b) && !(b < a); };
   return same(standard, other.standard) && same(low, other.low) && same(high, other.high) &&
+         is_low_allowed == other.is_low_allowed &&
          std::equal(choices.begin(), choices.end(), other.choices.begin(), other.choices.end(),
                     same_name);
 }

@@ -20,37 +20,10 @@ namespace {
 
 using State = std::vector<AffineVec>;
 
-Sym3<double> world_inertia(const AffineMass& mass, const AffineVec& q) {
-  const Sym3<double>& s = mass.second;
-  const double rows[3][3] = {{s.xx, s.xy, s.xz}, {s.xy, s.yy, s.yz}, {s.xz, s.yz, s.zz}};
-  Sym3<double> w;  // A S A^T
-  for (int k = 0; k < 3; ++k) {
-    for (int l = 0; l < 3; ++l) {
-      const Vec3d &a = q.node[k + 1], &b = q.node[l + 1];
-      const double f = rows[k][l];
-      w.xx += f * a.x * b.x, w.yy += f * a.y * b.y, w.zz += f * a.z * b.z;
-      w.xy += f * a.x * b.y, w.xz += f * a.x * b.z, w.yz += f * a.y * b.z;
-    }
-  }
-  return AffineMass{mass.mass, w}.inertia();
-}
-
 /// Leading minors of S: all positive where it is positive definite.
 Vec3d leading_minors(const Sym3<double>& s) {
   const double two = s.xx * s.yy - s.xy * s.xy;
   return {s.xx, two, two * s.zz + 2 * s.xy * s.yz * s.xz - s.xx * s.yz * s.yz - s.yy * s.xz * s.xz};
-}
-
-Vec3d turn_rate(const AffineMass& mass, const AffineVec& q, const Vec3d& momentum) {
-  return inverse_on_axes(world_inertia(mass, q), 7u) * momentum;
-}
-
-/// The columns of A turned by |w| about w.
-AffineVec turned(const AffineVec& q, const Vec3d& w) {
-  AffineVec r = q;
-  const Quat<double> turn = exp_map(w);
-  for (int k = 1; k < 4; ++k) r.node[k] = rotate(turn, q.node[k]);
-  return r;
 }
 
 }  // namespace
@@ -71,10 +44,7 @@ void set_motion(AffineBody& body, const Vec3d& velocity, const Vec3d& angular_ve
 }
 
 Vec3d angular_momentum(const AffineBody& body) {
-  const AffineVec momentum = body.mass.product(body.velocity);
-  Vec3d sum;
-  for (int k = 1; k < 4; ++k) sum += cross(body.position.node[k], momentum.node[k]);
-  return sum;
+  return angular_momentum(body.mass, body.position, body.velocity);
 }
 
 double kinetic_energy(const AffineBody& body) {
@@ -316,11 +286,8 @@ struct AffineSystem::Impl {
   /// Largest way of a corner, nearly [m].
   double size_of(const State& step) const {
     double most = 0;
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      double turn = 0;
-      for (int k = 1; k < 4; ++k) turn += norm2(step[b].node[k]);
-      most = std::max(most, norm(step[b].node[0]) + bodies[b].surface->radius * std::sqrt(turn));
-    }
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      most = std::max(most, corner_way(step[b], bodies[b].surface->radius));
     return most;
   }
 
@@ -399,41 +366,21 @@ void AffineSystem::add(const PointJoint& joint) {
 }
 
 AffineReport AffineSystem::step() {
-  const double h = settings_.h;
   const bool second_order = settings_.rule == StepRule::bdf2 && !earlier_position_.empty();
-  const bool turning = settings_.rule == StepRule::rotational;
-  Impl impl{settings_, bodies_, joints_, {}, {}, (second_order ? 4.0 / 9 : 1) * h * h, {}, {}};
-  impl.law.slip = settings_.slip_speed * h;
-  State target_velocity;
+  const StepScheme scheme{settings_.rule, second_order, settings_.h, settings_.gravity};
+  Impl impl{settings_, bodies_, joints_, {}, {}, scheme.scale(), {}, {}};
+  impl.law.slip = settings_.slip_speed * settings_.h;
+  std::vector<StepStart> starts;
+  std::vector<InertialTarget> targets;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const AffineBody& body = bodies_[b];
+    StepStart s{body.position, body.velocity, {}, {}};
+    if (second_order) s.earlier_q = earlier_position_[b], s.earlier_v = earlier_velocity_[b];
+    starts.push_back(s);
+    targets.push_back(body.fixed ? InertialTarget{body.position, {}}
+                                 : inertial_target(scheme, body.mass, s, body.force, body.torque));
     impl.start.push_back(body.position);
-    AffineVec load;
-    load.node[0] = body.force;
-    if (!turning) load += torque_force(body.position, body.torque);
-    AffineVec gain = body.mass.solve(load);
-    gain.node[0] += settings_.gravity;
-    AffineVec target;
-    if (second_order) {
-      target = (1.0 / 3) * (4.0 * body.position - earlier_position_[b]) +
-               (2 * h / 9) * (4.0 * body.velocity - earlier_velocity_[b]);
-    } else {
-      target = body.position + h * body.velocity;
-    }
-    AffineVec rate = body.velocity;
-    if (turning) {
-      const Vec3d momentum = angular_momentum(body) + h * body.torque;
-      const Vec3d w = turn_rate(body.mass, body.position, momentum);
-      const Vec3d middle = turn_rate(body.mass, turned(body.position, (0.5 * h) * w), momentum);
-      const AffineVec frame = turned(body.position, h * middle);
-      const Vec3d end = turn_rate(body.mass, frame, momentum);
-      for (int k = 1; k < 4; ++k) {
-        target.node[k] = frame.node[k];
-        rate.node[k] = cross(end, frame.node[k]);
-      }
-    }
-    impl.target.push_back(target + impl.scale * gain);
-    target_velocity.push_back(rate);
+    impl.target.push_back(targets.back().q);
   }
   AffineReport report;
   State q = impl.start;
@@ -450,16 +397,7 @@ AffineReport AffineSystem::step() {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     AffineBody& body = bodies_[b];
     if (body.fixed) continue;
-    if (second_order) {
-      body.velocity = (0.5 / h) * (3.0 * q[b] - 4.0 * body.position + earlier_position_[b]);
-    } else {
-      AffineVec v = (1 / h) * (q[b] - body.position);
-      if (turning)
-        for (int k = 1; k < 4; ++k)
-          v.node[k] =
-              target_velocity[b].node[k] + (1 / h) * (q[b].node[k] - impl.target[b].node[k]);
-      body.velocity = v;
-    }
+    body.velocity = velocity_after(scheme, starts[b], targets[b], q[b]);
     body.position = q[b];
   }
   earlier_position_ = impl.start;

@@ -8,6 +8,7 @@
 
 #include "dynamics/affine/surface.h"
 #include "kernels/affine/barrier.h"
+#include "kernels/affine/inertial_target.h"
 
 namespace scree::affine {
 
@@ -38,12 +39,6 @@ struct PointJoint {
   Vec3d rest;        ///< in coordinates of the body, about its center of mass [m]
   int other = -1;    ///< the other body; -1: the world
   Vec3d other_rest;  ///< in its coordinates [m]
-};
-
-enum class StepRule : std::uint8_t {
-  implicit_euler,
-  bdf2,        ///< of second order; its first step is one of implicit Euler
-  rotational,  ///< implicit Euler from a target that turns: free bodies keep their spin
 };
 
 struct AffineSettings {

@@ -228,7 +228,7 @@ class Run {
     StepsCsv steps(directory_.steps_csv(), card_.report, resumed_step);
     WriterThread writer;
     ProgressOptions line = progress_options(options_.quiet);
-    line.has_contacts = card_.has_contacts;
+    line.has_contacts = card_.has_contacts || card_.iteration_cap != nullptr;
     Progress progress(line, world.time(), static_cast<double>(target_) * h);
     if (steps.missing_steps() > 0) {
       record_.message =
@@ -327,8 +327,11 @@ class Run {
     const RunTotals& t = record_.totals;
     if (t.steps_not_converged() == 0) return {};
     const SolverSettings& solver = scene_.solver;
+    const SolverParameter* own = card_.iteration_cap;
     const std::string cap =
-        solver.exact_coulomb
+        own != nullptr ? fmt::format("dynamics.{} {}", own->key,
+                                     own->text(own->of(scene_.dynamics.parameters)))
+        : solver.exact_coulomb
             ? fmt::format("solver.max_iterations {}, solver.max_outer_iterations {}",
                           solver.max_iterations, solver.max_outer_iterations)
             : fmt::format("solver.max_iterations {}", solver.max_iterations);
@@ -342,6 +345,10 @@ class Run {
     for (const RunTotals::Stage& stage : t.stages())
       ms += fmt::format("{}{} {:.2f}", ms.empty() ? "" : ", ", stage.name, stage.mean);
     const std::string where = fmt::format("results in {}", directory_.path().string());
+    if (card_.iteration_cap != nullptr)
+      return fmt::format(
+          "{} steps, {:.1f} iterations a step; ms a step: {}\nworst residual {:.3g} m/s; {}",
+          t.steps(), t.mean_iterations(), ms, t.max_residual_rms(), where);
     if (!card_.has_contacts)
       return fmt::format("{} steps; ms a step: {}\n{}", t.steps(), ms, where);
     return fmt::format(

@@ -38,7 +38,7 @@ Json parameter_schema(const SolverParameter& parameter, const std::string& owner
   const std::string description = fmt::format("{}: {}", owners, parameter.description);
   if (parameter.choices.empty())
     return {{"type", "number"},
-            {"exclusiveMinimum", parameter.low},
+            {parameter.is_low_allowed ? "minimum" : "exclusiveMinimum", parameter.low},
             {"exclusiveMaximum", parameter.high},
             {"default", parameter.standard},
             {"description", description}};

@@ -144,7 +144,8 @@ TEST(CliExtraDynamics, IsInTheSchemaAndInTheHelp) {
   const Result result = with_extra_model(scratch, {"info", "--schema"});
   ASSERT_EQ(result.code, 0) << result.err;
   const json dynamics = json::parse(result.out).at("$defs").at("dynamics").at("properties");
-  EXPECT_EQ(dynamics.at("type").at("enum"), json({"rigid", "variational", "point_masses"}));
+  EXPECT_EQ(dynamics.at("type").at("enum"),
+            json({"rigid", "variational", "affine", "point_masses"}));
   const json factor = {
       {"type", "number"},
       {"exclusiveMinimum", -10},

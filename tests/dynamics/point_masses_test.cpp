@@ -155,7 +155,7 @@ TEST_P(PointMasses, RefuseScenesThatTheyDoNotKnow) {
 }
 
 TEST(Dynamics, ModelsAreKnownByName) {
-  EXPECT_THAT(dynamics_names(), ElementsAre("rigid", "variational", "point_masses"));
+  EXPECT_THAT(dynamics_names(), ElementsAre("rigid", "variational", "affine", "point_masses"));
   Scene scene = physics::empty_scene(1e-2, 0.5);
   physics::add_sphere(scene, {}, 0.1, 1);
   scene.dynamics.type = "point_mases";

@@ -1,0 +1,423 @@
+#pragma once
+// Stiff affine bodies with barrier contact: every step makes an incremental potential least, from a state without intersections
+// and along ways that have none. docs/theory.md, sections "Affine bodies" and "Barrier contact". All states are in double, whatever
+// the precision of the run.
+
+#include "dynamics/affine/affine_card.h"
+#include "dynamics/affine/affine_setup.h"
+#include "dynamics/affine/minimizer.h"
+#include "dynamics/model_on.h"
+#include "dynamics/rigid/body_loading.h"
+#include "dynamics/rigid/named_arrays.h"
+#include "dynamics/rigid/obstacles.h"
+#include "host/scene/motion.h"
+#include "host/scene/scene_summary.h"
+#include "kernels/affine/step_programs.h"
+
+namespace scree {
+
+template <class B>
+class AffineDynamics final : public ModelOn<B, double> {
+ public:
+  /// @param setup  of the scene. @throws InputError when bodies intersect or touch
+  AffineDynamics(std::unique_ptr<B> on, affine::AffineSetup setup, Scene scene)
+      : ModelOn<B, double>(std::move(on), scene),
+        scene_(std::move(scene)),
+        setup_(std::move(setup)),
+        summary_(summarize(scene_)),
+        store_(backend(), summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
+               summary_.solid_spheres),
+        obstacles_(backend(), scene_, store_.fixed_begin()),
+        rows_(static_cast<Index>(setup_.body_of_row.size())),
+        surfaces_(backend(), setup_.surfaces, setup_.surface_of_body, setup_.collision_group,
+                  setup_.held_pairs),
+        minimizer_(backend(), static_cast<Index>(setup_.bodies.size()), rows_, setup_.equations),
+        constants_(backend()),
+        body_of_row_(backend()),
+        friction_(backend()),
+        shapes_(backend()),
+        q_(backend()),
+        v_(backend()),
+        earlier_q_(backend(), std::ssize(setup_.bodies)),
+        earlier_v_(backend(), std::ssize(setup_.bodies)),
+        next_(backend(), std::ssize(setup_.bodies)),
+        target_(backend(), rows_),
+        rate_(backend(), rows_),
+        led_(backend()),
+        sums_(backend(), 1),
+        strain_(backend(), 1),
+        missed_(backend(), 1),
+        led_time_(setup_.led.size()) {
+    B& b = backend();
+    upload(b, setup_.bodies, constants_);
+    upload(b, setup_.body_of_row, body_of_row_);
+    upload(b, setup_.position, q_);
+    upload(b, setup_.velocity, v_);
+    std::vector<double> friction;
+    for (const Material& pair : all_pair_values(scene_)) friction.push_back(pair.friction);
+    has_friction_ = std::any_of(friction.begin(), friction.end(), [](double mu) { return mu > 0; });
+    upload(b, friction, friction_);
+    read_parameters();
+    BodyLoading<B, double>(scene_, store_, obstacles_).load_first();
+    place_shapes();
+    minimizer_.keep_places(q_.view());
+    require_apart();
+  }
+
+  using ModelOn<B, double>::steps_done;
+
+  StepReport step(BodyProblem* /*problem*/) override {
+    B& b = backend();
+    StageClock<B> clock(b);
+    StepReport report;
+    const affine::StepScheme scheme{rule_, rule_ == affine::StepRule::bdf2 && has_earlier_,
+                                    scene_.stepping.time_step, scene_.gravity};
+    minimizer_.forget_times();
+    affine::Potential p = potential(scheme);
+    set_out(p, scheme);
+    p.barrier.stiffness = barrier_stiffness(p, scheme.h);
+    affine::MinimizerReport done;
+    const affine::MinimizerSettings settings = minimizer_settings(scheme.h);
+    const int blocked = minimize(p, scheme, settings, done);
+    finish(scheme);
+    report.ms.collision = minimizer_.near_ms();
+    report.ms.solve = done.linear_ms;
+    report.ms.integrate = clock.lap() - minimizer_.near_ms() - done.linear_ms;
+    const affine::AffineSums sums = sum();
+    if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
+    this->count_step();
+    fill_report(report, p, scheme, done, sums, blocked);
+    return report;
+  }
+
+  int body_count() const override { return store_.ranges().present_count(); }
+  BodyStates states() override {
+    return store_.states(static_cast<Index>(store_.ranges().present_count()));
+  }
+  void arrays_changed(Written /*what*/) override {}  // none can be written
+  void set_gravity(const Vec3d& gravity) override {
+    require_gravity(gravity, scene_.stepping.time_step);
+    scene_.gravity = gravity;
+  }
+
+ private:
+  using AffineVec = affine::AffineVec;
+  using ModelOn<B, double>::backend;
+
+  /// Most minimizations of a step whose friction is worked out until it does not change.
+  static constexpr int kMostFrictionSolves = 100;
+  /// Factors of the mass of led bodies: raised until they are where they should be.
+  static constexpr double kFirstLead = 1e3, kMostLead = 1e9;
+  /// Strain from which on a body counts as squeezed.
+  static constexpr double kMostSqueeze = 0.01;
+
+  void read_parameters() {
+    const ParameterValues& values = scene_.dynamics.parameters;
+    rule_ = static_cast<affine::StepRule>(std::lround(kStepRule.of(values)));
+    reach_ = kReach.of(values) > 0 ? kReach.of(values) : 1e-3 * setup_.size;
+    tolerance_ = kNewtonTolerance.of(values) > 0 ? kNewtonTolerance.of(values) : 1e-3 * setup_.size;
+  }
+
+  /// Pictures find the body of a mesh by its shape.
+  void place_shapes() {
+    std::vector<ShapeRecord<double>> shapes = obstacles_.data().shapes;
+    for (std::size_t body = 0; body < setup_.id_of_body.size(); ++body) {
+      const Index shape = obstacles_.shape(setup_.id_of_body[body]);
+      if (shape >= 0) shapes[static_cast<std::size_t>(shape)].body = static_cast<Index>(body);
+    }
+    upload(backend(), shapes, shapes_);
+  }
+
+  affine::Potential potential(const affine::StepScheme& scheme) {
+    affine::Potential p;
+    p.bodies = constants_.view(std::ssize(setup_.bodies));
+    p.body_of_row = body_of_row_.view(rows_);
+    p.start = q_.view();
+    p.target = target_.view();
+    p.friction = friction_.view(friction_.capacity());
+    p.material_count = static_cast<Index>(scene_.materials.size());
+    p.barrier.reach = reach_;
+    p.barrier.separation = kSeparation.of(scene_.dynamics.parameters);
+    p.law.slip = kSlipSpeed.of(scene_.dynamics.parameters) * scheme.h;
+    p.scale = scheme.scale();
+    p.lead = kFirstLead;
+    return p;
+  }
+  affine::StepStates states(bool with_earlier) {
+    affine::StepStates s;
+    s.q = q_.view(), s.v = v_.view();
+    if (with_earlier) s.earlier_q = earlier_q_.view(), s.earlier_v = earlier_v_.view();
+    return s;
+  }
+  affine::MinimizerSettings minimizer_settings(double h) const {
+    const ParameterValues& values = scene_.dynamics.parameters;
+    return {tolerance_ * h, static_cast<int>(kNewtonIterations.of(values)), 1e-9 * setup_.size,
+            kBarrierStiffness.of(values) == 0};
+  }
+
+  /// Targets and near pairs of a step that begins anew. @param blocked  whether led bodies stay where they are
+  void set_out(affine::Potential& p, const affine::StepScheme& scheme, bool blocked = false) {
+    B& b = backend();
+    std::vector<AffineVec> led;
+    for (std::size_t k = 0; k < setup_.led.size(); ++k) {
+      const affine::LedBody& each = setup_.led[k];
+      led.push_back(
+          blocked ? fetch(b, q_.data() + each.body)
+                  : affine::pose_coordinates(pose_at(each.description, led_time_[k] + scheme.h)));
+    }
+    upload(b, led, led_);
+    for_each(b, rows_,
+             affine::SetTargets{scheme, p.bodies, p.body_of_row, states(scheme.is_second),
+                                led_.view(std::ssize(led)), target_.view(), rate_.view(),
+                                minimizer_.from(), minimizer_.to()});
+    copy(b, Span<const AffineVec>(q_.view()), next_.view());
+    p.lead = kFirstLead;
+    minimizer_.begin(surfaces_, p);
+  }
+
+  /// That of the scene, or what balances the forces on bodies where they are, within bounds.
+  /// Source: Li et al., Incremental Potential Contact, 2020, supplement, section 3.3; bounds of its public implementation.
+  double barrier_stiffness(const affine::Potential& p, double h) {
+    const double given = kBarrierStiffness.of(scene_.dynamics.parameters);
+    if (given > 0) return given;
+    const double near = 1e-8 * setup_.size;
+    affine::Barrier unit = p.barrier;
+    unit.stiffness = 1, unit.separation = 0;
+    const double curvature = unit(near * near).second;
+    const double least = 1e11 * setup_.mean_mass / (4 * near * near * curvature) / (h * h);
+    return std::clamp(minimizer_.balanced_stiffness(p, q_.view()), least, 100 * least);
+  }
+
+  /// Minimizes until friction is as it should be.
+  void minimize_with_friction(affine::Potential& p, const affine::MinimizerSettings& settings,
+                              affine::MinimizerReport& done) {
+    const int wanted = static_cast<int>(kFrictionSolves.of(scene_.dynamics.parameters));
+    const int solves = !has_friction_ ? 1 : wanted == 0 ? kMostFrictionSolves : wanted;
+    for (int solve = 0; solve < solves; ++solve) {
+      if (has_friction_) minimizer_.remember_friction(p, next_.view());
+      const int before = done.iterations;
+      minimizer_.minimize(p, next_.view(), settings, done);
+      if (solve > 0 && done.iterations <= before + 1) break;  // friction changed nothing
+    }
+  }
+
+  /// Minimizes with led bodies ever heavier until they are where they should be. Where that squeezes a body, all led
+  /// bodies stay where they are in this step, and go on from there. @return led bodies that stay
+  int minimize(affine::Potential& p, const affine::StepScheme& scheme,
+               const affine::MinimizerSettings& settings, affine::MinimizerReport& done) {
+    minimize_with_friction(p, settings, done);
+    if (setup_.led.empty()) return 0;
+    for (;;) {
+      const int missed = count_missed(p, settings.tolerance);
+      if (strain() > kMostSqueeze || (missed > 0 && p.lead >= kMostLead)) {
+        const double stiffness = p.barrier.stiffness;
+        set_out(p, scheme, /*blocked=*/true);
+        p.barrier.stiffness = stiffness;
+        minimize_with_friction(p, settings, done);
+        return static_cast<int>(setup_.led.size());
+      }
+      if (missed == 0) {
+        for (double& time : led_time_) time += scheme.h;
+        return 0;
+      }
+      p.lead *= 10;
+      minimizer_.minimize(p, next_.view(), settings, done);
+    }
+  }
+  /// Largest strain of a body at the end of the step.
+  double strain() {
+    reduce<Largest<double>>(backend(), rows_,
+                            affine::StrainOfRow{body_of_row_.view(rows_), next_.view()},
+                            StoreResult<Largest<double>>{strain_.data()});
+    return fetch(backend(), strain_.data()).value;
+  }
+  int count_missed(const affine::Potential& p, double tolerance) {
+    reduce<Sums<1>>(
+        backend(), rows_,
+        affine::MissedTargets{p.bodies, p.body_of_row, p.start, next_.view(), p.target, tolerance},
+        StoreResult<Sums<1>>{missed_.data()});
+    return static_cast<int>(fetch(backend(), missed_.data()).value[0]);
+  }
+
+  void finish(const affine::StepScheme& scheme) {
+    for_each(backend(), rows_,
+             affine::FinishStep{scheme, constants_.view(), body_of_row_.view(),
+                                states(scheme.is_second), next_.view(), target_.view(),
+                                rate_.view(), earlier_q_.view(), earlier_v_.view()});
+    has_earlier_ = true;
+    write_poses();
+  }
+  void write_poses() {
+    for_each(backend(), rows_,
+             affine::WritePoses{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
+                                store_.view()});
+  }
+  affine::AffineSums sum() {
+    reduce<affine::AffineSums>(
+        backend(), rows_,
+        affine::SumBody{constants_.view(), body_of_row_.view(), q_.view(), v_.view()},
+        StoreResult<affine::AffineSums>{sums_.data()});
+    return fetch(backend(), sums_.data());
+  }
+
+  void fill_report(StepReport& report, const affine::Potential& p, const affine::StepScheme& scheme,
+                   const affine::MinimizerReport& done, const affine::AffineSums& sums,
+                   int blocked) {
+    report.step = steps_done();
+    report.time = this->time();
+    report.body_count = store_.owned_count();
+    report.contact_count = done.contacts;
+    report.iterations = done.iterations;
+    report.applications = done.linear_iterations;
+    report.converged = done.converged;
+    report.residual_rms = report.residual_max = done.residual / scheme.h;
+    report.kinetic_energy = sums.kinetic;
+    const double listed = p.barrier.separation + 3 * p.barrier.reach;
+    report.own = {std::min(std::sqrt(done.squared), listed),
+                  sums.strain,
+                  p.barrier.stiffness,
+                  static_cast<double>(blocked),
+                  sums.momentum.x,
+                  sums.momentum.y,
+                  sums.momentum.z,
+                  sums.angular.x,
+                  sums.angular.y,
+                  sums.angular.z};
+    report.ms.total = report.ms.collision + report.ms.solve + report.ms.integrate;
+    if (!std::isfinite(sums.kinetic))
+      throw_not_finite(steps_done(), "kinetic energy", sums.kinetic);
+  }
+
+  [[noreturn]] void report_bad_body(Index body) {
+    throw_bad_body(steps_done() + 1, setup_.id_of_body[static_cast<std::size_t>(body)],
+                   fetch(backend(), q_.data() + body).node[0],
+                   fetch(backend(), v_.data() + body).node[0]);
+  }
+
+  /// A step ends without intersections only where it begins without.
+  void require_apart() {
+    if (rows_ == 0) return;
+    affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});
+    minimizer_.begin(surfaces_, p);
+    const std::vector<affine::BodyPair> pairs = download(backend(), p.near.bodies);
+    const auto surface = [&](Index body) -> const affine::Surface& {
+      return *setup_.surfaces[static_cast<std::size_t>(
+          setup_.surface_of_body[static_cast<std::size_t>(body)])];
+    };
+    const auto id = [&](Index body) { return setup_.id_of_body[static_cast<std::size_t>(body)]; };
+    const auto place = [&](Index body) { return setup_.position[static_cast<std::size_t>(body)]; };
+    for (const affine::BodyPair& pair : pairs) {
+      const affine::Crossing crossing = affine::first_crossing(
+          surface(pair.body[0]), place(pair.body[0]), surface(pair.body[1]), place(pair.body[1]));
+      if (crossing.is_one()) affine::throw_crossing(id(pair.body[0]), id(pair.body[1]), crossing);
+    }
+    const double separation = p.barrier.separation;
+    const Index touching = minimizer_.touching(p, q_.view(), separation);
+    if (touching < 0) return;
+    const affine::NearPair near = fetch(backend(), p.near.pairs.data + touching);
+    const affine::BodyPair& pair = pairs[static_cast<std::size_t>(near.bodies)];
+    affine::throw_touching(id(pair.body[0]), id(pair.body[1]), separation, separation);
+  }
+
+  void save_arrays(WorldState& s) override {
+    store_.save_owned(s);
+    s.add("affine/position", nodes(q_));
+    s.add("affine/velocity", nodes(v_));
+    s.add("affine/earlier_position", has_earlier_ ? nodes(earlier_q_) : std::vector<Vec3d>{});
+    s.add("affine/earlier_velocity", has_earlier_ ? nodes(earlier_v_) : std::vector<Vec3d>{});
+    s.add("affine/led_time", led_time_);
+    if (!(scene_.gravity == first_gravity_))
+      s.add("world/gravity", std::vector<Vec3d>{scene_.gravity});
+  }
+  void restore_arrays(const WorldState& s) override {
+    const auto& id = s.template at<std::int32_t>("body/id");
+    const auto n = static_cast<std::size_t>(store_.owned_count());
+    if (id.size() != n) throw_wrong_body_count(id.size(), n);
+    store_.restore_owned(s);
+    put_nodes(s.template at<Vec3d>("affine/position"), q_);
+    put_nodes(s.template at<Vec3d>("affine/velocity"), v_);
+    const auto& earlier = s.template at<Vec3d>("affine/earlier_position");
+    has_earlier_ = !earlier.empty();
+    if (has_earlier_) {
+      put_nodes(earlier, earlier_q_);
+      put_nodes(s.template at<Vec3d>("affine/earlier_velocity"), earlier_v_);
+    }
+    const auto& led_time = s.template at<double>("affine/led_time");
+    if (led_time.size() != led_time_.size())
+      throw_wrong_body_count(led_time.size(), led_time_.size());
+    led_time_ = led_time;
+    write_poses();
+    scene_.gravity =
+        s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : first_gravity_;
+  }
+  /// Four vectors of each body with a row, in the order of rows.
+  std::vector<Vec3d> nodes(Buffer<B, AffineVec>& array) {
+    const std::vector<AffineVec> all = download(backend(), array.view());
+    std::vector<Vec3d> out;
+    for (const Index body : setup_.body_of_row)
+      for (const Vec3d& node : all[static_cast<std::size_t>(body)].node) out.push_back(node);
+    return out;
+  }
+  void put_nodes(const std::vector<Vec3d>& from, Buffer<B, AffineVec>& array) {
+    if (from.size() != 4 * setup_.body_of_row.size())
+      throw_wrong_body_count(from.size() / 4, setup_.body_of_row.size());
+    std::vector<AffineVec> all = download(backend(), array.view());
+    for (std::size_t row = 0; row < setup_.body_of_row.size(); ++row)
+      for (std::size_t k = 0; k < 4; ++k)
+        all[static_cast<std::size_t>(setup_.body_of_row[row])].node[k] = from[4 * row + k];
+    upload(backend(), all.data(), array.view());
+  }
+
+  typename ModelOn<B, double>::Drawn drawn() override {
+    return {store_.view(), shapes_.view(shapes_.capacity()), obstacles_.mesh_set()};
+  }
+
+  void for_each_array(const typename ModelOn<B, double>::VisitArray& visit) override {
+    const BodyView<double> bodies = store_.view();
+    const Index n = store_.owned_count();
+    const auto rows = [n](const auto* data) { return [data, n] { return array_of(data, n); }; };
+    visit({"position", "m", "center of mass, world frame", false}, rows(bodies.position.data));
+    visit({"velocity", "m/s", "of the center of mass, world frame", false},
+          rows(bodies.velocity.data));
+    visit({"orientation", "1", "body to world, unit quaternion w x y z", false},
+          rows(bodies.orientation.data));
+    visit({"angular_velocity", "rad/s", "world frame", false}, rows(bodies.angular_velocity.data));
+    visit({"id", "1", "index of the body in the scene", false}, rows(bodies.id.data));
+  }
+
+  Scene scene_;  ///< without the descriptions already loaded
+  Vec3d first_gravity_ = scene_.gravity;
+  affine::AffineSetup setup_;
+  SceneSummary summary_;
+  BodyStore<B, double> store_;  ///< bodies as rigid ones, for output and pictures; never reordered
+  Obstacles<B, double> obstacles_;
+  Index rows_;
+  affine::SurfaceTables<B> surfaces_;
+  affine::Minimizer<B> minimizer_;
+  affine::StepRule rule_ = affine::StepRule::bdf2;
+  double reach_ = 0, tolerance_ = 0;  ///< [m], [m/s]
+  bool has_friction_ = false;
+  bool has_earlier_ = false;  ///< whether there was a step before
+  Buffer<B, affine::BodyConstant> constants_;
+  Buffer<B, Index> body_of_row_;
+  Buffer<B, double> friction_;
+  Buffer<B, ShapeRecord<double>> shapes_;
+  Buffer<B, AffineVec> q_, v_, earlier_q_, earlier_v_;  ///< by body
+  Buffer<B, AffineVec> next_;                           ///< by body, while a step is made
+  Buffer<B, AffineVec> target_, rate_;                  ///< by row
+  Buffer<B, AffineVec> led_;
+  Buffer<B, affine::AffineSums> sums_;
+  Buffer<B, Largest<double>> strain_;
+  Buffer<B, Sums<1>> missed_;
+  std::vector<double>
+      led_time_;  ///< of the motion of each led body [s]: it waits where it is blocked
+};
+
+template <class B, class Real>
+std::unique_ptr<Dynamics> make_affine(Scene scene, const WorldOptions& options) {
+  affine::AffineSetup setup = affine::affine_setup(scene);
+  return std::make_unique<AffineDynamics<B>>(make_backend<B>(options), std::move(setup),
+                                             std::move(scene));
+}
+
+}  // namespace scree

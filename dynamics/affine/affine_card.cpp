@@ -1,0 +1,96 @@
+#include "dynamics/affine/affine_card.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+
+#include "host/error.h"
+#include "host/scene/bodies_by_id.h"
+#include "host/scene/joint_cards.h"
+#include "host/scene/scene_checks.h"
+#include "shapes/shape_card.h"
+
+namespace scree {
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& value,
+                         const std::string& expected) {
+  throw InputError(fault_text(path, value, expected));
+}
+
+void check_locks(std::uint8_t locks, const std::string& path) {
+  const int turns = std::popcount(static_cast<unsigned>(locks >> 3));
+  if (turns == 1)
+    refuse(path + ".locks", "one locked axis of rotation",
+           "must be none, two or three: turning about two axes is no linear equation of an affine "
+           "body");
+}
+
+void check_materials(const Scene& scene) {
+  const std::vector<Material> pairs = all_pair_values(scene);
+  const std::size_t n = scene.materials.size();
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const Material& pair = pairs[k];
+    const std::string path = fmt::format("materials: pair (\"{}\", \"{}\")",
+                                         scene.materials[k / n].name, scene.materials[k % n].name);
+    for (const auto& [key, value] : {std::pair{"restitution", pair.restitution},
+                                     {"cohesion", pair.cohesion},
+                                     {"rolling_friction", pair.rolling_friction},
+                                     {"spinning_friction", pair.spinning_friction}})
+      if (value > 0)
+        refuse(fmt::format("{}: {}", path, key), fmt::format("{:g}", value),
+               "must be 0: contacts of the dynamics \"affine\" have friction alone");
+  }
+}
+
+void check_joint(const Joint& joint, std::size_t j) {
+  const std::string path = fmt::format("joints[{}]", j);
+  const bool is_known = joint.kind == JointKind::ball || joint.kind == JointKind::hinge ||
+                        joint.kind == JointKind::fixed;
+  if (!is_known)
+    refuse(path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
+           "must be ball, hinge or fixed: joints of the dynamics \"affine\" hold points");
+  if (joint.motor)
+    refuse(path + ".motor", "a motor", "must not be there with the dynamics \"affine\"");
+  if (std::isfinite(joint.limits[0]) || std::isfinite(joint.limits[1]))
+    refuse(path + ".limits", "limits", "must not be there with the dynamics \"affine\"");
+  if (joint.friction > 0)
+    refuse(path + ".friction", fmt::format("{:g}", joint.friction),
+           "must be 0 with the dynamics \"affine\"");
+  if (std::isfinite(joint.break_force) || std::isfinite(joint.break_moment))
+    refuse(path, "a joint that breaks", "must hold with the dynamics \"affine\"");
+}
+
+}  // namespace
+
+void check_affine(const Scene& scene) {
+  if (!scene.insertions.empty())
+    refuse("insertions", fmt::format("a list of {}", scene.insertions.size()),
+           "must be empty: all bodies of the dynamics \"affine\" are there from the start");
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (scene.periodicity.periodic[axis])
+      refuse("periodic", fmt::format("an axis {}", "xyz"[axis]),
+             "must be without axes: the dynamics \"affine\" have no periods");
+  check_materials(scene);
+  for_each_by_id(
+      scene,
+      [](std::size_t id, const BodyDescription& body) {
+        check_locks(body.locks, body.entry >= 0 ? fmt::format("bodies[{}]", body.entry)
+                                                : fmt::format("body {}", id));
+      },
+      [](std::size_t, const ParticleSet& set) {
+        check_locks(set.locks,
+                    set.entry >= 0 ? fmt::format("particles[{}]", set.entry) : "particles");
+      });
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) check_joint(scene.joints[j], j);
+}
+
+double affine_bytes_per_body(const Scene&, const WorldOptions&) {
+  // States and constants, eight contacts with their elements and entries, forty near pairs, four blocks.
+  constexpr double kState = 12 * 96 + 400 + 200, kRow = 3 * 1152 + 6 * 96;
+  constexpr double kContacts = 8 * (1280 + 200), kNear = 40 * 40, kBlocks = 4 * 2 * 1160;
+  return kState + kRow + kContacts + kNear + kBlocks;
+}
+
+}  // namespace scree

@@ -1,0 +1,175 @@
+#pragma once
+// What the model of affine bodies says of itself.
+
+#include <array>
+
+#include "dynamics/rigid/rigid_card.h"
+
+namespace scree {
+
+inline constexpr std::array kStepRules{"implicit_euler", "bdf2", "rotational"};
+inline constexpr SolverParameter kStepRule{
+    .key = "rule",
+    .description =
+        "how a step advances: implicit_euler damps, most of all turning; bdf2 is of second order; "
+        "rotational is implicit_euler that keeps the spin of free bodies.",
+    .standard = 1,
+    .choices = kStepRules};
+inline constexpr SolverParameter kAffineStiffness{
+    .key = "stiffness",
+    .description =
+        "how stiff bodies are: a body of volume v resists with this times v times the "
+        "square of A^T A - I [Pa].",
+    .standard = 1e8,
+    .low = 0,
+    .high = 1e18};
+inline constexpr SolverParameter kReach{.key = "reach",
+                                        .description =
+                                            "distance up to which bodies push each other away [m]; "
+                                            "0: 0.001 of the diagonal of the "
+                                            "box about all bodies.",
+                                        .standard = 0,
+                                        .low = 0,
+                                        .high = 1e6,
+                                        .is_low_allowed = true};
+inline constexpr SolverParameter kSeparation{
+    .key = "separation",
+    .description = "distance that bodies never come near [m].",
+    .standard = 0,
+    .low = 0,
+    .high = 1e6,
+    .is_low_allowed = true};
+inline constexpr SolverParameter kSlipSpeed{
+    .key = "slip_speed",
+    .description = "speed below which contacts stick, nearly [m/s].",
+    .standard = 1e-3,
+    .low = 0,
+    .high = 1e6};
+inline constexpr SolverParameter kFrictionSolves{
+    .key = "friction_solves",
+    .description =
+        "minimizations a step, each with the friction of the one before [-]; 0: until "
+        "it does not change.",
+    .standard = 1,
+    .low = 0,
+    .high = 1e3,
+    .is_low_allowed = true};
+inline constexpr SolverParameter kNewtonTolerance{
+    .key = "tolerance",
+    .description =
+        "a step is done when Newton's method moves no corner faster than this [m/s]; 0: "
+        "0.001 of the diagonal of the box about all bodies, a second.",
+    .standard = 0,
+    .low = 0,
+    .high = 1e6,
+    .is_low_allowed = true};
+inline constexpr SolverParameter kNewtonIterations{
+    .key = "max_iterations",
+    .description = "most iterations of a minimization [-].",
+    .standard = 200,
+    .low = 0,
+    .high = 1e6};
+inline constexpr SolverParameter kBarrierStiffness{
+    .key = "barrier_stiffness",
+    .description =
+        "factor of the barrier [J/m^4]; 0: found in each step from the forces that "
+        "it balances.",
+    .standard = 0,
+    .low = 0,
+    .high = 1e60,
+    .is_low_allowed = true};
+inline constexpr std::array kAffineParameters{
+    kStepRule,        kAffineStiffness,  kReach,           kSeparation, kSlipSpeed, kFrictionSolves,
+    kNewtonTolerance, kNewtonIterations, kBarrierStiffness};
+
+inline constexpr std::array kAffineReport{
+    ReportColumn{"step", &StepReport::step},
+    ReportColumn{"time_s", &StepReport::time},
+    ReportColumn{"bodies", &StepReport::body_count},
+    ReportColumn{"contacts", &StepReport::contact_count},
+    ReportColumn{"iterations", &StepReport::iterations},
+    ReportColumn{"linear_iterations", &StepReport::applications},
+    ReportColumn{"converged", &StepReport::converged},
+    ReportColumn{"residual_m_per_s", &StepReport::residual_max},
+    ReportColumn{"min_gap_m", Own{0}},
+    ReportColumn{"max_strain", Own{1}},
+    ReportColumn{"barrier_stiffness_J_per_m4", Own{2}},
+    ReportColumn{"blocked_bodies", Own{3}},
+    ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy},
+    ReportColumn{"momentum_x_kg_m_per_s", Own{4}},
+    ReportColumn{"momentum_y_kg_m_per_s", Own{5}},
+    ReportColumn{"momentum_z_kg_m_per_s", Own{6}},
+    ReportColumn{"angular_momentum_x_kg_m2_per_s", Own{7}},
+    ReportColumn{"angular_momentum_y_kg_m2_per_s", Own{8}},
+    ReportColumn{"angular_momentum_z_kg_m2_per_s", Own{9}},
+    ReportColumn{"collision_ms", &StageTimes::collision},
+    ReportColumn{"setup_ms", &StageTimes::setup},
+    ReportColumn{"solve_ms", &StageTimes::solve},
+    ReportColumn{"integrate_ms", &StageTimes::integrate},
+    ReportColumn{"total_ms", &StageTimes::total}};
+
+inline constexpr std::array kAffineState{
+    StateField{.name = "body/id", .type = StateField::Type::int32},
+    StateField{.name = "body/position",
+               .type = StateField::Type::vector,
+               .rows_of = "body/id",
+               .largest = kLargestOfState},
+    StateField{.name = "body/orientation",
+               .type = StateField::Type::quaternion,
+               .rows_of = "body/id",
+               .largest = 2},
+    StateField{.name = "body/velocity",
+               .type = StateField::Type::vector,
+               .rows_of = "body/id",
+               .largest = kLargestOfState},
+    StateField{.name = "body/angular_velocity",
+               .type = StateField::Type::vector,
+               .rows_of = "body/id",
+               .largest = kLargestOfState},
+    // Four vectors a body: center of mass and columns of A, of free bodies and then of kinematic ones.
+    StateField{
+        .name = "affine/position", .type = StateField::Type::vector, .largest = kLargestOfState},
+    StateField{.name = "affine/velocity",
+               .type = StateField::Type::vector,
+               .rows_of = "affine/position",
+               .largest = kLargestOfState},
+    // Before the last step, from the first one on.
+    StateField{.name = "affine/earlier_position",
+               .type = StateField::Type::vector,
+               .rows_of = "affine/position",
+               .may_be_empty = true,
+               .largest = kLargestOfState},
+    StateField{.name = "affine/earlier_velocity",
+               .type = StateField::Type::vector,
+               .rows_of = "affine/position",
+               .may_be_empty = true,
+               .largest = kLargestOfState},
+    // Time of the motion of each kinematic body.
+    StateField{.name = "affine/led_time",
+               .type = StateField::Type::number,
+               .may_be_empty = true,
+               .largest = kLargestOfState},
+    StateField{.name = "world/gravity",
+               .type = StateField::Type::vector,
+               .may_be_absent = true,
+               .largest = kLargestOfState}};
+
+/// @throws InputError naming what of the scene the model does not have
+void check_affine(const Scene& scene);
+double affine_bytes_per_body(const Scene& scene, const WorldOptions& options);
+
+constexpr DynamicsCard affine_card() {
+  return {
+      .name = "affine",
+      .description = "stiff affine bodies with barrier contact and friction, which never intersect",
+      .parameters = kAffineParameters,
+      .iteration_cap = &kNewtonIterations,
+      .has_joints = true,
+      .report = kAffineReport,
+      .frame = kRigidFrame,
+      .state = kAffineState,
+      .check = check_affine,
+      .bytes_per_body = affine_bytes_per_body};
+}
+
+}  // namespace scree

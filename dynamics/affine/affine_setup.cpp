@@ -1,0 +1,398 @@
+#include "dynamics/affine/affine_setup.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "dynamics/affine/affine_card.h"
+#include "host/error.h"
+#include "host/scene/bodies_by_id.h"
+#include "host/scene/scene_checks.h"
+#include "shapes/polyhedron.h"
+#include "shapes/shape_card.h"
+
+namespace scree::affine {
+namespace {
+
+/// Unbounded walls are triangles whose inner circle is so many times the scene.
+constexpr double kWallSize = 1000;
+
+struct Box {
+  Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+  void add(const Vec3d& x) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = std::min(low[k], x[k]);
+      high[k] = std::max(high[k], x[k]);
+    }
+  }
+  void add(const Box& o) {
+    add(o.low);
+    add(o.high);
+  }
+  bool near(const Box& o) const {
+    for (int k = 0; k < 3; ++k)
+      if (low[k] > o.high[k] || o.low[k] > high[k]) return false;
+    return true;
+  }
+};
+
+/// Polygons as fans of triangles, corners at one place as one.
+TriangleMesh triangulated(const scree::Surface& surface) {
+  TriangleMesh mesh;
+  std::map<std::tuple<double, double, double>, int> known;
+  std::vector<int> place;
+  for (const Vec3d& v : surface.vertices) {
+    const auto [at, is_new] = known.emplace(std::tuple(v.x, v.y, v.z), std::ssize(mesh.vertices));
+    if (is_new) mesh.vertices.push_back(v);
+    place.push_back(at->second);
+  }
+  for (const std::vector<int>& face : surface.faces) {
+    for (std::size_t k = 2; k < face.size(); ++k) {
+      const std::array<int, 3> t{place[static_cast<std::size_t>(face[0])],
+                                 place[static_cast<std::size_t>(face[k - 1])],
+                                 place[static_cast<std::size_t>(face[k])]};
+      if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) mesh.triangles.push_back(t);
+    }
+  }
+  return mesh;
+}
+
+/// Planes as large triangles, which have no edge near the bodies.
+TriangleMesh large_triangles(const std::vector<WallFace>& faces, double inner_radius) {
+  TriangleMesh mesh;
+  for (const WallFace& face : faces) {
+    const Vec3d across = any_orthogonal(face.normal), along = cross(face.normal, across);
+    const int first = static_cast<int>(mesh.vertices.size());
+    for (int k = 0; k < 3; ++k) {
+      const double angle = 2 * M_PI / 3 * k;
+      mesh.vertices.push_back(face.point + (2 * inner_radius * std::cos(angle)) * across +
+                              (2 * inner_radius * std::sin(angle)) * along);
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  return mesh;
+}
+
+bool is_unbounded(const Shape& shape) {
+  const ShapeCard& card = shape_card(shape.kind);
+  return card.faces != nullptr;
+}
+
+class Builder {
+ public:
+  explicit Builder(const Scene& scene)
+      : scene_(scene), stiffness_(kAffineStiffness.of(scene.dynamics.parameters)) {}
+
+  AffineSetup build() {
+    for_each_by_id(
+        scene_,
+        [&](std::size_t id, const BodyDescription& body) {
+          all_.push_back({id, body});
+        },
+        [&](std::size_t first, const ParticleSet& set) {
+          for (std::size_t i = 0; i < set.position.size(); ++i)
+            all_.push_back({first + i, particle_body(set, i)});
+        });
+    std::stable_sort(all_.begin(), all_.end(), [](const Body& a, const Body& b) {
+      return (a.body.kind == BodyKind::free) > (b.body.kind == BodyKind::free);
+    });
+    measure();
+    body_of_id_.resize(all_.size());
+    for (const Body& body : all_) add(body);
+    number_rows();
+    for (std::size_t b = 0; b < all_.size(); ++b) lock(static_cast<int>(b));
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) hold(scene_.joints[j]);
+    return std::move(setup_);
+  }
+
+ private:
+  struct Body {
+    std::size_t id = 0;
+    BodyDescription body;
+  };
+
+  /// The box about all that is bounded.
+  void measure() {
+    Box box;
+    for (const Body& each : all_) {
+      if (is_unbounded(each.body.shape)) continue;
+      const AffineVec q = pose_coordinates({each.body.position, each.body.orientation});
+      for (const Vec3d& v : surface_of(each.body.shape).first->vertices) box.add(point_of(q, v));
+    }
+    setup_.size = box.low.x > box.high.x ? 1 : norm(box.high - box.low);
+  }
+
+  /// The surface of a shape and its number.
+  std::pair<const Surface*, int> surface_of(const Shape& shape) {
+    const Vec3d& e = shape.half_extents;
+    const Key key{shape.kind,
+                  shape.mesh,
+                  shape.radius,
+                  e.x,
+                  e.y,
+                  e.z,
+                  shape.rounded.core,
+                  shape.rounded.radius,
+                  shape.rounded.shift,
+                  shape.normal.x,
+                  shape.normal.y,
+                  shape.normal.z,
+                  shape.open_faces};
+    const auto [place, is_new] = known_.emplace(key, static_cast<int>(setup_.surfaces.size()));
+    if (is_new) {
+      const ShapeCard& card = shape_card(shape.kind);
+      const TriangleMesh* mesh = mesh_of(scene_, shape);
+      const TriangleMesh own = is_unbounded(shape)
+                                   ? large_triangles(card.faces(shape), kWallSize * setup_.size)
+                                   : triangulated(card.surface(shape, mesh, 1));
+      setup_.surfaces.push_back(std::make_shared<Surface>(make_surface(own, Vec3d{})));
+      moments_.push_back(moments_of(own));
+    }
+    return {setup_.surfaces[static_cast<std::size_t>(place->second)].get(), place->second};
+  }
+
+  void add(const Body& each) {
+    const BodyDescription& body = each.body;
+    const auto [surface, number] = surface_of(body.shape);
+    const SolidMoments& moments = moments_[static_cast<std::size_t>(number)];
+    BodyConstant c;
+    c.radius = surface->radius;
+    c.material = body.material;
+    c.is_led = body.kind == BodyKind::kinematic;
+    if (body.kind == BodyKind::free) {
+      c.mass = affine_mass(body.mass, body.inertia);
+      c.stiffness = stiffness_ * volume_of(moments, *surface);
+      const Sym3<double>& s = c.mass.second;
+      const double least = std::min({s.xx, s.yy, s.zz});
+      if (!(c.stiffness > 0) || !(least > 1e-12 * s.trace()))
+        throw InputError(
+            fmt::format("body {}: second moments [{:g}, {:g}, {:g}] kg m^2 are not allowed: an "
+                        "affine body must have "
+                        "a volume and be extended along all axes",
+                        each.id, s.xx, s.yy, s.zz));
+    } else if (c.is_led) {
+      box_mass(*surface, c);
+    }
+    AffineVec q = pose_coordinates({body.position, body.orientation}), v;
+    if (body.kind == BodyKind::free) {
+      v.node[0] = body.velocity;
+      for (int k = 1; k < 4; ++k) v.node[k] = cross(body.angular_velocity, q.node[k]);
+    }
+    const auto storage = static_cast<Index>(setup_.bodies.size());
+    body_of_id_[each.id] = storage;
+    if (c.is_led) setup_.led.push_back({storage, body});
+    setup_.bodies.push_back(c);
+    setup_.position.push_back(q);
+    setup_.velocity.push_back(v);
+    setup_.surface_of_body.push_back(number);
+    setup_.id_of_body.push_back(static_cast<Index>(each.id));
+    setup_.collision_group.push_back(body.kind == BodyKind::free ? -1 : kFixedGroup);
+  }
+
+  /// Numbers of groups of a scene are not below zero, and a group of its own for walls is above all of them.
+  static constexpr int kFixedGroup = 1 << 30;
+
+  static double volume_of(const SolidMoments& moments, const Surface& surface) {
+    return moments.volume > 0 ? moments.volume : 8 * std::pow(surface.radius, 3);
+  }
+  /// A body that is led resists as a box of water about it.
+  void box_mass(const Surface& surface, BodyConstant& c) const {
+    Box box;
+    for (const Vec3d& v : surface.vertices) box.add(v);
+    Vec3d half = 0.5 * (box.high - box.low);
+    for (int k = 0; k < 3; ++k) half[k] = std::max(half[k], 1e-3 * surface.radius);
+    const double volume = 8 * half.x * half.y * half.z;
+    c.mass.mass = 1000 * volume;
+    c.mass.second.xx = c.mass.mass * half.x * half.x / 3;
+    c.mass.second.yy = c.mass.mass * half.y * half.y / 3;
+    c.mass.second.zz = c.mass.mass * half.z * half.z / 3;
+    c.stiffness = stiffness_ * volume;
+  }
+
+  void number_rows() {
+    double mass = 0;
+    Index free = 0;
+    for (const bool led : {false, true}) {
+      for (std::size_t b = 0; b < all_.size(); ++b) {
+        BodyConstant& body = setup_.bodies[b];
+        const bool is_free = all_[b].body.kind == BodyKind::free;
+        if (led ? !body.is_led : !is_free) continue;
+        body.row = static_cast<Index>(setup_.body_of_row.size());
+        setup_.body_of_row.push_back(static_cast<Index>(b));
+        if (is_free) mass += body.mass.mass, ++free;
+      }
+    }
+    setup_.mean_mass = free > 0 ? mass / free : 1;
+  }
+
+  void lock(int body) {
+    const auto b = static_cast<std::size_t>(body);
+    const BodyDescription& d = all_[b].body;
+    const int row = setup_.bodies[b].row;
+    if (d.kind != BodyKind::free) return;
+    if (const unsigned moves = d.locks & 7u; moves != 0) {
+      NodeEquation e;
+      e.row[0] = row, e.weight[0][0] = 1, e.components = moves;
+      setup_.equations.push_back(e);
+    }
+    const unsigned turns = d.locks >> 3 & 7u;
+    if (turns == 7) {
+      for (int k = 1; k < 4; ++k) {
+        NodeEquation e;
+        e.row[0] = row, e.weight[0][k] = 1;
+        setup_.equations.push_back(e);
+      }
+    } else if (turns != 0) {  // the axis that is left stays where it is
+      Vec3d axis;
+      for (int k = 0; k < 3; ++k) axis[k] = turns >> k & 1u ? 0 : 1;
+      const Vec3d own = rotate_back(d.orientation, axis);
+      NodeEquation e;
+      e.row[0] = row;
+      for (int k = 0; k < 3; ++k) e.weight[0][k + 1] = own[k];
+      setup_.equations.push_back(e);
+    }
+  }
+
+  /// A point of two bodies, or of one and the world.
+  void hold_point(const std::array<int, 2>& body, const Vec3d& at) {
+    NodeEquation e;
+    int used = 0;
+    for (const int b : body) {
+      if (b < 0 || setup_.bodies[static_cast<std::size_t>(b)].row < 0) continue;
+      const Body& each = all_[static_cast<std::size_t>(b)];
+      const Vec3d own = rotate_back(each.body.orientation, at - each.body.position);
+      e.row[used] = setup_.bodies[static_cast<std::size_t>(b)].row;
+      for (int k = 0; k < 4; ++k) e.weight[used][k] = (used == 0 ? 1 : -1) * node_weight(own, k);
+      ++used;
+    }
+    if (used > 0) setup_.equations.push_back(e);
+  }
+
+  void hold(const Joint& joint) {
+    std::array<int, 2> body{-1, -1};
+    double reach = 0;  // of points about the anchor
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (joint.bodies[k] == kWorldBody) continue;
+      body[k] = body_of_id_[static_cast<std::size_t>(joint.bodies[k])];
+      const double radius = setup_.bodies[static_cast<std::size_t>(body[k])].radius;
+      reach = reach == 0 ? radius : std::min(reach, radius);
+    }
+    hold_point(body, joint.anchor);
+    if (joint.kind == JointKind::hinge) hold_point(body, joint.anchor + reach * joint.axis);
+    if (joint.kind == JointKind::fixed) {
+      for (int k = 0; k < 3; ++k) {
+        Vec3d away;
+        away[k] = reach;
+        hold_point(body, joint.anchor + away);
+      }
+    }
+    if (body[0] >= 0 && body[1] >= 0) setup_.held_pairs.push_back(body);
+  }
+
+  using Key = std::tuple<ShapeKind, int, double, double, double, double, ShapeKind, double, double,
+                         double, double, double, unsigned>;
+
+  const Scene& scene_;
+  double stiffness_;
+  AffineSetup setup_;
+  std::vector<Body> all_;  ///< as they are stored
+  std::vector<int> body_of_id_;
+  std::map<Key, int> known_;
+  std::vector<SolidMoments> moments_;  ///< of surfaces
+};
+
+/// Whether the segment from a to b passes through the inside of a triangle.
+bool passes(const Vec3d& a, const Vec3d& b, const Vec3d& p, const Vec3d& q, const Vec3d& r) {
+  const auto volume = [](const Vec3d& d, const Vec3d& e, const Vec3d& f, const Vec3d& g) {
+    return dot(cross(e - d, f - d), g - d);
+  };
+  const double from = volume(p, q, r, a), to = volume(p, q, r, b);
+  if (!(from * to < 0)) return false;
+  const double s = volume(a, b, p, q), t = volume(a, b, q, r), u = volume(a, b, r, p);
+  return (s > 0 && t > 0 && u > 0) || (s < 0 && t < 0 && u < 0);
+}
+
+/// First edge of `a` that passes through a triangle of `b`. @param where  both boxes
+std::pair<int, int> edge_through(const Surface& a, const std::vector<Vec3d>& at_a, const Surface& b,
+                                 const std::vector<Vec3d>& at_b) {
+  const auto box_of = [](const auto& corners, const std::vector<Vec3d>& at) {
+    Box box;
+    for (const int v : corners) box.add(at[static_cast<std::size_t>(v)]);
+    return box;
+  };
+  Box all_a;
+  for (const Vec3d& x : at_a) all_a.add(x);
+  std::vector<std::pair<int, Box>> triangles;
+  Box all_b;
+  for (std::size_t t = 0; t < b.triangles.size(); ++t) {
+    const Box box = box_of(b.triangles[t], at_b);
+    all_b.add(box);
+    if (box.near(all_a)) triangles.emplace_back(static_cast<int>(t), box);
+  }
+  for (std::size_t e = 0; e < a.edges.size(); ++e) {
+    const Box box = box_of(a.edges[e], at_a);
+    if (!box.near(all_b)) continue;
+    const Vec3d &from = at_a[static_cast<std::size_t>(a.edges[e][0])],
+                &to = at_a[static_cast<std::size_t>(a.edges[e][1])];
+    for (const auto& [t, other] : triangles) {
+      if (!box.near(other)) continue;
+      const auto& corner = b.triangles[static_cast<std::size_t>(t)];
+      if (passes(from, to, at_b[static_cast<std::size_t>(corner[0])],
+                 at_b[static_cast<std::size_t>(corner[1])],
+                 at_b[static_cast<std::size_t>(corner[2])]))
+        return {static_cast<int>(e), t};
+    }
+  }
+  return {-1, -1};
+}
+
+std::vector<Vec3d> corners_at(const Surface& surface, const AffineVec& q) {
+  std::vector<Vec3d> at;
+  for (const Vec3d& v : surface.vertices) at.push_back(point_of(q, v));
+  return at;
+}
+
+}  // namespace
+
+AffineVec pose_coordinates(const Pose& pose) {
+  AffineVec q;
+  q.node[0] = pose.position;
+  for (int k = 0; k < 3; ++k) {
+    Vec3d axis;
+    axis[k] = 1;
+    q.node[k + 1] = rotate(pose.orientation, axis);
+  }
+  return q;
+}
+
+AffineSetup affine_setup(const Scene& scene) { return Builder(scene).build(); }
+
+Crossing first_crossing(const Surface& first, const AffineVec& at_first, const Surface& second,
+                        const AffineVec& at_second) {
+  const std::vector<Vec3d> a = corners_at(first, at_first), b = corners_at(second, at_second);
+  Crossing c;
+  std::tie(c.edge_of_first, c.triangle_of_second) = edge_through(first, a, second, b);
+  if (!c.is_one())
+    std::tie(c.edge_of_second, c.triangle_of_first) = edge_through(second, b, first, a);
+  return c;
+}
+
+void throw_crossing(int id_a, int id_b, const Crossing& c) {
+  const bool is_first = c.edge_of_first >= 0;
+  throw InputError(fmt::format(
+      "bodies {} and {} intersect at the start: edge {} of body {} passes through triangle {} of "
+      "body {}; bodies of the dynamics \"affine\" must be apart",
+      id_a, id_b, is_first ? c.edge_of_first : c.edge_of_second, is_first ? id_a : id_b,
+      is_first ? c.triangle_of_second : c.triangle_of_first, is_first ? id_b : id_a));
+}
+
+void throw_touching(int id_a, int id_b, double distance, double separation) {
+  throw InputError(fmt::format(
+      "bodies {} and {} are {:g} m apart at the start, must be more than {:g} m (\"separation\")",
+      id_a, id_b, distance, separation));
+}
+
+}  // namespace scree::affine

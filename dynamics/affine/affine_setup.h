@@ -1,0 +1,58 @@
+#pragma once
+// A scene as the model of affine bodies takes it: surfaces, masses, equations of locks and joints.
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "dynamics/affine/surface.h"
+#include "host/scene.h"
+#include "host/scene/motion.h"
+#include "kernels/affine/block_system.h"
+#include "kernels/affine/potential.h"
+
+namespace scree::affine {
+
+/// A body whose motion is prescribed.
+struct LedBody {
+  Index body = 0;
+  BodyDescription description;
+};
+
+/// Bodies are numbered as they are stored: free ones by id, then fixed and kinematic ones by id. Rows of the linear system are
+/// free bodies, then kinematic ones.
+struct AffineSetup {
+  std::vector<std::shared_ptr<const Surface>> surfaces;  ///< bodies share them
+  std::vector<int> surface_of_body;
+  std::vector<BodyConstant> bodies;
+  std::vector<AffineVec> position, velocity;  ///< by body, at time zero
+  std::vector<Index> body_of_row;
+  std::vector<Index> id_of_body;
+  std::vector<int> collision_group;            ///< -1: none; all fixed bodies have one
+  std::vector<std::array<int, 2>> held_pairs;  ///< bodies that joints hold, which do not touch
+  std::vector<NodeEquation> equations;
+  std::vector<LedBody> led;
+  double size = 0;       ///< diagonal of the box about all bounded bodies [m]
+  double mean_mass = 0;  ///< of free bodies [kg]
+};
+
+/// @throws InputError naming a body that has no volume or no moment about an axis
+AffineSetup affine_setup(const Scene& scene);
+
+/// The coordinates of a rigid pose.
+AffineVec pose_coordinates(const Pose& pose);
+
+/// An edge of one surface that passes through a triangle of the other, with the bodies where they are.
+struct Crossing {
+  int edge_of_first = -1, triangle_of_second = -1;
+  int edge_of_second = -1, triangle_of_first = -1;
+  bool is_one() const { return edge_of_first >= 0 || edge_of_second >= 0; }
+};
+Crossing first_crossing(const Surface& first, const AffineVec& at_first, const Surface& second,
+                        const AffineVec& at_second);
+
+/// A scene that starts with bodies that intersect or touch. @throws InputError naming the bodies and triangles
+[[noreturn]] void throw_crossing(int id_a, int id_b, const Crossing& crossing);
+[[noreturn]] void throw_touching(int id_a, int id_b, double distance, double separation);
+
+}  // namespace scree::affine

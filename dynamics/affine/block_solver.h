@@ -1,0 +1,130 @@
+#pragma once
+// Solves the linear system of a Newton step: on the CPU by a sparse factorization, on a device by conjugate gradients, or by the
+// factorization too where equations hold two bodies together.
+
+#include <algorithm>
+
+#include "dynamics/affine/direct_blocks.h"
+
+namespace scree::affine {
+
+enum class LinearMethod : std::uint8_t { standard, direct, gradients };
+
+template <class B>
+class BlockSolver {
+ public:
+  struct Report {
+    bool is_solved = true;
+    int iterations = 1;  ///< of conjugate gradients; 1 of a factorization
+  };
+
+  /// @param equations  that all steps keep
+  BlockSolver(B& b, Index rows, const std::vector<NodeEquation>& equations,
+              LinearMethod method = LinearMethod::standard)
+      : rows_(rows),
+        is_direct_(takes_factors(equations, method)),
+        direct_(rows, equations),
+        space_(b),
+        factor_(b),
+        r_(b),
+        z_(b),
+        p_(b),
+        next_p_(b),
+        image_(b),
+        key_(b),
+        entry_(b),
+        begin_(b),
+        sort_(b),
+        state_(b, 1) {
+    if (is_direct_) return;
+    has_spaces_ = !equations.empty();
+    if (has_spaces_) upload(b, row_spaces(rows, equations), space_);
+    for (Buffer<B, AffineVec>* v : {&r_, &z_, &p_, &next_p_, &image_}) v->reserve_discard(rows);
+    factor_.reserve_discard(rows);
+    begin_.reserve_discard(static_cast<Offset>(rows) + 1);
+  }
+
+  bool is_direct() const { return is_direct_; }
+
+  /// @param step       out, by row
+  /// @param tolerance  of conjugate gradients: of the residual in the norm of the preconditioner, over that of the right-hand side
+  Report solve(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance) {
+    return is_direct_ ? factorize(b, system, step) : iterate(b, system, step, tolerance);
+  }
+
+ private:
+  /// Iterations between two looks at whether it is done, and most of them.
+  static constexpr int kCheckEvery = 8, kMostIterations = 4000;
+
+  static bool takes_factors(const std::vector<NodeEquation>& equations, LinearMethod method) {
+    if (method != LinearMethod::standard) return method == LinearMethod::direct;
+    return !B::kIsDevice || std::any_of(equations.begin(), equations.end(),
+                                        [](const NodeEquation& e) { return e.row[1] >= 0; });
+  }
+
+  Report factorize(B& b, const BlockSystemView& system, Span<AffineVec> step) {
+    Report report;
+    if constexpr (B::kIsDevice) {
+      const std::vector<Dense<12>> diagonal = download(b, system.diagonal);
+      const std::vector<MixedBlock> mixed = download(b, system.mixed);
+      const std::vector<AffineVec> right = download(b, system.right);
+      std::vector<AffineVec> x(static_cast<std::size_t>(rows_));
+      report.is_solved = direct_.solve(
+          {{diagonal.data(), rows_}, {mixed.data(), std::ssize(mixed)}, {right.data(), rows_}},
+          {x.data(), rows_});
+      upload(b, x.data(), step);
+    } else {
+      report.is_solved = direct_.solve(system, step);
+    }
+    return report;
+  }
+
+  Report iterate(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance) {
+    GradientVectors v{step,
+                      r_.view(),
+                      z_.view(),
+                      p_.view(),
+                      next_p_.view(),
+                      image_.view(),
+                      system.diagonal,
+                      factor_.view(),
+                      space_.view(has_spaces_ ? rows_ : 0),
+                      list_blocks(b, system),
+                      state_.data()};
+    for_each(b, rows_, FactorRow{system.diagonal, v.space, factor_.view()});
+    reduce<Sums<1>>(b, rows_, BeginGradients{v, system.right}, StartGradients{state_.data()});
+    GradientState state;
+    for (int k = 0; k < kMostIterations; ++k) {
+      reduce<Sums<1>>(b, rows_, MultiplyRow{v}, FindAlpha{state_.data()});
+      reduce<Sums<1>>(b, rows_, AdvanceRow{v}, FindBeta{state_.data(), tolerance * tolerance});
+      if (k % kCheckEvery != kCheckEvery - 1) continue;
+      state = fetch(b, state_.data());
+      if (state.is_done) break;
+    }
+    return {state.is_done, state.iterations};
+  }
+
+  BlockLists list_blocks(B& b, const BlockSystemView& system) {
+    const auto entries = static_cast<Index>(2 * system.mixed.size);
+    const EntryKeys keys{static_cast<std::uint64_t>(rows_)};
+    key_.reserve_discard(entries), entry_.reserve_discard(entries);
+    for_each(b, entries, NameHalves{keys, system.mixed, key_.view(entries), entry_.view(entries)});
+    sort_pairs(b, sort_, key_.view(entries), entry_.view(entries), bits_for(keys.none() + 1));
+    for_each(b, rows_ + 1, FindRows{keys, key_.view(entries), begin_.view()});
+    return {system.mixed, entry_.view(entries), begin_.view()};
+  }
+
+  Index rows_;
+  bool is_direct_;
+  bool has_spaces_ = false;
+  DirectBlocks direct_;
+  Buffer<B, RowSpace> space_;
+  Buffer<B, Dense<12>> factor_;
+  Buffer<B, AffineVec> r_, z_, p_, next_p_, image_;
+  Buffer<B, std::uint64_t> key_;
+  Buffer<B, Index> entry_, begin_;
+  SortSpace<B> sort_;
+  Buffer<B, GradientState> state_;
+};
+
+}  // namespace scree::affine

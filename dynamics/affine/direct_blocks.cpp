@@ -1,0 +1,155 @@
+#include "dynamics/affine/direct_blocks.h"
+
+#include <Eigen/Dense>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <bit>
+
+namespace scree::affine {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+
+}  // namespace
+
+struct DirectBlocks::Impl {
+  /// An entry of an equation in the column of an unknown.
+  struct Entry {
+    int equation;
+    double value;
+  };
+  int unknowns = 0, equations = 0;
+  std::vector<std::vector<Entry>> of_unknown;
+  Matrix matrix;
+  std::vector<int> pattern;  ///< rows and columns of the mixed blocks of the last matrix
+  Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factor;
+  bool is_analyzed = false;
+
+  void fill(const BlockSystemView& s) {
+    const auto rows = static_cast<Index>(s.diagonal.size);
+    const int n = unknowns + equations;
+    double largest = 0;
+    for (Index row = 0; row < rows; ++row)
+      for (int i = 0; i < 12; ++i) largest = std::max(largest, s.diagonal[row](i, i));
+    Offset entries = 78 * static_cast<Offset>(rows) + 144 * s.mixed.size + equations;
+    for (const auto& column : of_unknown) entries += std::ssize(column);
+    matrix.resize(n, n);
+    matrix.resizeNonZeros(entries);
+    int* outer = matrix.outerIndexPtr();
+    int* inner = matrix.innerIndexPtr();
+    double* value = matrix.valuePtr();
+    int at = 0;
+    Index block = 0;
+    for (Index row = 0; row < rows; ++row) {
+      Index end = block;
+      while (end < s.mixed.size && s.mixed[end].row == row) ++end;
+      for (int c = 0; c < 12; ++c) {
+        const int column = 12 * row + c;
+        outer[column] = at;
+        const auto put = [&](int r, double v) { inner[at] = r, value[at] = v, ++at; };
+        for (int i = c; i < 12; ++i) put(12 * row + i, s.diagonal[row](i, c));
+        for (Index k = block; k < end; ++k)
+          for (int i = 0; i < 12; ++i) put(12 * s.mixed[k].column + i, s.mixed[k].value(c, i));
+        for (const Entry& e : of_unknown[static_cast<std::size_t>(column)])
+          put(unknowns + e.equation, e.value);
+      }
+      block = end;
+    }
+    for (int e = 0; e < equations; ++e) {
+      outer[unknowns + e] = at;
+      inner[at] = unknowns + e, value[at] = -1e-10 / largest, ++at;
+    }
+    outer[n] = at;
+  }
+
+  bool has_pattern(const BlockSystemView& s) {
+    std::vector<int> now;
+    now.reserve(2 * static_cast<std::size_t>(s.mixed.size));
+    for (Index k = 0; k < s.mixed.size; ++k) {
+      now.push_back(s.mixed[k].row);
+      now.push_back(s.mixed[k].column);
+    }
+    const bool is_same = is_analyzed && now == pattern;
+    pattern = std::move(now);
+    return is_same;
+  }
+};
+
+DirectBlocks::DirectBlocks(int rows, const std::vector<NodeEquation>& equations)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->unknowns = 12 * rows;
+  impl_->of_unknown.resize(static_cast<std::size_t>(12 * rows));
+  for (const NodeEquation& e : equations) {
+    double size = 0;
+    for (int side = 0; side < 2; ++side)
+      for (int k = 0; k < 4 && e.row[side] >= 0; ++k) size += e.weight[side][k] * e.weight[side][k];
+    for (int c = 0; c < 3; ++c) {
+      if ((e.components >> c & 1u) == 0) continue;
+      const int number = impl_->equations++;
+      for (int side = 0; side < 2; ++side)
+        for (int k = 0; k < 4 && e.row[side] >= 0; ++k)
+          impl_->of_unknown[static_cast<std::size_t>(12 * e.row[side] + 3 * k + c)].push_back(
+              {number, e.weight[side][k] / std::sqrt(size)});
+    }
+  }
+}
+DirectBlocks::~DirectBlocks() = default;
+
+bool DirectBlocks::solve(const BlockSystemView& system, Span<AffineVec> step) {
+  Impl& m = *impl_;
+  const int n = m.unknowns + m.equations;
+  m.fill(system);
+  if (!m.has_pattern(system)) m.factor.analyzePattern(m.matrix);
+  m.is_analyzed = true;
+  m.factor.factorize(m.matrix);
+  if (m.factor.info() != Eigen::Success) return false;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  for (int i = 0; i < m.unknowns; ++i) right(i) = entry_of(system.right[i / 12], i % 12);
+  Eigen::VectorXd x = m.factor.solve(right);
+  if (m.equations > 0) {
+    constexpr int kRefinements = 3;
+    const Eigen::VectorXd small = m.matrix.diagonal().tail(m.equations);
+    for (int k = 0; k < kRefinements; ++k) {
+      Eigen::VectorXd left = right - m.matrix.selfadjointView<Eigen::Lower>() * x;
+      left.tail(m.equations) += small.cwiseProduct(x.tail(m.equations));
+      x += m.factor.solve(left);
+    }
+  }
+  if (!x.allFinite()) return false;
+  for (int i = 0; i < m.unknowns; ++i) step[i / 12].node[i % 12 / 3][i % 3] = x(i);
+  return true;
+}
+
+std::vector<RowSpace> row_spaces(int rows, const std::vector<NodeEquation>& equations) {
+  std::vector<RowSpace> spaces(static_cast<std::size_t>(rows));
+  std::vector<Eigen::MatrixXd> held(static_cast<std::size_t>(rows), Eigen::MatrixXd(0, 12));
+  for (const NodeEquation& e : equations) {
+    if (e.row[1] >= 0) continue;
+    Eigen::MatrixXd& m = held[static_cast<std::size_t>(e.row[0])];
+    for (int c = 0; c < 3; ++c) {
+      if ((e.components >> c & 1u) == 0) continue;
+      m.conservativeResize(m.rows() + 1, 12);
+      m.row(m.rows() - 1).setZero();
+      for (int k = 0; k < 4; ++k) m(m.rows() - 1, 3 * k + c) = e.weight[0][k];
+      m.row(m.rows() - 1).normalize();
+    }
+  }
+  for (int row = 0; row < rows; ++row) {
+    RowSpace& space = spaces[static_cast<std::size_t>(row)];
+    const Eigen::MatrixXd& m = held[static_cast<std::size_t>(row)];
+    Eigen::MatrixXd basis = Eigen::MatrixXd::Identity(12, 12);
+    if (m.rows() > 0) {  // the last columns of Q are at right angles to the equations
+      const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(m.transpose());
+      const auto rank = static_cast<int>(qr.rank());
+      const Eigen::MatrixXd q = qr.householderQ();
+      basis.setZero();
+      basis.leftCols(12 - rank) = q.rightCols(12 - rank);
+      space.count = 12 - rank;
+    }
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j) space.basis(i, j) = basis(i, j);
+  }
+  return spaces;
+}
+
+}  // namespace scree::affine

@@ -1,0 +1,297 @@
+#pragma once
+// Makes the potential of a step of affine bodies least: Newton's method with semidefinite second derivatives, steps that no
+// pair of features blocks, and a line search. docs/theory.md, "Barrier contact".
+//
+// Host reads of an iteration: two counts, the sums of the step, the free share of its way, and the energy of each try.
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynamics/affine/block_solver.h"
+#include "dynamics/affine/near_pairs.h"
+#include "dynamics/model_on.h"
+#include "kernels/affine/assembly.h"
+
+namespace scree::affine {
+
+struct MinimizerSettings {
+  double tolerance = 0;     ///< largest way of a corner in a Newton step that ends it [m]
+  int most_iterations = 0;  ///< of a minimization
+  double least_gap = 0;     ///< below which the barrier becomes stiffer while gaps shrink [m]
+  bool adapts = true;       ///< whether it may
+};
+
+struct MinimizerReport {
+  int iterations = 0;         ///< Newton steps
+  int linear_iterations = 0;  ///< of the solver of linear systems
+  double residual = 0;        ///< way of a corner in the last Newton step [m]
+  bool converged = true;
+  Index contacts = 0;      ///< pairs that the barrier acts on
+  double squared = 1e300;  ///< least squared distance of near pairs [m^2]
+  double near_ms = 0;      ///< listing near pairs
+  double linear_ms = 0;    ///< linear systems
+};
+
+template <class B>
+class Minimizer {
+ public:
+  /// @param rows  of the linear system
+  Minimizer(B& b, Index bodies, Index rows, const std::vector<NodeEquation>& equations)
+      : b_(&b),
+        solver_(b, rows, equations),
+        near_(b),
+        full_(b, bodies),
+        trial_(b, bodies),
+        from_(b, bodies),
+        to_(b, bodies),
+        right_(b, rows),
+        without_(b, rows),
+        step_(b, rows),
+        diagonal_(b, rows),
+        begin_(b, static_cast<Offset>(rows) + 1),
+        mark_(b),
+        place_(b),
+        active_(b),
+        elements_(b),
+        slips_(b),
+        key_(b),
+        entry_(b),
+        sort_(b),
+        first_(b),
+        mixed_(b),
+        energy_(b, 1),
+        share_(b, 1),
+        sums_(b, 1),
+        balance_(b, 1),
+        touch_(b, 1) {}
+
+  /// Ways of bodies that the next list is for, by body: written before begin().
+  Span<AffineVec> from() { return from_.view(); }
+  Span<AffineVec> to() { return to_.view(); }
+
+  /// Bodies that rest are where they are in all states.
+  void keep_places(Span<const AffineVec> q) {
+    copy(*b_, q, full_.view());
+    copy(*b_, q, trial_.view());
+    copy(*b_, q, from_.view());
+    copy(*b_, q, to_.view());
+  }
+
+  /// Lists near pairs for ways that start at from() and go to to().
+  /// @param p  all but its near pairs is set
+  void begin(const SurfaceTables<B>& surfaces, Potential& p) {
+    surfaces_ = &surfaces;
+    room_ = p.barrier.reach;
+    list(p);
+    p.slips = slips_.view(0);
+  }
+
+  /// First near pair that is no farther apart than a distance; -1: none.
+  Index touching(const Potential& p, Span<const AffineVec> q, double distance) {
+    const auto pairs = static_cast<Index>(p.near.pairs.size);
+    if (pairs == 0) return -1;
+    reduce<FirstTouch>(*b_, pairs, TouchOfPair{p.near, q, distance * distance},
+                       StoreResult<FirstTouch>{touch_.data()});
+    return fetch(*b_, touch_.data()).pair;
+  }
+
+  /// Stiffness of the barrier that balances all else where bodies are; 0 without contacts.
+  double balanced_stiffness(Potential p, Span<const AffineVec> q) {
+    p.barrier.stiffness = 1;
+    if (assemble(p, q, /*keep_without=*/true) == 0) return 0;
+    reduce<BalanceSums>(*b_, p.rows(), BalanceOfRow{right_.view(), without_.view()},
+                        StoreResult<BalanceSums>{balance_.data()});
+    const BalanceSums sums = fetch(*b_, balance_.data());
+    return sums.barrier > 0 ? -sums.mixed / sums.barrier : 0;
+  }
+
+  /// Friction of the contacts of a state, from now on.
+  void remember_friction(Potential& p, Span<const AffineVec> q) {
+    const Index count = list_active(p, q);
+    slips_.reserve_discard(count);
+    for_each(*b_, count, RememberSlip{p, q, active_.view(count), slips_.view(count)});
+    p.slips = slips_.view(count);
+  }
+
+  /// Moves q to the minimum. @param report  adds to it
+  void minimize(Potential& p, Span<AffineVec> q, const MinimizerSettings& settings,
+                MinimizerReport& report) {
+    EnergySum at = energy(p, q);
+    report.squared = at.squared;
+    double last_gap = 0;
+    for (int iteration = 0;; ++iteration) {
+      report.contacts = assemble(p, q);
+      StageTimer timer(*b_);
+      const auto solved = solver_.solve(
+          *b_, {diagonal_.view(), mixed_.view(block_count_), right_.view()}, step_.view(), 1e-6);
+      report.linear_ms += timer.lap();
+      report.linear_iterations += solved.iterations;
+      if (!solved.is_solved && solver_.is_direct()) break;  // there is no step
+      const StepSums sums = measure(p, q);
+      report.residual = sums.size;
+      // The last step is taken too: bodies slower than the tolerance move, and free ones exactly.
+      const bool is_last = sums.size < settings.tolerance;
+      if (is_last && sums.size == 0) return;
+      if (!is_last && (iteration == settings.most_iterations || !(sums.size < 1e300))) break;
+      ++report.iterations;
+      move(p, q, 1, full_.view());
+      if (sums.stray > room_) {
+        copy(*b_, Span<const AffineVec>(q), from_.view());
+        copy(*b_, Span<const AffineVec>(full_.view()), to_.view());
+        list(p);
+      }
+      double share = free_share(p, q);
+      EnergySum next;
+      const auto is_lower = [&] {
+        return next.energy <=
+               at.energy + 1e-4 * share * sums.slope + 1e-14 * std::abs(at.energy) + at.rounding;
+      };
+      for (;; share *= 0.5) {
+        if (share <= kLeastShare) break;
+        move(p, q, share, trial_.view());
+        next = energy(p, trial_.view());
+        if (is_lower()) break;
+      }
+      if (share <= kLeastShare) {
+        if (is_last) return;
+        break;
+      }
+      copy(*b_, Span<const AffineVec>(trial_.view()), q);
+      at = next;
+      report.squared = at.squared;
+      if (is_last) return;
+      const double gap = std::sqrt(at.squared) - p.barrier.separation;
+      if (settings.adapts && gap < settings.least_gap && last_gap > 0 && gap < last_gap) {
+        p.barrier.stiffness *= 2;
+        at = energy(p, q);
+      }
+      last_gap = gap < settings.least_gap ? gap : 0;
+    }
+    report.converged = false;
+  }
+
+  double near_ms() const { return near_ms_; }
+  void forget_times() { near_ms_ = 0; }
+
+ private:
+  /// Share of a Newton step below which there is no lower place on its way.
+  static constexpr double kLeastShare = 1e-12;
+
+  class StageTimer {
+   public:
+    explicit StageTimer(B& b) : clock_(b) {}
+    double lap() { return clock_.lap(); }
+
+   private:
+    StageClock<B> clock_;
+  };
+
+  void list(Potential& p) {
+    StageTimer timer(*b_);
+    const double reach = p.barrier.reach + p.barrier.separation;
+    near_.build(*b_, *surfaces_, from_.view(), to_.view(), reach + 2 * room_);
+    p.near = near_.view();
+    near_ms_ += timer.lap();
+  }
+
+  EnergySum energy(const Potential& p, Span<const AffineVec> q) {
+    reduce<EnergySum>(*b_, p.terms(), EnergyOfTerm{p, q}, StoreResult<EnergySum>{energy_.data()});
+    return fetch(*b_, energy_.data());
+  }
+  double free_share(const Potential& p, Span<const AffineVec> q) {
+    const auto pairs = static_cast<Index>(p.near.pairs.size);
+    if (pairs == 0) return 1;
+    reduce<LeastShare>(*b_, pairs, FreeShare{p.near, q, full_.view(), p.barrier.separation},
+                       StoreResult<LeastShare>{share_.data()});
+    return fetch(*b_, share_.data()).value;
+  }
+  StepSums measure(const Potential& p, Span<const AffineVec> q) {
+    reduce<StepSums>(*b_, p.rows(),
+                     MeasureStep{p.bodies, p.body_of_row, q, step_.view(), right_.view(),
+                                 from_.view(), to_.view()},
+                     StoreResult<StepSums>{sums_.data()});
+    return fetch(*b_, sums_.data());
+  }
+  void move(const Potential& p, Span<const AffineVec> q, double share, Span<AffineVec> moved) {
+    for_each(*b_, p.rows(), MoveBody{p.body_of_row, q, step_.view(), share, moved});
+  }
+
+  /// Near pairs that the barrier acts on. @return how many
+  Index list_active(const Potential& p, Span<const AffineVec> q) {
+    const auto pairs = static_cast<Index>(p.near.pairs.size);
+    if (pairs == 0) return 0;
+    mark_.reserve_discard(pairs), place_.reserve_discard(static_cast<Offset>(pairs) + 1);
+    for_each(*b_, pairs, MarkActive{p.barrier, p.near, q, mark_.view(pairs)});
+    return list_marked(pairs, active_);
+  }
+  Index list_marked(Index count, Buffer<B, Index>& marked) {
+    exclusive_scan(*b_, Span<const Index>(mark_.view(count)),
+                   place_.view(static_cast<Offset>(count) + 1));
+    const auto found = static_cast<Index>(fetch(*b_, place_.data() + count));
+    marked.reserve_discard(found);
+    for_each(*b_, count, ListMarked{mark_.view(count), place_.view(count), marked.view(found)});
+    return found;
+  }
+
+  /// The linear system at q. @return number of contacts
+  Index assemble(const Potential& p, Span<const AffineVec> q, bool keep_without = false) {
+    B& b = *b_;
+    const Index rows = p.rows();
+    for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view()});
+    if (keep_without) copy(b, Span<const AffineVec>(right_.view()), without_.view());
+    const Index contacts = list_active(p, q);
+    const Index count = contacts + static_cast<Index>(p.slips.size);
+    block_count_ = 0;
+    if (count == 0) return 0;
+    elements_.reserve_discard(count);
+    for_each(b, count, MakeElements{p, q, active_.view(contacts), elements_.view(count)});
+    const Index entries = 2 * count;
+    key_.reserve_discard(entries), entry_.reserve_discard(entries);
+    const EntryKeys keys{static_cast<std::uint64_t>(rows)};
+    for_each(b, entries,
+             NameEntries{p.bodies, elements_.view(count), keys, key_.view(entries),
+                         entry_.view(entries)});
+    sort_pairs(b, sort_, key_.view(entries), entry_.view(entries), bits_for(keys.none() + 1));
+    for_each(b, rows + 1, FindRows{keys, key_.view(entries), begin_.view()});
+    for_each(b, 12 * rows,
+             AddElements{elements_.view(count), p.near.corners, entry_.view(entries), begin_.view(),
+                         diagonal_.view(), right_.view()});
+    if (keep_without) return contacts;
+    mark_.reserve_discard(entries), place_.reserve_discard(static_cast<Offset>(entries) + 1);
+    for_each(b, entries, MarkBlocks{keys, key_.view(entries), mark_.view(entries)});
+    block_count_ = list_marked(entries, first_);
+    mixed_.reserve_discard(block_count_);
+    for_each(b, 12 * block_count_,
+             AddMixed{elements_.view(count), p.near.corners, keys, key_.view(entries),
+                      entry_.view(entries), first_.view(block_count_), mixed_.view(block_count_)});
+    return contacts;
+  }
+
+  B* b_;
+  const SurfaceTables<B>* surfaces_ = nullptr;
+  BlockSolver<B> solver_;
+  NearPairs<B> near_;
+  double room_ = 0;  ///< how far bodies may leave the ways of the list [m]
+  double near_ms_ = 0;
+  Index block_count_ = 0;
+  Buffer<B, AffineVec> full_, trial_, from_, to_;  ///< by body
+  Buffer<B, AffineVec> right_, without_, step_;    ///< by row
+  Buffer<B, Dense<12>> diagonal_;
+  Buffer<B, Index> begin_, mark_;
+  Buffer<B, Offset> place_;
+  Buffer<B, Index> active_;
+  Buffer<B, Element> elements_;
+  Buffer<B, Slip> slips_;
+  Buffer<B, std::uint64_t> key_;
+  Buffer<B, Index> entry_;
+  SortSpace<B> sort_;
+  Buffer<B, Index> first_;
+  Buffer<B, MixedBlock> mixed_;
+  Buffer<B, EnergySum> energy_;
+  Buffer<B, LeastShare> share_;
+  Buffer<B, StepSums> sums_;
+  Buffer<B, BalanceSums> balance_;
+  Buffer<B, FirstTouch> touch_;
+};
+
+}  // namespace scree::affine

@@ -1,0 +1,217 @@
+#pragma once
+// Conjugate gradients for the linear system of a Newton step, with the inverse of each diagonal block as preconditioner.
+// Equations of one row restrict its steps to a subspace. Source: Saad, Iterative Methods for Sparse Linear Systems, algorithm 9.1.
+
+#include "kernels/affine/assembly.h"
+
+namespace scree::affine {
+
+/// Steps that equations leave to a row: orthonormal, in the first columns.
+struct RowSpace {
+  Dense<12> basis;
+  int count = 12;
+};
+
+/// Blocks of a row: two entries a block above the diagonal, sorted by row and then by the other row.
+struct BlockLists {
+  Span<const MixedBlock> mixed;
+  Span<const Index> entry;  ///< 2 block + 1 where the row is that of its columns
+  Span<const Index> begin;  ///< by row
+};
+
+/// Names of the entries of a block.
+struct NameHalves {
+  static constexpr const char* name = "affine_name_halves";
+  EntryKeys keys;
+  Span<const MixedBlock> mixed;
+  Span<std::uint64_t> key;
+  Span<Index> entry;
+
+  SCREE_HD void operator()(Index k) const {
+    const MixedBlock& m = mixed[k / 2];
+    key[k] = k % 2 == 0 ? keys.key(m.row, m.column) : keys.key(m.column, m.row);
+    entry[k] = k;
+  }
+};
+
+/// Cholesky factor of a diagonal block in the space of its row, lower triangle; a pivot that is not positive becomes a unit.
+struct FactorRow {
+  static constexpr const char* name = "affine_factor_row";
+  Span<const Dense<12>> diagonal;
+  Span<const RowSpace> space;  ///< empty: rows have no equations
+  Span<Dense<12>> factor;      ///< out
+
+  SCREE_HD void operator()(Index row) const {
+    Dense<12> a = diagonal[row];
+    int n = 12;
+    if (!space.empty()) {
+      const RowSpace& s = space[row];
+      n = s.count;
+      Dense<12> half;
+      for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < n; ++j)
+          for (int k = 0; k < 12; ++k) half(i, j) += diagonal[row](i, k) * s.basis(k, j);
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+          a(i, j) = 0;
+          for (int k = 0; k < 12; ++k) a(i, j) += s.basis(k, i) * half(k, j);
+        }
+      }
+    }
+    for (int j = 0; j < n; ++j) {
+      double pivot = a(j, j);
+      for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
+      const double root = pivot > 0 ? std::sqrt(pivot) : 1;
+      a(j, j) = root;
+      for (int i = j + 1; i < n; ++i) {
+        double sum = a(i, j);
+        for (int k = 0; k < j; ++k) sum -= a(i, k) * a(j, k);
+        a(i, j) = sum / root;
+      }
+    }
+    factor[row] = a;
+  }
+};
+
+/// What an iteration carries over.
+struct GradientState {
+  double along = 0;  ///< r.z
+  double first = 0;  ///< that of the start
+  double alpha = 0;
+  double beta = 0;
+  int iterations = 0;
+  bool is_done = false;  ///< nothing changes any more
+};
+
+/// Components of a vector as numbers.
+SCREE_HD inline double entry_of(const AffineVec& v, int i) { return v.node[i / 3][i % 3]; }
+
+struct GradientVectors {
+  Span<AffineVec> x, r, z, p, next_p, image;
+  Span<const Dense<12>> diagonal, factor;
+  Span<const RowSpace> space;
+  BlockLists lists;
+  GradientState* state;
+
+  /// z = M^-1 r of a row.
+  SCREE_HD AffineVec precondition(Index row, const AffineVec& r_row) const {
+    const int n = space.empty() ? 12 : space[row].count;
+    double y[12];
+    for (int i = 0; i < n; ++i) {
+      if (space.empty()) {
+        y[i] = entry_of(r_row, i);
+      } else {
+        y[i] = 0;
+        for (int k = 0; k < 12; ++k) y[i] += space[row].basis(k, i) * entry_of(r_row, k);
+      }
+    }
+    const Dense<12>& l = factor[row];
+    for (int i = 0; i < n; ++i) {
+      for (int k = 0; k < i; ++k) y[i] -= l(i, k) * y[k];
+      y[i] /= l(i, i);
+    }
+    for (int i = n - 1; i >= 0; --i) {
+      for (int k = i + 1; k < n; ++k) y[i] -= l(k, i) * y[k];
+      y[i] /= l(i, i);
+    }
+    AffineVec z_row;
+    for (int i = 0; i < 12; ++i) {
+      double sum = 0;
+      if (space.empty())
+        sum = y[i];
+      else
+        for (int k = 0; k < n; ++k) sum += space[row].basis(i, k) * y[k];
+      z_row.node[i / 3][i % 3] = sum;
+    }
+    return z_row;
+  }
+};
+
+/// x = 0, r = right, z = M^-1 r.
+struct BeginGradients {
+  static constexpr const char* name = "affine_begin_gradients";
+  GradientVectors v;
+  Span<const AffineVec> right;
+
+  SCREE_HD Sums<1> operator()(Index row) const {
+    v.x[row] = AffineVec{}, v.p[row] = AffineVec{};
+    v.r[row] = right[row];
+    v.z[row] = v.precondition(row, right[row]);
+    return {{dot(v.r[row], v.z[row])}};
+  }
+};
+struct StartGradients {
+  GradientState* state;
+  SCREE_HD void operator()(const Sums<1>& total) const {
+    GradientState s;
+    s.along = s.first = total.value[0];
+    s.is_done = !(s.along > 0);
+    *state = s;
+  }
+};
+
+/// The new direction z + beta p and its image. Bytes: 1,152 a block.
+struct MultiplyRow {
+  static constexpr const char* name = "affine_multiply_row";
+  GradientVectors v;
+
+  SCREE_HD AffineVec direction(Index row) const { return v.z[row] + v.state->beta * v.p[row]; }
+
+  SCREE_HD Sums<1> operator()(Index row) const {
+    if (v.state->is_done) return {};
+    const AffineVec own = direction(row);
+    AffineVec image;
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j)
+        image.node[i / 3][i % 3] += v.diagonal[row](i, j) * entry_of(own, j);
+    for (Index k = v.lists.begin[row]; k < v.lists.begin[row + 1]; ++k) {
+      const MixedBlock& m = v.lists.mixed[v.lists.entry[k] / 2];
+      const bool is_turned = v.lists.entry[k] % 2 != 0;
+      const AffineVec other = direction(is_turned ? m.row : m.column);
+      for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < 12; ++j)
+          image.node[i / 3][i % 3] +=
+              (is_turned ? m.value(j, i) : m.value(i, j)) * entry_of(other, j);
+    }
+    v.next_p[row] = own;
+    v.image[row] = image;
+    return {{dot(own, image)}};
+  }
+};
+struct FindAlpha {
+  GradientState* state;
+  SCREE_HD void operator()(const Sums<1>& total) const {
+    if (state->is_done) return;
+    state->alpha = total.value[0] > 0 ? state->along / total.value[0] : 0;
+    if (!(total.value[0] > 0)) state->is_done = true;
+  }
+};
+
+struct AdvanceRow {
+  static constexpr const char* name = "affine_advance_row";
+  GradientVectors v;
+
+  SCREE_HD Sums<1> operator()(Index row) const {
+    if (v.state->is_done) return {};
+    const double alpha = v.state->alpha;
+    v.p[row] = v.next_p[row];
+    v.x[row] += alpha * v.next_p[row];
+    const AffineVec r = v.r[row] - alpha * v.image[row];
+    v.r[row] = r;
+    v.z[row] = v.precondition(row, r);
+    return {{dot(r, v.z[row])}};
+  }
+};
+struct FindBeta {
+  GradientState* state;
+  double tolerance = 0;  ///< square of that of the residual
+  SCREE_HD void operator()(const Sums<1>& total) const {
+    if (state->is_done) return;
+    state->beta = total.value[0] / state->along;
+    state->along = total.value[0];
+    ++state->iterations;
+    state->is_done = !(state->along > tolerance * state->first);
+  }
+};
+
+}  // namespace scree::affine

@@ -1,0 +1,218 @@
+#pragma once
+// The potential that a step makes least, as element programs: its value, the first contact on a way, and how far a way goes.
+//   1/2 |q - target|_M^2 + scale (elastic + barrier + friction)
+// docs/theory.md, "Affine bodies" and "Barrier contact".
+
+#include "kernels/affine/contact_potential.h"
+#include "kernels/affine/first_contact.h"
+#include "kernels/affine/friction.h"
+#include "kernels/affine/inertial_target.h"
+#include "kernels/affine/near_pair.h"
+#include "kernels/affine/orthogonality.h"
+#include "kernels/backend/backend.h"
+
+namespace scree::affine {
+
+/// What does not change of a body.
+struct BodyConstant {
+  AffineMass mass;       ///< of a led body what holds it to its way
+  double stiffness = 0;  ///< kappa times the volume [J]
+  Vec3d force, torque;   ///< world axes [N], [N m]
+  double radius = 0;     ///< distance of the farthest corner from the center of mass [m]
+  Index row = -1;        ///< of the linear system; -1: the body is fixed
+  Index material = 0;
+  bool is_led = false;  ///< its target is prescribed
+};
+
+/// A pair that rubs, as it was when friction was last worked out.
+struct Slip {
+  Index body[2] = {};
+  Index vertex[4] = {};
+  PairKind kind = PairKind::point_triangle;
+  FrictionContact contact;
+};
+
+struct Potential {
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  Span<const AffineVec> start;   ///< by body, where the step began
+  Span<const AffineVec> target;  ///< by row
+  NearPairsView near;
+  Span<const Slip> slips;
+  Span<const double> friction;  ///< of two materials, at a * material_count + b
+  Index material_count = 1;
+  Barrier barrier;
+  SlipLaw law;
+  double scale = 0;  ///< [s^2]
+  double lead = 1;   ///< factor of the mass of led bodies
+
+  SCREE_HD Index rows() const { return static_cast<Index>(body_of_row.size); }
+  SCREE_HD ContactPair contact_pair(PairKind kind, const Four& rest) const {
+    ContactPair c;
+    c.kind = kind;
+    if (kind == PairKind::edge_edge)
+      c.parallel_below = mollifier_threshold(rest[1] - rest[0], rest[3] - rest[2]);
+    return c;
+  }
+  SCREE_HD double inertia_factor(const BodyConstant& body) const { return body.is_led ? lead : 1; }
+  SCREE_HD Four rest_of(const Slip& slip) const {
+    Four rest;
+    for (int i = 0; i < 4; ++i) rest[i] = near.corners[slip.vertex[i]];
+    return rest;
+  }
+  /// How the points of a slip moved since the step began [m].
+  SCREE_HD Four moved(const Slip& slip, const Four& rest, Span<const AffineVec> q) const {
+    const AffineVec first = q[slip.body[0]] - start[slip.body[0]];
+    const AffineVec second = q[slip.body[1]] - start[slip.body[1]];
+    Four m;
+    for (int i = 0; i < 4; ++i)
+      m[i] = point_of(i < first_points(slip.kind) ? first : second, rest[i]);
+    return m;
+  }
+  /// Terms of the potential: rows, near pairs, slips.
+  SCREE_HD Index terms() const {
+    return rows() + static_cast<Index>(near.pairs.size) + static_cast<Index>(slips.size);
+  }
+};
+
+/// Sums of the potential and of what rounding may make of it: A^T A - I is what is left of numbers near one.
+struct EnergySum {
+  double energy = 0;
+  double rounding = 0;
+  double squared = 1e300;  ///< least squared distance of near pairs [m^2]
+  SCREE_HD void combine(const EnergySum& o) {
+    energy += o.energy;
+    rounding += o.rounding;
+    squared = o.squared < squared ? o.squared : squared;
+  }
+};
+
+/// Value of a term. Bytes: 200 of a row; 20 of a pair, and its bodies and corners, 500, mostly from the caches.
+struct EnergyOfTerm {
+  static constexpr const char* name = "affine_energy";
+  Potential p;
+  Span<const AffineVec> q;
+
+  SCREE_HD EnergySum operator()(Index i) const {
+    EnergySum e;
+    if (i < p.rows()) {
+      const Index b = p.body_of_row[i];
+      const BodyConstant& body = p.bodies[b];
+      const AffineVec off = q[b] - p.target[i];
+      const double strain = strain_norm(q[b]);
+      e.energy = 0.5 * p.inertia_factor(body) * dot(off, body.mass.product(off)) +
+                 p.scale * body.stiffness * strain * strain;
+      e.rounding = 1e-14 * p.scale * body.stiffness * (strain + 1e-14);
+      return e;
+    }
+    i -= p.rows();
+    if (i < p.near.pairs.size) {
+      const NearPair& pair = p.near.pairs[i];
+      const Four rest = p.near.rest_of(pair), x = points_of(p.near, pair, rest, q);
+      e.squared = nearest_points(pair.kind, x).squared;
+      if (p.barrier.acts(e.squared))
+        e.energy = p.scale * contact_energy(p.contact_pair(pair.kind, rest), p.barrier, x);
+      return e;
+    }
+    const Slip& slip = p.slips[i - static_cast<Index>(p.near.pairs.size)];
+    e.energy = p.scale * friction_energy(slip.contact, p.law, p.moved(slip, p.rest_of(slip), q));
+    return e;
+  }
+};
+
+/// Least of many shares of a way.
+struct LeastShare {
+  double value = 1;
+  SCREE_HD void combine(const LeastShare& o) { value = o.value < value ? o.value : value; }
+};
+
+/// Share of the way that a near pair leaves free.
+struct FreeShare {
+  static constexpr const char* name = "affine_free_share";
+  NearPairsView near;
+  Span<const AffineVec> from, to;  ///< by body
+  double separation = 0;
+
+  SCREE_HD LeastShare operator()(Index i) const {
+    const NearPair& pair = near.pairs[i];
+    const Four rest = near.rest_of(pair);
+    FirstContactParameters parameters;
+    parameters.separation = separation;
+    return {first_contact(pair.kind, points_of(near, pair, rest, from),
+                          points_of(near, pair, rest, to), parameters)
+                .time};
+  }
+};
+
+/// First pair of a list that is no farther apart than a distance.
+struct FirstTouch {
+  Index pair = -1;
+  SCREE_HD void combine(const FirstTouch& o) { pair = pair < 0 ? o.pair : pair; }
+};
+struct TouchOfPair {
+  static constexpr const char* name = "affine_touch";
+  NearPairsView near;
+  Span<const AffineVec> q;
+  double squared = 0;  ///< of the distance [m^2]
+
+  SCREE_HD FirstTouch operator()(Index i) const {
+    const NearPair& pair = near.pairs[i];
+    const Four x = points_of(near, pair, near.rest_of(pair), q);
+    return {nearest_points(pair.kind, x).squared <= squared ? i : Index(-1)};
+  }
+};
+
+/// Of a Newton step: its largest way of a corner, its slope, and how far its end is from the ways that the list of near
+/// pairs was made for.
+struct StepSums {
+  double size = 0;   ///< [m]
+  double slope = 0;  ///< gradient times step
+  double stray = 0;  ///< [m]
+  SCREE_HD void combine(const StepSums& o) {
+    size = o.size > size ? o.size : size;
+    slope += o.slope;
+    stray = o.stray > stray ? o.stray : stray;
+  }
+};
+struct MeasureStep {
+  static constexpr const char* name = "affine_measure_step";
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  Span<const AffineVec> q;            ///< by body
+  Span<const AffineVec> step, right;  ///< by row
+  Span<const AffineVec> from, to;     ///< by body, ways of the list
+
+  SCREE_HD StepSums operator()(Index row) const {
+    const Index b = body_of_row[row];
+    const double radius = bodies[b].radius;
+    const AffineVec way = to[b] - from[b];
+    const AffineVec end = q[b] + step[row] - from[b];
+    const double length = dot(way, way);
+    double t = length > 0 ? dot(way, end) / length : 0;
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    StepSums s;
+    s.size = corner_way(step[row], radius);
+    s.slope = -dot(right[row], step[row]);
+    s.stray = corner_way(end - t * way, radius);
+    // A step that is not a number must be seen, whatever maxima make of it.
+    if (!(s.size < 1e300)) s.size = s.stray = 1e300;
+    return s;
+  }
+};
+
+/// q + share step.
+struct MoveBody {
+  static constexpr const char* name = "affine_move";
+  Span<const Index> body_of_row;
+  Span<const AffineVec> q;     ///< by body
+  Span<const AffineVec> step;  ///< by row
+  double share = 1;
+  Span<AffineVec> moved;  ///< out, by body; fixed ones are not written
+
+  SCREE_HD void operator()(Index row) const {
+    const Index b = body_of_row[row];
+    moved[b] = q[b] + share * step[row];
+  }
+};
+
+}  // namespace scree::affine

@@ -1,0 +1,183 @@
+#pragma once
+// Passes of a step of affine bodies around its minimization: targets, velocities, poses, sums.
+
+#include "kernels/affine/potential.h"
+#include "kernels/bodies/body_view.h"
+
+namespace scree::affine {
+
+/// The unit quaternion of a rotation given by its columns.
+/// Source: Shepperd, J. Guidance and Control 1(3), 1978: by its largest component.
+SCREE_HD inline Quat<double> quaternion_of(const Vec3d (&c)[3]) {
+  const double trace = c[0].x + c[1].y + c[2].z;
+  const double four[4] = {1 + trace, 1 + 2 * c[0].x - trace, 1 + 2 * c[1].y - trace,
+                          1 + 2 * c[2].z - trace};
+  int largest = 0;
+  for (int k = 1; k < 4; ++k) largest = four[k] > four[largest] ? k : largest;
+  const double root = std::sqrt(four[largest]), scale = 0.5 / root;
+  Quat<double> q;
+  if (largest == 0) {
+    q = {0.5 * root, scale * (c[1].z - c[2].y), scale * (c[2].x - c[0].z),
+         scale * (c[0].y - c[1].x)};
+  } else if (largest == 1) {
+    q = {scale * (c[1].z - c[2].y), 0.5 * root, scale * (c[1].x + c[0].y),
+         scale * (c[2].x + c[0].z)};
+  } else if (largest == 2) {
+    q = {scale * (c[2].x - c[0].z), scale * (c[1].x + c[0].y), 0.5 * root,
+         scale * (c[2].y + c[1].z)};
+  } else {
+    q = {scale * (c[0].y - c[1].x), scale * (c[2].x + c[0].z), scale * (c[2].y + c[1].z),
+         0.5 * root};
+  }
+  return normalized(q);
+}
+
+/// What a step begins with, by body; earlier states are empty without them.
+struct StepStates {
+  Span<AffineVec> q, v, earlier_q, earlier_v;
+
+  SCREE_HD StepStart start(Index b) const {
+    StepStart s;
+    s.q = q[b], s.v = v[b];
+    if (!earlier_q.empty()) s.earlier_q = earlier_q[b], s.earlier_v = earlier_v[b];
+    return s;
+  }
+};
+
+/// Bytes a row: 1,000.
+struct SetTargets {
+  static constexpr const char* name = "affine_set_targets";
+  StepScheme scheme;
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  StepStates states;
+  Span<const AffineVec> led;     ///< targets of led bodies, the last rows
+  Span<AffineVec> target, rate;  ///< out, by row
+  Span<AffineVec> from, to;      ///< out, by body: ways that near pairs are listed for
+
+  SCREE_HD void operator()(Index row) const {
+    const Index b = body_of_row[row];
+    const BodyConstant& body = bodies[b];
+    const StepStart start = states.start(b);
+    InertialTarget t;
+    if (body.is_led) {
+      t.q = led[row - (static_cast<Index>(body_of_row.size) - static_cast<Index>(led.size))];
+    } else {
+      t = inertial_target(scheme, body.mass, start, body.force, body.torque);
+    }
+    target[row] = t.q, rate[row] = t.rate;
+    from[b] = start.q, to[b] = t.q;
+  }
+};
+
+/// Velocities after the step; states move on.
+struct FinishStep {
+  static constexpr const char* name = "affine_finish_step";
+  StepScheme scheme;
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  StepStates states;
+  Span<const AffineVec> q;               ///< by body, after the step
+  Span<const AffineVec> target, rate;    ///< by row
+  Span<AffineVec> earlier_q, earlier_v;  ///< out, by body
+
+  SCREE_HD void operator()(Index row) const {
+    const Index b = body_of_row[row];
+    StepScheme own = scheme;
+    if (bodies[b].is_led) own.rule = StepRule::implicit_euler, own.is_second = false;
+    const StepStart start = states.start(b);
+    states.v[b] = velocity_after(own, start, {target[row], rate[row]}, q[b]);
+    states.q[b] = q[b];
+    earlier_q[b] = start.q, earlier_v[b] = start.v;
+  }
+};
+
+/// Poses of the bodies as rigid ones.
+struct WritePoses {
+  static constexpr const char* name = "affine_write_poses";
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  Span<const AffineVec> q, v;  ///< by body
+  BodyView<double> store;
+
+  SCREE_HD void operator()(Index row) const {
+    const Index b = body_of_row[row];
+    Vec3d columns[3];
+    nearest_rotation(q[b], columns);
+    const Quat<double> turn = quaternion_of(columns), before = store.orientation[b];
+    const double same =
+        turn.w * before.w + turn.x * before.x + turn.y * before.y + turn.z * before.z;
+    store.position[b] = q[b].node[0];
+    store.orientation[b] = same < 0 ? Quat<double>{-turn.w, -turn.x, -turn.y, -turn.z} : turn;
+    store.velocity[b] = v[b].node[0];
+    store.angular_velocity[b] =
+        turn_rate(bodies[b].mass, q[b], angular_momentum(bodies[b].mass, q[b], v[b]));
+  }
+};
+
+/// Sums over free bodies.
+struct AffineSums {
+  double kinetic = 0;   ///< [J]
+  double strain = 0;    ///< largest |A^T A - I|
+  Vec3d momentum;       ///< [kg m/s]
+  Vec3d angular;        ///< about the origin [kg m^2/s]
+  Index bad_body = -1;  ///< one whose state is no number
+  SCREE_HD void combine(const AffineSums& o) {
+    kinetic += o.kinetic;
+    strain = o.strain > strain ? o.strain : strain;
+    momentum += o.momentum;
+    angular += o.angular;
+    bad_body = bad_body < 0 ? o.bad_body : bad_body;
+  }
+};
+struct SumBody {
+  static constexpr const char* name = "affine_sums";
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  Span<const AffineVec> q, v;  ///< by body
+
+  SCREE_HD AffineSums operator()(Index row) const {
+    const Index b = body_of_row[row];
+    const BodyConstant& body = bodies[b];
+    AffineSums s;
+    s.strain = strain_norm(q[b]);
+    if (!(dot(q[b], q[b]) < 1e30 && dot(v[b], v[b]) < 1e30)) s.bad_body = b;
+    if (body.is_led) return s;
+    s.kinetic = 0.5 * dot(v[b], body.mass.product(v[b]));
+    s.momentum = body.mass.mass * v[b].node[0];
+    s.angular = cross(q[b].node[0], s.momentum) + angular_momentum(body.mass, q[b], v[b]);
+    return s;
+  }
+};
+
+struct StrainOfRow {
+  static constexpr const char* name = "affine_strain";
+  Span<const Index> body_of_row;
+  Span<const AffineVec> q;  ///< by body
+
+  SCREE_HD Largest<double> operator()(Index row) const {
+    return {strain_norm(q[body_of_row[row]])};
+  }
+};
+
+/// Led bodies that are not where they should be.
+struct MissedTargets {
+  static constexpr const char* name = "affine_missed_targets";
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  Span<const AffineVec> start, q;  ///< by body
+  Span<const AffineVec> target;    ///< by row
+  double tolerance = 0;            ///< [m]
+
+  SCREE_HD Sums<1> operator()(Index row) const {
+    const Index b = body_of_row[row];
+    Sums<1> s;
+    if (!bodies[b].is_led) return s;
+    const double way = corner_way(target[row] - start[b], bodies[b].radius);
+    const double miss = corner_way(target[row] - q[b], bodies[b].radius);
+    s.value[0] = miss > tolerance + 0.01 * way ? 1 : 0;
+    return s;
+  }
+};
+
+}  // namespace scree::affine

@@ -1,0 +1,278 @@
+// Affine bodies in scenes: held to AffineSystem, which assembles and factorizes every matrix, and to closed forms.
+
+#include <gtest/gtest.h>
+
+#include "dynamics/affine/affine_setup.h"
+#include "dynamics/affine/affine_system.h"
+#include "host/error.h"
+#include "host/state_hash.h"
+#include "tests/dynamics/affine_scenes.h"
+#include "tests/exact_triangles.h"
+
+namespace scree::affine {
+namespace {
+
+using namespace test;
+using physics::add_box;
+using physics::add_plane;
+using physics::kGravity;
+
+/// The scene as the reference takes it.
+AffineSystem reference_of(const Scene& scene) {
+  const auto& values = scene.dynamics.parameters;
+  AffineSettings settings;
+  settings.h = scene.stepping.time_step;
+  settings.gravity = scene.gravity;
+  settings.rule = static_cast<StepRule>(std::lround(values.at("rule")));
+  settings.barrier.reach = values.at("reach");
+  settings.barrier.stiffness = values.at("barrier_stiffness");
+  settings.mu = scene.materials[0].friction;
+  settings.tolerance = values.at("tolerance");
+  AffineSystem system(settings);
+  const AffineSetup setup = affine_setup(scene);
+  for (std::size_t b = 0; b < setup.bodies.size(); ++b) {
+    AffineBody body;
+    body.surface = setup.surfaces[static_cast<std::size_t>(setup.surface_of_body[b])];
+    body.mass = setup.bodies[b].mass;
+    body.stiffness = setup.bodies[b].stiffness;
+    body.position = setup.position[b], body.velocity = setup.velocity[b];
+    body.fixed = setup.bodies[b].row < 0;
+    system.add(body);
+  }
+  return system;
+}
+
+/// Nodes of the moving bodies, four rows each.
+std::vector<Vec3d> nodes_of(World& world) { return world.save().at<Vec3d>("affine/position"); }
+
+TEST(AffineModel, MovesAsTheReferenceUntilChaosTellsThemApart) {
+  for (const double rule : {0.0, 1.0, 2.0}) {
+    SCOPED_TRACE(rule);
+    const Scene scene = falling_boxes(rule);
+    AffineSystem reference = reference_of(scene);
+    World world(scene, cpu_options());
+    int contacts = 0;
+    for (int k = 0; k < 40; ++k) {
+      const AffineReport expected = reference.step();
+      const StepReport report = world.step();
+      ASSERT_TRUE(expected.converged && report.converged) << k;
+      contacts += report.contact_count;
+      const std::vector<Vec3d> nodes = nodes_of(world);
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        ASSERT_LT(norm(nodes[i] - reference.bodies()[i / 4].position.node[i % 4]), 1e-6)
+            << "step " << k << " node " << i;
+    }
+    EXPECT_GT(contacts, 50);
+  }
+}
+
+TEST(AffineModel, NoTrianglesTouchInAnyStep) {
+  const Scene scene = falling_boxes(1);
+  const AffineSetup setup = affine_setup(scene);
+  World world(scene, cpu_options());
+  for (int k = 0; k < 100; ++k) {
+    const StepReport report = world.step();
+    ASSERT_GT(report.own[min_gap], 0);
+    const std::vector<Vec3d> nodes = nodes_of(world);
+    std::vector<std::vector<exact::Triangle>> triangles;
+    for (std::size_t b = 0; b < setup.bodies.size(); ++b) {
+      AffineVec q = setup.position[b];
+      if (setup.bodies[b].row >= 0)
+        for (std::size_t n = 0; n < 4; ++n)
+          q.node[n] = nodes[4 * static_cast<std::size_t>(setup.bodies[b].row) + n];
+      const Surface& surface = *setup.surfaces[static_cast<std::size_t>(setup.surface_of_body[b])];
+      std::vector<exact::Triangle> own;
+      for (const auto& t : surface.triangles) {
+        exact::Triangle corners;
+        for (std::size_t c = 0; c < 3; ++c)
+          corners[c] = point_of(q, surface.vertices[static_cast<std::size_t>(t[c])]);
+        own.push_back(corners);
+      }
+      triangles.push_back(own);
+    }
+    for (std::size_t a = 0; a < triangles.size(); ++a)
+      for (std::size_t b = a + 1; b < triangles.size(); ++b)
+        for (const exact::Triangle& s : triangles[a])
+          for (const exact::Triangle& t : triangles[b])
+            ASSERT_FALSE(exact::triangles_touch(s, t))
+                << "step " << k << " bodies " << a << " " << b;
+  }
+}
+
+TEST(AffineModel, A85FreeBodiesKeepTheirMomentumToRounding) {
+  Scene scene = affine_scene(0.01, 0);
+  scene.gravity = {};
+  BodyDescription& box = add_box(scene, {}, {0.1, 0.2, 0.3}, 5);
+  box.velocity = {1e-5, -2, 0.5};  // the first is far below the tolerance of a step
+  box.angular_velocity = {1, 2, 3};
+  World world(scene, cpu_options());
+  StepReport report;
+  for (int k = 0; k < 1000; ++k) report = world.step();
+  EXPECT_NEAR(report.own[momentum_x], 5e-5, 1e-12);
+  EXPECT_NEAR(report.own[momentum_y], -10, 1e-11);
+  EXPECT_NEAR(report.own[momentum_z], 2.5, 1e-11);
+  EXPECT_NEAR(world.states().position[0].x, 1e-4, 1e-11);
+  EXPECT_LT(report.own[max_strain], 1e-3);
+}
+
+// rho a^2 w^2 / (48 kappa) of a cube that spins about an axis of it, averaged over the vibrations with which it starts.
+TEST(AffineModel, A82ASpinningCubeStretches) {
+  Scene scene = affine_scene(1e-5, 0);
+  scene.gravity = {};
+  scene.dynamics.parameters["stiffness"] = 1e8;
+  scene.dynamics.parameters["tolerance"] = 1e-9;
+  add_box(scene, {}, {0.05, 0.05, 0.05}, 1).angular_velocity = {0, 0, 100};
+  World world(scene, cpu_options());
+  double sum = 0;
+  constexpr int kSteps = 1000;
+  for (int k = 0; k < kSteps; ++k) {
+    world.step();
+    const std::vector<Vec3d> nodes = nodes_of(world);
+    sum += 0.5 * (norm2(nodes[1]) + norm2(nodes[2])) - 1;
+  }
+  EXPECT_NEAR(sum / kSteps, 2.0833e-5, 0.02 * 2.0833e-5);
+}
+
+// With n equal contacts and y = d^2: kappa n (d/dd) of -(y - s)^2 ln(y / s) is m g.
+TEST(AffineModel, A81ABlockRestsWhereTheBarrierCarriesIt) {
+  Scene scene = affine_scene(0.01, 0.5);
+  scene.dynamics.parameters["barrier_stiffness"] = 1e12;
+  scene.dynamics.parameters["reach"] = 1e-3;
+  scene.dynamics.parameters["tolerance"] = 1e-9;
+  add_plane(scene);
+  add_box(scene, {0, 0, 0.1008}, {0.1, 0.1, 0.1}, 8);
+  World world(scene, cpu_options());
+  StepReport report;
+  for (int k = 0; k < 100; ++k) report = world.step();
+  EXPECT_EQ(report.contact_count, 4);
+  const double s = 1e-6;
+  double low = 1e-9, high = 1e-3;
+  for (int k = 0; k < 200; ++k) {  // the force falls with the gap
+    const double d = 0.5 * (low + high), y = d * d;
+    const double force = 4 * 1e12 * 2 * d * (2 * (y - s) * std::log(y / s) + (y - s) * (y - s) / y);
+    (force > 8 * kGravity ? low : high) = d;
+  }
+  EXPECT_NEAR(report.own[min_gap], low, 1e-3 * low);
+}
+
+// Friction below its bound creeps at eps (1 - sqrt(1 - tan(theta) / mu)), VALIDATION A80.
+TEST(AffineModel, A80ABlockOnASlopeCreepsAsTheSmoothedLawSays) {
+  for (const double slip_speed : {1e-3, 5e-4}) {
+    Scene scene = affine_scene(0.01, 0.5);
+    physics::tilt(scene, 20);
+    scene.dynamics.parameters["slip_speed"] = slip_speed;
+    scene.dynamics.parameters["tolerance"] = 1e-8;
+    add_plane(scene);
+    add_box(scene, {0, 0, 0.0505}, {0.1, 0.1, 0.05}, 4);
+    World world(scene, cpu_options());
+    for (int k = 0; k < 200; ++k) world.step();
+    EXPECT_NEAR(world.states().velocity[1].x, 0.47840 * slip_speed, 0.01 * slip_speed);
+  }
+}
+
+TEST(AffineModel, ABlockOnASteepSlopeSlidesAsCoulombSays) {
+  Scene scene = affine_scene(0.01, 0.4);
+  physics::tilt(scene, 25);
+  add_plane(scene);
+  add_box(scene, {0, 0, 0.0505}, {0.1, 0.1, 0.05}, 4);
+  World world(scene, cpu_options());
+  for (int k = 0; k < 20; ++k) world.step();
+  const double from = world.states().velocity[1].x;
+  for (int k = 0; k < 100; ++k) world.step();
+  const double slope = physics::radians(25);
+  const double expected = kGravity * (std::sin(slope) - 0.4 * std::cos(slope));
+  EXPECT_NEAR(world.states().velocity[1].x - from, expected, 0.01 * expected);
+}
+
+/// A rod that hangs by a hinge at its end.
+Scene hinged_rod(double rule, double h) {
+  Scene scene = affine_scene(h, 0, rule);
+  scene.dynamics.parameters["tolerance"] = 1e-8;
+  BodyDescription& rod = add_box(scene, {}, {0.01, 0.01, 0.5}, 1);
+  const double angle = physics::radians(60);
+  rod.orientation = exp_map(Vec3d{0, angle, 0});
+  rod.position = rotate(rod.orientation, Vec3d{0, 0, -0.5});
+  Joint hinge;
+  hinge.kind = JointKind::hinge;
+  hinge.bodies = {kWorldBody, 0};
+  hinge.axis = {0, 1, 0};
+  scene.joints.push_back(hinge);
+  return scene;
+}
+
+// A compound pendulum from 60 degrees: 1.0731820 (elliptic integral) times that of small swings.
+TEST(AffineModel, AHingedRodSwingsWithItsPeriod) {
+  World world(hinged_rod(1, 0.002), cpu_options());
+  std::vector<double> crossings;
+  double before = -1, largest_error = 0;
+  for (int k = 0; k < 2700; ++k) {
+    world.step();
+    const BodyStates states = world.states();
+    const double x = states.position[0].x;
+    if (before * x < 0) crossings.push_back(world.time() - 0.002 * x / (x - before));
+    before = x;
+    const std::vector<Vec3d> node = nodes_of(world);
+    largest_error = std::max(largest_error, norm(node[0] + 0.5 * node[3]));
+  }
+  ASSERT_GE(crossings.size(), 5u);
+  const double inertia = (1 + 0.02 * 0.02) / 12 + 0.25;
+  const double period = 1.0731820 * 2 * physics::kPi * std::sqrt(inertia / (0.5 * kGravity));
+  EXPECT_NEAR((crossings[4] - crossings[0]) / (2 * period), 1, 5e-4);
+  EXPECT_LT(largest_error, 1e-12);
+}
+
+TEST(AffineModel, ResumedRunsHaveTheSameBitsForAnyNumberOfThreads) {
+  const Scene scene = falling_boxes(1);
+  World one(scene, cpu_options(1));
+  for (int k = 0; k < 30; ++k) one.step();
+  const WorldState state = one.save();
+  for (int k = 0; k < 30; ++k) one.step();
+  World other(scene, cpu_options(4));
+  other.restore(state);
+  for (int k = 0; k < 30; ++k) other.step();
+  EXPECT_EQ(state_hash(one.states()), state_hash(other.states()));
+}
+
+TEST(AffineModel, ALedBoxPushesAndStopsWhereItIsBlocked) {
+  Scene scene = affine_scene(0.01, 0);
+  scene.gravity = {};
+  add_box(scene, {0.3, 0, 0}, {0.1, 0.1, 0.1}, 8);
+  physics::add_wall_box(scene, {1.0, 0, 0}, {0.1, 0.3, 0.3});
+  BodyDescription& pusher =
+      physics::add_wall_box(scene, {0, 0, 0}, {0.1, 0.1, 0.1}, BodyKind::kinematic);
+  Motion motion;
+  motion.kind = Motion::Kind::linear;
+  motion.velocity = {1, 0, 0};
+  pusher.motion = motion;
+  World world(scene, cpu_options());
+  StepReport report;
+  for (int k = 0; k < 40; ++k) {
+    report = world.step();
+    EXPECT_EQ(report.own[blocked], 0) << k;
+  }
+  EXPECT_NEAR(world.states().position[2].x, 0.4, 0.01 * 0.4);
+  EXPECT_GT(world.states().position[0].x, 0.6);
+  for (int k = 0; k < 40; ++k) report = world.step();
+  EXPECT_EQ(report.own[blocked], 1);
+  EXPECT_GT(report.own[min_gap], 0);
+  EXPECT_LT(world.states().position[0].x, 0.8);
+  EXPECT_LT(world.states().position[2].x, 0.6);
+  EXPECT_LT(report.own[max_strain], 0.02);
+}
+
+TEST(AffineModel, ScenesThatStartTogetherAreRefusedByTheirTriangles) {
+  Scene scene = affine_scene(0.01, 0);
+  add_box(scene, {}, {0.1, 0.1, 0.1}, 1);
+  add_box(scene, {0.15, 0.05, 0.02}, {0.1, 0.1, 0.1}, 1);
+  try {
+    World world(scene, cpu_options());
+    FAIL() << "no error";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("bodies 0 and 1 intersect at the start: edge"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace scree::affine

@@ -1,0 +1,180 @@
+// The linear system of a Newton step, by both ways of solving it, against its equations written out.
+
+#include <random>
+
+#include "dynamics/affine/block_solver.h"
+#include "tests/backend_fixture.h"
+
+namespace scree::affine {
+namespace {
+
+class BlockSolverTest : public BackendTest<double> {
+ protected:
+  std::mt19937 random_{7};
+  double uniform(double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random_);
+  }
+
+  std::vector<Dense<12>> diagonal_;
+  std::vector<MixedBlock> mixed_;
+  std::vector<AffineVec> right_;
+
+  /// Rows with a mass and a stiff elastic part, and contacts of rank one between neighbors.
+  void make(int rows, const std::vector<std::array<int, 2>>& pairs) {
+    diagonal_.assign(static_cast<std::size_t>(rows), {});
+    mixed_.clear();
+    right_.assign(static_cast<std::size_t>(rows), {});
+    for (auto& block : diagonal_) {
+      for (int i = 0; i < 12; ++i) block(i, i) = uniform(0.5, 2);
+      for (int mode = 0; mode < 6; ++mode) {  // as many directions as deform a body
+        double d[12];
+        for (int i = 0; i < 12; ++i) d[i] = i < 3 ? 0 : uniform(-1, 1);
+        for (int i = 0; i < 12; ++i)
+          for (int j = 0; j < 12; ++j) block(i, j) += 1e4 * d[i] * d[j];
+      }
+    }
+    for (const auto& [a, b] : pairs) {
+      MixedBlock m;
+      m.row = a, m.column = b;
+      for (int contact = 0; contact < 4; ++contact) {
+        double u[12], w[12];
+        for (int i = 0; i < 12; ++i) u[i] = uniform(-1, 1), w[i] = uniform(-1, 1);
+        for (int i = 0; i < 12; ++i) {
+          for (int j = 0; j < 12; ++j) {
+            diagonal_[static_cast<std::size_t>(a)](i, j) += 50 * u[i] * u[j];
+            diagonal_[static_cast<std::size_t>(b)](i, j) += 50 * w[i] * w[j];
+            m.value(i, j) -= 50 * u[i] * w[j];
+          }
+        }
+      }
+      mixed_.push_back(m);
+    }
+    for (auto& v : right_)
+      for (int i = 0; i < 12; ++i) v.node[i / 3][i % 3] = uniform(-1, 1);
+  }
+  static std::vector<std::array<int, 2>> chain(int rows) {
+    std::vector<std::array<int, 2>> pairs;
+    for (int k = 0; k + 1 < rows; ++k) pairs.push_back({k, k + 1});
+    return pairs;
+  }
+  static std::vector<std::array<int, 2>> star(int rows) {
+    std::vector<std::array<int, 2>> pairs;
+    for (int k = 0; k < rows; ++k)
+      if (k != rows / 2) pairs.push_back({std::min(k, rows / 2), std::max(k, rows / 2)});
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
+  std::vector<AffineVec> solve(const std::vector<NodeEquation>& equations, LinearMethod method) {
+    TestBackend& b = backend();
+    const auto rows = static_cast<Index>(diagonal_.size());
+    Buffer<TestBackend, Dense<12>> diagonal(b);
+    Buffer<TestBackend, MixedBlock> mixed(b);
+    Buffer<TestBackend, AffineVec> right(b), step(b, rows);
+    upload(b, diagonal_, diagonal);
+    upload(b, mixed_, mixed);
+    upload(b, right_, right);
+    BlockSolver<TestBackend> solver(b, rows, equations, method);
+    const auto report = solver.solve(
+        b,
+        {std::as_const(diagonal).view(rows), std::as_const(mixed).view(std::ssize(mixed_)),
+         std::as_const(right).view(rows)},
+        step.view(), 1e-10);
+    EXPECT_TRUE(report.is_solved);
+    return download(b, step.view());
+  }
+
+  /// right - H x.
+  std::vector<AffineVec> residual(const std::vector<AffineVec>& x) const {
+    std::vector<AffineVec> r = right_;
+    const auto take = [&](std::size_t row, std::size_t column, const Dense<12>& block,
+                          bool turned) {
+      for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < 12; ++j)
+          r[row].node[i / 3][i % 3] -=
+              (turned ? block(j, i) : block(i, j)) * x[column].node[j / 3][j % 3];
+    };
+    for (std::size_t k = 0; k < diagonal_.size(); ++k) take(k, k, diagonal_[k], false);
+    for (const MixedBlock& m : mixed_) {
+      const auto a = static_cast<std::size_t>(m.row), b = static_cast<std::size_t>(m.column);
+      take(a, b, m.value, false);
+      take(b, a, m.value, true);
+    }
+    return r;
+  }
+  static double product(const std::vector<AffineVec>& a, const std::vector<AffineVec>& b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) sum += dot(a[k], b[k]);
+    return sum;
+  }
+  /// Largest number that an equation is off by.
+  static double broken(const std::vector<NodeEquation>& equations,
+                       const std::vector<AffineVec>& x) {
+    double most = 0;
+    for (const NodeEquation& e : equations) {
+      Vec3d sum;
+      for (int side = 0; side < 2; ++side)
+        for (int k = 0; k < 4 && e.row[side] >= 0; ++k)
+          sum += e.weight[side][k] * x[static_cast<std::size_t>(e.row[side])].node[k];
+      for (int c = 0; c < 3; ++c)
+        if ((e.components >> c & 1u) != 0) most = std::max(most, std::abs(sum[c]));
+    }
+    return most;
+  }
+  NodeEquation point(int row, int other) {
+    NodeEquation e;
+    e.row[0] = row, e.row[1] = other;
+    for (int side = 0; side < 2; ++side)
+      for (int k = 0; k < 4; ++k)
+        e.weight[side][k] = (side == 0 ? 1 : -1) * (k == 0 ? 1 : uniform(-1, 1));
+    return e;
+  }
+};
+
+TEST_F(BlockSolverTest, BothWaysSolveChainsAndStars) {
+  for (const auto& pairs : {chain(60), star(40), std::vector<std::array<int, 2>>{}}) {
+    make(60, pairs);
+    for (const LinearMethod method : {LinearMethod::direct, LinearMethod::gradients}) {
+      const std::vector<AffineVec> x = solve({}, method), r = residual(x);
+      EXPECT_LT(std::sqrt(product(r, r)), 1e-6 * std::sqrt(product(right_, right_)));
+    }
+  }
+}
+
+// Steps that meet the equations have no slope: what is left of the right-hand side is at a right angle to all of them.
+TEST_F(BlockSolverTest, EquationsOfRowsHoldInBothWays) {
+  make(20, chain(20));
+  std::vector<NodeEquation> equations{point(3, -1), point(7, -1), point(7, -1)};
+  equations[0].components = 5;
+  for (int k = 0; k < 4; ++k) {  // a body that cannot move at all
+    NodeEquation e;
+    e.row[0] = 12, e.weight[0][k] = 1;
+    equations.push_back(e);
+  }
+  for (const LinearMethod method : {LinearMethod::direct, LinearMethod::gradients}) {
+    const std::vector<AffineVec> x = solve(equations, method), r = residual(x);
+    EXPECT_LT(broken(equations, x), 1e-12);
+    std::swap(right_[0], right_[5]);
+    const std::vector<AffineVec> other = solve(equations, method);
+    std::swap(right_[0], right_[5]);
+    EXPECT_LT(std::abs(product(r, other)), 1e-7);
+    EXPECT_LT(std::abs(product(r, x)), 1e-7);
+  }
+}
+
+TEST_F(BlockSolverTest, EquationsBetweenRowsHoldAlsoInLoopsAndTwice) {
+  make(20, chain(20));
+  std::vector<NodeEquation> equations{point(0, -1)};
+  for (int k = 0; k < 8; ++k) equations.push_back(point(k, k + 1));
+  equations.push_back(point(8, 0));
+  equations.push_back(equations[3]);  // says again what another says
+  const std::vector<AffineVec> x = solve(equations, LinearMethod::standard), r = residual(x);
+  EXPECT_LT(broken(equations, x), 1e-12);
+  std::swap(right_[0], right_[5]);
+  const std::vector<AffineVec> other = solve(equations, LinearMethod::standard);
+  EXPECT_LT(std::abs(product(r, other)), 1e-7);
+  EXPECT_GT(std::sqrt(product(r, r)), 1e-3);  // joints carry something
+}
+
+}  // namespace
+}  // namespace scree::affine

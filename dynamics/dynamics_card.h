@@ -79,6 +79,9 @@ struct DynamicsCard {
   /// iterations and residuals. Null: a step has none, or those of a solver.
   const SolverParameter* iteration_cap = nullptr;
   bool has_joints = false;               ///< joints hold bodies together; else scenes have none
+  bool meshes_may_be_free = false;       ///< what meets are surfaces, those of free bodies too
+  bool has_collision_groups = false;     ///< bodies of one group do not touch each other
+  bool has_loads = false;                ///< bodies may have forces and torques of their own
   std::span<const ReportColumn> report;  ///< steps.csv; the first is the number of the step
   std::span<const FrameField> frame;
   std::span<const StateField> state;
@@ -94,6 +97,9 @@ struct DynamicsCard {
 
 /// The models that this program has, in the order of the list.
 const std::vector<DynamicsCard>& dynamics_cards();
+
+/// The model of that name, or null.
+const DynamicsCard* find_dynamics(const std::string& name);
 
 /// @throws InputError naming the known models when the name is none of them
 const DynamicsCard& dynamics_card(const std::string& name);

@@ -94,6 +94,15 @@ enum Lock : std::uint8_t {
   lock_all = 63
 };
 
+/// Acts on a free body all the time.
+struct Load {
+  Vec3d force;   ///< at the center of mass [N]
+  Vec3d torque;  ///< about it, world axes [N m]
+};
+
+/// A body that may touch all others.
+inline constexpr int kNoCollisionGroup = -1;
+
 /// One body as it enters the simulation.
 struct BodyDescription {
   BodyKind kind = BodyKind::free;
@@ -107,8 +116,10 @@ struct BodyDescription {
   int material = 0;        ///< index into Scene::materials
   int group = 0;           ///< index into Scene::groups; colors pictures, names outputs
   std::uint8_t locks = 0;  ///< Lock bits
-  Rare<Motion> motion;     ///< kinematic bodies only
-  int entry = -1;          ///< number in the list `bodies` of the scene file, for messages
+  int collision_group = kNoCollisionGroup;  ///< bodies of the same one do not touch
+  Rare<Motion> motion;                      ///< kinematic bodies only
+  Rare<Load> load;                          ///< free bodies only
+  int entry = -1;  ///< number in the list `bodies` of the scene file, for messages
 };
 
 /// A property of many particles: one value for all of them, or one for each.

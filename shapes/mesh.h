@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shapes/polyhedron.h"
 #include "shapes/ray.h"
 #include "shapes/shape_card.h"
 
@@ -20,7 +21,19 @@ struct Mesh {
       {"closed", ShapeKey::Type::flag,
        "the surface must be watertight. false: edges with one triangle are allowed."}};
 
-  static void read(const ShapeSource& source, Shape& shape, Vec3d&) { shape.mesh = source.mesh(); }
+  static void read(const ShapeSource& source, Shape& shape, Vec3d&) { source.read_mesh(shape); }
+  /// Gives a shape what the mass of the solid inside needs. @param mesh  its center of mass is the
+  /// origin, its axes are principal
+  static void measure(const TriangleMesh& mesh, Shape& shape) {
+    const SolidMoments solid = moments_about(mesh, {});
+    shape.kind = kind;
+    shape.volume = solid.volume;
+    shape.moments = solid.principal_moments();
+  }
+  static MassProperties mass_inside(const Shape& shape, double density) {
+    const double mass = density * shape.volume;
+    return {mass, mass * shape.moments};
+  }
   /// Its triangles are checked with the meshes of the scene.
   static std::optional<Fault> fault(const Shape&) { return std::nullopt; }
   static double bounding_radius(const Shape&, const TriangleMesh* mesh) {

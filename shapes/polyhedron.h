@@ -21,11 +21,11 @@ struct SolidMoments {
   }
 };
 
-/// Sums over the tetrahedra of the triangles and one vertex of the mesh: of one with corners 0, a, b, c the integral of
+/// Sums over the tetrahedra of the triangles and one point: of one with corners 0, a, b, c the integral of
 /// x_i x_j is its volume / 20 times the sum of a_i a_j, b_i b_j, c_i c_j and of (a + b + c)_i (a + b + c)_j.
-inline SolidMoments moments_of(const TriangleMesh& mesh) {
+/// @param origin  that corner: of a closed surface any gives the same, but for rounding
+inline SolidMoments moments_about(const TriangleMesh& mesh, const Vec3d& origin) {
   SolidMoments m;
-  const Vec3d origin = mesh.vertices.empty() ? Vec3d{} : mesh.vertices[0];
   for (const std::array<int, 3>& t : mesh.triangles) {
     Vec3d corner[3], sum;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -52,6 +52,10 @@ inline SolidMoments moments_of(const TriangleMesh& mesh) {
     }
   m.center += origin;
   return m;
+}
+
+inline SolidMoments moments_of(const TriangleMesh& mesh) {
+  return moments_about(mesh, mesh.vertices.empty() ? Vec3d{} : mesh.vertices[0]);
 }
 
 /// Half extents of the box about the origin that holds a mesh [m].

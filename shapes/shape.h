@@ -22,8 +22,9 @@ struct Shape {
   Vec3d normal{0, 0, 1};
   unsigned open_faces = 0;  ///< container: bit 0..5 = -x +x -y +y -z +z face missing
   int mesh = -1;            ///< mesh, hull, compound, rounded hull: index into Scene::meshes
-  double volume = 0;  ///< hull, compound, rounded: what its mass is the density times of [m^3]
-  Vec3d moments;      ///< hull, compound, rounded: principal moments of a unit mass [m^2]
+  /// Hull, compound, rounded, free mesh: what its mass is the density times of [m^3].
+  double volume = 0;
+  Vec3d moments;  ///< of the same: principal moments of a unit mass [m^2]
   Rounding<double> rounded = {};  ///< rounded: of which core, see shapes::Rounded::of()
 };
 

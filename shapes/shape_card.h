@@ -83,8 +83,8 @@ class ShapeSource {
   virtual Vec3d point(const char* key, const char* expected) const = 0;  ///< [m]
   /// Bits of the faces -x +x -y +y -z +z that a list names.
   virtual unsigned faces(const char* key) const = 0;
-  /// Index of the mesh that the keys `file`, `scale` and `closed` describe.
-  virtual int mesh() const = 0;
+  /// Makes a shape the mesh that the keys `file`, `scale` and `closed` describe.
+  virtual void read_mesh(Shape& shape) const = 0;
   /// Index of the mesh that the keys of a height field describe.
   virtual int height_field() const = 0;
   /// Makes a shape the convex hull of `points`, or of those of a `file` with a `scale`.
@@ -136,8 +136,15 @@ struct ShapeCard {
   /// The same shape with all its lengths multiplied by a factor; null: there is no such shape.
   Shape (*scaled)(const Shape& shape, double factor);
   bool is_named;  ///< scenes have a name for it
+  /// Mass of the solid inside a surface that can be free only in models of dynamics whose bodies are
+  /// surfaces (DynamicsCard::meshes_may_be_free); null: it has none.
+  MassProperties (*mass_inside)(const Shape& shape, double density);
 
   bool may_be_free() const { return mass != nullptr; }
+  /// @param meshes_may_be_free  in the model of dynamics
+  bool may_be_free_where(bool meshes_may_be_free) const {
+    return may_be_free() || (meshes_may_be_free && mass_inside != nullptr);
+  }
   bool may_be_part() const { return may_be_free() && !is_compound; }
   /// Planes around a bounded inside.
   bool is_room() const { return faces != nullptr && support != nullptr; }
@@ -172,12 +179,14 @@ constexpr ShapeCard card_of() {
                  {},
                  {},
                  {},
-                 true};
+                 true,
+                 {}};
   card.is_ball = S::outline == Outline::ball;
   if constexpr (requires { S::is_hull; }) card.is_hull = S::is_hull;
   if constexpr (requires { S::is_compound; }) card.is_compound = S::is_compound;
   card.has_mesh = S::outline == Outline::triangles || card.is_hull || card.is_compound;
   if constexpr (requires { &S::mass; }) card.mass = &S::mass;
+  if constexpr (requires { &S::mass_inside; }) card.mass_inside = &S::mass_inside;
   if constexpr (requires { &S::farthest; }) card.support = &S::farthest;
   if constexpr (requires { &S::faces; }) card.faces = &S::faces;
   if constexpr (requires { &S::rounding; }) card.rounding = &S::rounding;

@@ -14,7 +14,9 @@ namespace scree {
 namespace {
 
 void set_mass(BodyDescription& body, double density) {
-  const MassProperties solid = shape_card(body.shape.kind).mass(body.shape, density);
+  const ShapeCard& card = shape_card(body.shape.kind);
+  const MassProperties solid =
+      (card.mass != nullptr ? card.mass : card.mass_inside)(body.shape, density);
   body.mass = solid.mass;
   body.inertia = solid.inertia;
 }
@@ -27,7 +29,7 @@ void set_mass_from_density(BodyDescription& body, double density) {
   };
   if (!(std::isfinite(density) && density > 0)) refuse("must be positive [kg/m^3]");
   if (!is_shape(body.shape.kind)) refuse("a body without a shape has no mass");
-  if (!shape_card(body.shape.kind).may_be_free())
+  if (!shape_card(body.shape.kind).may_be_free_where(body.shape.volume > 0))
     refuse(fmt::format("only {} bodies have a mass", shape_names(&ShapeCard::may_be_free, " or ")));
   set_mass(body, density);
 }

@@ -14,6 +14,7 @@
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/compound.h"
 #include "host/scene/convex_hull.h"
+#include "host/scene/free_mesh.h"
 #include "host/scene/particle_shapes.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
@@ -90,11 +91,42 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
     return Fault{"volume", text(shape.volume), "must be positive: set_hull() gives it [m^3]"};
   if (card.is_compound && !(shape.volume > 0))
     return Fault{"volume", text(shape.volume), "must be positive: set_compound() gives it [m^3]"};
-  if (body.kind == BodyKind::free && !card.may_be_free())
+  if (body.kind != BodyKind::free || card.may_be_free()) return std::nullopt;
+  if (!card.may_be_free_where(meshes_may_be_free(scene)))
     return Fault{
         "kind", "\"free\"",
         fmt::format("only {} bodies can be free; {} bodies must be \"fixed\" or \"kinematic\"",
                     shape_names(&ShapeCard::may_be_free, " or "), shape_names(is_wall_shape))};
+  if (!(shape.volume > 0))
+    return Fault{"volume", text(shape.volume), "must be positive: set_free_mesh() gives it [m^3]"};
+  return std::nullopt;
+}
+
+/// What a model of dynamics must know, or bodies cannot have it.
+std::optional<Fault> own_fault(const Scene& scene, const BodyDescription& body) {
+  const DynamicsCard* card = find_dynamics(scene.dynamics.type);
+  const std::string model = fmt::format("the dynamics \"{}\"", scene.dynamics.type);
+  if (body.collision_group < kNoCollisionGroup)
+    return Fault{"collision_group", fmt::format("{}", body.collision_group),
+                 "must be zero or positive, or -1 for none"};
+  if (body.collision_group != kNoCollisionGroup && !(card != nullptr && card->has_collision_groups))
+    return Fault{"collision_group", fmt::format("{}", body.collision_group),
+                 "must be absent: " + model + " has no such groups"};
+  struct Part {
+    const char* key;
+    Vec3d value;
+    const char* unit;
+  };
+  for (const auto& [key, value, unit] :
+       {Part{"force", body.load->force, "N"}, Part{"torque", body.load->torque, "N m"}}) {
+    if (!is_finite(value))
+      return Fault{key, text(value), fmt::format("must be three finite numbers [{}]", unit)};
+    if (!(norm2(value) > 0)) continue;
+    if (!(card != nullptr && card->has_loads))
+      return Fault{key, text(value), "must be absent: bodies of " + model + " have no such load"};
+    if (body.kind != BodyKind::free)
+      return Fault{key, text(value), "must be absent: only free bodies have it"};
+  }
   return std::nullopt;
 }
 
@@ -189,6 +221,7 @@ std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body)
   if (body.locks > lock_all)
     return Fault{"lock", fmt::format("{}", body.locks), "must be bits 0 to 5"};
   if (auto fault = motion_fault(body)) return fault;
+  if (auto fault = own_fault(scene, body)) return fault;
   return range_fault(scene, body);
 }
 
@@ -353,25 +386,29 @@ void check_meshes(const Scene& scene) {
   }
 }
 
-/// Meshes of hulls must be convex, and in the principal frame where a body is free; those of compounds have parts.
+/// Meshes of hulls must be convex, and in the principal frame where a body is free, as must those of free bodies that are
+/// their surface; those of compounds have parts.
 void check_hulls(const Scene& scene) {
   std::set<std::tuple<int, bool, long long>> seen;
   const auto check_one = [&](const Shape& shape, bool is_free, const auto& check_again) {
     if (!is_shape(shape.kind)) return;
     const bool is_hull = has_hull(shape);
     const bool is_compound = shape_card(shape.kind).is_compound;
-    const TriangleMesh* mesh = is_hull || is_compound ? mesh_of(scene, shape) : nullptr;
+    const bool is_solid = is_free && shape_card(shape.kind).mass_inside != nullptr;
+    const TriangleMesh* mesh = is_hull || is_compound || is_solid ? mesh_of(scene, shape) : nullptr;
     if (mesh == nullptr) return;
     // Bodies of all sizes have one mesh, with one rounding relative to it.
     const double core = core_half_extents(shape).x;
     const double part = core > 0 ? shape.rounded.radius / core : 0;
     if (!seen.emplace(shape.mesh, is_free, std::llround(1e6 * part)).second) return;
-    const auto fault = is_hull ? hull_fault(*mesh, is_free, part * box_about(*mesh).x)
-                               : compound_fault(scene, *mesh);
+    const auto fault = is_hull    ? hull_fault(*mesh, is_free, part * box_about(*mesh).x)
+                       : is_solid ? free_mesh_fault(*mesh)
+                                  : compound_fault(scene, *mesh);
     if (fault)
       refuse(fmt::format("meshes[{}] ({})", shape.mesh, mesh->name), "a mesh that " + *fault,
-             is_hull ? "must be that of a hull: set_hull() makes one"
-                     : "must be that of a compound: set_compound() makes one");
+             is_hull    ? "must be that of a hull: set_hull() makes one"
+             : is_solid ? "must be that of a free body: set_free_mesh() makes one"
+                        : "must be that of a compound: set_compound() makes one");
     for (const ShapePart& part : mesh->parts) check_again(part.shape, true, check_again);
   };
   const auto check = [&](const Shape& shape, bool is_free) {
@@ -406,8 +443,10 @@ ShapeKind met_shape(ShapeKind kind) {
   return shape_card(kind).faces != nullptr ? shapes::HalfSpace::kind : kind;
 }
 
-/// Bodies of two shapes without a pair function would pass through each other without a word.
+/// Bodies of two shapes without a pair function would pass through each other without a word. Where
+/// surfaces meet, there are no such functions.
 void check_pairs(const Scene& scene) {
+  if (meshes_may_be_free(scene)) return;
   struct Place {
     std::string path;
     std::size_t count = 0;
@@ -585,6 +624,11 @@ void validate(const Scene& scene) {
     refuse(fault->field, fault->value, fault->expected);
   check_dynamics(scene);
   if (const auto fault = joints_fault(scene)) refuse(fault->field, fault->value, fault->expected);
+}
+
+bool meshes_may_be_free(const Scene& scene) {
+  const DynamicsCard* card = find_dynamics(scene.dynamics.type);
+  return card != nullptr && card->meshes_may_be_free;
 }
 
 const TriangleMesh* mesh_of(const Scene& scene, const Shape& shape) {

@@ -26,6 +26,9 @@ std::optional<Fault> joints_fault(const Scene& scene);
 /// What of a wall does not fit the scene's periodic domain.
 std::optional<Fault> periodic_wall_fault(const Scene& scene, const BodyDescription& body);
 
+/// Whether free bodies may have a mesh as shape in the scene's dynamics.
+bool meshes_may_be_free(const Scene& scene);
+
 /// The mesh that a shape names; null: it has none.
 const TriangleMesh* mesh_of(const Scene& scene, const Shape& shape);
 

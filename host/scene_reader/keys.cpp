@@ -33,9 +33,9 @@ std::vector<std::string> keys_of_shapes(Fits fits) {
 std::vector<std::string> body_keys() {
   std::vector<std::string> keys = shape_keys();
   keys.insert(keys.begin(), {"name", "shape", "kind"});
-  for (const char* key :
-       {"position", "orientation", "rotation_deg", "velocity", "angular_velocity", "mass",
-        "density", "inertia", "material", "group", "lock", "motion", "insert_at"})
+  for (const char* key : {"position", "orientation", "rotation_deg", "velocity", "angular_velocity",
+                          "mass", "density", "inertia", "material", "group", "collision_group",
+                          "lock", "force", "torque", "motion", "insert_at"})
     keys.emplace_back(key);
   return keys;
 }

@@ -12,7 +12,7 @@
 
 namespace scree::reader {
 
-/// A hull or compound that several bodies may have.
+/// A hull, compound or mesh that several bodies may have.
 struct SharedShape {
   Shape shape;
   LocalFrame frame;  ///< of the body in that of the points, or parts
@@ -24,9 +24,9 @@ struct Draft {
   std::map<std::string, SharedShape> shapes;  ///< by points, or parts
   LocalFrame shape_frame;  ///< of the shape read last: the frame of its body in that of the file
   std::map<double, Insertion> inserted;  ///< by time [s], which the values get at the end
-  std::map<std::string, int> meshes;     ///< file and options to index
   std::unordered_map<std::string, int> material_of_name;
   std::unordered_map<std::string, int> group_of_name;
+  std::map<std::string, int> meshes;  ///< of height fields: file and options to index
   /// Of each entry of `bodies`: index in Scene::bodies, or kInserted.
   std::vector<int> body_of_entry;
   std::map<std::string, std::size_t> entry_of_name;  ///< of the bodies that have one
@@ -76,6 +76,8 @@ void read_motion(const Node& node, Motion& motion);
 void read_particles(const Node& node, std::size_t index, Draft& draft);
 
 void read_materials(const Node& scene, Draft& draft);
+void read_dynamics(const Node& node, DynamicsSettings& dynamics);
+void read_output(const Node& node, OutputSettings& output);
 void read_settings(const Node& scene, Scene& result);  ///< all but materials, bodies, particles
 
 }  // namespace scree::reader

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "host/scene/convex_hull.h"
+#include "host/scene/free_mesh.h"
 #include "host/scene/mesh_reader.h"
 #include "host/scene/particle_table.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene_reader/parts.h"
+#include "shapes/mesh.h"
 #include "shapes/rounded.h"
 #include "shapes/shape_card.h"
 
@@ -41,17 +44,33 @@ std::vector<Vec3d> read_points(const Node& node, std::string& key) {
   return read_mesh(path, options).vertices;
 }
 
-int read_mesh_file(const Node& node, Draft& draft) {
+/// @param is_free  the mesh is moved to the center of mass and the principal axes of the solid inside
+void read_mesh_file(const Node& node, bool is_free, Shape& shape, Draft& draft) {
   const Node file = node.at("file", "must be the name of an .stl or .obj file");
   const std::filesystem::path path = file.file();
   MeshOptions options;
   node.read("scale", options.scale, kPositive, "m per unit of the file");
   node.read("closed", options.closed);
-  const std::string key = fmt::format("{}|{}|{}", path.string(), options.scale, options.closed);
-  const auto [entry, is_new] =
-      draft.meshes.emplace(key, static_cast<int>(draft.scene.meshes.size()));
-  if (is_new) draft.scene.meshes.push_back(read_mesh(path, options));
-  return entry->second;
+  if (is_free && !options.closed)
+    node.at("closed", "").refuse("must be true: only closed surfaces can be free");
+  const std::string key =
+      fmt::format("mesh|{}|{}|{}|{}", is_free, path.string(), options.scale, options.closed);
+  const auto [shared, is_new] = draft.shapes.emplace(key, SharedShape{});
+  if (is_new) {
+    TriangleMesh mesh = read_mesh(path, options);
+    Shape& made = shared->second.shape;
+    made.kind = shapes::Mesh::kind;
+    if (is_free) {
+      const auto frame = move_inside_to_principal_frame(mesh);
+      if (!frame) file.refuse("must enclose a volume, since the body is free");
+      shared->second.frame = *frame;
+      shapes::Mesh::measure(mesh, made);
+    }
+    made.mesh = static_cast<int>(draft.scene.meshes.size());
+    draft.scene.meshes.push_back(std::move(mesh));
+  }
+  shape = shared->second.shape;
+  draft.shape_frame = shared->second.frame;
 }
 
 /// An entry of `bodies`.
@@ -85,7 +104,11 @@ class NodeSource final : public ShapeSource {
       bits |= face.choice(names);
     return bits;
   }
-  int mesh() const override { return read_mesh_file(node_, draft_); }
+  void read_mesh(Shape& shape) const override {
+    // Unlike those of other shapes, its bodies are free where the file says so.
+    const bool is_free = is_free_ && node_.has("kind") && meshes_may_be_free(draft_.scene);
+    read_mesh_file(node_, is_free, shape, draft_);
+  }
   int height_field() const override { return read_height_field(node_, draft_); }
   void read_hull(Shape& shape) const override {
     std::string key;
@@ -154,19 +177,21 @@ void check_sizes(const Node& node, const Shape& shape, const ShapeCard& card) {
                         fault->value, fault->expected));
 }
 
-void read_kind(const Node& node, BodyDescription& body) {
+void read_kind(const Node& node, const Draft& draft, BodyDescription& body) {
   const bool may_be_free = shape_card(body.shape.kind).may_be_free();
   body.kind = may_be_free ? BodyKind::free : BodyKind::fixed;
   if (const auto kind = node.find("kind")) {
     body.kind = kind->choice<BodyKind>(
         {{"free", BodyKind::free}, {"fixed", BodyKind::fixed}, {"kinematic", BodyKind::kinematic}});
-    if (body.kind == BodyKind::free && !may_be_free)
+    const bool meshes = meshes_may_be_free(draft.scene);
+    if (body.kind == BodyKind::free && !shape_card(body.shape.kind).may_be_free_where(meshes))
       kind->refuse(
           fmt::format("only {} bodies can be free", shape_names(&ShapeCard::may_be_free, " or ")));
   }
   if (body.kind != BodyKind::free)
     refuse_keys(node,
-                {"velocity", "angular_velocity", "mass", "density", "inertia", "lock", "insert_at"},
+                {"velocity", "angular_velocity", "mass", "density", "inertia", "lock", "insert_at",
+                 "force", "torque"},
                 "only free bodies have this key (a moving wall is \"kinematic\" and has a motion)");
 }
 
@@ -249,7 +274,7 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
   body.entry = static_cast<int>(index);
   read_name(node, index, draft);
   read_shape(node, Named::body, body.shape, body.position, draft);
-  read_kind(node, body);
+  read_kind(node, draft, body);
   const LocalFrame frame = draft.shape_frame;
   read_pose(node, body);
   body.position += rotate(body.orientation, frame.origin);
@@ -259,7 +284,12 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
     node.read("angular_velocity", body.angular_velocity, "rad/s");
     read_mass(node, body);
     if (const auto lock = node.find("lock")) body.locks = read_locks(*lock);
+    Load load;
+    node.read("force", load.force, "N");
+    node.read("torque", load.torque, "N m");
+    if (norm2(load.force) > 0 || norm2(load.torque) > 0) body.load = load;
   }
+  node.read("collision_group", body.collision_group, 0, std::numeric_limits<int>::max());
   body.material = read_material(node, draft);
   const auto group = node.find("group");
   body.group = group_index(

@@ -58,21 +58,6 @@ void read_solver(const Node& node, SolverSettings& solver) {
       solver.parameters[parameter.key] = read_parameter(*value, parameter);
 }
 
-void read_dynamics(const Node& node, DynamicsSettings& dynamics) {
-  if (const auto type = node.find("type")) {
-    std::vector<std::pair<std::string, std::string>> names;
-    for (const std::string& each : dynamics_names()) names.emplace_back(each, each);
-    dynamics.type = type->choice(names);
-  }
-  KeyTable known{"dynamics", {"type"}};
-  const DynamicsCard& card = dynamics_card(dynamics.type);
-  for (const SolverParameter& parameter : card.parameters) known.keys.emplace_back(parameter.key);
-  node.check_keys(known);
-  for (const SolverParameter& parameter : card.parameters)
-    if (const auto value = node.find(parameter.key))
-      dynamics.parameters[parameter.key] = read_parameter(*value, parameter);
-}
-
 void read_camera(const Node& node, CameraSettings& camera) {
   if (node.json().is_string()) {
     node.choice<int>({{"automatic", 0}});
@@ -107,16 +92,6 @@ void read_picture(const Node& node, PictureSettings& picture) {
   if (const auto camera = node.find("camera")) read_camera(*camera, picture.camera);
 }
 
-void read_output(const Node& node, OutputSettings& output) {
-  node.check_keys(scene_keys("output"));
-  node.read("frame_interval", output.frame_interval, kNonNegative, "s");
-  node.read("checkpoint_interval", output.checkpoint_interval, kNonNegative, "s");
-  node.read("force_interval", output.force_interval, kNonNegative, "s");
-  node.read("contact_frames", output.contact_frames);
-  node.read("surface_frames", output.surface_frames);
-  if (const auto picture = node.find("picture")) read_picture(*picture, output.picture);
-}
-
 void read_periodicity(const Node& node, Periodicity& box) {
   node.check_keys(scene_keys("periodic"));
   for (int k = 0; k < 3; ++k) {
@@ -136,6 +111,31 @@ void read_material_values(const Node& node, Material& material) {
 }
 
 }  // namespace
+
+void read_dynamics(const Node& node, DynamicsSettings& dynamics) {
+  if (const auto type = node.find("type")) {
+    std::vector<std::pair<std::string, std::string>> names;
+    for (const std::string& each : dynamics_names()) names.emplace_back(each, each);
+    dynamics.type = type->choice(names);
+  }
+  KeyTable known{"dynamics", {"type"}};
+  const DynamicsCard& card = dynamics_card(dynamics.type);
+  for (const SolverParameter& parameter : card.parameters) known.keys.emplace_back(parameter.key);
+  node.check_keys(known);
+  for (const SolverParameter& parameter : card.parameters)
+    if (const auto value = node.find(parameter.key))
+      dynamics.parameters[parameter.key] = read_parameter(*value, parameter);
+}
+
+void read_output(const Node& node, OutputSettings& output) {
+  node.check_keys(scene_keys("output"));
+  node.read("frame_interval", output.frame_interval, kNonNegative, "s");
+  node.read("checkpoint_interval", output.checkpoint_interval, kNonNegative, "s");
+  node.read("force_interval", output.force_interval, kNonNegative, "s");
+  node.read("contact_frames", output.contact_frames);
+  node.read("surface_frames", output.surface_frames);
+  if (const auto picture = node.find("picture")) read_picture(*picture, output.picture);
+}
 
 void read_settings(const Node& node, Scene& scene) {
   if (const auto name = node.find("name")) scene.name = name->text();

@@ -1,5 +1,6 @@
 #pragma once
-// Scene files: JSON with comments. The keys, their units and ranges are in scenes/schema.json.
+// Scene files: JSON with comments. The keys, their units and ranges are in scenes/schema.json. Scenes of
+// rigid-ipc and of Autodesk's Affine Body Dynamics are read too.
 
 #include <filesystem>
 #include <string>

@@ -90,11 +90,12 @@ class Run {
  public:
   Run(const RunOptions& options, const fs::path& scene_file)
       : options_(options),
-        scene_(read_scene(scene_file, options.target.overrides)),
+        scene_(read_scene(scene_file, options.target.overrides, &notes_)),
         scene_text_(scree::scene_text(scene_file, options.target.overrides)),
         world_options_(resolve_options(options.target, scene_, &notice_)),
         directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out,
-                   existing_output(options), scene_text_, {"/duration", "/output"}),
+                   existing_output(options), scene_text_,
+                   {"/duration", "/max_time", "/max_iterations", "/output"}),
         target_(step_target(options, scene_)),
         card_(dynamics_card(scene_.dynamics.type)),
         record_(card_) {
@@ -134,6 +135,8 @@ class Run {
       checkpoint.reset();  // it is as large as the world
     }
     directory_.prepare();
+    if (!options_.quiet)
+      for (const std::string& note : notes_) say(note);
     if (!notice_.empty() && !options_.quiet) say(notice_);
     RunFiles files(directory_, scene_, world_options_.precision, resumed_step, resumed_time);
     if (!made) write_walls(directory_.walls(), scene_);
@@ -383,6 +386,7 @@ class Run {
   }
 
   const RunOptions& options_;
+  std::vector<std::string> notes_;  // of the scene
   Scene scene_;
   std::string scene_text_;
   std::string notice_;  // about the backend

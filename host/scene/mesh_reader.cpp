@@ -162,6 +162,12 @@ void read_stl(const std::string& bytes, TriangleMesh& mesh) {
   }
 }
 
+/// A face of some corners as triangles.
+void add_polygon(TriangleMesh& mesh, const std::vector<int>& corners) {
+  for (std::size_t i = 2; i < corners.size(); ++i)
+    mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+}
+
 void read_obj(const std::string& bytes, TriangleMesh& mesh) {
   Lines lines(bytes);
   while (lines.next()) {
@@ -183,9 +189,52 @@ void read_obj(const std::string& bytes, TriangleMesh& mesh) {
                                  lines.number, index, size));
         polygon.push_back(static_cast<int>(v));
       }
-      for (std::size_t i = 2; i < polygon.size(); ++i)
-        mesh.triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
+      add_polygon(mesh, polygon);
     }
+  }
+}
+
+/// The next line that holds anything.
+bool next_filled(Lines& lines) {
+  while (lines.next())
+    if (!lines.words.empty()) return true;
+  return false;
+}
+
+void read_off(const std::string& bytes, TriangleMesh& mesh) {
+  Lines lines(bytes);
+  const auto require = [&](const char* what) {
+    if (!next_filled(lines)) fail(mesh, fmt::format("truncated: {} expected", what));
+  };
+  require("\"OFF\"");
+  // OFF, COFF, NOFF...: what is beside positions and corners stands after them. Counts may follow in the same line.
+  if (lines.words[0].size() < 3 || !lines.words[0].ends_with("OFF"))
+    fail(mesh, fmt::format("line {}: \"{}\" is not \"OFF\"", lines.number,
+                           printable(lines.words[0], 40)));
+  lines.words.erase(lines.words.begin());
+  if (lines.words.empty()) require("numbers of vertices and faces");
+  if (lines.words.size() < 2)
+    fail(mesh, fmt::format("line {}: numbers of vertices and faces expected", lines.number));
+  const auto vertices = parsed<long long>(mesh, lines, lines.words[0]);
+  const auto faces = parsed<long long>(mesh, lines, lines.words[1]);
+  for (long long v = 0; v < vertices; ++v) {
+    require("a vertex");
+    mesh.vertices.push_back(parsed_vector(mesh, lines, 0));
+  }
+  for (long long f = 0; f < faces; ++f) {
+    require("a face");
+    const auto count = parsed<long long>(mesh, lines, lines.words[0]);
+    if (count < 3 || static_cast<long long>(lines.words.size()) < 1 + count)
+      fail(mesh, fmt::format("line {}: a face needs three vertices or more", lines.number));
+    std::vector<int> polygon;
+    for (long long i = 1; i <= count; ++i) {
+      const auto v = parsed<long long>(mesh, lines, lines.words[static_cast<std::size_t>(i)]);
+      if (v < 0 || v >= vertices)
+        fail(mesh, fmt::format("line {}: vertex {} is out of range, must be below {}", lines.number,
+                               v, vertices));
+      polygon.push_back(static_cast<int>(v));
+    }
+    add_polygon(mesh, polygon);
   }
 }
 
@@ -325,15 +374,50 @@ void check_solid(const TriangleMesh& mesh) {
                            pair->first, pair->second));
 }
 
+/// Lower-case ending of the name of a file.
+std::string kind_of(const std::filesystem::path& file) {
+  std::string kind = file.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return kind;
+}
+
 }  // namespace
+
+TriangleMesh read_surface(const std::filesystem::path& file) {
+  TriangleMesh mesh;
+  mesh.name = file.string();
+  mesh.closed = false;
+  const std::string kind = kind_of(file);
+  if (kind != ".stl" && kind != ".obj" && kind != ".off")
+    fail(mesh, "unknown kind of mesh file: the name must end in .stl, .obj or .off");
+  const std::string bytes = read_bytes(file);
+  if (kind == ".obj") read_obj(bytes, mesh);
+  if (kind == ".off") read_off(bytes, mesh);
+  if (kind == ".stl") {
+    read_stl(bytes, mesh);
+    if (!mesh.triangles.empty()) weld(mesh);  // its corners have no numbers
+  }
+  return mesh;
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  std::vector<std::array<int, 2>> there, back;
+  for (const auto& triangle : mesh.triangles)
+    for (std::size_t e = 0; e < 3; ++e) {
+      there.push_back({triangle[e], triangle[(e + 1) % 3]});
+      back.push_back({triangle[(e + 1) % 3], triangle[e]});
+    }
+  std::sort(there.begin(), there.end());
+  std::sort(back.begin(), back.end());
+  return there == back && std::adjacent_find(there.begin(), there.end()) == there.end();
+}
 
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& options) {
   TriangleMesh mesh;
   mesh.name = file.string();
   mesh.closed = options.closed;
-  std::string kind = file.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string kind = kind_of(file);
   if (kind != ".stl" && kind != ".obj")
     fail(mesh, "unknown kind of mesh file: the name must end in .stl or .obj");
   const std::string bytes = read_bytes(file);

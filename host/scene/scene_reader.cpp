@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "host/error.h"
+#include "host/ipc/ipc_scene.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene_reader/parts.h"
 
@@ -45,6 +46,14 @@ void name_bodies(Draft& draft) {
     draft.scene.body_names[name] = id_of_entry[entry];
 }
 
+void validate_read(const Scene& scene, const std::string& file_name) {
+  try {
+    validate(scene);
+  } catch (const InputError& fault) {
+    throw InputError(file_name + ": " + fault.what());
+  }
+}
+
 }  // namespace
 
 Scene parse_scene(const std::string& text, const std::string& file_name,
@@ -53,6 +62,13 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   Source source{file_name, base_directory, {}};
   const Json json = document(text, source, overrides);
   const Node root(json, "", source);
+  if (ipc::is_ipc_scene(json)) {
+    std::vector<std::string> told;
+    Scene scene = ipc::read_ipc_scene(root, told);
+    validate_read(scene, file_name);
+    if (notes != nullptr) *notes = std::move(told);
+    return scene;
+  }
   root.check_keys(scene_keys("scene"));
 
   if (const auto schema = root.find("$schema")) schema->text();
@@ -77,11 +93,7 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
     draft.scene.insertions.push_back(std::move(insertion));
   }
   name_bodies(draft);
-  try {
-    validate(draft.scene);
-  } catch (const InputError& fault) {
-    throw InputError(file_name + ": " + fault.what());
-  }
+  validate_read(draft.scene, file_name);
   if (notes != nullptr) *notes = std::move(draft.notes);
   return std::move(draft.scene);
 }

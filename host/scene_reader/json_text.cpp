@@ -37,7 +37,8 @@ class Builder {
   bool end_array() { return close(); }
   bool key(string_t& name) {
     key_ = name;
-    if (!keys_.back().insert(name).second)
+    const bool is_comment = !name.empty() && name[0] == '#';  // in scenes of other programs
+    if (!keys_.back().insert(name).second && !is_comment)
       throw InputError(fmt::format("{}: {}: this key is given twice", file_name_, path()));
     return true;
   }

@@ -102,6 +102,8 @@ struct Load {
 
 /// A body that may touch all others.
 inline constexpr int kNoCollisionGroup = -1;
+/// Of bodies that are not free and name no other; other groups are below it.
+inline constexpr int kRestingGroup = 1 << 30;
 
 /// One body as it enters the simulation.
 struct BodyDescription {

@@ -122,7 +122,7 @@ int check_scene(const CheckOptions& options) {
   fmt::print("bodies      {} free, {} fixed or moved; median diameter {:.4g} m\n", s.free_capacity,
              s.fixed_count, s.median_diameter);
   if (joints > 0) fmt::print("joints      {}\n", joints);
-  for (const std::string& note : notes) fmt::print("urdf        {}\n", note);
+  for (const std::string& note : notes) fmt::print("read        {}\n", note);
   fmt::print("dynamics    {}: {}\n", card.name, card.description);
   if (card.has_contacts)
     fmt::print("contacts    layout {}, listed up to a gap of {:.3g} m\n", to_string(s.layout),

@@ -106,9 +106,9 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
 std::optional<Fault> own_fault(const Scene& scene, const BodyDescription& body) {
   const DynamicsCard* card = find_dynamics(scene.dynamics.type);
   const std::string model = fmt::format("the dynamics \"{}\"", scene.dynamics.type);
-  if (body.collision_group < kNoCollisionGroup)
+  if (body.collision_group < kNoCollisionGroup || body.collision_group > kRestingGroup)
     return Fault{"collision_group", fmt::format("{}", body.collision_group),
-                 "must be zero or positive, or -1 for none"};
+                 fmt::format("must be from 0 to {}, or -1 for none", kRestingGroup)};
   if (body.collision_group != kNoCollisionGroup && !(card != nullptr && card->has_collision_groups))
     return Fault{"collision_group", fmt::format("{}", body.collision_group),
                  "must be absent: " + model + " has no such groups"};

@@ -4,8 +4,8 @@
 #include <iterator>
 
 #include "host/error.h"
-#include "host/ipc/ipc_scene.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene_reader/ipc_scene.h"
 #include "host/scene_reader/parts.h"
 
 namespace scree {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "host/scene/convex_hull.h"
 #include "host/scene/free_mesh.h"
@@ -289,7 +288,7 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
     node.read("torque", load.torque, "N m");
     if (norm2(load.force) > 0 || norm2(load.torque) > 0) body.load = load;
   }
-  node.read("collision_group", body.collision_group, 0, std::numeric_limits<int>::max());
+  node.read("collision_group", body.collision_group, 0, kRestingGroup - 1);
   body.material = read_material(node, draft);
   const auto group = node.find("group");
   body.group = group_index(

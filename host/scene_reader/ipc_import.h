@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/ipc/ipc_surface.h"
+#include "host/scene_reader/ipc_surface.h"
 #include "host/scene_reader/parts.h"
 
 namespace scree::ipc {

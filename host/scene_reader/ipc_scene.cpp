@@ -1,4 +1,4 @@
-#include "host/ipc/ipc_scene.h"
+#include "host/scene_reader/ipc_scene.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "host/error.h"
-#include "host/ipc/ipc_import.h"
+#include "host/scene_reader/ipc_import.h"
 
 namespace scree::ipc {
 namespace {
@@ -222,7 +222,7 @@ void note_other_keys(const Node& object, const std::string& path,
   for (const auto& [key, value] : object.members()) {
     if (key.empty() || key[0] == '#') continue;
     if (std::find(known.begin(), known.end(), key) == known.end())
-      ++in.not_used[path.empty() ? key : path + "." + key];
+      ++in.not_used[fmt::format("{}{}{}", path, path.empty() ? "" : ".", key)];
   }
 }
 

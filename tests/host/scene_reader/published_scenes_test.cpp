@@ -12,7 +12,7 @@
 
 #include "host/scene/free_mesh.h"
 #include "host/scene_reader.h"
-#include "tests/host/ipc/ipc_support.h"
+#include "tests/host/scene_reader/ipc_support.h"
 #include "tests/physics/shared_data.h"
 
 namespace scree {

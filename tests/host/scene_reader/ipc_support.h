@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/ipc/ipc_scene.h"
+#include "host/scene_reader/ipc_scene.h"
 #include "tests/host/input_files.h"
 
 namespace scree::test {

@@ -1,16 +1,17 @@
 // Each rule of the format of rigid-ipc scenes, with values worked out by hand.
 
-#include "host/ipc/ipc_scene.h"
+#include "host/scene_reader/ipc_scene.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "host/scene/motion.h"
 #include "host/scene_reader.h"
-#include "tests/host/ipc/ipc_support.h"
+#include "tests/host/scene_reader/ipc_support.h"
 
 namespace scree {
 namespace {
@@ -471,6 +472,42 @@ TEST(AutodeskScene, PinsAreBallJoints) {
   EXPECT_THAT(refused(R"({"type": "pin_world", "body_name": "plane", "body_point": [0, 0, 0]})"),
               HasSubstr("2 have this mesh"));
   EXPECT_THAT(refused(R"({"type": "weld"})"), HasSubstr("\"pin_world\", \"pin_joint\""));
+}
+
+TEST(IpcScene, NoiseIsReadOrRefused) {
+  const std::string whole = R"({"timestep": 0.01, "max_time": 0.1,
+    "distance_barrier_constraint": {"initial_barrier_activation_distance": 1e-3},
+    "ipc_solver": {"velocity_conv_tol": 0.001, "is_velocity_conv_tol_abs": true},
+    "friction_constraints": {"static_friction_speed_bound": 0.001, "iterations": -1},
+    "rigid_body_problem": {"gravity": [0, -9.8, 0], "coefficient_friction": 0.3,
+      "rigid_bodies": [
+        {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+         "faces": [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], "scale": [1, 2, 1],
+         "rotation": [10, 20, 30], "density": 500, "force": [0, 1, 0], "split_components": true,
+         "is_dof_fixed": [false, true, false, true, true, false], "group_id": 2},
+        {"vertices": [[-9, 0, -9], [0, 0, 9], [9, 0, -9]], "faces": [[0, 1, 2]],
+         "type": "kinematic", "dimensions": [2, 0, 2], "angular_velocity": [0, 90, 0],
+         "kinematic_max_time": 0.5,
+         "kinematic_poses": [{"position": [0, 0.1, 0], "rotation": [0, 0.1, 0]}]}],
+      "linear_constraints": [
+        {"type": "pin_world", "body_name": "body-0", "body_point": [0, 0, 1]}]}})";
+  const auto folder = folder_with_meshes();
+  EXPECT_EQ(ipc_scene(whole, folder).bodies.size(), 2u);
+  std::mt19937 random(7);
+  int read = 0;
+  for (int run = 0; run < 4000; ++run) {
+    std::string text = whole;
+    for (int k = 0; k < 1 + run % 3; ++k) {
+      const std::size_t at = random() % text.size();
+      if (random() % 2 == 0)  // a character that means something in JSON, or another digit
+        text[at] = "0123456789-.e[]{},:\"#"[random() % 21];
+      else
+        text.erase(at, 1 + random() % 12);
+    }
+    if (test::refusal([&] { ipc_scene(text, folder); }) == "no error") ++read;
+  }
+  EXPECT_GT(read, 100) << "most changes of numbers are fine";
+  EXPECT_LT(read, 3900);
 }
 
 TEST(IpcScene, SceneFilesOfThatFormatAreRecognized) {

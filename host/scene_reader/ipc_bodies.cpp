@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "host/error.h"
-#include "host/ipc/ipc_import.h"
 #include "host/scene/free_mesh.h"
 #include "host/scene/mesh_reader.h"
+#include "host/scene_reader/ipc_import.h"
 #include "kernels/bodies/range.h"
 #include "shapes/mesh.h"
 
@@ -24,7 +24,6 @@ using reader::kPositive;
 constexpr int kLeastTriangles = 4;  // of a solid
 constexpr double kLargestTurn = 2;  // between two samples of a motion [rad]
 constexpr double kMostSamples = 1e6;
-constexpr int kRestingGroup = std::numeric_limits<int>::max();  // of all that are not free
 
 enum class Type { fixed, moved, free };
 
@@ -88,9 +87,9 @@ Entry read_entry(const Node& node, int index, const Import& in) {
   node.read("force", entry.load.force, "N");
   node.read("torque", entry.load.torque, "N m");
   entry.load.torque *= in.degree;  // rigid-ipc takes all three numbers for angles
-  for (int k = 0; k < 3; ++k) {
-    if (held[static_cast<std::size_t>(k)]) entry.velocity[k] = 0;
-    if (held[static_cast<std::size_t>(k + 3)]) entry.spin[k] = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (held[k]) entry.velocity[static_cast<int>(k)] = 0;
+    if (held[k + 3]) entry.spin[static_cast<int>(k)] = 0;
   }
   if (const auto stop = node.find("kinematic_max_time"))
     if (!stop->json().is_null()) entry.stop = stop->number(kNonNegative, "s");

@@ -1,4 +1,4 @@
-#include "host/ipc/ipc_surface.h"
+#include "host/scene_reader/ipc_surface.h"
 
 #include <algorithm>
 #include <cmath>

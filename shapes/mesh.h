@@ -27,6 +27,7 @@ struct Mesh {
   static void measure(const TriangleMesh& mesh, Shape& shape) {
     const SolidMoments solid = moments_about(mesh, {});
     shape.kind = kind;
+    shape.half_extents = box_about(mesh);
     shape.volume = solid.volume;
     shape.moments = solid.principal_moments();
   }

@@ -374,6 +374,14 @@ void check_solid(const TriangleMesh& mesh) {
                            pair->first, pair->second));
 }
 
+/// Welding squares distances.
+void check_range(const TriangleMesh& mesh) {
+  for (const Vec3d& v : mesh.vertices)
+    if (!is_in_range(v))
+      fail(mesh, fmt::format("a vertex at {} m is too far out, must be within {:g} m", text(v),
+                             kFarthest));
+}
+
 /// Lower-case ending of the name of a file.
 std::string kind_of(const std::filesystem::path& file) {
   std::string kind = file.extension().string();
@@ -394,10 +402,9 @@ TriangleMesh read_surface(const std::filesystem::path& file) {
   const std::string bytes = read_bytes(file);
   if (kind == ".obj") read_obj(bytes, mesh);
   if (kind == ".off") read_off(bytes, mesh);
-  if (kind == ".stl") {
-    read_stl(bytes, mesh);
-    if (!mesh.triangles.empty()) weld(mesh);  // its corners have no numbers
-  }
+  if (kind == ".stl") read_stl(bytes, mesh);
+  check_range(mesh);
+  if (kind == ".stl" && !mesh.triangles.empty()) weld(mesh);  // its corners have no numbers
   return mesh;
 }
 
@@ -423,12 +430,8 @@ TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& opt
   const std::string bytes = read_bytes(file);
   kind == ".stl" ? read_stl(bytes, mesh) : read_obj(bytes, mesh);
   if (mesh.triangles.empty()) fail(mesh, "holds no triangles");
-  for (Vec3d& v : mesh.vertices) {
-    v *= options.scale;
-    if (!is_in_range(v))  // welding squares distances
-      fail(mesh, fmt::format("a vertex at {} m is too far out, must be within {:g} m", text(v),
-                             kFarthest));
-  }
+  for (Vec3d& v : mesh.vertices) v *= options.scale;
+  check_range(mesh);
   weld(mesh);
   check_triangles(mesh);
   check_edges(mesh);

@@ -23,8 +23,8 @@ TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& opt
 
 /// Reads a surface as the file has it, from an OFF file too: with vertices that no triangle uses, and
 /// possibly without any triangle. Only vertices of STL files become one where they are equal.
-/// @throws InputError naming the file: missing, unreadable, truncated, a number that is not one, or
-///         an index out of range
+/// @throws InputError naming the file: missing, unreadable, truncated, a number that is not one or
+///         too far out, or an index out of range
 TriangleMesh read_surface(const std::filesystem::path& file);
 
 /// Whether every edge of a surface is used once in each direction.

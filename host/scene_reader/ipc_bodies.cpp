@@ -204,6 +204,7 @@ Motion posed_motion(const Node& poses, const Entry& entry, const BodyDescription
   add(0, position, turn);
   double time = 0;
   for (const Node& pose : poses.elements()) {
+    if (!pose.json().is_object()) pose.refuse("must be an object {...}");
     time = in.h * static_cast<double>(motion.times.size());
     pose.read("position", position, "m");
     if (const auto rotation = pose.find("rotation")) turn = exp_map(rotation->vector("rad"));

@@ -90,6 +90,7 @@ TEST(FreeMesh, ABoxHasTheMassOfABox) {
   const BodyDescription body = free_body(scene, test::box_mesh({1, 2, 3}, {5, -6, 7}), 10);
   EXPECT_NEAR(body.shape.volume, 48, 48e-12);
   EXPECT_NEAR(body.mass, 480, 480e-12);
+  EXPECT_LT(norm(body.shape.half_extents - Vec3d{1, 2, 3}), 1e-12);
   EXPECT_LT(norm(body.position - Vec3d{5, -6, 7}), 1e-12);
   EXPECT_NEAR(body.inertia.x, 480. / 3 * (4 + 9), 1e-8);
   EXPECT_NEAR(body.inertia.y, 480. / 3 * (9 + 1), 1e-8);

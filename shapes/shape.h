@@ -24,7 +24,7 @@ struct Shape {
   int mesh = -1;            ///< mesh, hull, compound, rounded hull: index into Scene::meshes
   /// Hull, compound, rounded, free mesh: what its mass is the density times of [m^3].
   double volume = 0;
-  Vec3d moments;  ///< of the same: principal moments of a unit mass [m^2]
+  Vec3d moments;                  ///< of the same: principal moments of a unit mass [m^2]
   Rounding<double> rounded = {};  ///< rounded: of which core, see shapes::Rounded::of()
 };
 

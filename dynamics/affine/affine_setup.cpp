@@ -164,7 +164,9 @@ class Builder {
     c.is_led = body.kind == BodyKind::kinematic;
     if (body.kind == BodyKind::free) {
       c.mass = affine_mass(body.mass, body.inertia);
-      c.stiffness = stiffness_ * volume_of(moments, *surface);
+      c.stiffness =
+          stiffness_ * (body.shape.volume > 0 ? body.shape.volume : volume_of(moments, *surface));
+      c.force = body.load->force, c.torque = body.load->torque;
       const Sym3<double>& s = c.mass.second;
       const double least = std::min({s.xx, s.yy, s.zz});
       if (!(c.stiffness > 0) || !(least > 1e-12 * s.trace()))
@@ -189,11 +191,9 @@ class Builder {
     setup_.velocity.push_back(v);
     setup_.surface_of_body.push_back(number);
     setup_.id_of_body.push_back(static_cast<Index>(each.id));
-    setup_.collision_group.push_back(body.kind == BodyKind::free ? -1 : kFixedGroup);
+    const bool has_own = body.kind == BodyKind::free || body.collision_group >= 0;
+    setup_.collision_group.push_back(has_own ? body.collision_group : kRestingGroup);
   }
-
-  /// Numbers of groups of a scene are not below zero, and a group of its own for walls is above all of them.
-  static constexpr int kFixedGroup = 1 << 30;
 
   static double volume_of(const SolidMoments& moments, const Surface& surface) {
     return moments.volume > 0 ? moments.volume : 8 * std::pow(surface.radius, 3);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "dynamics/affine/direct_blocks.h"
+#include "kernels/affine/gradient_iteration.h"
 
 namespace scree::affine {
 
@@ -25,7 +26,7 @@ class BlockSolver {
         is_direct_(takes_factors(equations, method)),
         direct_(rows, equations),
         space_(b),
-        factor_(b),
+        inverse_(b),
         r_(b),
         z_(b),
         p_(b),
@@ -35,12 +36,12 @@ class BlockSolver {
         entry_(b),
         begin_(b),
         sort_(b),
-        state_(b, 1) {
+        gradients_(b) {
     if (is_direct_) return;
     has_spaces_ = !equations.empty();
     if (has_spaces_) upload(b, row_spaces(rows, equations), space_);
     for (Buffer<B, AffineVec>* v : {&r_, &z_, &p_, &next_p_, &image_}) v->reserve_discard(rows);
-    factor_.reserve_discard(rows);
+    inverse_.reserve_discard(rows);
     begin_.reserve_discard(static_cast<Offset>(rows) + 1);
   }
 
@@ -53,9 +54,6 @@ class BlockSolver {
   }
 
  private:
-  /// Iterations between two looks at whether it is done, and most of them.
-  static constexpr int kCheckEvery = 8, kMostIterations = 4000;
-
   static bool takes_factors(const std::vector<NodeEquation>& equations, LinearMethod method) {
     if (method != LinearMethod::standard) return method == LinearMethod::direct;
     return !B::kIsDevice || std::any_of(equations.begin(), equations.end(),
@@ -80,27 +78,19 @@ class BlockSolver {
   }
 
   Report iterate(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance) {
-    GradientVectors v{step,
-                      r_.view(),
-                      z_.view(),
-                      p_.view(),
-                      next_p_.view(),
-                      image_.view(),
-                      system.diagonal,
-                      factor_.view(),
-                      space_.view(has_spaces_ ? rows_ : 0),
-                      list_blocks(b, system),
-                      state_.data()};
-    for_each(b, rows_, FactorRow{system.diagonal, v.space, factor_.view()});
-    reduce<Sums<1>>(b, rows_, BeginGradients{v, system.right}, StartGradients{state_.data()});
-    GradientState state;
-    for (int k = 0; k < kMostIterations; ++k) {
-      reduce<Sums<1>>(b, rows_, MultiplyRow{v}, FindAlpha{state_.data()});
-      reduce<Sums<1>>(b, rows_, AdvanceRow{v}, FindBeta{state_.data(), tolerance * tolerance});
-      if (k % kCheckEvery != kCheckEvery - 1) continue;
-      state = fetch(b, state_.data());
-      if (state.is_done) break;
-    }
+    const Span<const RowSpace> space = space_.view(has_spaces_ ? rows_ : 0);
+    for_each(b, rows_, InvertRow{system.diagonal, space, inverse_.view()});
+    const GradientVectors v{step,
+                            r_.view(),
+                            z_.view(),
+                            p_.view(),
+                            next_p_.view(),
+                            image_.view(),
+                            system.diagonal,
+                            inverse_.view(),
+                            list_blocks(b, system),
+                            nullptr};
+    const GradientState state = gradients_.run(b, v, system.right, tolerance);
     return {state.is_done, state.iterations};
   }
 
@@ -119,12 +109,12 @@ class BlockSolver {
   bool has_spaces_ = false;
   DirectBlocks direct_;
   Buffer<B, RowSpace> space_;
-  Buffer<B, Dense<12>> factor_;
+  Buffer<B, Dense<12>> inverse_;
   Buffer<B, AffineVec> r_, z_, p_, next_p_, image_;
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> entry_, begin_;
   SortSpace<B> sort_;
-  Buffer<B, GradientState> state_;
+  GradientIteration<B> gradients_;
 };
 
 }  // namespace scree::affine

@@ -34,31 +34,18 @@ struct NameHalves {
   }
 };
 
-/// Cholesky factor of a diagonal block in the space of its row, lower triangle; a pivot that is not positive becomes a unit.
-struct FactorRow {
-  static constexpr const char* name = "affine_factor_row";
+/// Inverse of a diagonal block in the space of its row: Q (Q^T D Q)^-1 Q^T. A pivot that is not positive becomes a unit.
+struct InvertRow {
+  static constexpr const char* name = "affine_invert_row";
   Span<const Dense<12>> diagonal;
   Span<const RowSpace> space;  ///< empty: rows have no equations
-  Span<Dense<12>> factor;      ///< out
+  Span<Dense<12>> inverse;     ///< out
 
   SCREE_HD void operator()(Index row) const {
     Dense<12> a = diagonal[row];
-    int n = 12;
-    if (!space.empty()) {
-      const RowSpace& s = space[row];
-      n = s.count;
-      Dense<12> half;
-      for (int i = 0; i < 12; ++i)
-        for (int j = 0; j < n; ++j)
-          for (int k = 0; k < 12; ++k) half(i, j) += diagonal[row](i, k) * s.basis(k, j);
-      for (int i = 0; i < n; ++i) {
-        for (int j = 0; j < n; ++j) {
-          a(i, j) = 0;
-          for (int k = 0; k < 12; ++k) a(i, j) += s.basis(k, i) * half(k, j);
-        }
-      }
-    }
-    for (int j = 0; j < n; ++j) {
+    const int n = space.empty() ? 12 : space[row].count;
+    if (!space.empty()) restrict_to(space[row], a);
+    for (int j = 0; j < n; ++j) {  // a = L L^T, in its lower triangle
       double pivot = a(j, j);
       for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
       const double root = pivot > 0 ? std::sqrt(pivot) : 1;
@@ -69,7 +56,43 @@ struct FactorRow {
         a(i, j) = sum / root;
       }
     }
-    factor[row] = a;
+    Dense<12> out;
+    for (int column = 0; column < 12; ++column) {
+      double y[12];
+      for (int i = 0; i < n; ++i)
+        y[i] = space.empty() ? (i == column ? 1 : 0) : space[row].basis(column, i);
+      for (int i = 0; i < n; ++i) {
+        for (int k = 0; k < i; ++k) y[i] -= a(i, k) * y[k];
+        y[i] /= a(i, i);
+      }
+      for (int i = n - 1; i >= 0; --i) {
+        for (int k = i + 1; k < n; ++k) y[i] -= a(k, i) * y[k];
+        y[i] /= a(i, i);
+      }
+      for (int i = 0; i < 12; ++i) {
+        double sum = 0;
+        if (space.empty()) {
+          sum = y[i];
+        } else {
+          for (int k = 0; k < n; ++k) sum += space[row].basis(i, k) * y[k];
+        }
+        out(i, column) = sum;
+      }
+    }
+    inverse[row] = out;
+  }
+
+  SCREE_HD static void restrict_to(const RowSpace& s, Dense<12>& a) {
+    Dense<12> half;
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < s.count; ++j)
+        for (int k = 0; k < 12; ++k) half(i, j) += a(i, k) * s.basis(k, j);
+    for (int i = 0; i < s.count; ++i) {
+      for (int j = 0; j < s.count; ++j) {
+        a(i, j) = 0;
+        for (int k = 0; k < 12; ++k) a(i, j) += s.basis(k, i) * half(k, j);
+      }
+    }
   }
 };
 
@@ -86,43 +109,24 @@ struct GradientState {
 /// Components of a vector as numbers.
 SCREE_HD inline double entry_of(const AffineVec& v, int i) { return v.node[i / 3][i % 3]; }
 
+/// Adds matrix v, or that of its transpose.
+SCREE_HD inline void add_product(const Dense<12>& m, bool is_turned, const AffineVec& v,
+                                 AffineVec& sum) {
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j)
+      sum.node[i / 3][i % 3] += (is_turned ? m(j, i) : m(i, j)) * entry_of(v, j);
+}
+
 struct GradientVectors {
   Span<AffineVec> x, r, z, p, next_p, image;
-  Span<const Dense<12>> diagonal, factor;
-  Span<const RowSpace> space;
+  Span<const Dense<12>> diagonal, inverse;
   BlockLists lists;
   GradientState* state;
 
   /// z = M^-1 r of a row.
   SCREE_HD AffineVec precondition(Index row, const AffineVec& r_row) const {
-    const int n = space.empty() ? 12 : space[row].count;
-    double y[12];
-    for (int i = 0; i < n; ++i) {
-      if (space.empty()) {
-        y[i] = entry_of(r_row, i);
-      } else {
-        y[i] = 0;
-        for (int k = 0; k < 12; ++k) y[i] += space[row].basis(k, i) * entry_of(r_row, k);
-      }
-    }
-    const Dense<12>& l = factor[row];
-    for (int i = 0; i < n; ++i) {
-      for (int k = 0; k < i; ++k) y[i] -= l(i, k) * y[k];
-      y[i] /= l(i, i);
-    }
-    for (int i = n - 1; i >= 0; --i) {
-      for (int k = i + 1; k < n; ++k) y[i] -= l(k, i) * y[k];
-      y[i] /= l(i, i);
-    }
     AffineVec z_row;
-    for (int i = 0; i < 12; ++i) {
-      double sum = 0;
-      if (space.empty())
-        sum = y[i];
-      else
-        for (int k = 0; k < n; ++k) sum += space[row].basis(i, k) * y[k];
-      z_row.node[i / 3][i % 3] = sum;
-    }
+    add_product(inverse[row], false, r_row, z_row);
     return z_row;
   }
 };
@@ -161,17 +165,11 @@ struct MultiplyRow {
     if (v.state->is_done) return {};
     const AffineVec own = direction(row);
     AffineVec image;
-    for (int i = 0; i < 12; ++i)
-      for (int j = 0; j < 12; ++j)
-        image.node[i / 3][i % 3] += v.diagonal[row](i, j) * entry_of(own, j);
+    add_product(v.diagonal[row], false, own, image);
     for (Index k = v.lists.begin[row]; k < v.lists.begin[row + 1]; ++k) {
       const MixedBlock& m = v.lists.mixed[v.lists.entry[k] / 2];
       const bool is_turned = v.lists.entry[k] % 2 != 0;
-      const AffineVec other = direction(is_turned ? m.row : m.column);
-      for (int i = 0; i < 12; ++i)
-        for (int j = 0; j < 12; ++j)
-          image.node[i / 3][i % 3] +=
-              (is_turned ? m.value(j, i) : m.value(i, j)) * entry_of(other, j);
+      add_product(m.value, is_turned, direction(is_turned ? m.row : m.column), image);
     }
     v.next_p[row] = own;
     v.image[row] = image;

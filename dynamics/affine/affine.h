@@ -297,25 +297,15 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// A step ends without intersections only where it begins without.
   void require_apart() {
     if (rows_ == 0) return;
+    affine::require_no_crossing(setup_);
     affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});
     minimizer_.begin(surfaces_, p);
-    const std::vector<affine::BodyPair> pairs = download(backend(), p.near.bodies);
-    const auto surface = [&](Index body) -> const affine::Surface& {
-      return *setup_.surfaces[static_cast<std::size_t>(
-          setup_.surface_of_body[static_cast<std::size_t>(body)])];
-    };
-    const auto id = [&](Index body) { return setup_.id_of_body[static_cast<std::size_t>(body)]; };
-    const auto place = [&](Index body) { return setup_.position[static_cast<std::size_t>(body)]; };
-    for (const affine::BodyPair& pair : pairs) {
-      const affine::Crossing crossing = affine::first_crossing(
-          surface(pair.body[0]), place(pair.body[0]), surface(pair.body[1]), place(pair.body[1]));
-      if (crossing.is_one()) affine::throw_crossing(id(pair.body[0]), id(pair.body[1]), crossing);
-    }
     const double separation = p.barrier.separation;
     const Index touching = minimizer_.touching(p, q_.view(), separation);
     if (touching < 0) return;
     const affine::NearPair near = fetch(backend(), p.near.pairs.data + touching);
-    const affine::BodyPair& pair = pairs[static_cast<std::size_t>(near.bodies)];
+    const affine::BodyPair pair = fetch(backend(), p.near.bodies.data + near.bodies);
+    const auto id = [&](Index body) { return setup_.id_of_body[static_cast<std::size_t>(body)]; };
     affine::throw_touching(id(pair.body[0]), id(pair.body[1]), separation, separation);
   }
 

@@ -355,6 +355,25 @@ std::vector<Vec3d> corners_at(const Surface& surface, const AffineVec& q) {
   return at;
 }
 
+[[noreturn]] void throw_crossing(int id_a, int id_b, const Crossing& c) {
+  const bool is_first = c.edge_of_first >= 0;
+  throw InputError(fmt::format(
+      "bodies {} and {} intersect at the start: edge {} of body {} passes through triangle {} of "
+      "body {}; bodies of the dynamics \"affine\" must be apart",
+      id_a, id_b, is_first ? c.edge_of_first : c.edge_of_second, is_first ? id_a : id_b,
+      is_first ? c.triangle_of_second : c.triangle_of_first, is_first ? id_b : id_a));
+}
+
+bool may_touch(const AffineSetup& setup, Index a, Index b) {
+  const auto group = [&](Index body) {
+    return setup.collision_group[static_cast<std::size_t>(body)];
+  };
+  if (group(a) >= 0 && group(a) == group(b)) return false;
+  return std::none_of(setup.held_pairs.begin(), setup.held_pairs.end(), [&](const auto& held) {
+    return std::minmax(held[0], held[1]) == std::minmax(a, b);
+  });
+}
+
 }  // namespace
 
 AffineVec pose_coordinates(const Pose& pose) {
@@ -380,13 +399,37 @@ Crossing first_crossing(const Surface& first, const AffineVec& at_first, const S
   return c;
 }
 
-void throw_crossing(int id_a, int id_b, const Crossing& c) {
-  const bool is_first = c.edge_of_first >= 0;
-  throw InputError(fmt::format(
-      "bodies {} and {} intersect at the start: edge {} of body {} passes through triangle {} of "
-      "body {}; bodies of the dynamics \"affine\" must be apart",
-      id_a, id_b, is_first ? c.edge_of_first : c.edge_of_second, is_first ? id_a : id_b,
-      is_first ? c.triangle_of_second : c.triangle_of_first, is_first ? id_b : id_a));
+void require_no_crossing(const AffineSetup& setup) {
+  const auto surface = [&](Index body) -> const Surface& {
+    return *setup.surfaces[static_cast<std::size_t>(
+        setup.surface_of_body[static_cast<std::size_t>(body)])];
+  };
+  const auto place = [&](Index body) -> const AffineVec& {
+    return setup.position[static_cast<std::size_t>(body)];
+  };
+  std::vector<Box> boxes;
+  std::vector<Index> order;  // along x
+  for (Index body = 0; body < std::ssize(setup.bodies); ++body) {
+    Box box;
+    for (const Vec3d& x : corners_at(surface(body), place(body))) box.add(x);
+    boxes.push_back(box);
+    order.push_back(body);
+  }
+  const auto box_of = [&](Index body) -> const Box& {
+    return boxes[static_cast<std::size_t>(body)];
+  };
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return box_of(a).low.x < box_of(b).low.x; });
+  for (auto i = order.begin(); i != order.end(); ++i) {
+    for (auto k = i + 1; k != order.end() && box_of(*k).low.x <= box_of(*i).high.x; ++k) {
+      const auto [a, b] = std::minmax(*i, *k);
+      if (!box_of(a).near(box_of(b)) || !may_touch(setup, a, b)) continue;
+      const Crossing crossing = first_crossing(surface(a), place(a), surface(b), place(b));
+      if (crossing.is_one())
+        throw_crossing(setup.id_of_body[static_cast<std::size_t>(a)],
+                       setup.id_of_body[static_cast<std::size_t>(b)], crossing);
+    }
+  }
 }
 
 void throw_touching(int id_a, int id_b, double distance, double separation) {

@@ -51,8 +51,10 @@ struct Crossing {
 Crossing first_crossing(const Surface& first, const AffineVec& at_first, const Surface& second,
                         const AffineVec& at_second);
 
-/// A scene that starts with bodies that intersect or touch. @throws InputError naming the bodies and triangles
-[[noreturn]] void throw_crossing(int id_a, int id_b, const Crossing& crossing);
+/// Looks at all bodies that may touch, where they are at time zero. @throws InputError naming two that intersect
+void require_no_crossing(const AffineSetup& setup);
+
+/// A scene that starts with bodies that touch. @throws InputError naming the bodies
 [[noreturn]] void throw_touching(int id_a, int id_b, double distance, double separation);
 
 }  // namespace scree::affine

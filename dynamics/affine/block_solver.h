@@ -1,6 +1,6 @@
 #pragma once
 // Solves the linear system of a Newton step: on the CPU by a sparse factorization, on a device by conjugate gradients, or by the
-// factorization too where equations hold two bodies together.
+// factorization too where equations hold two bodies together, or where gradients take long.
 
 #include <algorithm>
 
@@ -23,6 +23,7 @@ class BlockSolver {
   BlockSolver(B& b, Index rows, const std::vector<NodeEquation>& equations,
               LinearMethod method = LinearMethod::standard)
       : rows_(rows),
+        method_(method),
         is_direct_(takes_factors(equations, method)),
         direct_(rows, equations),
         space_(b),
@@ -54,6 +55,11 @@ class BlockSolver {
   }
 
  private:
+  /// Iterations of conjugate gradients. Chains and arches of bodies take thousands, in which time the host factorizes systems of
+  /// few rows several times.
+  static constexpr int kMostIterations = 4000, kFewIterations = 400;
+  static constexpr Index kMostFactorized = 4096;  ///< rows
+
   static bool takes_factors(const std::vector<NodeEquation>& equations, LinearMethod method) {
     if (method != LinearMethod::standard) return method == LinearMethod::direct;
     return !B::kIsDevice || std::any_of(equations.begin(), equations.end(),
@@ -90,8 +96,13 @@ class BlockSolver {
                             inverse_.view(),
                             list_blocks(b, system),
                             nullptr};
-    const GradientState state = gradients_.run(b, v, system.right, tolerance);
-    return {state.is_done, state.iterations};
+    const bool may_factorize = rows_ <= kMostFactorized && method_ == LinearMethod::standard;
+    const GradientState state = gradients_.run(b, v, system.right, tolerance,
+                                               may_factorize ? kFewIterations : kMostIterations);
+    if (state.is_done || !may_factorize) return {state.is_done, state.iterations};
+    Report report = factorize(b, system, step);
+    report.iterations += state.iterations;
+    return report;
   }
 
   BlockLists list_blocks(B& b, const BlockSystemView& system) {
@@ -105,6 +116,7 @@ class BlockSolver {
   }
 
   Index rows_;
+  LinearMethod method_;
   bool is_direct_;
   bool has_spaces_ = false;
   DirectBlocks direct_;

@@ -1,123 +1,239 @@
 #pragma once
-// Lists of near pairs in backend memory. Three host reads a search: bodies, features and pairs are counted before they are listed,
-// so that buffers hold all of them.
+// Lists of near pairs in backend memory.
 
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "collision/numbering.h"
 #include "dynamics/affine/surface_tables.h"
+#include "kernels/affine/near_search.h"
 
 namespace scree::affine {
 
+/// One host read a search. Lists are written into room for somewhat more than the last search needed; where that is not
+/// enough the search is made again with more, so that none is ever cut short.
+/// Memory: 24 bytes a near pair, 84 a feature that comes near another body, 16 a block, 56 a pair of near bodies, 130 a body.
+/// Each body costs its box and two ways down the tree of bodies; each pair of near bodies costs a test for each 32 features of
+/// the smaller one, and each feature that is left a way down a tree of the other body, or two where more than sixteen are near it.
 template <class B>
 class NearPairs {
  public:
   explicit NearPairs(B& b)
-      : bounds_(b),
+      : boxes_(b),
+        all_(b, 1),
         key_(b),
         order_(b),
-        count_(b),
-        begin_(b),
-        pair_key_(b),
-        unused_(b),
+        nodes_(b),
         sort_(b),
+        number_(b),
+        unused_(b),
+        count_(b),
+        bodies_(b),
+        blocks_(b),
+        features_(b),
+        pairs_(b),
+        touching_(b),
+        candidate_(b),
+        mask_(b),
+        item_(b),
+        kept_(b),
         body_pair_(b),
-        item_begin_(b),
-        near_(b) {}
+        near_(b),
+        counts_(b, 1) {}
 
   /// Lists all pairs of features whose boxes come within a distance while bodies move straight from one place to another,
-  /// but those of bodies that do not touch.
+  /// but those of bodies that do not touch: those of pairs_near(), to the last bit on the CPU.
   /// @param from, to  by body
+  /// @throws std::runtime_error when there are more than can be numbered
   void build(B& b, const SurfaceTables<B>& tables, Span<const AffineVec> from,
              Span<const AffineVec> to, double distance) {
-    const Index bodies = tables.body_count();
-    const auto count_of_all = static_cast<std::uint64_t>(bodies);
-    surfaces_ = tables.view();
-    pair_count_ = near_count_ = 0;
-    if (bodies < 2) return;
-    bounds_.reserve_discard(bodies), key_.reserve_discard(bodies), order_.reserve_discard(bodies);
-    copy(b, tables.listed(), order_.view(bodies));
-    const Index swept_count = tables.swept_count();
-    for_each(b, bodies,
-             BoundBodies{surfaces_, from, to, tables.listed(), bounds_.view(bodies),
-                         key_.view(swept_count), order_.view(bodies)});
-    sort_pairs(b, sort_, key_.view(swept_count), order_.view(swept_count), 64);
-    SweepBodies sweep{bounds_.view(bodies),
-                      order_.view(bodies),
-                      swept_count,
-                      tables.filter(),
-                      distance,
-                      {},
-                      {},
-                      {},
-                      count_of_all};
-    count_.reserve_discard(bodies);
-    sweep.count = count_.view(bodies);
-    for_each(b, bodies, sweep);
-    pair_count_ = scan(b, bodies, begin_);
-    if (pair_count_ == 0) return;
-    pair_key_.reserve_discard(pair_count_), unused_.reserve_discard(pair_count_);
-    sweep.begin = begin_.view(static_cast<Offset>(bodies) + 1);
-    sweep.pair = pair_key_.view(pair_count_);
-    for_each(b, bodies, sweep);
-    sort_pairs(b, sort_, pair_key_.view(pair_count_), unused_.view(pair_count_),
-               bits_for(count_of_all * count_of_all));
-    list_features(b, from, to, distance, count_of_all);
+    corners_ = tables.view().corners;
+    const Index n = tables.body_count();
+    found_ = SearchCounts{};
+    if (n < 2) return;
+    reserve_bodies(n);
+    if (is_few(n)) {
+      for_each(b, n, BoundBodies{tables.view(), from, to, boxes_.view(n)});
+    } else {
+      reduce<Bounds>(b, n, BoundBodies{tables.view(), from, to, boxes_.view(n)},
+                     StoreResult<Bounds>{all_.data()});
+      make_tree(b, n);
+    }
+    const SearchBodies at{tables.view(), from, to, boxes(n), {}, distance};
+    do {
+      search(b, at, tables.filter());
+      found_ = fetch(b, static_cast<const SearchCounts*>(counts_.data()));
+    } while (!has_room());
   }
 
   NearPairsView view() const {
-    return {near_.view(near_count_), body_pair_.view(pair_count_), surfaces_.corners};
+    return {near_.view(found_.pairs), body_pair_.view(found_.touching), corners_};
   }
 
  private:
-  void list_features(B& b, Span<const AffineVec> from, Span<const AffineVec> to, double distance,
-                     std::uint64_t bodies) {
-    body_pair_.reserve_discard(pair_count_), count_.reserve_discard(pair_count_);
-    for_each(b, pair_count_,
-             CountFeatures{surfaces_, pair_key_.view(pair_count_), bodies,
-                           body_pair_.view(pair_count_), count_.view(pair_count_)});
-    const Index items = scan(b, pair_count_, item_begin_);
-    count_.reserve_discard(items);
-    SearchFeature search{surfaces_,
-                         from,
-                         to,
-                         bounds_.view(bounds_.capacity()),
-                         body_pair_.view(pair_count_),
-                         item_begin_.view(static_cast<Offset>(pair_count_) + 1),
-                         distance,
-                         count_.view(items),
-                         {},
-                         {}};
-    for_each(b, items, search);
-    near_count_ = scan(b, items, begin_);
-    near_.reserve_discard(near_count_);
-    search.begin = begin_.view(static_cast<Offset>(items) + 1);
-    search.found = near_.view(near_count_);
-    for_each(b, items, search);
-    for_each(b, pair_count_,
-             RangeOfPair{search.item_begin, search.begin, body_pair_.view(pair_count_)});
+  /// So few bodies are tested each with each, which is as fast as a tree and takes fewer launches.
+  static constexpr Index kFew = B::kIsDevice ? 256 : 32;
+  static constexpr bool is_few(Index bodies) { return bodies <= kFew; }
+  /// Most items of one pass.
+  static constexpr Offset kMostItems = std::numeric_limits<Index>::max() - 1;
+
+  Span<const BodyBox> boxes(Index n) const { return boxes_.view(n); }
+
+  void reserve_bodies(Index n) {
+    boxes_.reserve_discard(n);
+    bodies_.reserve_discard((is_few(n) ? n * n : n) + Offset{1});
+    if (is_few(n)) return;
+    key_.reserve_discard(n);
+    order_.reserve_discard(n);
+    nodes_.reserve_discard(set_levels(tree_, n));
   }
 
-  /// Sums of count_ into a buffer. @return all of them. @throws DeviceError when there are more than places have numbers
-  Index scan(B& b, Index count, Buffer<B, Offset>& begin) {
-    begin.reserve_discard(static_cast<Offset>(count) + 1);
+  void make_tree(B& b, Index n) {
+    for_each(b, n, PlaceOnCurve{boxes(n), all_.data(), key_.view(n), order_.view(n)});
+    sort_pairs(b, sort_, key_.view(n), order_.view(n), 3 * kCurveBits);
+    tree_.boxes = boxes(n);
+    tree_.order = std::as_const(order_).view(n);
+    tree_.nodes = nodes_.view(set_levels(tree_, n));
+    for (int level = 1; level <= tree_.top; ++level)
+      for_each(b, tree_.count[level], JoinBodies{tree_, level});
+  }
+
+  /// Runs the search with the room that there is.
+  void search(B& b, SearchBodies at, const BodyFilter& filter) {
+    const auto candidates = static_cast<Index>(room_.bodies);
+    const auto blocks = static_cast<Index>(room_.blocks);
+    const auto features = static_cast<Index>(room_.features);
+    reserve_lists();
+    find_bodies(b, at, filter);
+    const SearchSums sums = this->sums(static_cast<Index>(at.boxes.size));
+    for_each(b, candidates,
+             SetCandidates{at.surfaces, at.boxes, std::as_const(number_).view(candidates),
+                           sums.bodies, candidate_.view(candidates), count_.view(candidates)});
+    add_up(b, candidates, blocks_);
+    at.candidates = std::as_const(candidate_).view(candidates);
+
+    const BlockItems items{sums.blocks};
+    for_each(b, blocks, SearchBlock{at, items, mask_.view(blocks), count_.view(blocks)});
+    add_up(b, blocks, features_);
+    for_each(b, blocks,
+             ListFeatures{at, items, std::as_const(mask_).view(blocks), sums.features,
+                          item_.view(features)});
+
+    SearchFeature feature{at,
+                          sums.features,
+                          std::as_const(item_).view(features),
+                          {kept_.view(FoundFeatures::kKept * room_.features), room_.features},
+                          count_.view(features),
+                          {},
+                          {},
+                          {}};
+    for_each(b, features, feature);
+    add_up(b, features, pairs_);
+    for_each(b, candidates, MarkTouching{sums, count_.view(candidates)});
+    add_up(b, candidates, touching_);
+    const Span<const Offset> touching = running(touching_, candidates);
+    for_each(b, candidates,
+             PlaceTouching{sums, at.candidates, touching, body_pair_.view(candidates)});
+    feature.begin = sums.pairs;
+    feature.touching = touching;
+    feature.found = near_.view(room_.pairs);
+    for_each(b, features, feature);
+    for_each(b, 1, SumUpSearch{sums, touching, counts_.data()});
+  }
+
+  /// Numbers of pairs of near bodies, rising.
+  void find_bodies(B& b, const SearchBodies& at, const BodyFilter& filter) {
+    const auto n = static_cast<Index>(at.boxes.size);
+    const auto room = static_cast<Index>(room_.bodies);
+    if (is_few(n)) {
+      find_with(b, n * n, TryBodies{at.boxes, filter, at.reach(0), {}});
+      return;
+    }
+    fill(b, number_.view(room), ~std::uint64_t{0});  // behind all others
+    find_with(b, n, FindBodies{tree_, filter, at.reach(0), {}});
+    sort_pairs(b, sort_, number_.view(room), unused_.view(room),
+               bits_for(static_cast<std::uint64_t>(n) * static_cast<std::uint64_t>(n)));
+  }
+  template <class Find>
+  void find_with(B& b, Index items, Find find) {
+    find.places.count = count_.view(items);
+    for_each(b, items, find);
+    add_up(b, items, bodies_);
+    find.places.begin = running(bodies_, items);
+    find.places.found = number_.view(room_.bodies);
+    for_each(b, items, find);
+  }
+
+  static Span<const Offset> running(const Buffer<B, Offset>& sums, Index count) {
+    return sums.view(static_cast<Offset>(count) + 1);
+  }
+  void add_up(B& b, Index count, Buffer<B, Offset>& sums) {
     exclusive_scan(b, Span<const Index>(count_.view(count)),
-                   begin.view(static_cast<Offset>(count) + 1));
-    const Offset all = fetch(b, begin.data() + count);
-    if (all > kMostPlaces) throw DeviceError("near pairs: too many to number them with 32 bits");
-    return static_cast<Index>(all);
+                   sums.view(static_cast<Offset>(count) + 1));
   }
-  static constexpr Offset kMostPlaces = 2'000'000'000;
+  SearchSums sums(Index n) const {
+    return {running(bodies_, is_few(n) ? n * n : n),
+            running(blocks_, static_cast<Index>(room_.bodies)),
+            running(features_, static_cast<Index>(room_.blocks)),
+            running(pairs_, static_cast<Index>(room_.features))};
+  }
 
-  SurfacesView surfaces_;
-  Buffer<B, Bounds> bounds_;
+  void reserve_lists() {
+    number_.reserve_discard(room_.bodies);
+    unused_.reserve_discard(room_.bodies);
+    candidate_.reserve_discard(room_.bodies);
+    body_pair_.reserve_discard(room_.bodies);
+    blocks_.reserve_discard(room_.bodies + 1);
+    touching_.reserve_discard(room_.bodies + 1);
+    features_.reserve_discard(room_.blocks + 1);
+    mask_.reserve_discard(room_.blocks);
+    item_.reserve_discard(room_.features);
+    kept_.reserve_discard(FoundFeatures::kKept * room_.features);
+    pairs_.reserve_discard(room_.features + 1);
+    near_.reserve_discard(room_.pairs);
+    count_.reserve_discard(
+        std::max({bodies_.capacity(), room_.bodies, room_.blocks, room_.features}));
+  }
+
+  /// Whether all that was found had room. Sets the rooms for the next search, which that many and a few more will have.
+  bool has_room() {
+    bool fits = true;
+    for (int list = 0; list < SearchCounts::kLists; ++list) {
+      const Offset needed = found_.of(list);
+      checked_index(needed, can_number(needed), "near pairs of affine bodies");
+      fits = fits && needed <= room_.of(list);
+    }
+    for (int list = 0; list < SearchCounts::kLists; ++list) {
+      const Offset needed = found_.of(list);
+      // A list that was cut short, and those behind it, only grow: their numbers are too low.
+      const Offset wanted = std::min(needed + needed / 4 + 256, kMostItems);
+      room_.of(list) = fits ? wanted : std::max(room_.of(list), wanted);
+    }
+    return fits;
+  }
+
+  Span<const Vec3d> corners_;
+  Buffer<B, BodyBox> boxes_;
+  Buffer<B, Bounds> all_;
   Buffer<B, std::uint64_t> key_;
-  Buffer<B, Index> order_, count_;
-  Buffer<B, Offset> begin_;
-  Buffer<B, std::uint64_t> pair_key_;
-  Buffer<B, Index> unused_;  ///< goes with the names of pairs as they are sorted
+  Buffer<B, Index> order_;
+  Buffer<B, BodyNode> nodes_;
   SortSpace<B> sort_;
+  BodyTree tree_;
+  Buffer<B, std::uint64_t> number_;
+  Buffer<B, Index> unused_;  ///< goes with the numbers as they are sorted
+  Buffer<B, Index> count_;
+  Buffer<B, Offset> bodies_, blocks_, features_, pairs_, touching_;  ///< running sums
+  Buffer<B, Candidate> candidate_;
+  Buffer<B, std::uint32_t> mask_;
+  Buffer<B, FeatureItem> item_;
+  Buffer<B, Index> kept_;
   Buffer<B, BodyPair> body_pair_;
-  Buffer<B, Offset> item_begin_;
   Buffer<B, NearPair> near_;
-  Index pair_count_ = 0, near_count_ = 0;
+  Buffer<B, SearchCounts> counts_;
+  SearchCounts found_;
+  SearchCounts room_{256, 1024, 1024, 1024, 0};
 };
 
 }  // namespace scree::affine

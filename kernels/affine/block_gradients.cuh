@@ -155,7 +155,8 @@ class GradientIteration<Cuda> {
  public:
   explicit GradientIteration(Cuda& cuda) : state_(cuda, 1), arrived_(cuda, 1), partial_(cuda) {}
 
-  GradientState run(Cuda& cuda, GradientVectors v, Span<const AffineVec> right, double tolerance) {
+  GradientState run(Cuda& cuda, GradientVectors v, Span<const AffineVec> right, double tolerance,
+                    int most) {
     const auto rows = static_cast<unsigned>(right.size);
     const unsigned blocks = std::min(cuda.resident_blocks(kernel(), "occupancy of block_gradients"),
                                      (rows + gradients::kWarps - 1) / gradients::kWarps);
@@ -163,7 +164,6 @@ class GradientIteration<Cuda> {
     fill(cuda, arrived_.view(), 0u);
     v.state = state_.data();
     gradients::Meeting meeting{arrived_.data(), partial_.data()};
-    int most = kMostGradientIterations;
     void* arguments[] = {&v, &right, &meeting, &tolerance, &most};
     check_cuda(cudaLaunchCooperativeKernel(kernel(), blocks, gradients::kThreads, arguments, 0,
                                            cuda.stream()),

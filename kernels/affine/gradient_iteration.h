@@ -5,9 +5,6 @@
 
 namespace scree::affine {
 
-/// Most iterations of a solve.
-inline constexpr int kMostGradientIterations = 4000;
-
 template <class B>
 class PlainGradients {
  public:
@@ -15,12 +12,14 @@ class PlainGradients {
 
   /// @param v          its state is set here
   /// @param tolerance  of the residual in the norm of the preconditioner, over that of the right-hand side
-  GradientState run(B& b, GradientVectors v, Span<const AffineVec> right, double tolerance) {
+  /// @param most       iterations
+  GradientState run(B& b, GradientVectors v, Span<const AffineVec> right, double tolerance,
+                    int most) {
     const auto rows = static_cast<Index>(right.size);
     v.state = state_.data();
     reduce<Sums<1>>(b, rows, BeginGradients{v, right}, StartGradients{v.state});
     GradientState state;
-    for (int k = 0; k < kMostGradientIterations; ++k) {
+    for (int k = 0; k < most; ++k) {
       reduce<Sums<1>>(b, rows, MultiplyRow{v}, FindAlpha{v.state});
       reduce<Sums<1>>(b, rows, AdvanceRow{v}, FindBeta{v.state, tolerance * tolerance});
       if (k % kCheckEvery != kCheckEvery - 1) continue;

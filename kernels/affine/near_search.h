@@ -1,222 +1,312 @@
 #pragma once
-// The search for near pairs: bodies whose boxes over their ways are near each other, by a sweep along x, and then their features,
-// each against the tree of the other body. docs/theory.md, "Barrier contact".
+// Near pairs of features of two bodies. Of each pair of bodies the smaller one has its features looked for in the trees of the
+// other: in blocks of some 32, which take out what is far from the other body as a whole, and then one by one. So there is
+// enough to do at a time for two bodies of many features as for many bodies of few.
+// All lists are counted before they are written, and elements without room are left out: the counts tell how much is needed.
 
-#include <cstring>
-
-#include "kernels/affine/surface_tree.h"
+#include "kernels/affine/body_tree.h"
 #include "kernels/backend/ordered_lists.h"
-#include "kernels/narrow_phase/ignored_pairs.h"
 
 namespace scree::affine {
 
-/// Bits of a number in the order of numbers.
-SCREE_HD inline std::uint64_t ordered_bits(double x) {
-  std::uint64_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  return (bits >> 63) != 0 ? ~bits : bits | (std::uint64_t(1) << 63);
+/// Two bodies whose boxes are near each other.
+struct Candidate {
+  Index body[2] = {};  ///< the first is lower
+  Index small = 0;     ///< which of them is smaller: 0 or 1
+
+  SCREE_HD Index own() const { return body[small]; }
+  SCREE_HD Index other() const { return body[1 - small]; }
+};
+
+/// A feature of the smaller body of a candidate.
+struct FeatureItem {
+  Index candidate = 0, feature = 0;
+};
+
+/// Elements that lists would have if there were room, and rooms.
+struct SearchCounts {
+  static constexpr int kLists = 4;
+  Offset bodies = 0;    ///< pairs of near bodies
+  Offset blocks = 0;    ///< of these
+  Offset features = 0;  ///< of blocks, that come near the other body
+  Offset pairs = 0;     ///< near pairs
+  Offset touching = 0;  ///< pairs of bodies that have some, never more than `bodies`
+
+  SCREE_HD Offset& of(int list) {
+    return list == 0 ? bodies : list == 1 ? blocks : list == 2 ? features : pairs;
+  }
+};
+
+/// Last sum of a list, and all elements of it that there was room for.
+SCREE_HD inline Offset all_of(Span<const Offset> begin) { return begin[begin.size - 1]; }
+SCREE_HD inline Offset held_of(Span<const Offset> begin, Offset room) {
+  return all_of(begin) < room ? all_of(begin) : room;
 }
 
-/// Boxes of bodies over their ways, and where they begin along x.
-struct BoundBodies {
-  static constexpr const char* name = "affine_bound_bodies";
+/// How candidates, blocks, features and pairs hang together: running sums, each with one element more than there is room for.
+struct SearchSums {
+  Span<const Offset> bodies;    ///< pairs of bodies, by what they were found from
+  Span<const Offset> blocks;    ///< by candidate
+  Span<const Offset> features;  ///< by block
+  Span<const Offset> pairs;     ///< by feature
+
+  /// First near pair of a candidate, or of those behind it.
+  SCREE_HD Index first_pair(Index candidate) const {
+    const Offset block = at_most(blocks[candidate], features.size - 1);
+    const Offset feature = at_most(features[block], pairs.size - 1);
+    return static_cast<Index>(pairs[feature]);
+  }
+
+ private:
+  static SCREE_HD Offset at_most(Offset x, Offset most) { return x < most ? x : most; }
+};
+
+/// Candidates by their numbers, and how many blocks each has. Bytes a candidate: 8 read, 16 written.
+struct SetCandidates {
+  static constexpr const char* name = "affine_set_candidates";
   SurfacesView surfaces;
-  Span<const AffineVec> from, to;
-  Span<const Index> listed;  ///< bodies that are swept: all but large ones
-  Span<Bounds> bounds;       ///< out, by body
-  Span<std::uint64_t> key;   ///< out, of listed ones
-  Span<Index> order;         ///< out, of listed ones
-
-  SCREE_HD void operator()(Index i) const {
-    const Index body = listed[i];
-    const SurfaceRecord& s = surfaces.surface(body);
-    const Bounds b = swept(from[body], to[body], s.center, s.half);
-    bounds[body] = b;
-    if (i >= key.size) return;
-    key[i] = ordered_bits(b.low.x);
-    order[i] = body;
-  }
-};
-
-/// Which bodies may touch.
-struct BodyFilter {
-  Span<const Index> group;  ///< by body; of one group at or above zero: not
-  IgnoredPairs held;        ///< by bodies
-
-  SCREE_HD bool may_touch(Index a, Index b) const {
-    return !(group[a] >= 0 && group[a] == group[b]) && !held.contains(a, b);
-  }
-};
-
-/// Pairs of bodies of one place in the sweep: with those behind it along x, and with large bodies.
-struct SweepBodies {
-  static constexpr const char* name = "affine_sweep_bodies";
-  Span<const Bounds> bounds;
-  Span<const Index> order;  ///< listed bodies along x, then large ones
-  Index swept_count = 0;    ///< of these, the first ones
-  BodyFilter filter;
-  double distance = 0;
-  Span<Index> count;  ///< out, without `begin`
-  Span<const Offset> begin;
-  Span<std::uint64_t> pair;  ///< out, with it: names of pairs
-  std::uint64_t bodies = 0;
-
-  SCREE_HD void operator()(Index i) const {
-    const Index own = order[i];
-    const Bounds b = bounds[own];
-    Index found = 0;
-    const auto take = [&](Index other) {
-      if (!b.near(bounds[other], distance) || !filter.may_touch(own, other)) return;
-      if (!begin.empty()) {
-        const Index low = own < other ? own : other, high = own < other ? other : own;
-        pair[begin[i] + found] =
-            static_cast<std::uint64_t>(low) * bodies + static_cast<std::uint64_t>(high);
-      }
-      ++found;
-    };
-    const auto all = static_cast<Index>(order.size);
-    if (i < swept_count) {
-      for (Index k = i + 1; k < swept_count; ++k) {
-        if (bounds[order[k]].low.x > b.high.x + distance) break;
-        take(order[k]);
-      }
-      for (Index k = swept_count; k < all; ++k) take(order[k]);
-    } else {
-      for (Index k = i + 1; k < all; ++k) take(order[k]);
-    }
-    if (begin.empty()) count[i] = found;
-  }
-};
-
-/// Features of a pair of bodies that are searched for: corners of both, and the edges of the one that has fewer.
-struct CountFeatures {
-  static constexpr const char* name = "affine_count_features";
-  SurfacesView surfaces;
-  Span<const std::uint64_t> pair;
-  std::uint64_t bodies = 0;
-  Span<BodyPair> body_pair;  ///< out
-  Span<Index> count;         ///< out
-
-  SCREE_HD void operator()(Index i) const {
-    BodyPair p;
-    p.body[0] = static_cast<Index>(pair[i] / bodies);
-    p.body[1] = static_cast<Index>(pair[i] % bodies);
-    body_pair[i] = p;
-    const SurfaceRecord &a = surfaces.surface(p.body[0]), &b = surfaces.surface(p.body[1]);
-    count[i] = a.corner_count + b.corner_count +
-               (a.edge_count < b.edge_count ? a.edge_count : b.edge_count);
-  }
-};
-
-/// Near pairs of one feature, counted or written. Bytes: the tree of the other body, from the caches.
-struct SearchFeature {
-  static constexpr const char* name = "affine_search_feature";
-  SurfacesView surfaces;
-  Span<const AffineVec> from, to;
-  Span<const Bounds> bounds;  ///< by body
-  Span<const BodyPair> body_pair;
-  Span<const Offset> item_begin;  ///< of body pairs
-  double distance = 0;
-  Span<Index> count;  ///< out, without `begin`
-  Span<const Offset> begin;
-  Span<NearPair> found;  ///< out, with it
-
-  SCREE_HD Index pair_of(Index item) const {
-    Index low = 0, high = static_cast<Index>(body_pair.size);
-    while (high - low > 1) {
-      const Index middle = low + (high - low) / 2;
-      if (item_begin[middle] <= item)
-        low = middle;
-      else
-        high = middle;
-    }
-    return low;
-  }
-
-  SCREE_HD void operator()(Index item) const {
-    const Index p = pair_of(item);
-    auto feature = static_cast<Index>(item - item_begin[p]);
-    const Index a = body_pair[p].body[0], b = body_pair[p].body[1];
-    const SurfaceRecord &sa = surfaces.surface(a), &sb = surfaces.surface(b);
-    NearPair pair;
-    pair.bodies = p;
-    Index hits = 0;
-    if (feature < sa.corner_count) {
-      pair.vertex[0] = sa.first_corner + feature;
-      hits = against_triangles(a, b, pair, item);
-    } else if ((feature -= sa.corner_count) < sb.corner_count) {
-      pair.is_swapped = true;
-      pair.vertex[0] = sb.first_corner + feature;
-      hits = against_triangles(b, a, pair, item);
-    } else {
-      feature -= sb.corner_count;
-      pair.kind = PairKind::edge_edge;
-      pair.is_swapped = !(sa.edge_count < sb.edge_count);
-      const Index own = pair.is_swapped ? b : a, other = pair.is_swapped ? a : b;
-      const EdgeCorners& edge = surfaces.edges[surfaces.surface(own).first_edge + feature];
-      pair.vertex[0] = edge.v[0], pair.vertex[1] = edge.v[1];
-      hits = against_edges(own, other, pair, item);
-    }
-    if (begin.empty()) count[item] = hits;
-  }
-
-  SCREE_HD Index against_triangles(Index own, Index other, NearPair& pair, Index item) const {
-    const Index corner[1] = {pair.vertex[0]};
-    const Bounds box = swept_corners(from[own], to[own], surfaces.corners, corner);
-    Index hits = 0;
-    descend(other, surfaces.surface(other).triangle_root, box, [&](Index place) {
-      const TriangleCorners& t = surfaces.triangles[place];
-      if (!box.near(swept_corners(from[other], to[other], surfaces.corners, t.v), distance)) return;
-      for (int k = 0; k < 3; ++k) pair.vertex[1 + k] = t.v[k];
-      if (!begin.empty()) found[begin[item] + hits] = pair;
-      ++hits;
-    });
-    return hits;
-  }
-  SCREE_HD Index against_edges(Index own, Index other, NearPair& pair, Index item) const {
-    const Index corner[2] = {pair.vertex[0], pair.vertex[1]};
-    const Bounds box = swept_corners(from[own], to[own], surfaces.corners, corner);
-    Index hits = 0;
-    descend(other, surfaces.surface(other).edge_root, box, [&](Index place) {
-      const EdgeCorners& e = surfaces.edges[place];
-      if (!box.near(swept_corners(from[other], to[other], surfaces.corners, e.v), distance)) return;
-      pair.vertex[2] = e.v[0], pair.vertex[3] = e.v[1];
-      if (!begin.empty()) found[begin[item] + hits] = pair;
-      ++hits;
-    });
-    return hits;
-  }
-
-  /// Calls visit(place) for features of a tree whose leaves are near a box.
-  template <class Visit>
-  SCREE_HD void descend(Index body, Index root, const Bounds& box, Visit visit) const {
-    if (!box.near(bounds[body], distance)) return;
-    const AffineVec &start = from[body], &end = to[body];
-    Index stack[kMostTreeDepth];
-    int size = 0;
-    stack[size++] = root;
-    while (size > 0) {
-      const TreeNode& node = surfaces.nodes[stack[--size]];
-      if (!box.near(swept(start, end, node.center, node.half), distance)) continue;
-      if (node.count > 0) {
-        for (Index k = 0; k < node.count; ++k) visit(node.first + k);
-      } else {
-        stack[size++] = node.first + 1;
-        stack[size++] = node.first;
-      }
-    }
-  }
-};
-
-/// Where the near pairs of bodies are.
-struct RangeOfPair {
-  static constexpr const char* name = "affine_range_of_pair";
-  Span<const Offset> item_begin, begin;
-  Span<BodyPair> body_pair;
+  Span<const BodyBox> boxes;
+  Span<const std::uint64_t> number;
+  Span<const Offset> found;    ///< running sums of pairs of bodies
+  Span<Candidate> candidates;  ///< out
+  Span<Index> blocks;          ///< out, 0 behind the last candidate
 
   SCREE_HD void operator()(Index p) const {
-    body_pair[p].begin = static_cast<Index>(begin[item_begin[p]]);
-    body_pair[p].end = static_cast<Index>(begin[item_begin[p + 1]]);
+    if (p >= held_of(found, number.size)) {
+      blocks[p] = 0;
+      return;
+    }
+    const auto n = static_cast<std::uint64_t>(boxes.size);
+    Candidate c;
+    c.body[0] = static_cast<Index>(number[p] / n);
+    c.body[1] = static_cast<Index>(number[p] % n);
+    c.small = boxes[c.body[1]].radius < boxes[c.body[0]].radius ? 1 : 0;
+    candidates[p] = c;
+    const SurfaceRecord& s = surfaces.surface(c.own());
+    blocks[p] = s.block_end - s.block_begin;
+  }
+};
+
+/// What both searches read.
+struct SearchBodies {
+  SurfacesView surfaces;
+  Span<const AffineVec> from, to;
+  Span<const BodyBox> boxes;
+  Span<const Candidate> candidates;
+  double distance = 0;
+
+  /// By how much boxes are widened so that all near pairs are found whatever rounding does.
+  SCREE_HD double reach(double rounding) const { return (1 + kRounding) * distance + rounding; }
+};
+
+/// Blocks of candidates, in their order.
+struct BlockItems {
+  Span<const Offset> blocks;  ///< running sums
+
+  SCREE_HD bool is_block(Index item) const { return item < all_of(blocks); }
+  SCREE_HD Index candidate(Index item) const {
+    return first_not_below(blocks, 0, static_cast<Index>(blocks.size),
+                           static_cast<Offset>(item) + 1) -
+           1;
+  }
+  /// Its node. @param p  its candidate
+  SCREE_HD Index node(Index item, Index p, const SearchBodies& at) const {
+    const SurfaceRecord& own = at.surfaces.surface(at.candidates[p].own());
+    return at.surfaces.blocks[own.block_begin + item - static_cast<Index>(blocks[p])];
+  }
+};
+
+/// Features of a block that come near the other body. Bytes: up to 15 nodes of 32, from the caches.
+struct SearchBlock {
+  static constexpr const char* name = "affine_search_block";
+  static constexpr Index kSerialBelow = 64;
+  SearchBodies at;
+  BlockItems items;
+  Span<std::uint32_t> near;  ///< out, of each block: a bit for each feature
+  Span<Index> count;         ///< out: of these
+
+  SCREE_HD void operator()(Index item) const {
+    if (!items.is_block(item)) {
+      count[item] = 0;
+      return;
+    }
+    const Index p = items.candidate(item);
+    const Candidate c = at.candidates[p];
+    const AffineVec start = at.from[c.own()], end = at.to[c.own()];
+    const Bounds box = at.boxes[c.other()].box.widened(at.reach(at.boxes[c.own()].rounding));
+    Index node = items.node(item, p, at);
+    const Index first = at.surfaces.nodes[node].begin;
+    const Index stop = at.surfaces.nodes[node].after(node);
+    std::uint32_t bits = 0;
+    Index hits = 0;
+    while (node < stop) {
+      const TreeNode n = at.surfaces.nodes[node];
+      if (!comes_into(box, start, end, n)) {
+        node = n.after(node);
+        continue;
+      }
+      ++node;
+      if (!n.is_leaf()) continue;
+      bits |= ((1u << n.feature_count()) - 1) << (n.begin - first);
+      hits += n.feature_count();
+    }
+    near[item] = bits;
+    count[item] = hits;
+  }
+};
+
+/// Lists what SearchBlock found. Bytes a block: 12 read; 8 written a feature.
+struct ListFeatures {
+  static constexpr const char* name = "affine_list_features";
+  SearchBodies at;
+  BlockItems items;
+  Span<const std::uint32_t> near;
+  Span<const Offset> begin;  ///< running sum of features
+  Span<FeatureItem> found;   ///< out
+
+  SCREE_HD void operator()(Index item) const {
+    if (!items.is_block(item) || begin[item] == begin[item + 1]) return;
+    const Index p = items.candidate(item);
+    const Index first = at.surfaces.nodes[items.node(item, p, at)].begin;
+    Offset place = begin[item];
+    for (int k = 0; k < kBlockFeatures; ++k) {
+      if ((near[item] >> k & 1u) == 0) continue;
+      if (place < found.size) found[place] = {p, first + k};
+      ++place;
+    }
+  }
+};
+
+/// What features were found near: the first few of each, where there are no more.
+struct FoundFeatures {
+  static constexpr Index kKept = 16;
+  Span<Index> feature;  ///< [kKept x room]
+  Offset room = 0;
+
+  SCREE_HD void put(Index item, Index k, Index value) const {
+    if (k < kKept) feature[k * room + item] = value;
+  }
+  SCREE_HD Index at(Index item, Index k) const { return feature[k * room + item]; }
+};
+
+/// Near pairs of one feature, counted or written. Bytes: nodes of the other tree, 32 each, and the corners of a few features,
+/// from the caches; 4 to 68 written, then read with 24 written a pair.
+struct SearchFeature {
+  static constexpr const char* name = "affine_search_feature";
+  static constexpr Index kSerialBelow = 64;
+  SearchBodies at;
+  Span<const Offset> features;  ///< running sums
+  Span<const FeatureItem> items;
+  FoundFeatures kept;
+  Span<Index> count;            ///< out, without `begin`
+  Span<const Offset> begin;     ///< running sum of count
+  Span<const Offset> touching;  ///< by candidate: those before it that have near pairs
+  Span<NearPair> found;         ///< out, with `begin`
+
+  SCREE_HD void operator()(Index item) const {
+    if (item >= all_of(features)) {
+      if (begin.empty()) count[item] = 0;
+    } else if (begin.empty()) {
+      count[item] = search(item, -1);
+    } else if (begin[item + 1] - begin[item] > FoundFeatures::kKept) {
+      search(item, begin[item]);
+    } else {
+      const auto hits = static_cast<Index>(begin[item + 1] - begin[item]);
+      for (Index k = 0; k < hits; ++k) put(begin[item] + k, item, kept.at(item, k));
+    }
+  }
+
+ private:
+  /// @param place  of the first pair in the list; -1: keeps the first few. @return how many there are
+  SCREE_HD Index search(Index item, Offset place) const {
+    const Candidate c = at.candidates[items[item].candidate];
+    const Index own = c.own(), other = c.other();
+    const Feature feature = at.surfaces.features[items[item].feature];
+    const Bounds box = swept(at.from[own], at.to[own], at.surfaces.corners, feature);
+    const Bounds wide = box.widened(at.reach(at.boxes[own].rounding + at.boxes[other].rounding));
+    const AffineVec start = at.from[other], end = at.to[other];
+    const SurfaceRecord& tree = at.surfaces.surface(other);
+    Index node = tree.tree[3 - feature.count];
+    const Index stop = tree.tree[4 - feature.count];
+    Index hits = 0;
+    while (node < stop) {
+      const TreeNode n = at.surfaces.nodes[node];
+      if (!comes_into(wide, start, end, n)) {
+        node = n.after(node);
+        continue;
+      }
+      ++node;
+      if (!n.is_leaf()) continue;
+      for (Index k = n.begin; k < n.begin + n.feature_count(); ++k) {
+        if (!swept_near(box, start, end, at.surfaces.corners, at.surfaces.features[k], at.distance))
+          continue;
+        if (place < 0) {
+          kept.put(item, hits, k);
+        } else {
+          put(place + hits, item, k);
+        }
+        ++hits;
+      }
+    }
+    return hits;
+  }
+
+  /// Corners come before triangles, and of two edges that of the first body before the other.
+  SCREE_HD void put(Offset place, Index item, Index against) const {
+    if (place >= found.size) return;
+    const Index candidate = items[item].candidate, small = at.candidates[candidate].small;
+    const Feature own = at.surfaces.features[items[item].feature];
+    const Feature other = at.surfaces.features[against];
+    const bool own_first = own.count == 2 ? small == 0 : own.count == 1;
+    const Feature first = own_first ? own : other, second = own_first ? other : own;
+    NearPair pair;
+    pair.kind = own.count == 2 ? PairKind::edge_edge : PairKind::point_triangle;
+    pair.vertex[0] = first.corner[0];
+    pair.vertex[1] = own.count == 2 ? first.corner[1] : second.corner[0];
+    pair.vertex[2] = second.corner[own.count == 2 ? 0 : 1];
+    pair.vertex[3] = second.corner[own.count == 2 ? 1 : 2];
+    pair.bodies = static_cast<Index>(touching[candidate]);
+    pair.is_swapped = own_first != (small == 0);
+    found[place] = pair;
+  }
+};
+
+/// Whether a candidate has near pairs. Bytes a candidate: some 40 read, 4 written.
+struct MarkTouching {
+  static constexpr const char* name = "affine_mark_touching";
+  SearchSums sums;
+  Span<Index> mark;  ///< out
+  SCREE_HD void operator()(Index p) const {
+    mark[p] = sums.first_pair(p) < sums.first_pair(p + 1) ? 1 : 0;
+  }
+};
+
+/// Pairs of bodies that have near pairs. Bytes a candidate: some 60 read, 16 written.
+struct PlaceTouching {
+  static constexpr const char* name = "affine_place_touching";
+  SearchSums sums;
+  Span<const Candidate> candidates;
+  Span<const Offset> touching;  ///< running sum of marks
+  Span<BodyPair> body_pairs;    ///< out
+  SCREE_HD void operator()(Index p) const {
+    if (touching[p] == touching[p + 1]) return;
+    const Candidate c = candidates[p];
+    body_pairs[touching[p]] = {{c.body[0], c.body[1]}, sums.first_pair(p), sums.first_pair(p + 1)};
+  }
+};
+
+/// What the host has to know of a search.
+struct SumUpSearch {
+  static constexpr const char* name = "affine_sum_up_search";
+  SearchSums sums;
+  Span<const Offset> touching;
+  SearchCounts* counts;  ///< out
+  SCREE_HD void operator()(Index /*one*/) const {
+    counts->bodies = all_of(sums.bodies);
+    counts->blocks = all_of(sums.blocks);
+    counts->features = all_of(sums.features);
+    counts->pairs = all_of(sums.pairs);
+    counts->touching = all_of(touching);
   }
 };
 

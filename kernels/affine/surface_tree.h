@@ -1,61 +1,83 @@
 #pragma once
-// Surfaces of all bodies in one table, each with trees of boxes about its triangles and its edges. Surfaces and trees are in
-// coordinates of bodies and never change: a body that moves takes its tree along, and bodies of one shape share it.
+// Surfaces of all bodies in one table, each with trees of boxes about its corners, its edges and its triangles. Surfaces and trees
+// are in coordinates of bodies and never change: a body that moves takes its trees along, and bodies of one shape share them.
 
 #include "kernels/affine/near_pair.h"
 
 namespace scree::affine {
 
-/// A box in world or body coordinates [m].
+/// A box in world or body coordinates [m]; at first an empty one, which is near nothing.
 struct Bounds {
   Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
 
   SCREE_HD void add(const Vec3d& x) {
-    for (int k = 0; k < 3; ++k) {
-      low[k] = x[k] < low[k] ? x[k] : low[k];
-      high[k] = x[k] > high[k] ? x[k] : high[k];
-    }
+    add_axis(x.x, low.x, high.x);
+    add_axis(x.y, low.y, high.y);
+    add_axis(x.z, low.z, high.z);
   }
   SCREE_HD void add(const Bounds& o) {
     add(o.low);
     add(o.high);
   }
+  /// The same for reductions.
+  SCREE_HD void combine(const Bounds& o) { add(o); }
   SCREE_HD bool near(const Bounds& o, double distance) const {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > o.high[k] + distance || o.low[k] > high[k] + distance) return false;
-    return true;
+    return !(low.x > o.high.x + distance || o.low.x > high.x + distance ||
+             low.y > o.high.y + distance || o.low.y > high.y + distance ||
+             low.z > o.high.z + distance || o.low.z > high.z + distance);
+  }
+  SCREE_HD Bounds widened(double by) const {
+    Bounds b;
+    b.low = low - Vec3d{by, by, by};
+    b.high = high + Vec3d{by, by, by};
+    return b;
+  }
+
+ private:
+  static SCREE_HD void add_axis(double x, double& low, double& high) {
+    low = x < low ? x : low;
+    high = x > high ? x : high;
   }
 };
 
-/// A node of a tree, with two children beside each other or with features.
-struct TreeNode {
-  Vec3d center, half;  ///< of its box, in coordinates of the body [m]
-  Index first = 0;     ///< child, or place of the first feature in the order of the tree
-  Index count = 0;     ///< of features; 0: children
+/// A corner, an edge or a triangle.
+struct alignas(16) Feature {
+  Index corner[3] = {};  ///< in the table of all
+  Index count = 0;       ///< of its corners: 1, 2 or 3
 };
 
+/// A box of a tree whose nodes lie in the order in which a search visits them: the first child of a node lies behind it, and
+/// `skip` is where to go on without what is below. In coordinates of the body [m], rounded outward.
+struct alignas(16) TreeNode {
+  float center[3] = {}, half[3] = {};
+  Index skip =
+      0;  ///< next node that is not below this one; of a leaf: less the number of its features
+  Index begin = 0;  ///< its first feature
+
+  SCREE_HD bool is_leaf() const { return skip < 0; }
+  SCREE_HD Index feature_count() const { return -skip; }
+  SCREE_HD Index after(Index own) const { return is_leaf() ? own + 1 : skip; }
+};
+
+/// Features of a leaf and of a block at most, and boxes of an outline. A block has a bit for each.
+inline constexpr Index kLeafFeatures = 4, kBlockFeatures = 32, kOutlineBoxes = 32;
+
+/// Where things of a surface are in the tables.
 struct SurfaceRecord {
-  Index first_corner = 0, corner_count = 0;
-  Index first_edge = 0, edge_count = 0;
-  Index first_triangle = 0, triangle_count = 0;
-  Index edge_root = 0, triangle_root = 0;
-  Vec3d center, half;  ///< of the box about it [m]
+  Index tree[4] = {};  ///< trees of corners, edges and triangles: nodes [tree[k], tree[k + 1])
+  Index block_begin = 0, block_end = 0;
+  Index outline_begin = 0, outline_end = 0;
+  double radius = 0;  ///< of the farthest corner [m]
 };
 
-struct EdgeCorners {
-  Index v[2] = {};
-};
-struct TriangleCorners {
-  Index v[3] = {};
-};
-
-/// Features lie in the order of their trees; corners are numbered in the table of all.
+/// Tables of all surfaces.
 struct SurfacesView {
-  Span<const Vec3d> corners;
-  Span<const EdgeCorners> edges;
-  Span<const TriangleCorners> triangles;
-  Span<const TreeNode> nodes;
-  Span<const SurfaceRecord> surfaces;
+  Span<const Vec3d> corners;     ///< surface by surface, in their order there
+  Span<const Feature> features;  ///< in the order of the trees
+  Span<const TreeNode> nodes;    ///< of all trees
+  Span<const Index> blocks;      ///< nodes that a search begins at: together they hold all features
+  Span<const TreeNode> outline;  ///< a few boxes that hold each surface
+  Span<const SurfaceRecord> surfaces;  ///< by surface
   Span<const Index> surface_of_body;
 
   SCREE_HD const SurfaceRecord& surface(Index body) const {
@@ -63,43 +85,112 @@ struct SurfacesView {
   }
 };
 
-/// Deepest tree: twice as many features a level.
-inline constexpr int kMostTreeDepth = 48;
-
-/// Adds the box of a body box where the body is.
-SCREE_HD inline void add_placed(const AffineVec& q, const Vec3d& center, const Vec3d& half,
-                                Bounds& bounds) {
-  const Vec3d middle = point_of(q, center);
-  Vec3d reach;
-  for (int k = 0; k < 3; ++k)
-    reach[k] = std::abs(q.node[1][k]) * half.x + std::abs(q.node[2][k]) * half.y +
-               std::abs(q.node[3][k]) * half.z;
-  // Corners are placed with other rounding than their box.
-  const double slack = 1e-14 * (norm(middle) + norm(reach));
-  for (int k = 0; k < 3; ++k) reach[k] += slack;
-  bounds.add(middle - reach);
-  bounds.add(middle + reach);
-}
-
-/// The box about the way of a body box.
-SCREE_HD inline Bounds swept(const AffineVec& from, const AffineVec& to, const Vec3d& center,
-                             const Vec3d& half) {
+/// The box about the ways of the corners of a feature: what decides which pairs are near.
+SCREE_HD inline Bounds swept(const AffineVec& from, const AffineVec& to, Span<const Vec3d> corners,
+                             const Feature& feature) {
   Bounds b;
-  add_placed(from, center, half, b);
-  add_placed(to, center, half, b);
-  return b;
-}
-
-/// The box about the ways of corners.
-template <int N>
-SCREE_HD Bounds swept_corners(const AffineVec& from, const AffineVec& to, Span<const Vec3d> corners,
-                              const Index (&v)[N]) {
-  Bounds b;
-  for (int k = 0; k < N; ++k) {
-    b.add(point_of(from, corners[v[k]]));
-    b.add(point_of(to, corners[v[k]]));
+  for (int k = 0; k < 3; ++k) {
+    if (k >= feature.count) break;
+    const Vec3d rest = corners[feature.corner[k]];
+    b.add(point_of(from, rest));
+    b.add(point_of(to, rest));
   }
   return b;
+}
+
+/// Whether the ways of corners leave a range of one axis on its lower or its upper side.
+struct AxisRange {
+  double low = 1e300, high = -1e300;
+
+  /// The same sums as in point_of(), so that no pair is near for one and not for the other.
+  SCREE_HD void add(double p, double a, double b, double c, const Vec3d& rest) {
+    const double x = p + rest.x * a + rest.y * b + rest.z * c;
+    low = x < low ? x : low;
+    high = x > high ? x : high;
+  }
+  SCREE_HD bool near(double other_low, double other_high, double distance) const {
+    return !(other_low > high + distance || low > other_high + distance);
+  }
+};
+
+/// box.near(swept(from, to, corners, feature), distance), axis by axis: most are far along the first.
+SCREE_HD inline bool swept_near(const Bounds& box, const AffineVec& from, const AffineVec& to,
+                                Span<const Vec3d> corners, const Feature& feature,
+                                double distance) {
+  const Vec3d *f = from.node, *t = to.node;
+  Vec3d rest[3];
+  for (int k = 0; k < 3; ++k) rest[k] = corners[feature.corner[k < feature.count ? k : 0]];
+  AxisRange x, y, z;
+  for (const Vec3d& r : rest) {
+    x.add(f[0].x, f[1].x, f[2].x, f[3].x, r);
+    x.add(t[0].x, t[1].x, t[2].x, t[3].x, r);
+  }
+  if (!x.near(box.low.x, box.high.x, distance)) return false;
+  for (const Vec3d& r : rest) {
+    y.add(f[0].y, f[1].y, f[2].y, f[3].y, r);
+    y.add(t[0].y, t[1].y, t[2].y, t[3].y, r);
+  }
+  if (!y.near(box.low.y, box.high.y, distance)) return false;
+  for (const Vec3d& r : rest) {
+    z.add(f[0].z, f[1].z, f[2].z, f[3].z, r);
+    z.add(t[0].z, t[1].z, t[2].z, t[3].z, r);
+  }
+  return z.near(box.low.z, box.high.z, distance);
+}
+
+/// Least and largest coordinate of the box of a node along its way, on one axis.
+SCREE_HD inline void sweep_axis(double p0, double a0, double b0, double c0, double p1, double a1,
+                                double b1, double c1, const TreeNode& n, double& low,
+                                double& high) {
+  const double x = n.center[0], y = n.center[1], z = n.center[2];
+  const double hx = n.half[0], hy = n.half[1], hz = n.half[2];
+  const double m0 = p0 + x * a0 + y * b0 + z * c0, m1 = p1 + x * a1 + y * b1 + z * c1;
+  const double r0 = hx * std::abs(a0) + hy * std::abs(b0) + hz * std::abs(c0);
+  const double r1 = hx * std::abs(a1) + hy * std::abs(b1) + hz * std::abs(c1);
+  low = m0 - r0 < m1 - r1 ? m0 - r0 : m1 - r1;
+  high = m0 + r0 > m1 + r1 ? m0 + r0 : m1 + r1;
+}
+
+/// The box about the way of a node, but for rounding.
+SCREE_HD inline Bounds swept(const AffineVec& from, const AffineVec& to, const TreeNode& n) {
+  const Vec3d *f = from.node, *t = to.node;
+  Bounds b;
+  sweep_axis(f[0].x, f[1].x, f[2].x, f[3].x, t[0].x, t[1].x, t[2].x, t[3].x, n, b.low.x, b.high.x);
+  sweep_axis(f[0].y, f[1].y, f[2].y, f[3].y, t[0].y, t[1].y, t[2].y, t[3].y, n, b.low.y, b.high.y);
+  sweep_axis(f[0].z, f[1].z, f[2].z, f[3].z, t[0].z, t[1].z, t[2].z, t[3].z, n, b.low.z, b.high.z);
+  return b;
+}
+
+/// Whether the way of a node comes into a box; most do not along the first axis.
+SCREE_HD inline bool comes_into(const Bounds& box, const AffineVec& from, const AffineVec& to,
+                                const TreeNode& n) {
+  const Vec3d *f = from.node, *t = to.node;
+  double low, high;
+  sweep_axis(f[0].x, f[1].x, f[2].x, f[3].x, t[0].x, t[1].x, t[2].x, t[3].x, n, low, high);
+  if (low > box.high.x || high < box.low.x) return false;
+  sweep_axis(f[0].y, f[1].y, f[2].y, f[3].y, t[0].y, t[1].y, t[2].y, t[3].y, n, low, high);
+  if (low > box.high.y || high < box.low.y) return false;
+  sweep_axis(f[0].z, f[1].z, f[2].z, f[3].z, t[0].z, t[1].z, t[2].z, t[3].z, n, low, high);
+  return !(low > box.high.z || high < box.low.z);
+}
+
+/// Part of a coordinate that rounding changes at most, where boxes of corners and boxes of nodes are worked out with other sums:
+/// a few times 2^-53, and ten times as much to be sure.
+inline constexpr double kRounding = 1e-14;
+
+/// How far rounding moves what is worked out of a body along its way at most [m].
+SCREE_HD inline double rounding_of(const AffineVec& from, const AffineVec& to, double radius) {
+  double largest = 0;
+  for (int k = 0; k < 3; ++k) {
+    for (int end = 0; end < 2; ++end) {
+      const AffineVec& q = end == 0 ? from : to;
+      const double size =
+          std::abs(q.node[0][k]) +
+          radius * (std::abs(q.node[1][k]) + std::abs(q.node[2][k]) + std::abs(q.node[3][k]));
+      largest = size > largest ? size : largest;
+    }
+  }
+  return kRounding * largest;
 }
 
 }  // namespace scree::affine

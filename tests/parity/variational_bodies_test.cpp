@@ -16,7 +16,7 @@ TEST_F(ParityVariationalBodies, BackendsAgreeUntilChaosTellsThemApart) {
   const Scene scene = test::bodies_among_walls();
   World cpu = world_on(BackendKind::cpu, scene), cuda = world_on(BackendKind::cuda, scene);
   double hits = 0;
-  for (int k = 0; k < 16; ++k) {
+  for (int k = 0; k < 18; ++k) {
     const StepReport a = cpu.step(), b = cuda.step();
     hits += a.own[test::impacts];
     ASSERT_EQ(a.own[test::impacts], b.own[test::impacts]) << k;

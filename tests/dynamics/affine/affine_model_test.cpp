@@ -274,5 +274,13 @@ TEST(AffineModel, ScenesThatStartTogetherAreRefusedByTheirTriangles) {
   }
 }
 
+// A needle through the middle of a large triangle: none of their corners and edges are near each other.
+TEST(AffineModel, ANeedleThroughAFloorIsRefused) {
+  Scene scene = affine_scene(0.01, 0);
+  add_plane(scene);
+  add_box(scene, {0.1, 0.2, 0.1}, {0.001, 0.001, 0.5}, 1);
+  EXPECT_THROW(World(scene, cpu_options()), InputError);
+}
+
 }  // namespace
 }  // namespace scree::affine

@@ -1,19 +1,42 @@
-// The search for near pairs against all pairs of features of all bodies.
+// The search for near pairs against the boxes of all features of all bodies, worked out on the host.
 
 #include <random>
 #include <set>
 
 #include "dynamics/affine/near_pairs.h"
 #include "dynamics/affine/pair_search.h"
+#include "solvers/solver.h"
 #include "tests/backend_fixture.h"
 #include "tests/box_mesh.h"
 
 namespace scree::affine {
 namespace {
 
-using FeaturePair = std::array<int, 7>;  ///< bodies, kind, four corners in their surfaces
+/// Bodies, kind, and four corners in their surfaces.
+using NamedPair = std::array<int, 7>;
 
-class NearPairsTest : public BackendTest<double> {
+/// A closed band with a wave: many triangles, none of them on an axis.
+TriangleMesh wavy_ring(int around, int along) {
+  TriangleMesh m;
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < along; ++j) {
+      const double a = 2 * M_PI * i / around, b = 2 * M_PI * j / along;
+      const double r = 1 + 0.4 * std::cos(b);
+      m.vertices.push_back(
+          {r * std::cos(a), r * std::sin(a), 0.4 * std::sin(b) + 0.1 * std::sin(3 * a)});
+    }
+  }
+  const auto at = [&](int i, int j) { return (i % around) * along + j % along; };
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < along; ++j) {
+      m.triangles.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
+      m.triangles.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  return m;
+}
+
+class AffineNearPairsTest : public BackendTest<double> {
  protected:
   std::mt19937 random_{31};
   double uniform(double from, double to) {
@@ -21,123 +44,6 @@ class NearPairsTest : public BackendTest<double> {
   }
   Vec3d vector(double size) {
     return {uniform(-size, size), uniform(-size, size), uniform(-size, size)};
-  }
-  /// A wavy closed strip: many triangles, none of them on an axis.
-  static TriangleMesh band(int around, int along) {
-    TriangleMesh m;
-    for (int i = 0; i < around; ++i) {
-      for (int j = 0; j < along; ++j) {
-        const double a = 2 * M_PI * i / around, b = 2 * M_PI * j / along;
-        const double r = 1 + 0.4 * std::cos(b);
-        m.vertices.push_back(
-            {r * std::cos(a), r * std::sin(a), 0.4 * std::sin(b) + 0.1 * std::sin(3 * a)});
-      }
-    }
-    const auto at = [&](int i, int j) { return (i % around) * along + j % along; };
-    for (int i = 0; i < around; ++i) {
-      for (int j = 0; j < along; ++j) {
-        m.triangles.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
-        m.triangles.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-      }
-    }
-    return m;
-  }
-
-  /// Random ways of bodies of a few surfaces, some of them much larger than others.
-  void place(int count, double space, double way) {
-    for (int k = 0; k < count; ++k) {
-      surface_.push_back(k % static_cast<int>(surfaces_.size()));
-      group_.push_back(-1);
-      AffineVec q;
-      q.node[0] = vector(space);
-      const double size = k % 9 == 8 ? 30 : uniform(0.5, 1.5);
-      const Quat<double> turn = exp_map(vector(3));
-      for (int n = 0; n < 3; ++n) {
-        Vec3d axis;
-        axis[n] = 1;
-        q.node[n + 1] = size * rotate(turn, axis);
-      }
-      from_.push_back(q);
-      q.node[0] += vector(way);
-      for (int n = 1; n < 4; ++n) q.node[n] += vector(0.3 * way);
-      to_.push_back(q);
-    }
-  }
-
-  void upload_ways(Buffer<TestBackend, AffineVec>& from, Buffer<TestBackend, AffineVec>& to) {
-    upload(backend(), from_, from);
-    upload(backend(), to_, to);
-  }
-  /// Pairs that the search lists, in its order.
-  std::vector<FeaturePair> listed(double distance) {
-    TestBackend& b = backend();
-    Buffer<TestBackend, AffineVec> from(b), to(b);
-    upload_ways(from, to);
-    const SurfaceTables<TestBackend> tables(b, surfaces_, surface_, group_, held_);
-    NearPairs<TestBackend> near(b);
-    const auto n = static_cast<Offset>(from_.size());
-    near.build(b, tables, std::as_const(from).view(n), std::as_const(to).view(n), distance);
-    const std::vector<NearPair> pairs = download(b, near.view().pairs);
-    const std::vector<BodyPair> bodies = download(b, near.view().bodies);
-    std::vector<FeaturePair> all;
-    std::vector<int> first{0};
-    for (const auto& s : surfaces_)
-      first.push_back(first.back() + static_cast<int>(s->vertices.size()));
-    std::size_t next = 0;
-    for (std::size_t p = 0; p < bodies.size(); ++p) {
-      EXPECT_LT(bodies[p].body[0], bodies[p].body[1]);
-      if (p > 0)
-        EXPECT_LT(std::pair(bodies[p - 1].body[0], bodies[p - 1].body[1]),
-                  std::pair(bodies[p].body[0], bodies[p].body[1]));
-      EXPECT_EQ(static_cast<std::size_t>(bodies[p].begin), next);
-      next = static_cast<std::size_t>(bodies[p].end);
-      for (Index k = bodies[p].begin; k < bodies[p].end; ++k) {
-        const NearPair& pair = pairs[static_cast<std::size_t>(k)];
-        EXPECT_EQ(static_cast<std::size_t>(pair.bodies), p);
-        const int own = bodies[p].body[pair.is_swapped ? 1 : 0];
-        const int other = bodies[p].body[pair.is_swapped ? 0 : 1];
-        std::array<int, 4> v{};
-        for (std::size_t i = 0; i < 4; ++i) {
-          const int body = static_cast<int>(i) < first_points(pair.kind) ? own : other;
-          v[i] = pair.vertex[i] -
-                 first[static_cast<std::size_t>(surface_[static_cast<std::size_t>(body)])];
-        }
-        all.push_back(named(own, other, pair.kind, v));
-      }
-    }
-    EXPECT_EQ(next, pairs.size());
-    return all;
-  }
-  /// One name whichever edge comes first.
-  static FeaturePair named(int own, int other, PairKind kind, std::array<int, 4> v) {
-    if (kind == PairKind::edge_edge && own > other) {
-      std::swap(own, other);
-      std::swap(v[0], v[2]), std::swap(v[1], v[3]);
-    }
-    return {own, other, static_cast<int>(kind), v[0], v[1], v[2], v[3]};
-  }
-  /// The same of all pairs of bodies that may touch.
-  std::set<FeaturePair> expected(double distance) {
-    std::vector<AffineBody> bodies(surface_.size());
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-      bodies[b].surface = surfaces_[static_cast<std::size_t>(surface_[b])];
-    std::set<FeaturePair> all;
-    for (const SurfacePair& p : pairs_near(bodies, from_, to_, distance)) {
-      const auto a = static_cast<std::size_t>(p.body[0]), b = static_cast<std::size_t>(p.body[1]);
-      if (group_[a] >= 0 && group_[a] == group_[b]) continue;
-      bool is_held = false;
-      for (const auto& h : held_)
-        is_held = is_held || std::minmax(h[0], h[1]) == std::minmax(p.body[0], p.body[1]);
-      if (!is_held) all.insert(named(p.body[0], p.body[1], p.kind, p.vertex));
-    }
-    return all;
-  }
-  std::size_t compare(double distance) {
-    const std::vector<FeaturePair> found = listed(distance);
-    const std::set<FeaturePair> unique(found.begin(), found.end()), all = expected(distance);
-    EXPECT_EQ(unique.size(), found.size());
-    EXPECT_EQ(unique, all);
-    return all.size();
   }
 
   std::vector<std::shared_ptr<const Surface>> surfaces_;
@@ -148,44 +54,302 @@ class NearPairsTest : public BackendTest<double> {
   void add_surface(const TriangleMesh& mesh) {
     surfaces_.push_back(std::make_shared<Surface>(make_surface(mesh, {})));
   }
+  void add_shapes() {
+    add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+    add_surface(wavy_ring(9, 5));
+    TriangleMesh tetrahedron;
+    tetrahedron.vertices = {{1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}, {0, 0, 1.5}};
+    tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+    add_surface(tetrahedron);
+  }
+  /// A body on a straight way that turns, stretches and shears it.
+  void add_body(int surface, const Vec3d& at, double size, double way) {
+    surface_.push_back(surface);
+    group_.push_back(-1);
+    AffineVec q;
+    q.node[0] = at;
+    const Quat<double> turn = exp_map(vector(3));
+    for (int k = 0; k < 3; ++k) {
+      Vec3d axis;
+      axis[k] = 1;
+      q.node[k + 1] = size * rotate(turn, axis) + vector(0.1 * size);
+    }
+    from_.push_back(q);
+    q.node[0] += vector(way);
+    for (int k = 1; k < 4; ++k) q.node[k] += vector(0.3 * way * size);
+    to_.push_back(q);
+  }
+  void add_bodies(int count, double space, double way) {
+    for (int k = 0; k < count; ++k)
+      add_body(k % static_cast<int>(surfaces_.size()), vector(space), uniform(0.3, 1), way);
+  }
+
+  /// Goes on with a backend of so many threads.
+  void use(int threads) { own_ = std::make_unique<TestBackend>(threads); }
+  TestBackend& backend() { return own_ ? *own_ : BackendTest<double>::backend(); }
+  std::unique_ptr<TestBackend> own_;
+
+  SurfaceTables<TestBackend> tables() {
+    return SurfaceTables<TestBackend>(backend(), surfaces_, surface_, group_, held_);
+  }
+  void build(NearPairs<TestBackend>& near, const SurfaceTables<TestBackend>& tables,
+             double distance) {
+    TestBackend& b = backend();
+    Buffer<TestBackend, AffineVec> from(b), to(b);
+    upload(b, from_, from), upload(b, to_, to);
+    const auto n = static_cast<Offset>(from_.size());
+    near.build(b, tables, std::as_const(from).view(n), std::as_const(to).view(n), distance);
+  }
+  /// The lists in their order, which must be what NearPairsView says.
+  std::vector<NamedPair> named(const NearPairsView& view) {
+    const std::vector<NearPair> pairs = download(backend(), view.pairs);
+    const std::vector<BodyPair> bodies = download(backend(), view.bodies);
+    const std::vector<Vec3d> corners = download(backend(), view.corners);
+    std::vector<int> first{0};
+    for (const auto& s : surfaces_)
+      first.push_back(first.back() + static_cast<int>(s->vertices.size()));
+    std::vector<NamedPair> all;
+    std::size_t next = 0;
+    for (std::size_t p = 0; p < bodies.size(); ++p) {
+      EXPECT_LT(bodies[p].body[0], bodies[p].body[1]);
+      if (p > 0) {
+        EXPECT_LT(std::pair(bodies[p - 1].body[0], bodies[p - 1].body[1]),
+                  std::pair(bodies[p].body[0], bodies[p].body[1]));
+      }
+      EXPECT_EQ(static_cast<std::size_t>(bodies[p].begin), next);
+      EXPECT_LT(bodies[p].begin, bodies[p].end);
+      next = static_cast<std::size_t>(bodies[p].end);
+      for (Index k = bodies[p].begin; k < bodies[p].end; ++k) {
+        const NearPair& pair = pairs[static_cast<std::size_t>(k)];
+        EXPECT_EQ(static_cast<std::size_t>(pair.bodies), p);
+        const int side = pair.is_swapped ? 1 : 0;
+        NamedPair name{bodies[p].body[side], bodies[p].body[1 - side], static_cast<int>(pair.kind)};
+        for (std::size_t i = 0; i < 4; ++i) {
+          const int body = name[static_cast<int>(i) < first_points(pair.kind) ? 0 : 1];
+          const auto surface = static_cast<std::size_t>(surface_[static_cast<std::size_t>(body)]);
+          name[3 + i] = pair.vertex[i] - first[surface];
+          EXPECT_TRUE(corners[static_cast<std::size_t>(pair.vertex[i])] ==
+                      surfaces_[surface]->vertices[static_cast<std::size_t>(name[3 + i])]);
+        }
+        all.push_back(name);
+      }
+    }
+    EXPECT_EQ(next, pairs.size());
+    return all;
+  }
+  std::vector<NamedPair> listed(double distance) {
+    const SurfaceTables<TestBackend> on = tables();
+    NearPairs<TestBackend> near(backend());
+    build(near, on, distance);
+    return named(near.view());
+  }
+  /// Pairs of bodies that may touch, of the search on the host.
+  std::set<NamedPair> expected(double distance) {
+    std::vector<AffineBody> bodies(surface_.size());
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      bodies[b].surface = surfaces_[static_cast<std::size_t>(surface_[b])];
+    std::set<NamedPair> all;
+    for (const SurfacePair& p : pairs_near(bodies, from_, to_, distance)) {
+      const auto a = static_cast<std::size_t>(p.body[0]), b = static_cast<std::size_t>(p.body[1]);
+      if (group_[a] >= 0 && group_[a] == group_[b]) continue;
+      const bool is_held = std::any_of(held_.begin(), held_.end(), [&](const auto& h) {
+        return std::minmax(h[0], h[1]) == std::minmax(p.body[0], p.body[1]);
+      });
+      if (is_held) continue;
+      all.insert({p.body[0], p.body[1], static_cast<int>(p.kind), p.vertex[0], p.vertex[1],
+                  p.vertex[2], p.vertex[3]});
+    }
+    return all;
+  }
+  void expect_all(const std::vector<NamedPair>& found, double distance) {
+    const std::set<NamedPair> unique(found.begin(), found.end()), all = expected(distance);
+    EXPECT_EQ(unique.size(), found.size());
+    EXPECT_EQ(unique.size(), all.size());
+    EXPECT_TRUE(unique == all);
+  }
+  /// @return how many pairs there are
+  std::size_t compare(double distance) {
+    const std::vector<NamedPair> found = listed(distance);
+    expect_all(found, distance);
+    return found.size();
+  }
 };
 
-TEST_F(NearPairsTest, AreThoseOfAllPairs) {
-  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
-  add_surface(band(9, 5));
-  place(40, 6, 0.5);
+TEST_F(AffineNearPairsTest, AreThoseOfAllFeatures) {
+  add_shapes();
+  add_bodies(60, 4, 0.4);
   EXPECT_GT(compare(0.1), 10000u);
   EXPECT_GT(compare(0), 5000u);
-  to_ = from_;
+  to_ = from_;  // bodies at rest
   EXPECT_GT(compare(0.01), 1000u);
 }
 
-TEST_F(NearPairsTest, OfTwoDetailedBodiesAreThoseOfAllPairs) {
-  add_surface(band(40, 16));
-  place(2, 0.5, 0.05);
+TEST_F(AffineNearPairsTest, OfFewBodiesAreThoseOfAllFeatures) {
+  add_shapes();
+  for (int count = 2; count <= 9; ++count) {
+    surface_.clear(), group_.clear(), from_.clear(), to_.clear();
+    add_bodies(count, 1, 0.2);
+    EXPECT_GT(compare(0.05), 10u) << count;
+  }
+}
+
+TEST_F(AffineNearPairsTest, OfManyBodiesAreThoseOfAllFeatures) {
+  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  for (const int count : {33, 64, 65, 257, 513}) {  // levels of the tree fill, and begin
+    SCOPED_TRACE(count);
+    surface_.clear(), group_.clear(), from_.clear(), to_.clear();
+    add_bodies(count, 5, 0.2);
+    EXPECT_GT(compare(0.05), 100u);
+  }
+}
+
+TEST_F(AffineNearPairsTest, OfTwoDetailedBodiesAreThoseOfAllFeatures) {
+  add_surface(wavy_ring(40, 16));
+  add_body(0, {}, 1, 0.05);
+  add_body(0, {0.9, 0.1, 0.2}, 1, 0.05);
   EXPECT_GT(compare(0.02), 500u);
 }
 
-TEST_F(NearPairsTest, LeaveBodiesOutThatDoNotTouch) {
-  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
-  place(30, 2, 0.1);
-  const std::size_t before = compare(0.1);
-  for (std::size_t k = 0; k < 10; ++k) group_[k] = static_cast<int>(k % 2);
-  held_ = {{11, 14}, {20, 12}, {3, 25}};
-  EXPECT_LT(compare(0.1), before);
+/// Large bodies of few and of many features among small ones, by a factor of a thousand and more.
+TEST_F(AffineNearPairsTest, OfSmallBodiesOnLargeOnesAreThoseOfAllFeatures) {
+  add_shapes();
+  add_surface(test::box_mesh({500, 500, 500}));
+  add_surface(wavy_ring(30, 12));
+  for (int k = 0; k < 90; ++k) add_body(k % 3, vector(3), uniform(0.1, 0.5), 0.1);
+  add_body(3, {}, 1, 0.1);
+  add_body(3, {0, 0, 1000}, 1, 0);
+  add_body(4, {}, 2, 0.05);
+  add_body(4, {100, 0, 0}, 100, 0.05);
+  std::swap(surface_[0], surface_.back()), std::swap(from_[0], from_.back());
+  std::swap(to_[0], to_.back());
+  EXPECT_GT(compare(0.05), 5000u);
 }
 
-TEST_F(NearPairsTest, OfNoneAndOfOneBodyAreNone) {
-  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
-  EXPECT_EQ(compare(1), 0u);
-  place(1, 1, 1);
-  EXPECT_EQ(compare(1), 0u);
+/// Boxes of a grid touch in their faces: a pair whose boxes are exactly as far apart as asked for is near.
+TEST_F(AffineNearPairsTest, AtTheDistanceItselfCount) {
+  add_surface(test::box_mesh({0.5, 0.5, 0.5}));
+  for (int k = 0; k < 36; ++k) {
+    surface_.push_back(0), group_.push_back(-1);
+    AffineVec q;
+    q.node[0] = {1.25 * (k % 6), 1.25 * (k / 6), 0};
+    for (int n = 0; n < 3; ++n) q.node[n + 1][n] = 1;
+    from_.push_back(q), to_.push_back(q);
+  }
+  EXPECT_EQ(compare(0.2499), 0u);
+  EXPECT_GT(compare(0.25), 1000u);
 }
 
-TEST_F(NearPairsTest, HaveOneOrder) {
-  add_surface(band(9, 5));
-  place(30, 4, 0.3);
-  EXPECT_EQ(listed(0.1), listed(0.1));
+TEST_F(AffineNearPairsTest, FarFromTheOriginAreThoseOfAllFeatures) {
+  add_shapes();
+  add_bodies(40, 2, 0.1);
+  for (std::size_t k = 0; k < from_.size(); ++k)
+    from_[k].node[0] += Vec3d{1e4, -3e5, 5e3}, to_[k].node[0] += Vec3d{1e4, -3e5, 5e3};
+  EXPECT_GT(compare(0.01), 1000u);
+}
+
+/// At the least distance at which a pair is near, no box of a tree loses it by rounding. Devices place corners with other
+/// rounding than the host, so there it is a little more.
+TEST_F(AffineNearPairsTest, AreNotLostByRounding) {
+  add_surface(test::box_mesh({0.5, 0.75, 0.25}));  // float holds its boxes as they are
+  add_surface(test::box_mesh({0.3, 0.7, 0.1}));    // and rounds those of this one
+  for (int k = 0; k < 100; ++k) {
+    surface_.clear(), group_.clear(), from_.clear(), to_.clear();
+    add_body(k % 2, vector(k % 2 == 0 ? 1e5 : 1), 1, 1);
+    add_body(k % 2, from_[0].node[0] + Vec3d{8, 8, 8} + vector(4), 1, 1);
+    double none = 0, some = 20;
+    ASSERT_TRUE(expected(none).empty());
+    while (std::nextafter(none, some) < some) {
+      const double middle = none + (some - none) / 2;
+      (expected(middle).empty() ? none : some) = middle;
+    }
+    EXPECT_GT(compare(TestBackend::kIsDevice ? some * (1 + 1e-9) : some), 0u);
+  }
+}
+
+TEST_F(AffineNearPairsTest, LeaveBodiesOutThatDoNotTouch) {
+  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  for (const int count : {20, 40}) {
+    group_.clear(), surface_.clear(), from_.clear(), to_.clear(), held_.clear();
+    add_bodies(count, 1.5, 0.1);
+    const std::size_t before = compare(0.1);
+    for (std::size_t k = 0; k < 10; ++k) group_[k] = static_cast<int>(k % 2);
+    const std::size_t grouped = compare(0.1);
+    EXPECT_LT(grouped, before);
+    const std::vector<NamedPair> found = listed(0.1);
+    const NamedPair &first = found.front(), &last = found.back();
+    held_ = {{last[1], last[0]}, {first[0], first[1]}, {0, 1}, {last[0], last[1]}};
+    EXPECT_LT(compare(0.1), grouped);
+  }
+}
+
+TEST_F(AffineNearPairsTest, OfNoneOneAndFarBodiesAreNone) {
+  EXPECT_TRUE(listed(1).empty());
+  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  EXPECT_TRUE(listed(1).empty());
+  add_body(0, {}, 1, 1);
+  EXPECT_TRUE(listed(1).empty());
+  add_body(0, {10, 0, 0}, 1, 1);
+  EXPECT_TRUE(listed(1).empty());
+}
+
+/// Points, edges without triangles, and nothing at all are surfaces too.
+TEST_F(AffineNearPairsTest, OfSurfacesWithoutTrianglesAreThoseOfAllFeatures) {
+  add_surface(wavy_ring(7, 5));
+  auto rods = std::make_shared<Surface>(), points = std::make_shared<Surface>();
+  for (int k = 0; k < 12; ++k) {
+    rods->vertices.push_back(vector(1));
+    points->vertices.push_back(vector(1));
+    if (k > 0) rods->edges.push_back({k - 1, k});
+  }
+  surfaces_.insert(surfaces_.end(), {rods, points, std::make_shared<Surface>()});
+  add_bodies(12, 0.5, 0.1);
+  EXPECT_GT(compare(0.05), 1000u);
+}
+
+/// The room of the lists grows with what is found, and what was found before leaves no trace.
+TEST_F(AffineNearPairsTest, DoNotDependOnEarlierSearches) {
+  add_shapes();
+  add_bodies(40, 2, 0.1);
+  const SurfaceTables<TestBackend> on = tables();
+  NearPairs<TestBackend> near(backend());
+  const std::vector<AffineVec> from = from_, to = to_;
+  for (const double spread : {30.0, 1.0, 0.7, 5.0, 1.0}) {
+    SCOPED_TRACE(spread);
+    for (std::size_t k = 0; k < from.size(); ++k) {
+      from_[k].node[0] = spread * from[k].node[0];
+      to_[k].node[0] = spread * to[k].node[0];
+    }
+    build(near, on, 0.02);
+    const std::vector<NamedPair> found = named(near.view());
+    expect_all(found, 0.02);
+    EXPECT_EQ(found, listed(0.02));
+  }
+}
+
+/// However many threads search, the lists are the same bit for bit.
+TEST_F(AffineNearPairsTest, HaveOneOrder) {
+  add_shapes();
+  add_bodies(90, 4, 0.3);
+  const std::vector<NamedPair> found = listed(0.05);
+  EXPECT_EQ(found, listed(0.05));
+  if constexpr (!TestBackend::kIsDevice) {
+    for (const int threads : {1, 4}) {
+      use(threads);
+      EXPECT_EQ(found, listed(0.05)) << threads;
+    }
+  }
+}
+
+TEST_F(AffineNearPairsTest, RefuseBodiesThatThereAreNot) {
+  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  add_body(0, {}, 1, 0);
+  surface_[0] = 1;
+  EXPECT_THROW(tables(), InvalidParameter);
+  surface_[0] = 0;
+  held_ = {{0, 1}};
+  EXPECT_THROW(tables(), InvalidParameter);
+  held_.clear(), group_.clear();
+  EXPECT_THROW(tables(), InvalidParameter);
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ struct DirectBlocks::Impl {
 DirectBlocks::DirectBlocks(int rows, const std::vector<NodeEquation>& equations)
     : impl_(std::make_unique<Impl>()) {
   impl_->unknowns = 12 * rows;
-  impl_->of_unknown.resize(static_cast<std::size_t>(12 * rows));
+  impl_->of_unknown.resize(12 * static_cast<std::size_t>(rows));
   for (const NodeEquation& e : equations) {
     double size = 0;
     for (int side = 0; side < 2; ++side)
@@ -88,8 +88,10 @@ DirectBlocks::DirectBlocks(int rows, const std::vector<NodeEquation>& equations)
       const int number = impl_->equations++;
       for (int side = 0; side < 2; ++side)
         for (int k = 0; k < 4 && e.row[side] >= 0; ++k)
-          impl_->of_unknown[static_cast<std::size_t>(12 * e.row[side] + 3 * k + c)].push_back(
-              {number, e.weight[side][k] / std::sqrt(size)});
+          impl_
+              ->of_unknown[12 * static_cast<std::size_t>(e.row[side]) +
+                           static_cast<std::size_t>(3 * k + c)]
+              .push_back({number, e.weight[side][k] / std::sqrt(size)});
     }
   }
 }

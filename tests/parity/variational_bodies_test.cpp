@@ -10,14 +10,30 @@ namespace {
 
 class ParityVariationalBodies : public Parity {};
 
-// Times of impacts are right within a tolerance, not to rounding, and differences grow fiftyfold in four steps: on the CPU,
-// starts that differ by 1e-12 m are 4e-7 m/s apart after 20 steps, and an H200 and a CPU were 1.8e-4 m/s apart then.
-TEST_F(ParityVariationalBodies, BackendsAgreeUntilChaosTellsThemApart) {
+/// Largest difference of velocities [m/s].
+double apart(const BodyStates& a, const BodyStates& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.velocity.size(); ++i)
+    most = std::max(most, norm(a.velocity[i] - b.velocity[i]));
+  return most;
+}
+
+// Times and points of impacts are right within a tolerance, not to rounding: on the CPU, starts that differ by 1e-15 to 1e-12 m/s
+// are up to 1.1e-3 m/s apart after an impact of two round bodies. The backends differ no more than such starts do.
+TEST_F(ParityVariationalBodies, BackendsDifferNoMoreThanStartsThatDifferByRounding) {
   const Scene scene = test::bodies_among_walls();
   World cpu = world_on(BackendKind::cpu, scene), cuda = world_on(BackendKind::cuda, scene);
+  std::vector<World> others;
+  for (const double off : {1e-15, 3e-15, 1e-14, 1e-13, 1e-12}) {
+    Scene other = scene;
+    for (BodyDescription& body : other.bodies)
+      if (body.kind == BodyKind::free) body.velocity.x += off;
+    others.push_back(world_on(BackendKind::cpu, other));
+  }
   double hits = 0;
-  for (int k = 0; k < 18; ++k) {
+  for (int k = 0; k < 20; ++k) {
     const StepReport a = cpu.step(), b = cuda.step();
+    for (World& other : others) other.step();
     hits += a.own[test::impacts];
     ASSERT_EQ(a.own[test::impacts], b.own[test::impacts]) << k;
     ASSERT_NEAR(a.own[test::energy], b.own[test::energy], 1e-9 * std::abs(a.own[test::energy]))
@@ -25,9 +41,10 @@ TEST_F(ParityVariationalBodies, BackendsAgreeUntilChaosTellsThemApart) {
     ASSERT_EQ(b.max_penetration, 0);
   }
   EXPECT_GT(hits, 10);
-  const BodyStates a = cpu.states(), b = cuda.states();
-  for (std::size_t i = 0; i < a.position.size(); ++i)
-    ASSERT_LT(norm(a.velocity[i] - b.velocity[i]), 1e-4) << "body " << i;
+  double spread = 0;
+  for (World& other : others) spread = std::max(spread, apart(cpu.states(), other.states()));
+  EXPECT_LT(spread, 2e-3);
+  EXPECT_LT(apart(cpu.states(), cuda.states()), 3 * spread);
 }
 
 TEST_F(ParityVariationalBodies, CudaGivesEqualBitsOnEveryRun) {

@@ -3,7 +3,9 @@
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
 #include <algorithm>
-#include <bit>
+#include <cmath>
+
+#include "dynamics/affine/block_factor.h"
 
 namespace scree::affine {
 namespace {
@@ -19,6 +21,7 @@ struct DirectBlocks::Impl {
     double value;
   };
   int unknowns = 0, equations = 0;
+  BlockFactor blocks;  ///< of a system without equations
   std::vector<std::vector<Entry>> of_unknown;
   Matrix matrix;
   std::vector<int> pattern;  ///< rows and columns of the mixed blocks of the last matrix
@@ -99,6 +102,7 @@ DirectBlocks::~DirectBlocks() = default;
 
 bool DirectBlocks::solve(const BlockSystemView& system, Span<AffineVec> step) {
   Impl& m = *impl_;
+  if (m.equations == 0) return m.blocks.solve(system, step).is_solved;
   const int n = m.unknowns + m.equations;
   m.fill(system);
   if (!m.has_pattern(system)) m.factor.analyzePattern(m.matrix);
@@ -108,14 +112,12 @@ bool DirectBlocks::solve(const BlockSystemView& system, Span<AffineVec> step) {
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   for (int i = 0; i < m.unknowns; ++i) right(i) = entry_of(system.right[i / 12], i % 12);
   Eigen::VectorXd x = m.factor.solve(right);
-  if (m.equations > 0) {
-    constexpr int kRefinements = 3;
-    const Eigen::VectorXd small = m.matrix.diagonal().tail(m.equations);
-    for (int k = 0; k < kRefinements; ++k) {
-      Eigen::VectorXd left = right - m.matrix.selfadjointView<Eigen::Lower>() * x;
-      left.tail(m.equations) += small.cwiseProduct(x.tail(m.equations));
-      x += m.factor.solve(left);
-    }
+  constexpr int kRefinements = 3;
+  const Eigen::VectorXd small = m.matrix.diagonal().tail(m.equations);
+  for (int k = 0; k < kRefinements; ++k) {
+    Eigen::VectorXd left = right - m.matrix.selfadjointView<Eigen::Lower>() * x;
+    left.tail(m.equations) += small.cwiseProduct(x.tail(m.equations));
+    x += m.factor.solve(left);
   }
   if (!x.allFinite()) return false;
   for (int i = 0; i < m.unknowns; ++i) step[i / 12].node[i % 12 / 3][i % 3] = x(i);

@@ -8,7 +8,7 @@
 
 namespace scree::affine {
 
-/// L D L^T of the system with its equations: they stand below it, with a small number on their diagonal, which refinement takes
+/// Without equations by factors of 12x12 blocks (block_factor.h), else L D L^T of the system with its equations: they stand below it, with a small number on their diagonal, which refinement takes
 /// out again, so that any order of elimination will do. Source: Vanderbei, SIAM J. Optim. 5(1), 1995.
 class DirectBlocks {
  public:

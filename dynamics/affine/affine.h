@@ -72,7 +72,6 @@ class AffineDynamics final : public ModelOn<B, double> {
     StepReport report;
     const affine::StepScheme scheme{rule_, rule_ == affine::StepRule::bdf2 && has_earlier_,
                                     scene_.stepping.time_step, scene_.gravity};
-    minimizer_.forget_times();
     affine::Potential p = potential(scheme);
     set_out(p, scheme);
     p.barrier.stiffness = barrier_stiffness(p, scheme.h);
@@ -80,9 +79,9 @@ class AffineDynamics final : public ModelOn<B, double> {
     const affine::MinimizerSettings settings = minimizer_settings(scheme.h);
     const int blocked = minimize(p, scheme, settings, done);
     finish(scheme);
-    report.ms.collision = minimizer_.near_ms();
+    report.ms.collision = minimizer_.take_near_ms();
     report.ms.solve = done.linear_ms;
-    report.ms.integrate = clock.lap() - minimizer_.near_ms() - done.linear_ms;
+    report.ms.integrate = clock.lap() - report.ms.collision - report.ms.solve;
     const affine::AffineSums sums = sum();
     if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
     this->count_step();
@@ -300,13 +299,14 @@ class AffineDynamics final : public ModelOn<B, double> {
     affine::require_no_crossing(setup_);
     affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});
     minimizer_.begin(surfaces_, p);
+    minimizer_.take_near_ms();  // of no step
     const double separation = p.barrier.separation;
     const Index touching = minimizer_.touching(p, q_.view(), separation);
     if (touching < 0) return;
     const affine::NearPair near = fetch(backend(), p.near.pairs.data + touching);
     const affine::BodyPair pair = fetch(backend(), p.near.bodies.data + near.bodies);
     const auto id = [&](Index body) { return setup_.id_of_body[static_cast<std::size_t>(body)]; };
-    affine::throw_touching(id(pair.body[0]), id(pair.body[1]), separation, separation);
+    affine::throw_touching(id(pair.body[0]), id(pair.body[1]), separation);
   }
 
   void save_arrays(WorldState& s) override {

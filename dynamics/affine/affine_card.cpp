@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -27,22 +28,11 @@ void check_locks(std::uint8_t locks, const std::string& path) {
            "body");
 }
 
-void check_materials(const Scene& scene) {
-  const std::vector<Material> pairs = all_pair_values(scene);
-  const std::size_t n = scene.materials.size();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Material& pair = pairs[k];
-    const std::string path = fmt::format("materials: pair (\"{}\", \"{}\")",
-                                         scene.materials[k / n].name, scene.materials[k % n].name);
-    for (const auto& [key, value] : {std::pair{"restitution", pair.restitution},
-                                     {"cohesion", pair.cohesion},
-                                     {"rolling_friction", pair.rolling_friction},
-                                     {"spinning_friction", pair.spinning_friction}})
-      if (value > 0)
-        refuse(fmt::format("{}: {}", path, key), fmt::format("{:g}", value),
-               "must be 0: contacts of the dynamics \"affine\" have friction alone");
-  }
-}
+constexpr std::array<std::pair<const char*, double Material::*>, 4> kNoValues{
+    {{"restitution", &Material::restitution},
+     {"cohesion", &Material::cohesion},
+     {"rolling_friction", &Material::rolling_friction},
+     {"spinning_friction", &Material::spinning_friction}}};
 
 void check_joint(const Joint& joint, std::size_t j) {
   const std::string path = fmt::format("joints[{}]", j);
@@ -72,7 +62,7 @@ void check_affine(const Scene& scene) {
     if (scene.periodicity.periodic[axis])
       refuse("periodic", fmt::format("an axis {}", "xyz"[axis]),
              "must be without axes: the dynamics \"affine\" have no periods");
-  check_materials(scene);
+  require_no_values(scene, kNoValues, "contacts of the dynamics \"affine\" have friction alone");
   for_each_by_id(
       scene,
       [](std::size_t id, const BodyDescription& body) {

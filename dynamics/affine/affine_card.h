@@ -82,10 +82,10 @@ inline constexpr std::array kAffineParameters{
     kStepRule,        kAffineStiffness,  kReach,           kSeparation, kSlipSpeed, kFrictionSolves,
     kNewtonTolerance, kNewtonIterations, kBarrierStiffness};
 
-inline constexpr std::array kAffineReport{
-    ReportColumn{"step", &StepReport::step},
-    ReportColumn{"time_s", &StepReport::time},
-    ReportColumn{"bodies", &StepReport::body_count},
+/// Place of the momentum in StepReport::own.
+inline constexpr std::size_t kMomentumColumn = 4;
+
+inline constexpr std::array kMinimizerColumns{
     ReportColumn{"contacts", &StepReport::contact_count},
     ReportColumn{"iterations", &StepReport::iterations},
     ReportColumn{"linear_iterations", &StepReport::applications},
@@ -95,37 +95,16 @@ inline constexpr std::array kAffineReport{
     ReportColumn{"max_strain", Own{1}},
     ReportColumn{"barrier_stiffness_J_per_m4", Own{2}},
     ReportColumn{"blocked_bodies", Own{3}},
-    ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy},
-    ReportColumn{"momentum_x_kg_m_per_s", Own{4}},
-    ReportColumn{"momentum_y_kg_m_per_s", Own{5}},
-    ReportColumn{"momentum_z_kg_m_per_s", Own{6}},
-    ReportColumn{"angular_momentum_x_kg_m2_per_s", Own{7}},
-    ReportColumn{"angular_momentum_y_kg_m2_per_s", Own{8}},
-    ReportColumn{"angular_momentum_z_kg_m2_per_s", Own{9}},
-    ReportColumn{"collision_ms", &StageTimes::collision},
-    ReportColumn{"setup_ms", &StageTimes::setup},
-    ReportColumn{"solve_ms", &StageTimes::solve},
-    ReportColumn{"integrate_ms", &StageTimes::integrate},
-    ReportColumn{"total_ms", &StageTimes::total}};
+    ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy}};
+inline constexpr std::array kMinimizerTimes{ReportColumn{"collision_ms", &StageTimes::collision},
+                                            ReportColumn{"solve_ms", &StageTimes::solve},
+                                            ReportColumn{"integrate_ms", &StageTimes::integrate},
+                                            ReportColumn{"total_ms", &StageTimes::total}};
+inline constexpr auto kAffineReport =
+    followed_by(followed_by(kStepColumns, kMinimizerColumns),
+                followed_by(momentum_columns(kMomentumColumn), kMinimizerTimes));
 
-inline constexpr std::array kAffineState{
-    StateField{.name = "body/id", .type = StateField::Type::int32},
-    StateField{.name = "body/position",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
-    StateField{.name = "body/orientation",
-               .type = StateField::Type::quaternion,
-               .rows_of = "body/id",
-               .largest = 2},
-    StateField{.name = "body/velocity",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
-    StateField{.name = "body/angular_velocity",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
+inline constexpr std::array kAffineOwnState{
     // Four vectors a body: center of mass and columns of A, of free bodies and then of kinematic ones.
     StateField{
         .name = "affine/position", .type = StateField::Type::vector, .largest = kLargestOfState},
@@ -148,11 +127,9 @@ inline constexpr std::array kAffineState{
     StateField{.name = "affine/led_time",
                .type = StateField::Type::number,
                .may_be_empty = true,
-               .largest = kLargestOfState},
-    StateField{.name = "world/gravity",
-               .type = StateField::Type::vector,
-               .may_be_absent = true,
                .largest = kLargestOfState}};
+inline constexpr auto kAffineState =
+    followed_by(kBodyState, followed_by(kAffineOwnState, kGravityState));
 
 /// @throws InputError naming what of the scene the model does not have
 void check_affine(const Scene& scene);

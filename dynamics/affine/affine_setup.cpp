@@ -11,6 +11,7 @@
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_checks.h"
+#include "kernels/affine/surface_tree.h"
 #include "shapes/polyhedron.h"
 #include "shapes/shape_card.h"
 
@@ -19,25 +20,6 @@ namespace {
 
 /// Unbounded walls are triangles whose inner circle is so many times the scene.
 constexpr double kWallSize = 1000;
-
-struct Box {
-  Vec3d low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-  void add(const Vec3d& x) {
-    for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], x[k]);
-      high[k] = std::max(high[k], x[k]);
-    }
-  }
-  void add(const Box& o) {
-    add(o.low);
-    add(o.high);
-  }
-  bool near(const Box& o) const {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > o.high[k] || o.low[k] > high[k]) return false;
-    return true;
-  }
-};
 
 /// Polygons as fans of triangles, corners at one place as one.
 TriangleMesh triangulated(const scree::Surface& surface) {
@@ -116,7 +98,7 @@ class Builder {
 
   /// The box about all that is bounded.
   void measure() {
-    Box box;
+    Bounds box;
     for (const Body& each : all_) {
       if (is_unbounded(each.body.shape)) continue;
       const AffineVec q = pose_coordinates({each.body.position, each.body.orientation});
@@ -164,8 +146,7 @@ class Builder {
     c.is_led = body.kind == BodyKind::kinematic;
     if (body.kind == BodyKind::free) {
       c.mass = affine_mass(body.mass, body.inertia);
-      c.stiffness =
-          stiffness_ * (body.shape.volume > 0 ? body.shape.volume : volume_of(moments, *surface));
+      c.stiffness = stiffness_ * (body.shape.volume > 0 ? body.shape.volume : moments.volume);
       c.force = body.load->force, c.torque = body.load->torque;
       const Sym3<double>& s = c.mass.second;
       const double least = std::min({s.xx, s.yy, s.zz});
@@ -195,12 +176,9 @@ class Builder {
     setup_.collision_group.push_back(has_own ? body.collision_group : kRestingGroup);
   }
 
-  static double volume_of(const SolidMoments& moments, const Surface& surface) {
-    return moments.volume > 0 ? moments.volume : 8 * std::pow(surface.radius, 3);
-  }
   /// A body that is led resists as a box of water about it.
   void box_mass(const Surface& surface, BodyConstant& c) const {
-    Box box;
+    Bounds box;
     for (const Vec3d& v : surface.vertices) box.add(v);
     Vec3d half = 0.5 * (box.high - box.low);
     for (int k = 0; k < 3; ++k) half[k] = std::max(half[k], 1e-3 * surface.radius);
@@ -319,26 +297,26 @@ bool passes(const Vec3d& a, const Vec3d& b, const Vec3d& p, const Vec3d& q, cons
 std::pair<int, int> edge_through(const Surface& a, const std::vector<Vec3d>& at_a, const Surface& b,
                                  const std::vector<Vec3d>& at_b) {
   const auto box_of = [](const auto& corners, const std::vector<Vec3d>& at) {
-    Box box;
+    Bounds box;
     for (const int v : corners) box.add(at[static_cast<std::size_t>(v)]);
     return box;
   };
-  Box all_a;
+  Bounds all_a;
   for (const Vec3d& x : at_a) all_a.add(x);
-  std::vector<std::pair<int, Box>> triangles;
-  Box all_b;
+  std::vector<std::pair<int, Bounds>> triangles;
+  Bounds all_b;
   for (std::size_t t = 0; t < b.triangles.size(); ++t) {
-    const Box box = box_of(b.triangles[t], at_b);
+    const Bounds box = box_of(b.triangles[t], at_b);
     all_b.add(box);
-    if (box.near(all_a)) triangles.emplace_back(static_cast<int>(t), box);
+    if (box.near(all_a, 0)) triangles.emplace_back(static_cast<int>(t), box);
   }
   for (std::size_t e = 0; e < a.edges.size(); ++e) {
-    const Box box = box_of(a.edges[e], at_a);
-    if (!box.near(all_b)) continue;
+    const Bounds box = box_of(a.edges[e], at_a);
+    if (!box.near(all_b, 0)) continue;
     const Vec3d &from = at_a[static_cast<std::size_t>(a.edges[e][0])],
                 &to = at_a[static_cast<std::size_t>(a.edges[e][1])];
     for (const auto& [t, other] : triangles) {
-      if (!box.near(other)) continue;
+      if (!box.near(other, 0)) continue;
       const auto& corner = b.triangles[static_cast<std::size_t>(t)];
       if (passes(from, to, at_b[static_cast<std::size_t>(corner[0])],
                  at_b[static_cast<std::size_t>(corner[1])],
@@ -407,15 +385,15 @@ void require_no_crossing(const AffineSetup& setup) {
   const auto place = [&](Index body) -> const AffineVec& {
     return setup.position[static_cast<std::size_t>(body)];
   };
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   std::vector<Index> order;  // along x
   for (Index body = 0; body < std::ssize(setup.bodies); ++body) {
-    Box box;
+    Bounds box;
     for (const Vec3d& x : corners_at(surface(body), place(body))) box.add(x);
     boxes.push_back(box);
     order.push_back(body);
   }
-  const auto box_of = [&](Index body) -> const Box& {
+  const auto box_of = [&](Index body) -> const Bounds& {
     return boxes[static_cast<std::size_t>(body)];
   };
   std::sort(order.begin(), order.end(),
@@ -423,7 +401,7 @@ void require_no_crossing(const AffineSetup& setup) {
   for (auto i = order.begin(); i != order.end(); ++i) {
     for (auto k = i + 1; k != order.end() && box_of(*k).low.x <= box_of(*i).high.x; ++k) {
       const auto [a, b] = std::minmax(*i, *k);
-      if (!box_of(a).near(box_of(b)) || !may_touch(setup, a, b)) continue;
+      if (!box_of(a).near(box_of(b), 0) || !may_touch(setup, a, b)) continue;
       const Crossing crossing = first_crossing(surface(a), place(a), surface(b), place(b));
       if (crossing.is_one())
         throw_crossing(setup.id_of_body[static_cast<std::size_t>(a)],
@@ -432,10 +410,11 @@ void require_no_crossing(const AffineSetup& setup) {
   }
 }
 
-void throw_touching(int id_a, int id_b, double distance, double separation) {
-  throw InputError(fmt::format(
-      "bodies {} and {} are {:g} m apart at the start, must be more than {:g} m (\"separation\")",
-      id_a, id_b, distance, separation));
+void throw_touching(int id_a, int id_b, double separation) {
+  throw InputError(
+      fmt::format("bodies {} and {} touch at the start: they must be more than the \"separation\" "
+                  "of {:g} m apart",
+                  id_a, id_b, separation));
 }
 
 }  // namespace scree::affine

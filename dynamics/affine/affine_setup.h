@@ -55,6 +55,6 @@ Crossing first_crossing(const Surface& first, const AffineVec& at_first, const S
 void require_no_crossing(const AffineSetup& setup);
 
 /// A scene that starts with bodies that touch. @throws InputError naming the bodies
-[[noreturn]] void throw_touching(int id_a, int id_b, double distance, double separation);
+[[noreturn]] void throw_touching(int id_a, int id_b, double separation);
 
 }  // namespace scree::affine

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "dynamics/affine/block_solver.h"
 #include "dynamics/affine/near_pairs.h"
@@ -28,7 +29,6 @@ struct MinimizerReport {
   bool converged = true;
   Index contacts = 0;      ///< pairs that the barrier acts on
   double squared = 1e300;  ///< least squared distance of near pairs [m^2]
-  double near_ms = 0;      ///< listing near pairs
   double linear_ms = 0;    ///< linear systems
 };
 
@@ -121,7 +121,7 @@ class Minimizer {
     double last_gap = 0;
     for (int iteration = 0;; ++iteration) {
       report.contacts = assemble(p, q);
-      StageTimer timer(*b_);
+      StageClock<B> timer(*b_);
       const auto solved = solver_.solve(
           *b_, {diagonal_.view(), mixed_.view(block_count_), right_.view()}, step_.view(), 1e-6);
       report.linear_ms += timer.lap();
@@ -170,24 +170,15 @@ class Minimizer {
     report.converged = false;
   }
 
-  double near_ms() const { return near_ms_; }
-  void forget_times() { near_ms_ = 0; }
+  /// What listing near pairs took since it was asked last [ms].
+  double take_near_ms() { return std::exchange(near_ms_, 0); }
 
  private:
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
 
-  class StageTimer {
-   public:
-    explicit StageTimer(B& b) : clock_(b) {}
-    double lap() { return clock_.lap(); }
-
-   private:
-    StageClock<B> clock_;
-  };
-
   void list(Potential& p) {
-    StageTimer timer(*b_);
+    StageClock<B> timer(*b_);
     const double reach = p.barrier.reach + p.barrier.separation;
     near_.build(*b_, *surfaces_, from_.view(), to_.view(), reach + 2 * room_);
     p.near = near_.view();

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "dynamics/dynamics_card.h"
+#include "dynamics/model_fields.h"
 #include "dynamics/rigid/rigid_memory.h"
 
 namespace scree {
@@ -39,29 +39,10 @@ inline constexpr std::array kRigidFrame{
     FrameField{"orientation", 4, &BodyStates::orientation},
     FrameField{.name = "speed", .columns = 1, .values = &BodyStates::velocity, .length = true}};
 
-/// Positions [m] and speeds [m/s, rad/s] of runs are far below this, and those far above it are no
-/// place where contacts could be found in float.
-inline constexpr double kLargestOfState = 1e15;
 inline constexpr double kLargestFloat = 3.4028234663852886e38;
 
-inline constexpr std::array kRigidState{
-    StateField{.name = "body/id", .type = StateField::Type::int32},
-    StateField{.name = "body/position",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
-    StateField{.name = "body/orientation",
-               .type = StateField::Type::quaternion,
-               .rows_of = "body/id",
-               .largest = 2},
-    StateField{.name = "body/velocity",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
-    StateField{.name = "body/angular_velocity",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
+/// What a rigid model has beside its bodies.
+inline constexpr std::array kRigidOwnState{
     // Names of contacts in places of storage, which is how they were saved at first.
     StateField{.name = "contact/key", .type = StateField::Type::uint64, .last_version = 1},
     StateField{.name = "contact/body_a", .type = StateField::Type::int32, .first_version = 2},
@@ -190,6 +171,8 @@ inline constexpr std::array kRigidState{
                .type = StateField::Type::int32,
                .may_be_absent = true,
                .first_version = 2}};
+
+inline constexpr auto kRigidState = followed_by(kBodyState, kRigidOwnState);
 
 constexpr DynamicsCard rigid_card() {
   return {.name = "rigid",

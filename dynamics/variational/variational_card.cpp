@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "dynamics/rigid/shared_constants.h"
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
@@ -46,22 +48,11 @@ void check_set(const ParticleSet& set) {
            "must be none: bodies of the dynamics \"variational\" move along all axes");
 }
 
-void check_materials(const Scene& scene) {
-  const std::vector<Material> pairs = all_pair_values(scene);
-  const std::size_t n = scene.materials.size();
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const Material& pair = pairs[k];
-    const std::string path = fmt::format("materials: pair (\"{}\", \"{}\")",
-                                         scene.materials[k / n].name, scene.materials[k % n].name);
-    for (const auto& [key, value] : {std::pair{"friction", pair.friction},
-                                     {"cohesion", pair.cohesion},
-                                     {"rolling_friction", pair.rolling_friction},
-                                     {"spinning_friction", pair.spinning_friction}})
-      if (value > 0)
-        refuse(fmt::format("{}: {}", path, key), fmt::format("{:g}", value),
-               "must be 0: impacts of the dynamics \"variational\" are along the normal");
-  }
-}
+constexpr std::array<std::pair<const char*, double Material::*>, 4> kNoValues{
+    {{"friction", &Material::friction},
+     {"cohesion", &Material::cohesion},
+     {"rolling_friction", &Material::rolling_friction},
+     {"spinning_friction", &Material::spinning_friction}}};
 
 /// Bytes of the parts of compounds, see PartStore, for each body.
 double part_bytes_per_body(const Scene& scene) {
@@ -102,7 +93,8 @@ void check_variational(const Scene& scene) {
   if (!scene.insertions.empty())
     refuse("insertions", fmt::format("a list of {}", scene.insertions.size()),
            "must be empty: all bodies of the dynamics \"variational\" are there from the start");
-  check_materials(scene);
+  require_no_values(scene, kNoValues,
+                    "impacts of the dynamics \"variational\" are along the normal");
   for_each_by_id(
       scene, [](std::size_t id, const BodyDescription& body) { check_body(body, id); },
       [](std::size_t, const ParticleSet& set) { check_set(set); });

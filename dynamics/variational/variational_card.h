@@ -18,51 +18,23 @@ inline constexpr std::array kVariationalParameters{kMostImpacts};
 /// Place of the energy in StepReport::own.
 inline constexpr std::size_t kEnergyColumn = 4;
 
-inline constexpr std::array kVariationalReport{
-    ReportColumn{"step", &StepReport::step},
-    ReportColumn{"time_s", &StepReport::time},
-    ReportColumn{"bodies", &StepReport::body_count},
+inline constexpr std::array kImpactColumns{
     ReportColumn{"impacts", Own{0}},
     ReportColumn{"grazing_impacts", Own{1}},
     ReportColumn{"rounds", Own{2}},
     ReportColumn{"bodies_in_islands", Own{3}},
     ReportColumn{"max_penetration_m", &StepReport::max_penetration},
     ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy},
-    ReportColumn{"energy_J", Own{kEnergyColumn}},
-    ReportColumn{"momentum_x_kg_m_per_s", Own{5}},
-    ReportColumn{"momentum_y_kg_m_per_s", Own{6}},
-    ReportColumn{"momentum_z_kg_m_per_s", Own{7}},
-    ReportColumn{"angular_momentum_x_kg_m2_per_s", Own{8}},
-    ReportColumn{"angular_momentum_y_kg_m2_per_s", Own{9}},
-    ReportColumn{"angular_momentum_z_kg_m2_per_s", Own{10}},
-    ReportColumn{"identity_error_m", Own{11}},
-    ReportColumn{"collision_ms", &StageTimes::collision},
-    ReportColumn{"solve_ms", &StageTimes::solve},
-    ReportColumn{"integrate_ms", &StageTimes::integrate},
-    ReportColumn{"total_ms", &StageTimes::total}};
-
-inline constexpr std::array kVariationalState{
-    StateField{.name = "body/id", .type = StateField::Type::int32},
-    StateField{.name = "body/position",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
-    StateField{.name = "body/orientation",
-               .type = StateField::Type::quaternion,
-               .rows_of = "body/id",
-               .largest = 2},
-    StateField{.name = "body/velocity",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
-    StateField{.name = "body/angular_velocity",
-               .type = StateField::Type::vector,
-               .rows_of = "body/id",
-               .largest = kLargestOfState},
-    StateField{.name = "world/gravity",
-               .type = StateField::Type::vector,
-               .may_be_absent = true,
-               .largest = kLargestOfState}};
+    ReportColumn{"energy_J", Own{kEnergyColumn}}};
+inline constexpr std::array kFlightTimes{ReportColumn{"identity_error_m", Own{11}},
+                                         ReportColumn{"collision_ms", &StageTimes::collision},
+                                         ReportColumn{"solve_ms", &StageTimes::solve},
+                                         ReportColumn{"integrate_ms", &StageTimes::integrate},
+                                         ReportColumn{"total_ms", &StageTimes::total}};
+inline constexpr auto kVariationalReport =
+    followed_by(followed_by(kStepColumns, kImpactColumns),
+                followed_by(momentum_columns(kEnergyColumn + 1), kFlightTimes));
+inline constexpr auto kVariationalState = followed_by(kBodyState, kGravityState);
 
 /// Whether free bodies have other shapes than spheres: then all of them turn as they fly.
 bool has_convex_bodies(const Scene& scene);

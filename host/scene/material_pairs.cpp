@@ -1,9 +1,12 @@
 // What two materials in contact are like.
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
-#include "host/scene.h"
+#include "host/error.h"
+#include "host/scene/scene_checks.h"
 
 namespace scree {
 namespace {
@@ -44,6 +47,20 @@ std::vector<Material> all_pair_values(const Scene& scene) {
     table[a * n + b] = table[b * n + a] = pair.values;
   }
   return table;
+}
+
+void require_no_values(const Scene& scene,
+                       std::span<const std::pair<const char*, double Material::*>> values,
+                       const std::string& why) {
+  const std::vector<Material> pairs = all_pair_values(scene);
+  const std::size_t n = scene.materials.size();
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    for (const auto& [key, value] : values)
+      if (pairs[k].*value > 0)
+        throw InputError(
+            fault_text(fmt::format("materials: pair (\"{}\", \"{}\"): {}",
+                                   scene.materials[k / n].name, scene.materials[k % n].name, key),
+                       fmt::format("{:g}", pairs[k].*value), "must be 0: " + why));
 }
 
 }  // namespace scree

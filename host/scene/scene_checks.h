@@ -2,7 +2,9 @@
 // Checks shared by validate() and the scene reader, which name the same fault by different paths.
 
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "host/scene.h"
 #include "shapes/shape_card.h"
@@ -23,8 +25,20 @@ std::optional<Fault> joint_fault(const Scene& scene, const Joint& joint);
 /// What of a scene with joints does not go with them; nothing where there are none.
 std::optional<Fault> joints_fault(const Scene& scene);
 
+/// Indices and numbers of all meshes. @throws InputError
+void check_meshes(const Scene& scene);
+/// Meshes of hulls must be convex, and in the principal frame where a body is free, as must those of free bodies that are
+/// their surface; those of compounds have parts. @throws InputError
+void check_hulls(const Scene& scene);
+
 /// What of a wall does not fit the scene's periodic domain.
 std::optional<Fault> periodic_wall_fault(const Scene& scene, const BodyDescription& body);
+
+/// Refuses values of pairs of materials that a model of dynamics does not have, which must be 0. @throws InputError
+/// @param why  behind "must be 0: "
+void require_no_values(const Scene& scene,
+                       std::span<const std::pair<const char*, double Material::*>> values,
+                       const std::string& why);
 
 /// Whether free bodies may have a mesh as shape in the scene's dynamics.
 bool meshes_may_be_free(const Scene& scene);

@@ -73,7 +73,6 @@ Entry read_entry(const Node& node, int index, const Import& in) {
   if (std::all_of(held.begin(), held.end(), [](bool b) { return b; })) entry.type = Type::fixed;
   node.read("density", entry.density, kPositive, "kg/m^3");
   node.read("group_id", entry.group, -1, kRestingGroup - 1);
-  if (entry.group == kNoCollisionGroup && entry.type != Type::free) entry.group = kRestingGroup;
   node.read("position", entry.position, "m");
   const char* unit = in.dialect == Dialect::rigid_ipc ? "deg" : "rad";
   Vec3d angles;

@@ -177,7 +177,7 @@ void read_own_keys(const Node& root, Import& in) {
   if (const auto output = root.find("output")) read_output(*output, scene.output);
 }
 
-/// Free bodies have the names of their meshes, with a number where there are several.
+/// Bodies have the names of their meshes, with a number where there are several.
 void name_bodies(Import& in) {
   for (const auto& [stem, bodies] : in.bodies) {
     int number = 0;

@@ -7,7 +7,6 @@
 
 #include "kernels/affine/block_system.h"
 #include "kernels/affine/potential.h"
-#include "kernels/affine/reduction.h"
 #include "kernels/backend/ordered_lists.h"
 
 namespace scree::affine {

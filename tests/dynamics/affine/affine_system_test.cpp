@@ -1,6 +1,6 @@
 // Affine bodies with barrier contact against closed forms: spin of free bodies (A85), free fall,
 // torques, the gap at rest (A81), creep and slip on a slope (A80), and no intersection ever (A84).
-#include "dynamics/affine/affine_system.h"
+#include "tests/affine_reference/affine_system.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <random>
 
-#include "dynamics/affine/pair_search.h"
 #include "kernels/affine/orthogonality.h"
 #include "solvers/solver.h"
+#include "tests/affine_reference/pair_search.h"
 #include "tests/box_mesh.h"
 #include "tests/exact_triangles.h"
 

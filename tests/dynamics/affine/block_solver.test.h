@@ -141,6 +141,13 @@ TEST_F(BlockSolverTest, BothWaysSolveChainsAndStars) {
   }
 }
 
+// What gradients do not solve in 400 iterations, a device hands to the host.
+TEST_F(BlockSolverTest, LongChainsAreSolvedWhateverTheBackend) {
+  make(1500, chain(1500));
+  const std::vector<AffineVec> x = solve({}, LinearMethod::standard), r = residual(x);
+  EXPECT_LT(std::sqrt(product(r, r)), 1e-5 * std::sqrt(product(right_, right_)));
+}
+
 // Steps that meet the equations have no slope: what is left of the right-hand side is at a right angle to all of them.
 TEST_F(BlockSolverTest, EquationsOfRowsHoldInBothWays) {
   make(20, chain(20));

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "dynamics/affine/near_pairs.h"
-#include "dynamics/affine/pair_search.h"
 #include "solvers/solver.h"
+#include "tests/affine_reference/pair_search.h"
 #include "tests/backend_fixture.h"
 #include "tests/box_mesh.h"
 

@@ -194,14 +194,14 @@ TEST(IpcScene, OneFixedRotationIsRefused) {
                     HasSubstr("none, two or three")));
 }
 
-TEST(IpcScene, RestingBodiesShareAGroup) {
+TEST(IpcScene, BodiesHaveTheirGroups) {
   const Scene scene = with_entry(R"(
       {"mesh": "plane.obj", "type": "static"}, {"mesh": "cube.obj", "type": "kinematic"},
       {"mesh": "cube.obj", "group_id": 3}, {"mesh": "cube.obj", "group_id": 3},
       {"mesh": "cube.obj"}, {"mesh": "plane.obj", "type": "static", "group_id": 3})");
   const auto group = [&](std::size_t k) { return scene.bodies.at(k).collision_group; };
-  EXPECT_NE(group(0), kNoCollisionGroup);
-  EXPECT_EQ(group(0), group(1));
+  EXPECT_EQ(group(0), kNoCollisionGroup);  // that of all resting ones, in the model
+  EXPECT_EQ(group(1), kNoCollisionGroup);
   EXPECT_EQ(group(2), 3);
   EXPECT_EQ(group(3), 3);
   EXPECT_EQ(group(4), kNoCollisionGroup);

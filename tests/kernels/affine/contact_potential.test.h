@@ -3,7 +3,7 @@
 #include <random>
 
 #include "kernels/affine/contact_potential.h"
-#include "kernels/affine/reduction.h"
+#include "tests/affine_reference/reduction.h"
 #include "tests/backend_fixture.h"
 #include "tests/kernels/affine/differences.h"
 
@@ -18,13 +18,14 @@ struct RunContact {
   Span<Nearest> nearest;
   Span<double> energy;
   Span<Four> gradient;
-  Span<Dense<12>> hessian, projected, gauss_newton;
+  Span<Dense<12>> hessian, projected, parts, gauss_newton;
   SCREE_HD void operator()(Index k) const {
     nearest[k] = nearest_points(pair.kind, x[k]);
     energy[k] = contact_energy(pair, barrier, x[k]);
     gradient[k] = contact_gradient(pair, barrier, x[k]);
     hessian[k] = contact_hessian(pair, barrier, x[k], Projection::none);
     projected[k] = contact_hessian(pair, barrier, x[k], Projection::eigenvalues);
+    parts[k] = contact_hessian(pair, barrier, x[k], Projection::parts);
     gauss_newton[k] = contact_hessian(pair, barrier, x[k], Projection::gauss_newton);
   }
 };
@@ -37,7 +38,7 @@ class ContactPotentialTest : public BackendTest<double> {
     std::vector<Nearest> nearest;
     std::vector<double> energy;
     std::vector<Four> gradient;
-    std::vector<Dense<12>> hessian, projected, gauss_newton;
+    std::vector<Dense<12>> hessian, projected, parts, gauss_newton;
   };
   Results run(const ContactPair& pair, const Barrier& barrier, const std::vector<Four>& x) {
     TestBackend& b = backend();
@@ -45,14 +46,16 @@ class ContactPotentialTest : public BackendTest<double> {
     Buffer<TestBackend, Four> in(b), gradient(b, n);
     Buffer<TestBackend, Nearest> nearest(b, n);
     Buffer<TestBackend, double> energy(b, n);
-    Buffer<TestBackend, Dense<12>> hessian(b, n), projected(b, n), gauss_newton(b, n);
+    Buffer<TestBackend, Dense<12>> hessian(b, n), projected(b, n), parts(b, n), gauss_newton(b, n);
     upload(b, x, in);
     for_each(b, n,
              RunContact{pair, barrier, std::as_const(in).view(n), nearest.view(), energy.view(),
-                        gradient.view(), hessian.view(), projected.view(), gauss_newton.view()});
-    return {download(b, nearest.view()),   download(b, energy.view()),
-            download(b, gradient.view()),  download(b, hessian.view()),
-            download(b, projected.view()), download(b, gauss_newton.view())};
+                        gradient.view(), hessian.view(), projected.view(), parts.view(),
+                        gauss_newton.view()});
+    return {download(b, nearest.view()),     download(b, energy.view()),
+            download(b, gradient.view()),    download(b, hessian.view()),
+            download(b, projected.view()),   download(b, parts.view()),
+            download(b, gauss_newton.view())};
   }
 
   std::mt19937 random_{17};
@@ -266,6 +269,14 @@ TEST_F(ContactPotentialTest, ProjectionsAreSemidefinite) {
         EXPECT_LT((p - test::semidefinite(h)).norm(), 1e-10 * h.norm()) << k << " " << angle;
         EXPECT_GE(test::lowest_eigenvalue(p), -1e-12 * h.norm());
         EXPECT_GE(test::lowest_eigenvalue(g), -1e-12 * h.norm());
+        // A sum of nearest ones is no less than what it is nearest to, and the same without a mollifier.
+        const Eigen::MatrixXd parts = test::to_eigen(r.parts[k]);
+        EXPECT_GE(test::lowest_eigenvalue(parts), -1e-12 * h.norm());
+        EXPECT_GE(test::lowest_eigenvalue(parts - h), -1e-9 * h.norm());
+        EXPECT_LT(parts.norm(), 5 * h.norm());
+        if (angle == 0) {
+          EXPECT_LT((parts - p).norm(), 1e-10 * h.norm());
+        }
         changed += (p - h).norm() > 1e-6 * h.norm() ? 1 : 0;
         // Moving a body along the normal, both are the second derivative of the barrier of the distance.
         if (angle > 0) continue;

@@ -1,4 +1,4 @@
-#include "dynamics/affine/affine_system.h"
+#include "tests/affine_reference/affine_system.h"
 
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
@@ -8,12 +8,12 @@
 #include <string>
 #include <utility>
 
-#include "dynamics/affine/pair_search.h"
 #include "kernels/affine/first_contact.h"
 #include "kernels/affine/friction.h"
 #include "kernels/affine/orthogonality.h"
-#include "kernels/affine/reduction.h"
 #include "solvers/solver.h"
+#include "tests/affine_reference/pair_search.h"
+#include "tests/affine_reference/reduction.h"
 
 namespace scree::affine {
 namespace {

@@ -1,4 +1,4 @@
-#include "dynamics/affine/pair_search.h"
+#include "tests/affine_reference/pair_search.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "dynamics/affine/affine_system.h"
 #include "kernels/affine/contact_potential.h"
+#include "tests/affine_reference/affine_system.h"
 
 namespace scree::affine {
 

@@ -74,7 +74,7 @@ struct Lanes {
   __device__ double whole(double part) const { return part + __shfl_down_sync(kAll, part, 12); }
 };
 
-__global__ void __launch_bounds__(kThreads)
+inline __global__ void __launch_bounds__(kThreads)
     run_gradients(GradientVectors v, Span<const AffineVec> right, Meeting meeting, double tolerance,
                   int most) {
   const auto rows = static_cast<Index>(right.size);

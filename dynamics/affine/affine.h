@@ -81,7 +81,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     finish(scheme);
     report.ms.collision = minimizer_.take_near_ms();
     report.ms.solve = done.linear_ms;
-    report.ms.integrate = clock.lap() - report.ms.collision - report.ms.solve;
+    report.ms.setup = done.assembly_ms;
+    report.ms.integrate = clock.lap() - report.ms.collision - report.ms.setup - report.ms.solve;
     const affine::AffineSums sums = sum();
     if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
     this->count_step();
@@ -282,7 +283,7 @@ class AffineDynamics final : public ModelOn<B, double> {
                   sums.angular.x,
                   sums.angular.y,
                   sums.angular.z};
-    report.ms.total = report.ms.collision + report.ms.solve + report.ms.integrate;
+    report.ms.total = report.ms.collision + report.ms.setup + report.ms.solve + report.ms.integrate;
     if (!std::isfinite(sums.kinetic))
       throw_not_finite(steps_done(), "kinetic energy", sums.kinetic);
   }

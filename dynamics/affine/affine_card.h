@@ -82,8 +82,8 @@ inline constexpr std::array kAffineParameters{
     kStepRule,        kAffineStiffness,  kReach,           kSeparation, kSlipSpeed, kFrictionSolves,
     kNewtonTolerance, kNewtonIterations, kBarrierStiffness};
 
-/// Place of the momentum in StepReport::own.
-inline constexpr std::size_t kMomentumColumn = 4;
+/// Places in StepReport::own.
+inline constexpr std::size_t kMinGapColumn = 0, kStrainColumn = 1, kMomentumColumn = 4;
 
 inline constexpr std::array kMinimizerColumns{
     ReportColumn{"contacts", &StepReport::contact_count},
@@ -91,12 +91,13 @@ inline constexpr std::array kMinimizerColumns{
     ReportColumn{"linear_iterations", &StepReport::applications},
     ReportColumn{"converged", &StepReport::converged},
     ReportColumn{"residual_m_per_s", &StepReport::residual_max},
-    ReportColumn{"min_gap_m", Own{0}},
-    ReportColumn{"max_strain", Own{1}},
+    ReportColumn{"min_gap_m", Own{kMinGapColumn}},
+    ReportColumn{"max_strain", Own{kStrainColumn}},
     ReportColumn{"barrier_stiffness_J_per_m4", Own{2}},
     ReportColumn{"blocked_bodies", Own{3}},
     ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy}};
 inline constexpr std::array kMinimizerTimes{ReportColumn{"collision_ms", &StageTimes::collision},
+                                            ReportColumn{"setup_ms", &StageTimes::setup},
                                             ReportColumn{"solve_ms", &StageTimes::solve},
                                             ReportColumn{"integrate_ms", &StageTimes::integrate},
                                             ReportColumn{"total_ms", &StageTimes::total}};

@@ -29,7 +29,13 @@ struct MinimizerReport {
   bool converged = true;
   Index contacts = 0;      ///< pairs that the barrier acts on
   double squared = 1e300;  ///< least squared distance of near pairs [m^2]
-  double linear_ms = 0;    ///< linear systems
+  double assembly_ms = 0;  ///< making linear systems
+  double linear_ms = 0;    ///< solving them
+
+  void note(const EnergySum& at) {
+    contacts = at.contacts;
+    squared = at.squared;
+  }
 };
 
 template <class B>
@@ -50,6 +56,8 @@ class Minimizer {
         diagonal_(b, rows),
         begin_(b, static_cast<Offset>(rows) + 1),
         mark_(b),
+        squared_(b),
+        count_(b),
         place_(b),
         active_(b),
         elements_(b),
@@ -98,6 +106,7 @@ class Minimizer {
   /// Stiffness of the barrier that balances all else where bodies are; 0 without contacts.
   double balanced_stiffness(Potential p, Span<const AffineVec> q) {
     p.barrier.stiffness = 1;
+    energy(p, q);  // for what it says of pairs
     if (assemble(p, q, /*keep_without=*/true) == 0) return 0;
     reduce<BalanceSums>(*b_, p.rows(), BalanceOfRow{right_.view(), without_.view()},
                         StoreResult<BalanceSums>{balance_.data()});
@@ -117,11 +126,12 @@ class Minimizer {
   void minimize(Potential& p, Span<AffineVec> q, const MinimizerSettings& settings,
                 MinimizerReport& report) {
     EnergySum at = energy(p, q);
-    report.squared = at.squared;
+    report.note(at);
     double last_gap = 0;
     for (int iteration = 0;; ++iteration) {
-      report.contacts = assemble(p, q);
       StageClock<B> timer(*b_);
+      assemble(p, q);
+      report.assembly_ms += timer.lap();
       const auto solved = solver_.solve(
           *b_, {diagonal_.view(), mixed_.view(block_count_), right_.view()}, step_.view(), 1e-6);
       report.linear_ms += timer.lap();
@@ -139,6 +149,7 @@ class Minimizer {
         copy(*b_, Span<const AffineVec>(q), from_.view());
         copy(*b_, Span<const AffineVec>(full_.view()), to_.view());
         list(p);
+        at = energy(p, q);
       }
       double share = free_share(p, q);
       EnergySum next;
@@ -158,7 +169,7 @@ class Minimizer {
       }
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
       at = next;
-      report.squared = at.squared;
+      report.note(at);
       if (is_last) return;
       const double gap = std::sqrt(at.squared) - p.barrier.separation;
       if (settings.adapts && gap < settings.least_gap && last_gap > 0 && gap < last_gap) {
@@ -176,6 +187,8 @@ class Minimizer {
  private:
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
+  /// Lines of a block that an item of the assembly adds up.
+  static constexpr int kLines = B::kIsDevice ? 1 : 12;
 
   void list(Potential& p) {
     StageClock<B> timer(*b_);
@@ -185,14 +198,21 @@ class Minimizer {
     near_ms_ += timer.lap();
   }
 
+  /// Also what the next system and the next way need of the pairs at q.
   EnergySum energy(const Potential& p, Span<const AffineVec> q) {
-    reduce<EnergySum>(*b_, p.terms(), EnergyOfTerm{p, q}, StoreResult<EnergySum>{energy_.data()});
+    const auto pairs = static_cast<Index>(p.near.pairs.size);
+    squared_.reserve_discard(pairs), count_.reserve_discard(pairs);
+    reduce<EnergySum>(*b_, p.terms(),
+                      EnergyOfTerm{p, q, {squared_.view(pairs), count_.view(pairs)}},
+                      StoreResult<EnergySum>{energy_.data()});
     return fetch(*b_, energy_.data());
   }
   double free_share(const Potential& p, Span<const AffineVec> q) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
     if (pairs == 0) return 1;
-    reduce<LeastShare>(*b_, pairs, FreeShare{p.near, q, full_.view(), p.barrier.separation},
+    reduce<LeastShare>(*b_, pairs,
+                       FreeShare{p.near, q, full_.view(), std::as_const(squared_).view(pairs),
+                                 p.barrier.separation},
                        StoreResult<LeastShare>{share_.data()});
     return fetch(*b_, share_.data()).value;
   }
@@ -211,26 +231,28 @@ class Minimizer {
   Index list_active(const Potential& p, Span<const AffineVec> q) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
     if (pairs == 0) return 0;
-    mark_.reserve_discard(pairs), place_.reserve_discard(static_cast<Offset>(pairs) + 1);
+    mark_.reserve_discard(pairs);
     for_each(*b_, pairs, MarkActive{p.barrier, p.near, q, mark_.view(pairs)});
-    return list_marked(pairs, active_);
+    return list_marked(mark_, pairs, active_);
   }
-  Index list_marked(Index count, Buffer<B, Index>& marked) {
-    exclusive_scan(*b_, Span<const Index>(mark_.view(count)),
-                   place_.view(static_cast<Offset>(count) + 1));
+  Index list_marked(const Buffer<B, Index>& mark, Index count, Buffer<B, Index>& marked) {
+    if (count == 0) return 0;
+    place_.reserve_discard(static_cast<Offset>(count) + 1);
+    const Span<const Index> marks = mark.view(count);
+    exclusive_scan(*b_, marks, place_.view(static_cast<Offset>(count) + 1));
     const auto found = static_cast<Index>(fetch(*b_, place_.data() + count));
     marked.reserve_discard(found);
-    for_each(*b_, count, ListMarked{mark_.view(count), place_.view(count), marked.view(found)});
+    for_each(*b_, count, ListMarked{marks, place_.view(count), marked.view(found)});
     return found;
   }
 
-  /// The linear system at q. @return number of contacts
+  /// The linear system at q, where energy() was asked last. @return number of elements of contacts
   Index assemble(const Potential& p, Span<const AffineVec> q, bool keep_without = false) {
     B& b = *b_;
     const Index rows = p.rows();
     for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view()});
     if (keep_without) copy(b, Span<const AffineVec>(right_.view()), without_.view());
-    const Index contacts = list_active(p, q);
+    const Index contacts = list_marked(count_, static_cast<Index>(p.near.pairs.size), active_);
     const Index count = contacts + static_cast<Index>(p.slips.size);
     block_count_ = 0;
     if (count == 0) return 0;
@@ -244,17 +266,17 @@ class Minimizer {
                          entry_.view(entries)});
     sort_pairs(b, sort_, key_.view(entries), entry_.view(entries), bits_for(keys.none() + 1));
     for_each(b, rows + 1, FindRows{keys, key_.view(entries), begin_.view()});
-    for_each(b, 12 * rows,
-             AddElements{elements_.view(count), p.near.corners, entry_.view(entries), begin_.view(),
-                         diagonal_.view(), right_.view()});
+    for_each(b, 12 / kLines * rows,
+             AddElements<kLines>{elements_.view(count), entry_.view(entries), begin_.view(),
+                                 diagonal_.view(), right_.view()});
     if (keep_without) return contacts;
-    mark_.reserve_discard(entries), place_.reserve_discard(static_cast<Offset>(entries) + 1);
+    mark_.reserve_discard(entries);
     for_each(b, entries, MarkBlocks{keys, key_.view(entries), mark_.view(entries)});
-    block_count_ = list_marked(entries, first_);
+    block_count_ = list_marked(mark_, entries, first_);
     mixed_.reserve_discard(block_count_);
-    for_each(b, 12 * block_count_,
-             AddMixed{elements_.view(count), p.near.corners, keys, key_.view(entries),
-                      entry_.view(entries), first_.view(block_count_), mixed_.view(block_count_)});
+    for_each(b, 12 / kLines * block_count_,
+             AddMixed<kLines>{elements_.view(count), keys, key_.view(entries), entry_.view(entries),
+                              first_.view(block_count_), mixed_.view(block_count_)});
     return contacts;
   }
 
@@ -269,6 +291,8 @@ class Minimizer {
   Buffer<B, AffineVec> right_, without_, step_;    ///< by row
   Buffer<B, Dense<12>> diagonal_;
   Buffer<B, Index> begin_, mark_;
+  Buffer<B, double> squared_;  ///< of near pairs, as energy() found them
+  Buffer<B, Index> count_;     ///< of their elements
   Buffer<B, Offset> place_;
   Buffer<B, Index> active_;
   Buffer<B, Element> elements_;

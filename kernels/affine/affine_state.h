@@ -30,6 +30,9 @@ struct AffineVec {
   }
 };
 
+/// One of the twelve numbers.
+SCREE_HD inline double number(const AffineVec& v, int i) { return v.node[i / 3][i % 3]; }
+
 SCREE_HD inline double dot(const AffineVec& a, const AffineVec& b) {
   double sum = 0;
   for (int k = 0; k < 4; ++k) sum += dot(a.node[k], b.node[k]);

@@ -1,22 +1,23 @@
 #pragma once
 // First and second derivatives of the potential as a linear system of rows of bodies.
 //
-// Each pair within reach, and each that rubs, is an element with a gradient and a matrix for its four points. An element has
-// an entry for each of its two bodies, sorted by row and then by the row of the other body. So entries of a row lie beside each
-// other, and those of two rows too, and each block is summed in one order by who owns it.
+// Each pair within reach, and each that rubs, is an element with a gradient and a matrix of low rank, carried to its two bodies;
+// pairs with a mollifier are two. An element has an entry for each of its bodies, sorted by row and then by the row of the other
+// body. So entries of a row lie beside each other, and those of two rows too, and each block is summed in one order by who owns it.
 
 #include "kernels/affine/block_system.h"
+#include "kernels/affine/contact_modes.h"
 #include "kernels/affine/potential.h"
 #include "kernels/backend/ordered_lists.h"
 
 namespace scree::affine {
 
+/// At most three vectors of both bodies, whose outer products are its second derivatives.
 struct Element {
   Index body[2] = {};
-  Index vertex[4] = {};
-  PairKind kind = PairKind::point_triangle;
-  Four push;         ///< minus the gradient of the potential
-  Dense<12> matrix;  ///< its second derivatives, semidefinite
+  int count = 0;
+  AffineVec push[2];     ///< minus the gradient of the potential, of each body
+  AffineVec mode[3][2];  ///< of each body
 };
 
 /// Marks the near pairs that the barrier acts on.
@@ -35,49 +36,62 @@ struct MarkActive {
   }
 };
 
-/// Places that are marked, in their order. Also of slips and of heads of blocks.
+/// Places that are marked, in their order, as often as their marks say. Also of slips and of heads of blocks.
 struct ListMarked {
   static constexpr const char* name = "affine_list_marked";
-  Span<const Index> is_marked;
+  Span<const Index> mark;
   Span<const Offset> place;
   Span<Index> marked;  ///< out
 
   SCREE_HD void operator()(Index i) const {
-    if (is_marked[i] != 0) marked[place[i]] = i;
+    for (Index k = 0; k < mark[i]; ++k) marked[place[i] + k] = i;
   }
 };
 
-/// Bytes: 1,280 written an element.
+/// Bytes: 784 written an element.
 struct MakeElements {
   static constexpr const char* name = "affine_elements";
   Potential p;
   Span<const AffineVec> q;
-  Span<const Index> active;  ///< near pairs; slips come behind them
-  Span<Element> elements;    ///< out
+  Span<const Index>
+      active;              ///< near pairs, each as often as it has elements; slips come behind them
+  Span<Element> elements;  ///< out
 
   SCREE_HD void operator()(Index c) const {
-    Element e;
     if (c < active.size) {
       const NearPair& pair = p.near.pairs[active[c]];
       const Four rest = p.near.rest_of(pair), x = points_of(p.near, pair, rest, q);
       const ContactPair contact = p.contact_pair(pair.kind, rest);
-      e.kind = pair.kind;
-      for (int side = 0; side < 2; ++side) e.body[side] = p.near.body_of(pair, side);
-      for (int i = 0; i < 4; ++i) e.vertex[i] = pair.vertex[i];
-      e.push = contact_gradient(contact, p.barrier, x);
-      e.matrix = contact_hessian(contact, p.barrier, x, Projection::parts);
+      const int part = c > 0 && active[c - 1] == active[c] ? 1 : 0;
+      const Index body[2] = {p.near.body_of(pair, 0), p.near.body_of(pair, 1)};
+      const Four gradient = part == 0 ? contact_gradient(contact, p.barrier, x) : Four{};
+      elements[c] =
+          element(body, pair.kind, rest, gradient, contact_modes(contact, p.barrier, x, part));
     } else {
       const Slip& slip = p.slips[c - static_cast<Index>(active.size)];
-      const Four moved = p.moved(slip, p.rest_of(slip), q);
-      e.kind = slip.kind;
-      for (int side = 0; side < 2; ++side) e.body[side] = slip.body[side];
-      for (int i = 0; i < 4; ++i) e.vertex[i] = slip.vertex[i];
-      e.push = friction_gradient(slip.contact, p.law, moved);
-      e.matrix = friction_hessian(slip.contact, p.law, moved);
+      const Four rest = p.rest_of(slip), moved = p.moved(slip, rest, q);
+      elements[c] =
+          element(slip.body, slip.kind, rest, friction_gradient(slip.contact, p.law, moved),
+                  friction_modes(slip.contact, p.law, moved));
     }
-    for (int i = 0; i < 4; ++i) e.push[i] *= -p.scale;
-    e.matrix.scale(p.scale);
-    elements[c] = e;
+  }
+
+ private:
+  SCREE_HD Element element(const Index (&body)[2], PairKind kind, const Four& rest,
+                           const Four& gradient, const Modes& modes) const {
+    const double root = std::sqrt(p.scale);
+    const int split = first_points(kind);
+    Element e;
+    e.count = modes.count;
+    for (int side = 0; side < 2; ++side) {
+      e.body[side] = body[side];
+      for (int i = side == 0 ? 0 : split; i < (side == 0 ? split : 4); ++i) {
+        add_force(e.push[side], rest[i], -p.scale * gradient[i]);
+        for (int k = 0; k < modes.count; ++k)
+          add_force(e.mode[k][side], rest[i], root * modes.at[k][i]);
+      }
+    }
+    return e;
   }
 };
 
@@ -160,29 +174,13 @@ struct MarkBlocks {
   }
 };
 
-/// Adds row i of J_side^T matrix J_to of an element: twelve numbers.
-SCREE_HD inline void add_row(const Element& e, const Four& rest, int side, int to, int i,
-                             double* row) {
-  const int split = first_points(e.kind), k = i / 3, c = i % 3;
-  const int from_p = side == 0 ? 0 : split, end_p = side == 0 ? split : 4;
-  const int from_q = to == 0 ? 0 : split, end_q = to == 0 ? split : 4;
-  for (int q = from_q; q < end_q; ++q) {
-    double sum[3] = {0, 0, 0};
-    for (int p = from_p; p < end_p; ++p) {
-      const double weight = node_weight(rest[p], k);
-      for (int d = 0; d < 3; ++d) sum[d] += weight * e.matrix(3 * p + c, 3 * q + d);
-    }
-    for (int l = 0; l < 4; ++l) {
-      const double weight = node_weight(rest[q], l);
-      for (int d = 0; d < 3; ++d) row[3 * l + d] += weight * sum[d];
-    }
+/// Adds row i of the block of an element that two of its sides have: twelve numbers.
+SCREE_HD inline void add_row(const Element& e, int side, int to, int i, double* row) {
+  for (int k = 0; k < e.count; ++k) {
+    const double own = number(e.mode[k][side], i);
+    for (int l = 0; l < 4; ++l)
+      for (int d = 0; d < 3; ++d) row[3 * l + d] += own * e.mode[k][to].node[l][d];
   }
-}
-
-SCREE_HD inline Four rest_of(const Element& e, Span<const Vec3d> corners) {
-  Four rest;
-  for (int i = 0; i < 4; ++i) rest[i] = corners[e.vertex[i]];
-  return rest;
 }
 
 /// Inertia and elastic energy of a row: its diagonal block and right-hand side without elements.
@@ -213,38 +211,41 @@ struct BeginRows {
   }
 };
 
-/// Adds the elements of a row to one line of its diagonal block and to its right-hand side. An element of the pass: twelve a row.
+/// Adds the elements of a row to some lines of its diagonal block and to its right-hand side. Items of the pass: 12 / kLines a
+/// row. A device has one line in each, as it has threads; a processor all of them, to go through the elements once.
+template <int kLines>
 struct AddElements {
   static constexpr const char* name = "affine_add_elements";
   Span<const Element> elements;
-  Span<const Vec3d> corners;
   Span<const Index> entry;
   Span<const Index> begin;
   Span<Dense<12>> diagonal;
   Span<AffineVec> right;
 
   SCREE_HD void operator()(Index item) const {
-    const Index row = item / 12;
-    const int i = item % 12;
-    double line[12] = {}, push = 0;
+    const Index row = item / (12 / kLines);
+    const int first = kLines * (item % (12 / kLines));
+    double line[kLines][12] = {}, push[kLines] = {};
     for (Index k = begin[row]; k < begin[row + 1]; ++k) {
       const Element& e = elements[entry[k] / 2];
-      const int side = entry[k] % 2, split = first_points(e.kind);
-      const Four rest = rest_of(e, corners);
-      add_row(e, rest, side, side, i, line);
-      for (int p = side == 0 ? 0 : split; p < (side == 0 ? split : 4); ++p)
-        push += node_weight(rest[p], i / 3) * e.push[p][i % 3];
+      const int side = entry[k] % 2;
+      for (int i = 0; i < kLines; ++i) {
+        add_row(e, side, side, first + i, line[i]);
+        push[i] += number(e.push[side], first + i);
+      }
     }
-    for (int j = 0; j < 12; ++j) diagonal[row](i, j) += line[j];
-    right[row].node[i / 3][i % 3] += push;
+    for (int i = 0; i < kLines; ++i) {
+      for (int j = 0; j < 12; ++j) diagonal[row](first + i, j) += line[i][j];
+      right[row].node[(first + i) / 3][(first + i) % 3] += push[i];
+    }
   }
 };
 
-/// One line of a block above the diagonal: twelve a block.
+/// Some lines of a block above the diagonal, as of AddElements.
+template <int kLines>
 struct AddMixed {
   static constexpr const char* name = "affine_add_mixed";
   Span<const Element> elements;
-  Span<const Vec3d> corners;
   EntryKeys keys;
   Span<const std::uint64_t> key;
   Span<const Index> entry;
@@ -252,20 +253,21 @@ struct AddMixed {
   Span<MixedBlock> mixed;   ///< out
 
   SCREE_HD void operator()(Index item) const {
-    const Index block = item / 12;
-    const int i = item % 12;
+    const Index block = item / (12 / kLines);
+    const int from = kLines * (item % (12 / kLines));
     const std::uint64_t own = key[first[block]];
-    double line[12] = {};
+    double line[kLines][12] = {};
     for (Index k = first[block]; k < key.size && key[k] == own; ++k) {
       const Element& e = elements[entry[k] / 2];
       const int side = entry[k] % 2;
-      add_row(e, rest_of(e, corners), side, 1 - side, i, line);
+      for (int i = 0; i < kLines; ++i) add_row(e, side, 1 - side, from + i, line[i]);
     }
-    if (i == 0) {
+    if (from == 0) {
       mixed[block].row = keys.row(own);
       mixed[block].column = keys.other(own);
     }
-    for (int j = 0; j < 12; ++j) mixed[block].value(i, j) = line[j];
+    for (int i = 0; i < kLines; ++i)
+      for (int j = 0; j < 12; ++j) mixed[block].value(from + i, j) = line[i][j];
   }
 };
 

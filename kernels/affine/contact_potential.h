@@ -18,7 +18,6 @@ struct ContactPair {
 enum class Projection : std::uint8_t {
   none,         ///< as they are
   eigenvalues,  ///< the nearest semidefinite matrix
-  parts,  ///< a sum of nearest ones: as above but for pairs with a mollifier, by smaller matrices
   gauss_newton  ///< the second derivative along the normal only, a matrix of rank one
 };
 
@@ -118,41 +117,6 @@ SCREE_HD inline double normal_stiffness(const ContactPair& pair, const Barrier& 
   return k > 0 ? k : 0;
 }
 
-/// Second derivatives of s m(c) with respect to the four points, made semidefinite as a function of both edges.
-SCREE_HD inline void add_mollifier_part(const Mollifier& m, double s, const Four& x, Dense<12>& h) {
-  const Dense<12> turning = cross_hessian(x);
-  const Four c = cross_gradient(x);
-  Dense<6> edges;
-  for (int a = 0; a < 2; ++a) {
-    for (int b = 0; b < 2; ++b) {
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          edges(3 * a + i, 3 * b + j) = s * m.first * turning(6 * a + 3 + i, 6 * b + 3 + j);
-      edges.add_outer(a, b, s * m.second, c[2 * a + 1], c[2 * b + 1]);
-    }
-  }
-  project_semidefinite(edges);
-  for (int a = 0; a < 4; ++a)
-    for (int b = 0; b < 4; ++b)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          h(3 * a + i, 3 * b + j) +=
-              ((a + b) % 2 == 0 ? 1 : -1) * edges(3 * (a / 2) + i, 3 * (b / 2) + j);
-}
-
-/// The nearest semidefinite matrix to s (c d^T + d c^T): its one positive eigenvalue is s c.d + |s| |c| |d|.
-SCREE_HD inline void add_crossed_part(double s, const Four& c, const Four& d, Dense<12>& h) {
-  double cc = 0, dd = 0, cd = 0;
-  for (int i = 0; i < 4; ++i) cc += norm2(c[i]), dd += norm2(d[i]), cd += dot(c[i], d[i]);
-  const double size = std::sqrt(cc * dd), sign = s < 0 ? -1 : 1;
-  const double value = s * cd + sign * s * size, both = 2 * (size + sign * cd);
-  if (!(both > 1e-14 * size) || !(size > 0)) return;  // c and d are parallel: no positive one
-  Four mode;  // c / |c| + sign d / |d|, whose square is 2 + 2 sign cos
-  for (int i = 0; i < 4; ++i) mode[i] = (1 / std::sqrt(cc)) * c[i] + (sign / std::sqrt(dd)) * d[i];
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) h.add_outer(i, j, value * size / both, mode[i], mode[j]);
-}
-
 SCREE_HD inline Dense<12> contact_hessian(const ContactPair& pair, const Barrier& barrier,
                                           const Four& x, Projection projection) {
   const Nearest n = nearest_points(pair.kind, x);
@@ -174,12 +138,6 @@ SCREE_HD inline Dense<12> contact_hessian(const ContactPair& pair, const Barrier
     for (int j = 0; j < 4; ++j) h.add_outer(i, j, pair.weight * m.value * b.second, d[i], d[j]);
   if (m.first == 0) {
     if (projection != Projection::none) project_contact(n, h);
-    return h;
-  }
-  if (projection == Projection::parts) {
-    project_contact(n, h);
-    add_mollifier_part(m, pair.weight * b.value, x, h);
-    add_crossed_part(pair.weight * b.first * m.first, cross_gradient(x), d, h);
     return h;
   }
   const Four c = cross_gradient(x);

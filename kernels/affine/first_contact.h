@@ -40,6 +40,25 @@ SCREE_HD inline double distance_bound(PairKind kind, const Four& x, double size)
   return apart - kErrors * size;
 }
 
+/// Whether straight ways are so short that their features keep a distance, without looking at these: most pairs of a step.
+/// @param squared  of the distance at the start [m^2]. Features that are nearly parallel may be nearer by 1e-8 of their size
+SCREE_HD inline bool stays_apart(PairKind kind, const Four& from, const Four& to, double squared,
+                                 double separation) {
+  const int split = first_points(kind);
+  double most[2] = {0, 0}, size = 0;
+  Vec3d mean;
+  for (int i = 0; i < 4; ++i) mean += 0.25 * (to[i] - from[i]);
+  for (int i = 0; i < 4; ++i) {
+    const double own = norm2(to[i] - from[i] - mean), far = norm2(from[i] - from[0]);
+    double& side = most[i < split ? 0 : 1];
+    side = own > side ? own : side;
+    size = far > size ? far : size;
+  }
+  const double way = std::sqrt(most[0]) + std::sqrt(most[1]);
+  const double distance = std::sqrt(squared);
+  return way < 0.9 * (distance - separation) - 1e-8 * std::sqrt(size);
+}
+
 struct FirstContactParameters {
   double separation = 0;  ///< distance that must not be reached [m], >= 0
   double remaining =

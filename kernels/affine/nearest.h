@@ -56,27 +56,31 @@ SCREE_HD inline void try_point_edge(const Four& x, int p, int a, int b, double s
 }
 
 /// Parameters of the smallest |d + s e + t f|, with one step that takes out what rounding left of
-/// the residual. @return whether e and f are far enough from parallel
-SCREE_HD inline bool nearest_parameters(const Vec3d& d, const Vec3d& e, const Vec3d& f, double& s,
-                                        double& t) {
+/// the residual. @return the square of the sine between e and f; 0 where they are too near parallel
+SCREE_HD inline double nearest_parameters(const Vec3d& d, const Vec3d& e, const Vec3d& f, double& s,
+                                          double& t) {
   const Vec3d n = cross(e, f);
   const double area = norm2(n), ee = norm2(e), ff = norm2(f), ef = dot(e, f);
-  if (!(area > 1e-20 * ee * ff)) return false;
+  if (!(area > 1e-20 * ee * ff)) return 0;
   s = dot(cross(f, d), n) / area;
   t = dot(cross(d, e), n) / area;
   const Vec3d r = d + s * e + t * f;
   const double re = dot(r, e), rf = dot(r, f);
   s -= (ff * re - ef * rf) / area;
   t -= (ee * rf - ef * re) / area;
-  return true;
+  return area / (ee * ff);
 }
+
+/// Above this square of the sine, nearest points inside are the nearest ones for certain: no edge or end is tried.
+inline constexpr double kWellDefined = 1e-4;
 
 /// Nearest points of the point x[0] and the triangle of the others.
 SCREE_HD inline Nearest nearest_point_triangle(const Four& x) {
   Nearest best;
   const Vec3d d = x[0] - x[1], e = x[2] - x[1], f = x[3] - x[1];
   double s = 0, t = 0;
-  if (nearest_parameters(d, -e, -f, s, t) && s > 0 && t > 0 && s + t < 1) {
+  const double sine = nearest_parameters(d, -e, -f, s, t);
+  if (sine > 0 && s > 0 && t > 0 && s + t < 1) {
     best.gap = d - s * e - t * f;
     best.squared = norm2(best.gap);
     const double weight[4] = {1, -(1 - s - t), -s, -t};
@@ -87,6 +91,7 @@ SCREE_HD inline Nearest nearest_point_triangle(const Four& x) {
       best.slope[1][i] = slope[1][i];
     }
     best.free = 2;
+    if (sine > kWellDefined) return best;
   }
   try_point_edge(x, 0, 1, 2, 1, best);
   try_point_edge(x, 0, 2, 3, 1, best);
@@ -99,7 +104,8 @@ SCREE_HD inline Nearest nearest_edge_edge(const Four& x) {
   Nearest best;
   const Vec3d d = x[0] - x[2], e = x[1] - x[0], f = x[3] - x[2];
   double s = 0, t = 0;
-  if (nearest_parameters(d, e, -f, s, t) && s > 0 && s < 1 && t > 0 && t < 1) {
+  const double sine = nearest_parameters(d, e, -f, s, t);
+  if (sine > 0 && s > 0 && s < 1 && t > 0 && t < 1) {
     best.gap = d + s * e - t * f;
     best.squared = norm2(best.gap);
     const double weight[4] = {1 - s, s, -(1 - t), -t};
@@ -110,6 +116,7 @@ SCREE_HD inline Nearest nearest_edge_edge(const Four& x) {
       best.slope[1][i] = slope[1][i];
     }
     best.free = 2;
+    if (sine > kWellDefined) return best;
   }
   try_point_edge(x, 0, 2, 3, 1, best);
   try_point_edge(x, 1, 2, 3, 1, best);

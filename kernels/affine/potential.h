@@ -3,7 +3,7 @@
 //   1/2 |q - target|_M^2 + scale (elastic + barrier + friction)
 // docs/theory.md, "Affine bodies" and "Barrier contact".
 
-#include "kernels/affine/contact_potential.h"
+#include "kernels/affine/contact_modes.h"
 #include "kernels/affine/first_contact.h"
 #include "kernels/affine/friction.h"
 #include "kernels/affine/inertial_target.h"
@@ -80,18 +80,27 @@ struct EnergySum {
   double energy = 0;
   double rounding = 0;
   double squared = 1e300;  ///< least squared distance of near pairs [m^2]
+  Index contacts = 0;      ///< pairs that the barrier acts on
   SCREE_HD void combine(const EnergySum& o) {
     energy += o.energy;
     rounding += o.rounding;
+    contacts += o.contacts;
     squared = o.squared < squared ? o.squared : squared;
   }
 };
 
-/// Value of a term. Bytes: 200 of a row; 20 of a pair, and its bodies and corners, 500, mostly from the caches.
+/// What the other passes of an iteration need of near pairs where bodies are, an entry each.
+struct PairStates {
+  Span<double> squared;  ///< distances [m^2]
+  Span<Index> elements;  ///< of the linear system: 0 where the barrier does not act
+};
+
+/// Value of a term. Bytes: 200 of a row; 32 of a pair, and its bodies and corners, 500, mostly from the caches.
 struct EnergyOfTerm {
   static constexpr const char* name = "affine_energy";
   Potential p;
   Span<const AffineVec> q;
+  PairStates states;  ///< out
 
   SCREE_HD EnergySum operator()(Index i) const {
     EnergySum e;
@@ -110,8 +119,14 @@ struct EnergyOfTerm {
       const NearPair& pair = p.near.pairs[i];
       const Four rest = p.near.rest_of(pair), x = points_of(p.near, pair, rest, q);
       e.squared = nearest_points(pair.kind, x).squared;
-      if (p.barrier.acts(e.squared))
-        e.energy = p.scale * contact_energy(p.contact_pair(pair.kind, rest), p.barrier, x);
+      states.squared[i] = e.squared;
+      states.elements[i] = 0;
+      if (!p.barrier.acts(e.squared)) return e;
+      const ContactPair contact = p.contact_pair(pair.kind, rest);
+      const Mollifier m = mollifier(contact, x);
+      e.energy = p.scale * contact.weight * m.value * p.barrier(e.squared).value;
+      e.contacts = 1;
+      states.elements[i] = mode_parts(m);
       return e;
     }
     const Slip& slip = p.slips[i - static_cast<Index>(p.near.pairs.size)];
@@ -131,16 +146,17 @@ struct FreeShare {
   static constexpr const char* name = "affine_free_share";
   NearPairsView near;
   Span<const AffineVec> from, to;  ///< by body
+  Span<const double> squared;      ///< distances at `from` [m^2]
   double separation = 0;
 
   SCREE_HD LeastShare operator()(Index i) const {
     const NearPair& pair = near.pairs[i];
     const Four rest = near.rest_of(pair);
+    const Four start = points_of(near, pair, rest, from), end = points_of(near, pair, rest, to);
     FirstContactParameters parameters;
     parameters.separation = separation;
-    return {first_contact(pair.kind, points_of(near, pair, rest, from),
-                          points_of(near, pair, rest, to), parameters)
-                .time};
+    if (stays_apart(pair.kind, start, end, squared[i], separation)) return {};
+    return {first_contact(pair.kind, start, end, parameters).time};
   }
 };
 

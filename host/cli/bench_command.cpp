@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
+#include "host/cli/command_line.h"
 #include "host/error.h"
 #include "solvers/solver_card.h"
 
@@ -10,22 +13,66 @@ namespace {
 
 constexpr int kMostSteps = 1'000'000;
 
-void add_scene_options(CLI::App& command, SceneBenchOptions& options) {
-  add_target_options(command, options.target);
-  command.get_option("scene")->required(false);
+/// Options that all benchmarks on beds have.
+void add_bed_options(CLI::App& command, BedOptions& options) {
+  RunTarget& target = options.target;
+  target.backend = "auto";
+  target.precision = "float";
+  add_backend_options(command, target, "auto", "float");
+  command.add_option("--sizes", options.sizes, "numbers of bodies, such as 1e5,1e6")
+      ->delimiter(',')
+      ->type_name("N,...");
+  command.add_option("--layers", options.layers, "height of the bed in layers of spheres")
+      ->delimiter(',')
+      ->type_name("N");
+  command.add_option("--warmup", options.warmup, "steps before measuring (default: until settled)")
+      ->check(CLI::Range(0, kMostSteps))
+      ->take_last();
+  command.add_option("--json", options.json, "write the results to this file")
+      ->type_name("FILE")
+      ->take_last();
+}
+
+void add_steps_options(CLI::App& command, BedOptions& options) {
+  command.add_option("--steps", options.steps, "steps measured")
+      ->check(CLI::Range(1, kMostSteps))
+      ->take_last();
+}
+
+void add_sizes_option(CLI::App& command, BedOptions& options) {
+  command.add_flag("--polydisperse", options.polydisperse, "diameters from 1 to 10");
+}
+
+/// Options: of scenes, those of one or of several.
+template <class Options>
+void add_measuring_options(CLI::App& command, Options& options) {
   command.add_option("--warmup", options.warmup, "steps before measuring")
       ->check(CLI::Range(0, kMostSteps))
       ->take_last();
   command.add_option("--steps", options.steps, "steps measured")
       ->check(CLI::Range(1, kMostSteps))
       ->take_last();
-  command.add_option("--from", options.from, "checkpoint of this scene to start from")->take_last();
   command
       .add_option("--json", options.json, "print JSON, or write it to FILE (name ends in .json)")
       ->type_name("[FILE]")
       ->expected(0, 1)
       ->default_str("-")
       ->take_last();
+}
+
+void add_scene_options(CLI::App& command, SceneBenchOptions& options) {
+  add_target_options(command, options.target);
+  command.get_option("scene")->required(false);
+  add_measuring_options(command, options);
+  command.add_option("--from", options.from, "checkpoint of this scene to start from")->take_last();
+}
+
+void add_affine_options(CLI::App& command, AffineBenchOptions& options) {
+  command.add_option("scenes", options.scenes,
+                     "scene files, or names of scenes, of affine bodies (default: all that come "
+                     "with the program)");
+  add_backend_options(command, options.target, "what the scene says", "double");
+  add_measuring_options(command, options);
 }
 
 /// The solvers of steps, a line each.
@@ -55,12 +102,17 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
       app.add_subcommand("bench", "Measure speed and memory, on beds of spheres or on a scene");
   command->require_subcommand(0, 1);
   command->footer(
-      "scree bench SCENE is short for scree bench scene SCENE. The others run on beds of equal\n"
+      "scree bench SCENE is short for scree bench scene SCENE. All but scene and affine run on "
+      "beds of equal\n"
       "spheres made in memory; scree bench iteration --help lists their options.");
   add_scene_options(*command, options.scene);
   add_scene_options(
       *command->add_subcommand("scene", "whole steps of a scene file, stage by stage"),
       options.scene);
+
+  add_affine_options(
+      *command->add_subcommand("affine", "scenes of affine bodies: frames a second, least gaps"),
+      options.affine);
 
   CLI::App* iteration =
       command->add_subcommand("iteration", "solver iterations on a settled bed, against memory");
@@ -111,6 +163,7 @@ int run_bench(const CLI::App& command, const BenchOptions& options) {
   if (mode == "step") return bench_step(options.step);
   if (mode == "solvers") return bench_solvers(options.solvers);
   if (mode == "capacity") return bench_capacity(options.capacity);
+  if (mode == "affine") return bench_affine(options.affine);
   if (mode.empty()) require_scene(options.scene.target.scene, command);
   return bench_scene(options.scene);
 }

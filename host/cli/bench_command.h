@@ -3,10 +3,15 @@
 
 #include "host/cli/bench/modes.h"
 
+namespace CLI {
+class App;
+}
+
 namespace scree {
 
 struct BenchOptions {
   SceneBenchOptions scene;
+  AffineBenchOptions affine;
   BedOptions iteration;
   BedOptions collision;
   StepBenchOptions step;

@@ -50,14 +50,6 @@ void print_surfaces(const Scene& settings, const SurfaceSize& size) {
 
 }  // namespace
 
-CLI::App* add_check_command(CLI::App& app, CheckOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("check", "Validate a scene; print bodies, memory and time step");
-  add_target_options(*command, options.target);
-  command->add_flag("--json", options.target.json, "print JSON");
-  return command;
-}
-
 int check_scene(const CheckOptions& options) {
   std::vector<std::string> notes;
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides, &notes);

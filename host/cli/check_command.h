@@ -9,7 +9,6 @@ struct CheckOptions {
   RunTarget target;
 };
 
-CLI::App* add_check_command(CLI::App& app, CheckOptions& options);
 int check_scene(const CheckOptions& options);
 
 }  // namespace scree

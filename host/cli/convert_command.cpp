@@ -68,24 +68,6 @@ std::string summary_of(const BodyProblem& p) {
 
 }  // namespace
 
-CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
-  CLI::App* command = app.add_subcommand("convert", "Write a stored contact problem as FCLIB file");
-  command->add_option("problem", options.problem, "problem file, scree's or FCLIB's")->required();
-  command->add_option("out", options.out, "FCLIB file to write")->required();
-  command
-      ->add_option("--kind", options.kind,
-                   "local (W, q, mu; bilateral rows: V, R, s) or global (M, H, f, w, mu; G, b) "
-                   "(default: local)")
-      ->take_last();
-  command
-      ->add_option("--storage", options.storage,
-                   "of matrices: rows, columns or triplets (default: rows if local, triplets if "
-                   "global)")
-      ->take_last();
-  command->add_flag("--force", options.force, "replace a file that is there");
-  return command;
-}
-
 int convert_problem(const ConvertOptions& options) {
   const MatrixForm form = form_of(options.kind);
   const FclibStorage storage = storage_of(options.storage, form);

@@ -1,7 +1,6 @@
 #pragma once
 // scree convert: stored contact problems as FCLIB files.
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
@@ -14,8 +13,6 @@ struct ConvertOptions {
   std::string storage;            ///< rows, columns or triplets; empty: as the collection has them
   bool force = false;             ///< replace a file that is there
 };
-
-CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options);
 
 /// @return exit code 0
 /// @throws InputError before anything is written, RunError when the file cannot be written

@@ -55,17 +55,6 @@ int print_schema() {
 
 }  // namespace
 
-CLI::App* add_info_command(CLI::App& app, InfoOptions& options) {
-  CLI::App* command = app.add_subcommand("info", "Devices, build options, versions");
-  CLI::Option* json = command->add_flag("--json", options.json, "print JSON");
-  command
-      ->add_flag(
-          "--schema", options.schema,
-          "print the JSON schema of scene files, with all solvers and models of this program")
-      ->excludes(json);
-  return command;
-}
-
 int print_info(const InfoOptions& options) {
   if (options.schema) return print_schema();
   const DeviceInfo cpu = device_info(BackendKind::cpu);

@@ -9,53 +9,6 @@
 namespace scree {
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr int kMostDevices = 1024;
-
-}  // namespace
-
-void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
-                        const std::string& precision, const std::string& threads) {
-  command.add_option("--backend", target.backend, "cuda, cpu or auto (default: " + backend + ")")
-      ->take_last();
-  command
-      .add_option("--device", target.device,
-                  "number of the CUDA device, see scree info (default: 0)")
-      ->type_name("N")
-      ->check(CLI::Range(0, kMostDevices - 1))
-      ->take_last();
-  command
-      .add_option("--precision", target.precision, "float or double (default: " + precision + ")")
-      ->take_last();
-  command.add_option("--threads", target.threads, "CPU threads (default: " + threads + ")")
-      ->check(CLI::Range(0, 4096))
-      ->take_last();
-}
-
-void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
-                         const std::string& precision) {
-  add_device_options(command, target, backend, precision);
-  command
-      .add_option("--memory", target.memory,
-                  "refuse what is expected to take more [MiB] (default: what is free)")
-      ->type_name("MIB")
-      ->check(CLI::PositiveNumber & CLI::Range(0.0, 1e9))
-      ->take_last();
-  command
-      .add_option("--set", target.overrides,
-                  "key.path=value, replaces a value of the scene; repeatable")
-      ->type_name("KEY=VALUE")
-      ->take_all()
-      ->expected(1);
-}
-
-void add_target_options(CLI::App& command, RunTarget& target) {
-  command.add_option("scene", target.scene, "scene file, or name of a scene in the scenes folder")
-      ->required();
-  add_backend_options(command, target, "what the scene says", "what the scene says");
-}
-
 fs::path scene_folder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);

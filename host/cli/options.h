@@ -1,7 +1,6 @@
 #pragma once
 // Options that several commands share.
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,18 +19,6 @@ struct RunTarget {
   std::vector<std::string> overrides;  ///< key.path=value
   bool json = false;
 };
-
-/// Adds --backend, --device, --precision and --threads to a command.
-/// @param backend, precision, threads  what is taken by default, for the help text
-void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
-                        const std::string& precision, const std::string& threads = "all");
-
-/// The same, --memory and --set.
-void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
-                         const std::string& precision);
-
-/// Adds SCENE and the options above to a command.
-void add_target_options(CLI::App& command, RunTarget& target);
 
 /// The folder of the scenes that come with the program.
 std::filesystem::path scene_folder();

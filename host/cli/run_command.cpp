@@ -400,30 +400,6 @@ class Run {
 
 }  // namespace
 
-CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
-  CLI::App* command = app.add_subcommand("run", "Simulate a scene");
-  add_target_options(*command, options.target);
-  command->add_option("--steps", options.steps, "time steps (default: the scene's duration)")
-      ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}))
-      ->take_last();
-  command
-      ->add_option("--dump-problem", options.dump_problem,
-                   "write the contact problem of step N, rows of joints included; repeatable")
-      ->type_name("N")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000'000}))
-      ->take_all()
-      ->expected(1);
-  command->add_option("--out", options.out, "output directory (default: out/<scene name>)")
-      ->take_last();
-  command->add_flag("--resume", options.resume,
-                    "continue from the checkpoint in the output directory");
-  command->add_flag("--force", options.force, "replace the results in the output directory");
-  command->add_flag("--quiet", options.quiet, "no progress line and no summary; warnings stay");
-  command->add_flag("--require-convergence", options.require_convergence,
-                    "exit with 1 when steps ended at the iteration cap; results are kept");
-  return command;
-}
-
 int run_scene(const RunOptions& options) {
   if (options.resume && options.force) throw InputError("--resume and --force exclude each other");
   return Run(options, find_scene(options.target.scene)).go();

@@ -17,8 +17,6 @@ struct RunOptions {
   std::vector<std::string> command_line;
 };
 
-CLI::App* add_run_command(CLI::App& app, RunOptions& options);
-
 /// @return exit code: 0 done, or ended cleanly after an interrupt
 /// @throws InputError, RunError; also when steps did not converge that were required to
 int run_scene(const RunOptions& options);

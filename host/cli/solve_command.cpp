@@ -174,64 +174,6 @@ void require_free(const fs::path& out, bool force) {
 
 }  // namespace
 
-CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
-  CLI::App* command = app.add_subcommand("solve", "Solve stored contact problems; compare solvers");
-  command
-      ->add_option("problem", options.problem, "problem file, or folder of *.hdf5 and *.h5 files")
-      ->required();
-  command
-      ->add_option("--solver", options.solver,
-                   "name, names separated by commas, or all (default: auto)")
-      ->take_last();
-  command->add_option("--model", options.model, "convex or exact (default: exact)")->take_last();
-  command
-      ->add_option("--tolerance", options.tolerance,
-                   "on the error |r - P(r - v)| / |q|, or the measure (default: 1e-8)")
-      ->take_last();
-  command
-      ->add_option("--measure", options.measure,
-                   "that the tolerance is on: relative, absolute or unit-free (default: relative)")
-      ->take_last();
-  command
-      ->add_option("--max-iterations", options.max_iterations,
-                   "most iterations (default: each solver's own)")
-      ->take_last();
-  command
-      ->add_option("--max-seconds", options.max_seconds,
-                   "most seconds per solver and problem, 0: no limit (default: 100)")
-      ->take_last();
-  command
-      ->add_option("--check-every", options.check_every,
-                   "iterations between checks of the residual (default: each solver's own)")
-      ->take_last();
-  command
-      ->add_option("--relaxation", options.relaxation,
-                   "of sor, jacobi, admm and pgs_... (default: their own)")
-      ->take_last();
-  command->add_flag("--matrix-free", options.matrix_free,
-                    "solvers of simulation steps, for problems with bodies and no joints");
-  add_device_options(*command, options.target, "cpu; auto with --matrix-free", "double",
-                     "1; all with --matrix-free");
-  command
-      ->add_option("--reference", options.reference,
-                   "what velocity errors are measured against: a solver, a solution file, or a "
-                   "folder of them (default: the solution in the problem's file)")
-      ->take_last();
-  command
-      ->add_option("--solution", options.solution,
-                   "file for impulses and velocities of the best solver; a folder for those of "
-                   "several problems (default: none written)")
-      ->take_last();
-  command->add_flag("--warm-start", options.warm_start, "start from the guess in the file, if any");
-  command
-      ->add_option("--out", options.out,
-                   "folder for CSV, JSON and PNG files (default: none written)")
-      ->take_last();
-  command->add_flag("--force", options.force, "write into a folder that is not empty");
-  command->add_flag("--json", options.json, "print JSON");
-  return command;
-}
-
 namespace {
 
 /// The problems of a command, one after another.

@@ -1,7 +1,6 @@
 #pragma once
 // scree solve: solvers on stored contact problems, one file or a folder of them.
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
@@ -30,8 +29,6 @@ struct SolveOptions {
   bool force = false;
   bool json = false;
 };
-
-CLI::App* add_solve_command(CLI::App& app, SolveOptions& options);
 
 /// @return exit code 0, whether or not solvers reached the tolerance: that is the table's to say;
 ///         1 when files of a folder were skipped

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "dynamics/dynamics_card.h"
 #include "tests/cli/program.h"
 
 namespace scree::test {
@@ -271,10 +272,56 @@ TEST(CliBench, SceneIsTheDefaultMode) {
   EXPECT_EQ(json::parse(direct.out).at("contacts"), result.at("contacts"));
 }
 
+/// A box that falls beside one that rests.
+constexpr const char* kAffineScene = R"({
+  "name": "boxes", "time_step": 0.01, "duration": 1, "dynamics": {"type": "affine", "reach": 0.01},
+  "bodies": [
+    {"shape": "box", "kind": "fixed", "size": [4, 4, 0.1], "position": [0, 0, -0.05]},
+    {"shape": "box", "size": [0.2, 0.2, 0.2], "density": 1000, "position": [0, 0, 0.1099]},
+    {"shape": "box", "size": [0.2, 0.2, 0.2], "density": 1000, "position": [1, 0, 1]}]
+})";
+
+TEST(CliBench, AffineScenesHaveALineEach) {
+  if (find_dynamics("affine") == nullptr) GTEST_SKIP() << "no dynamics \"affine\"";
+  const Scratch scratch;
+  const fs::path scene = put(scratch / "boxes.json", kAffineScene);
+  const Result result =
+      scree(scratch, {"bench", "affine", scene.string(), scene.string(), "--backend", "cpu",
+                      "--threads", "1", "--warmup", "1", "--steps", "3", "--json", "bench.json"});
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(holds(result.out, "frames/s")) << result.out;
+  const json document = json_file(scratch / "bench.json");
+  EXPECT_EQ(document.at("precision"), "double");
+  ASSERT_EQ(document.at("results").size(), 2u);
+  const json& first = document.at("results")[0];
+  EXPECT_EQ(first.at("scene"), "boxes");
+  EXPECT_EQ(first.at("bodies"), 2);
+  EXPECT_GE(first.at("contacts"), 4.0);
+  EXPECT_GE(first.at("iterations"), 1.0);
+  EXPECT_GT(first.at("min_gap_m"), 0.0);
+  EXPECT_LT(first.at("min_gap_m"), 0.01);
+  EXPECT_TRUE(first.at("converged"));
+  EXPECT_NEAR(
+      first.at("frames_per_s").get<double>() * first.at("ms").at("total").at("mean").get<double>(),
+      1e3, 1e-6);
+  EXPECT_EQ(first.at("contacts"), document.at("results")[1].at("contacts"));
+}
+
+TEST(CliBench, AffineTakesNoOtherScenes) {
+  if (find_dynamics("affine") == nullptr) GTEST_SKIP() << "no dynamics \"affine\"";
+  const Scratch scratch;
+  const Result result = scree(scratch, {"bench", "affine", "pile", "--backend", "cpu"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_TRUE(
+      holds(result.err, "pile: dynamics.type: \"rigid\" is not allowed: expected \"affine\""))
+      << result.err;
+}
+
 TEST(CliBench, EveryBenchmarkHasHelp) {
   const Scratch scratch;
   const Result all = scree(scratch, {"bench", "--help"});
-  for (const char* mode : {"scene", "iteration", "collision", "step", "solvers", "capacity"}) {
+  for (const char* mode :
+       {"scene", "affine", "iteration", "collision", "step", "solvers", "capacity"}) {
     EXPECT_NE(all.out.find(mode), std::string::npos) << mode;
     EXPECT_EQ(scree(scratch, {"bench", mode, "--help"}).code, 0) << mode;
   }

@@ -1,7 +1,6 @@
 #pragma once
 // Options that the benchmarks on beds share.
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -26,11 +25,6 @@ struct SolverBenchOptions {
   std::vector<std::string> levels;
   double limit = 10;  ///< [s]
 };
-
-/// Adds the options that all of these benchmarks have.
-void add_bed_options(CLI::App& command, BedOptions& options);
-void add_steps_options(CLI::App& command, BedOptions& options);
-void add_sizes_option(CLI::App& command, BedOptions& options);
 
 /// Numbers of a list such as "1e5,1e6". @throws InputError naming the option
 std::vector<int> whole_numbers(const char* option, const std::vector<std::string>& texts,

@@ -40,4 +40,19 @@ struct SceneBenchOptions {
 /// Whole steps of a scene file, stage by stage.
 int bench_scene(const SceneBenchOptions& options);
 
+struct AffineBenchOptions {
+  std::vector<std::string> scenes;  ///< files or names; empty: those that come with the program
+  RunTarget target{.scene = {},
+                   .backend = {},
+                   .precision = "double",
+                   .threads = 0,
+                   .overrides = {},
+                   .json = false};
+  int warmup = 20;   ///< steps before measuring
+  int steps = 100;   ///< steps measured
+  std::string json;  ///< as in SceneBenchOptions
+};
+/// Frames a second, iterations and least gaps of scenes of affine bodies, a line each.
+int bench_affine(const AffineBenchOptions& options);
+
 }  // namespace scree

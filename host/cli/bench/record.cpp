@@ -63,6 +63,12 @@ std::string bench_title(const Json& header) {
                      text("backend") == "cuda" ? "multiprocessors" : "threads", text("commit"));
 }
 
+void require_json_name(const std::string& path) {
+  if (path.empty() || path == "-" || path.ends_with(".json")) return;
+  throw InputError(fmt::format(
+      "--json: \"{}\" is not allowed: expected a file name that ends in .json, or nothing", path));
+}
+
 BenchRecord::BenchRecord(Json header, std::string path)
     : document_(std::move(header)), path_(std::move(path)) {
   if (!path_.empty()) require_writable(path_);

@@ -16,6 +16,9 @@ Json bench_header(const std::string& benchmark, const WorldOptions& options);
 /// The header in one line of text.
 std::string bench_title(const Json& header);
 
+/// A word behind --json may have been meant for a scene. @throws InputError unless it is a file name, "-" or empty
+void require_json_name(const std::string& path);
+
 class BenchRecord {
  public:
   /// @param path  empty: nothing is written. @throws InputError when the file cannot be written

@@ -12,16 +12,6 @@
 #include "host/scene_reader.h"
 
 namespace scree {
-namespace {
-
-/// `--json pile` was meant as --json and the scene pile.
-void require_json_name(const std::string& path) {
-  if (path.empty() || path == "-" || path.ends_with(".json")) return;
-  throw InputError(fmt::format(
-      "--json: \"{}\" is not allowed: expected a file name that ends in .json, or nothing", path));
-}
-
-}  // namespace
 
 int bench_scene(const SceneBenchOptions& options) {
   require_json_name(options.json);

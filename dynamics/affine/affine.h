@@ -175,17 +175,16 @@ class AffineDynamics final : public ModelOn<B, double> {
     minimizer_.begin(surfaces_, p);
   }
 
-  /// That of the scene, or what balances the forces on bodies where they are, within bounds.
-  /// Source: Li et al., Incremental Potential Contact, 2020, supplement, section 3.3; bounds of its public implementation.
-  double barrier_stiffness(const affine::Potential& p, double h) {
+  /// That of the scene, or one whose force at half the reach moves the mean mass by three times the reach in a step: about as
+  /// stiff as inertia is, where Newton's method takes fewest iterations.
+  double barrier_stiffness(const affine::Potential& p, double h) const {
     const double given = kBarrierStiffness.of(scene_.dynamics.parameters);
     if (given > 0) return given;
-    const double near = 1e-8 * setup_.size;
     affine::Barrier unit = p.barrier;
-    unit.stiffness = 1, unit.separation = 0;
-    const double curvature = unit(near * near).second;
-    const double least = 1e11 * setup_.mean_mass / (4 * near * near * curvature) / (h * h);
-    return std::clamp(minimizer_.balanced_stiffness(p, q_.view()), least, 100 * least);
+    unit.stiffness = 1;
+    const double half = unit.separation + 0.5 * unit.reach;
+    const double force = -2 * half * unit(half * half).first;
+    return 3 * setup_.mean_mass * unit.reach / (h * h * force);
   }
 
   /// Minimizes until friction is as it should be.

@@ -71,9 +71,7 @@ inline constexpr SolverParameter kNewtonIterations{
     .high = 1e6};
 inline constexpr SolverParameter kBarrierStiffness{
     .key = "barrier_stiffness",
-    .description =
-        "factor of the barrier [J/m^4]; 0: found in each step from the forces that "
-        "it balances.",
+    .description = "factor of the barrier [J/m^4]; 0: about as stiff as bodies are inert.",
     .standard = 0,
     .low = 0,
     .high = 1e60,

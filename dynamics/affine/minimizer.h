@@ -51,7 +51,6 @@ class Minimizer {
         from_(b, bodies),
         to_(b, bodies),
         right_(b, rows),
-        without_(b, rows),
         step_(b, rows),
         diagonal_(b, rows),
         begin_(b, static_cast<Offset>(rows) + 1),
@@ -70,7 +69,6 @@ class Minimizer {
         energy_(b, 1),
         share_(b, 1),
         sums_(b, 1),
-        balance_(b, 1),
         touch_(b, 1) {}
 
   /// Ways of bodies that the next list is for, by body: written before begin().
@@ -101,17 +99,6 @@ class Minimizer {
     reduce<FirstTouch>(*b_, pairs, TouchOfPair{p.near, q, distance * distance},
                        StoreResult<FirstTouch>{touch_.data()});
     return fetch(*b_, touch_.data()).pair;
-  }
-
-  /// Stiffness of the barrier that balances all else where bodies are; 0 without contacts.
-  double balanced_stiffness(Potential p, Span<const AffineVec> q) {
-    p.barrier.stiffness = 1;
-    energy(p, q);  // for what it says of pairs
-    if (assemble(p, q, /*keep_without=*/true) == 0) return 0;
-    reduce<BalanceSums>(*b_, p.rows(), BalanceOfRow{right_.view(), without_.view()},
-                        StoreResult<BalanceSums>{balance_.data()});
-    const BalanceSums sums = fetch(*b_, balance_.data());
-    return sums.barrier > 0 ? -sums.mixed / sums.barrier : 0;
   }
 
   /// Friction of the contacts of a state, from now on.
@@ -246,16 +233,15 @@ class Minimizer {
     return found;
   }
 
-  /// The linear system at q, where energy() was asked last. @return number of elements of contacts
-  Index assemble(const Potential& p, Span<const AffineVec> q, bool keep_without = false) {
+  /// The linear system at q, where energy() was asked last.
+  void assemble(const Potential& p, Span<const AffineVec> q) {
     B& b = *b_;
     const Index rows = p.rows();
     for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view()});
-    if (keep_without) copy(b, Span<const AffineVec>(right_.view()), without_.view());
     const Index contacts = list_marked(count_, static_cast<Index>(p.near.pairs.size), active_);
     const Index count = contacts + static_cast<Index>(p.slips.size);
     block_count_ = 0;
-    if (count == 0) return 0;
+    if (count == 0) return;
     elements_.reserve_discard(count);
     for_each(b, count, MakeElements{p, q, active_.view(contacts), elements_.view(count)});
     const Index entries = 2 * count;
@@ -269,7 +255,6 @@ class Minimizer {
     for_each(b, 12 / kLines * rows,
              AddElements<kLines>{elements_.view(count), entry_.view(entries), begin_.view(),
                                  diagonal_.view(), right_.view()});
-    if (keep_without) return contacts;
     mark_.reserve_discard(entries);
     for_each(b, entries, MarkBlocks{keys, key_.view(entries), mark_.view(entries)});
     block_count_ = list_marked(mark_, entries, first_);
@@ -277,7 +262,6 @@ class Minimizer {
     for_each(b, 12 / kLines * block_count_,
              AddMixed<kLines>{elements_.view(count), keys, key_.view(entries), entry_.view(entries),
                               first_.view(block_count_), mixed_.view(block_count_)});
-    return contacts;
   }
 
   B* b_;
@@ -288,7 +272,7 @@ class Minimizer {
   double near_ms_ = 0;
   Index block_count_ = 0;
   Buffer<B, AffineVec> full_, trial_, from_, to_;  ///< by body
-  Buffer<B, AffineVec> right_, without_, step_;    ///< by row
+  Buffer<B, AffineVec> right_, step_;              ///< by row
   Buffer<B, Dense<12>> diagonal_;
   Buffer<B, Index> begin_, mark_;
   Buffer<B, double> squared_;  ///< of near pairs, as energy() found them
@@ -305,7 +289,6 @@ class Minimizer {
   Buffer<B, EnergySum> energy_;
   Buffer<B, LeastShare> share_;
   Buffer<B, StepSums> sums_;
-  Buffer<B, BalanceSums> balance_;
   Buffer<B, FirstTouch> touch_;
 };
 

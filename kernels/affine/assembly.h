@@ -271,22 +271,4 @@ struct AddMixed {
   }
 };
 
-/// Products of the gradients of the barrier and of all else, for the stiffness that balances them.
-struct BalanceSums {
-  double mixed = 0, barrier = 0;
-  SCREE_HD void combine(const BalanceSums& o) {
-    mixed += o.mixed;
-    barrier += o.barrier;
-  }
-};
-struct BalanceOfRow {
-  static constexpr const char* name = "affine_balance";
-  Span<const AffineVec> with, without;  ///< minus the gradients, with the elements and without
-
-  SCREE_HD BalanceSums operator()(Index row) const {
-    const AffineVec push = with[row] - without[row];
-    return {dot(push, without[row]), dot(push, push)};
-  }
-};
-
 }  // namespace scree::affine

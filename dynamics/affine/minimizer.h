@@ -135,6 +135,10 @@ class Minimizer {
       if (sums.stray > room_) {
         copy(*b_, Span<const AffineVec>(q), from_.view());
         copy(*b_, Span<const AffineVec>(full_.view()), to_.view());
+        // The next Newton steps are shorter and begin on this way: half of its length is room for them. Wide lists pay where
+        // the search looked at much and found little.
+        const double most = (near_.finds_few() ? kMostRoom : 1) * p.barrier.reach;
+        room_ = std::clamp(0.5 * sums.size, p.barrier.reach, most);
         list(p);
         at = energy(p, q);
       }
@@ -174,6 +178,8 @@ class Minimizer {
  private:
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
+  /// Widest room about ways [reach].
+  static constexpr double kMostRoom = 8;
   /// Lines of a block that an item of the assembly adds up.
   static constexpr int kLines = B::kIsDevice ? 1 : 12;
 

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <vector>
 
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
@@ -34,13 +36,23 @@ constexpr std::array<std::pair<const char*, double Material::*>, 4> kNoValues{
      {"rolling_friction", &Material::rolling_friction},
      {"spinning_friction", &Material::spinning_friction}}};
 
-void check_joint(const Joint& joint, std::size_t j) {
+/// @param is_fixed  by body
+void check_joint(const Joint& joint, std::size_t j, const std::vector<bool>& is_fixed) {
   const std::string path = fmt::format("joints[{}]", j);
-  const bool is_known = joint.kind == JointKind::ball || joint.kind == JointKind::hinge ||
+  const bool slides = joint.kind == JointKind::slider || joint.kind == JointKind::cylindrical;
+  const bool is_known = slides || joint.kind == JointKind::ball || joint.kind == JointKind::hinge ||
                         joint.kind == JointKind::fixed;
   if (!is_known)
     refuse(path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
-           "must be ball, hinge or fixed: joints of the dynamics \"affine\" hold points");
+           "must be ball, hinge, fixed, slider or cylindrical: joints of the dynamics \"affine\" "
+           "are linear equations");
+  const bool has_resting = std::any_of(joint.bodies.begin(), joint.bodies.end(), [&](int body) {
+    return body == kWorldBody || is_fixed[static_cast<std::size_t>(body)];
+  });
+  if (slides && !has_resting)
+    refuse(path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
+           "must have the world or a fixed body as one of its bodies: along an axis that moves it "
+           "is no linear equation of affine bodies");
   if (joint.motor)
     refuse(path + ".motor", "a motor", "must not be there with the dynamics \"affine\"");
   if (std::isfinite(joint.limits[0]) || std::isfinite(joint.limits[1]))
@@ -63,9 +75,12 @@ void check_affine(const Scene& scene) {
       refuse("periodic", fmt::format("an axis {}", "xyz"[axis]),
              "must be without axes: the dynamics \"affine\" have no periods");
   require_no_values(scene, kNoValues, "contacts of the dynamics \"affine\" have friction alone");
+  std::vector<bool> is_fixed;
   for_each_by_id(
       scene,
-      [](std::size_t id, const BodyDescription& body) {
+      [&](std::size_t id, const BodyDescription& body) {
+        is_fixed.resize(std::max(is_fixed.size(), id + 1));
+        is_fixed[id] = body.kind == BodyKind::fixed;
         check_locks(body.locks, body.entry >= 0 ? fmt::format("bodies[{}]", body.entry)
                                                 : fmt::format("body {}", id));
       },
@@ -73,7 +88,7 @@ void check_affine(const Scene& scene) {
         check_locks(set.locks,
                     set.entry >= 0 ? fmt::format("particles[{}]", set.entry) : "particles");
       });
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) check_joint(scene.joints[j], j);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) check_joint(scene.joints[j], j, is_fixed);
 }
 
 double affine_bytes_per_body(const Scene&, const WorldOptions&) {

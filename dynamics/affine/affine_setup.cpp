@@ -213,16 +213,17 @@ class Builder {
     if (d.kind != BodyKind::free) return;
     if (const unsigned moves = d.locks & 7u; moves != 0) {
       NodeEquation e;
-      e.row[0] = row, e.weight[0][0] = 1, e.components = moves;
+      e.row[0] = row, e.weight[0][0] = 1, e.count = 0;
+      for (int k = 0; k < 3; ++k) {
+        Vec3d axis;
+        axis[k] = 1;
+        if ((moves >> k & 1u) != 0) e.direction[e.count++] = axis;
+      }
       setup_.equations.push_back(e);
     }
     const unsigned turns = d.locks >> 3 & 7u;
     if (turns == 7) {
-      for (int k = 1; k < 4; ++k) {
-        NodeEquation e;
-        e.row[0] = row, e.weight[0][k] = 1;
-        setup_.equations.push_back(e);
-      }
+      hold_turns(row);
     } else if (turns != 0) {  // the axis that is left stays where it is
       Vec3d axis;
       for (int k = 0; k < 3; ++k) axis[k] = turns >> k & 1u ? 0 : 1;
@@ -234,9 +235,22 @@ class Builder {
     }
   }
 
-  /// A point of two bodies, or of one and the world.
-  void hold_point(const std::array<int, 2>& body, const Vec3d& at) {
+  void hold_turns(int row) {
+    for (int k = 1; k < 4; ++k) {
+      NodeEquation e;
+      e.row[0] = row, e.weight[0][k] = 1;
+      setup_.equations.push_back(e);
+    }
+  }
+
+  /// A point of two bodies, or of one and the world. @param free  an axis along which it may move; zero: none
+  void hold_point(const std::array<int, 2>& body, const Vec3d& at, const Vec3d& free = {}) {
     NodeEquation e;
+    if (norm2(free) > 0) {
+      e.direction[0] = any_orthogonal(free);
+      e.direction[1] = cross(free, e.direction[0]);
+      e.count = 2;
+    }
     int used = 0;
     for (const int b : body) {
       if (b < 0 || setup_.bodies[static_cast<std::size_t>(b)].row < 0) continue;
@@ -257,6 +271,16 @@ class Builder {
       body[k] = body_of_id_[static_cast<std::size_t>(joint.bodies[k])];
       const double radius = setup_.bodies[static_cast<std::size_t>(body[k])].radius;
       reach = reach == 0 ? radius : std::min(reach, radius);
+    }
+    if (joint.kind == JointKind::slider || joint.kind == JointKind::cylindrical) {
+      hold_point(body, joint.anchor, joint.axis);
+      if (joint.kind == JointKind::cylindrical) {
+        hold_point(body, joint.anchor + reach * joint.axis, joint.axis);
+      } else {
+        for (const int b : body)
+          if (b >= 0) hold_turns(setup_.bodies[static_cast<std::size_t>(b)].row);
+      }
+      return;
     }
     hold_point(body, joint.anchor);
     if (joint.kind == JointKind::hinge) hold_point(body, joint.anchor + reach * joint.axis);

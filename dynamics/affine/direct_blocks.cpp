@@ -86,15 +86,17 @@ DirectBlocks::DirectBlocks(int rows, const std::vector<NodeEquation>& equations)
     double size = 0;
     for (int side = 0; side < 2; ++side)
       for (int k = 0; k < 4 && e.row[side] >= 0; ++k) size += e.weight[side][k] * e.weight[side][k];
-    for (int c = 0; c < 3; ++c) {
-      if ((e.components >> c & 1u) == 0) continue;
+    for (int d = 0; d < e.count; ++d) {
       const int number = impl_->equations++;
-      for (int side = 0; side < 2; ++side)
-        for (int k = 0; k < 4 && e.row[side] >= 0; ++k)
+      for (int side = 0; side < 2; ++side) {
+        for (int i = 0; i < 12 && e.row[side] >= 0; ++i) {
+          const double weight = e.weight[side][i / 3] * e.direction[d][i % 3];
+          if (e.direction[d][i % 3] == 0) continue;
           impl_
-              ->of_unknown[12 * static_cast<std::size_t>(e.row[side]) +
-                           static_cast<std::size_t>(3 * k + c)]
-              .push_back({number, e.weight[side][k] / std::sqrt(size)});
+              ->of_unknown[12 * static_cast<std::size_t>(e.row[side]) + static_cast<std::size_t>(i)]
+              .push_back({number, weight / std::sqrt(size)});
+        }
+      }
     }
   }
 }
@@ -130,11 +132,9 @@ std::vector<RowSpace> row_spaces(int rows, const std::vector<NodeEquation>& equa
   for (const NodeEquation& e : equations) {
     if (e.row[1] >= 0) continue;
     Eigen::MatrixXd& m = held[static_cast<std::size_t>(e.row[0])];
-    for (int c = 0; c < 3; ++c) {
-      if ((e.components >> c & 1u) == 0) continue;
+    for (int d = 0; d < e.count; ++d) {
       m.conservativeResize(m.rows() + 1, 12);
-      m.row(m.rows() - 1).setZero();
-      for (int k = 0; k < 4; ++k) m(m.rows() - 1, 3 * k + c) = e.weight[0][k];
+      for (int i = 0; i < 12; ++i) m(m.rows() - 1, i) = e.weight[0][i / 3] * e.direction[d][i % 3];
       m.row(m.rows() - 1).normalize();
     }
   }

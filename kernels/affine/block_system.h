@@ -19,12 +19,12 @@ struct BlockSystemView {
   Span<const AffineVec> right;     ///< by row
 };
 
-/// A linear equation that steps keep, the same for the components x, y, z that it names: the sum of weights times
-/// nodes of one row or two is zero.
+/// A linear equation that steps keep along each of some directions: the sum of weights times nodes of one row or two is zero.
 struct NodeEquation {
-  int row[2] = {-1, -1};     ///< the second may be -1: the world
-  double weight[2][4] = {};  ///< of the nodes of AffineVec
-  unsigned components = 7u;  ///< bits 1 x, 2 y, 4 z
+  int row[2] = {-1, -1};                                   ///< the second may be -1: the world
+  double weight[2][4] = {};                                ///< of the nodes of AffineVec
+  Vec3d direction[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};  ///< orthonormal
+  int count = 3;                                           ///< of directions
 };
 
 }  // namespace scree::affine

@@ -221,6 +221,47 @@ TEST(AffineModel, AHingedRodSwingsWithItsPeriod) {
   EXPECT_LT(largest_error, 1e-12);
 }
 
+/// A box off the axis that holds it, which leads down a slope.
+Scene box_on_an_axis(JointKind kind, const Vec3d& axis) {
+  Scene scene = affine_scene(0.01, 0, 0);
+  scene.dynamics.parameters["tolerance"] = 1e-9;
+  add_box(scene, {0, 0, 0.3}, {0.1, 0.2, 0.3}, 2);
+  Joint joint;
+  joint.kind = kind;
+  joint.bodies = {kWorldBody, 0};
+  joint.axis = axis;
+  joint.anchor = {0, 0.1, 0.3};
+  scene.joints.push_back(joint);
+  return scene;
+}
+
+// Implicit Euler falls g sin(slope) t (t + h) / 2.
+TEST(AffineModel, ASliderGoesStraightDownItsAxis) {
+  const Vec3d axis{0.8, 0, -0.6};
+  World world(box_on_an_axis(JointKind::slider, axis), cpu_options());
+  for (int k = 0; k < 100; ++k) world.step();
+  const BodyStates states = world.states();
+  const double way = 0.6 * kGravity * 1.0 * 1.01 / 2;
+  EXPECT_LT(norm(states.position[0] - Vec3d{0, 0, 0.3} - way * axis), 1e-9);
+  EXPECT_LT(norm(states.angular_velocity[0]), 1e-9);
+}
+
+// About its axis it turns as a pendulum too, and leaves it nowhere.
+TEST(AffineModel, ACylindricalJointTurnsAsItSlides) {
+  const Vec3d axis{1, 0, 0};
+  Scene scene = box_on_an_axis(JointKind::cylindrical, axis);
+  scene.bodies[0].velocity = {0.5, 0, 0};
+  World world(scene, cpu_options());
+  for (int k = 0; k < 50; ++k) world.step();
+  const BodyStates states = world.states();
+  EXPECT_NEAR(states.position[0].x, 0.25, 1e-9);
+  const std::vector<Vec3d> node = nodes_of(world);
+  const Vec3d anchor = node[0] + 0.1 * node[2];
+  EXPECT_LT(norm(Vec3d{0, anchor.y - 0.1, anchor.z - 0.3}), 1e-9);
+  EXPECT_GT(std::abs(states.angular_velocity[0].x), 1);
+  EXPECT_LT(std::abs(states.angular_velocity[0].y) + std::abs(states.angular_velocity[0].z), 1e-9);
+}
+
 TEST(AffineModel, ResumedRunsHaveTheSameBitsForAnyNumberOfThreads) {
   const Scene scene = falling_boxes(1);
   World one(scene, cpu_options(1));

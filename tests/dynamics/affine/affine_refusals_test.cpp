@@ -38,6 +38,11 @@ Joint joint(JointKind kind) {
 TEST(AffineRefusals, TakesWhatItHas) {
   EXPECT_EQ(refusal([](Scene&) {}), "nothing");
   EXPECT_EQ(refusal([](Scene& s) { s.joints.push_back(joint(JointKind::ball)); }), "nothing");
+  EXPECT_EQ(refusal([](Scene& s) {
+              s.joints.push_back(joint(JointKind::slider));
+              s.joints[0].bodies = {kWorldBody, 0};
+            }),
+            "nothing");
   EXPECT_EQ(refusal([](Scene& s) { s.bodies[0].locks = lock_x | lock_ry | lock_rz; }), "nothing");
 }
 
@@ -49,7 +54,9 @@ TEST(AffineRefusals, WhatItDoesNotHaveIsNamed) {
               HasSubstr("must be none, two or three"));
   EXPECT_THAT(
       refusal([](Scene& s) { s.joints.push_back(joint(JointKind::slider)); }),
-      AllOf(HasSubstr("joints[0]"), HasSubstr("slider"), HasSubstr("ball, hinge or fixed")));
+      AllOf(HasSubstr("joints[0]"), HasSubstr("slider"), HasSubstr("the world or a fixed body")));
+  EXPECT_THAT(refusal([](Scene& s) { s.joints.push_back(joint(JointKind::universal)); }),
+              AllOf(HasSubstr("joints[0]"), HasSubstr("universal"), HasSubstr("cylindrical")));
   EXPECT_THAT(refusal([](Scene& s) {
                 s.joints.push_back(joint(JointKind::hinge));
                 s.joints[0].motor = JointMotor{};

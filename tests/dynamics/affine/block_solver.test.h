@@ -116,8 +116,8 @@ class BlockSolverTest : public BackendTest<double> {
       for (int side = 0; side < 2; ++side)
         for (int k = 0; k < 4 && e.row[side] >= 0; ++k)
           sum += e.weight[side][k] * x[static_cast<std::size_t>(e.row[side])].node[k];
-      for (int c = 0; c < 3; ++c)
-        if ((e.components >> c & 1u) != 0) most = std::max(most, std::abs(sum[c]));
+      for (int d = 0; d < e.count; ++d)
+        most = std::max(most, std::abs(dot(sum, e.direction[d])));
     }
     return most;
   }
@@ -152,7 +152,8 @@ TEST_F(BlockSolverTest, LongChainsAreSolvedWhateverTheBackend) {
 TEST_F(BlockSolverTest, EquationsOfRowsHoldInBothWays) {
   make(20, chain(20));
   std::vector<NodeEquation> equations{point(3, -1), point(7, -1), point(7, -1)};
-  equations[0].components = 5;
+  equations[0].direction[1] = {0, std::sqrt(0.5), -std::sqrt(0.5)};  // and along x
+  equations[0].count = 2;
   for (int k = 0; k < 4; ++k) {  // a body that cannot move at all
     NodeEquation e;
     e.row[0] = 12, e.weight[0][k] = 1;

@@ -33,7 +33,7 @@ struct AffineFigures {
   double frames_per_s() const { return 1e3 / steps.ms("total").mean; }
 };
 
-AffineFigures measure(Scene scene, const WorldOptions& world_options,
+AffineFigures measure(const Scene& scene, const WorldOptions& world_options,
                       const AffineBenchOptions& options) {
   World world(scene, world_options);
   for (int k = 0; k < options.warmup; ++k) world.step();

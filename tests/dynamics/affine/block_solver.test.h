@@ -116,8 +116,7 @@ class BlockSolverTest : public BackendTest<double> {
       for (int side = 0; side < 2; ++side)
         for (int k = 0; k < 4 && e.row[side] >= 0; ++k)
           sum += e.weight[side][k] * x[static_cast<std::size_t>(e.row[side])].node[k];
-      for (int d = 0; d < e.count; ++d)
-        most = std::max(most, std::abs(dot(sum, e.direction[d])));
+      for (int d = 0; d < e.count; ++d) most = std::max(most, std::abs(dot(sum, e.direction[d])));
     }
     return most;
   }

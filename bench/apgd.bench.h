@@ -65,7 +65,7 @@ void run_iteration(Suite<B>& suite, benchmark::State& state, Index spheres, Apgd
   if (!(reached < first)) state.SkipWithError("the residual did not fall");
 }
 
-/// Cost of one more iteration of Apgd::solve, residual checks included: a long solve minus a short
+/// Cost of one more iteration of a solve, residual checks included: a long solve minus a short
 /// one, over the difference of their operator applications.
 template <class B, class Real>
 void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetricKind kind) {
@@ -76,18 +76,19 @@ void run_solve(Suite<B>& suite, benchmark::State& state, Index spheres, ApgdMetr
   const Index n = bed.contact_count();
   Buffer<B, Vec3<Real>> guess(b, n), gamma(b, n);
   bed.random_impulses(b, 51, guess.view(n));
-  Apgd<B, Real> short_solver(
-      {.max_iterations = kShort, .check_every = kCheckEvery, .own = own_of(kind)});
-  Apgd<B, Real> long_solver(
-      {.max_iterations = kLong, .check_every = kCheckEvery, .own = own_of(kind)});
+  const auto make = [&](int iterations) {
+    return make_solver<B, Real>(
+        "apgd", {.max_iterations = iterations, .check_every = kCheckEvery, .own = own_of(kind)});
+  };
+  const auto short_solver = make(kShort), long_solver = make(kLong);
   SolveStats stats;
-  const auto solve = [&](Apgd<B, Real>& solver) {
+  const auto solve = [&](Solver<B, Real>& solver) {
     copy(b, std::as_const(guess).view(n), gamma.view(n));
     solver.restore_memory({});
     stats = solver.solve(b, bed.problem(), gamma.view(n), 0);
   };
-  const auto solve_short = [&] { solve(short_solver); };
-  const auto solve_long = [&] { solve(long_solver); };
+  const auto solve_short = [&] { solve(*short_solver); };
+  const auto solve_long = [&] { solve(*long_solver); };
   solve_long();
   const int applications = stats.applications - kShort;
   const SolveStats reached = stats;

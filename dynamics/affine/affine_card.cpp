@@ -94,7 +94,7 @@ void check_affine(const Scene& scene) {
 double affine_bytes_per_body(const Scene&, const WorldOptions&) {
   // States and constants, eight contacts with their elements and entries, forty near pairs, four blocks.
   constexpr double kState = 12 * 96 + 400 + 200, kRow = 3 * 1152 + 6 * 96;
-  constexpr double kContacts = 8 * (1280 + 200), kNear = 40 * 40, kBlocks = 4 * 2 * 1160;
+  constexpr double kContacts = 8 * (784 + 200), kNear = 40 * 52, kBlocks = 4 * 2 * 1160;
   return kState + kRow + kContacts + kNear + kBlocks;
 }
 

@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <vector>
 
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
@@ -36,8 +35,8 @@ constexpr std::array<std::pair<const char*, double Material::*>, 4> kNoValues{
      {"rolling_friction", &Material::rolling_friction},
      {"spinning_friction", &Material::spinning_friction}}};
 
-/// @param is_fixed  by body
-void check_joint(const Joint& joint, std::size_t j, const std::vector<bool>& is_fixed) {
+void check_joint(const Scene& scene, std::size_t j) {
+  const Joint& joint = scene.joints[j];
   const std::string path = fmt::format("joints[{}]", j);
   const bool slides = joint.kind == JointKind::slider || joint.kind == JointKind::cylindrical;
   const bool is_known = slides || joint.kind == JointKind::ball || joint.kind == JointKind::hinge ||
@@ -47,7 +46,8 @@ void check_joint(const Joint& joint, std::size_t j, const std::vector<bool>& is_
            "must be ball, hinge, fixed, slider or cylindrical: joints of the dynamics \"affine\" "
            "are linear equations");
   const bool has_resting = std::any_of(joint.bodies.begin(), joint.bodies.end(), [&](int body) {
-    return body == kWorldBody || is_fixed[static_cast<std::size_t>(body)];
+    return body == kWorldBody ||
+           scene.bodies[static_cast<std::size_t>(body)].kind == BodyKind::fixed;
   });
   if (slides && !has_resting)
     refuse(path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
@@ -75,12 +75,9 @@ void check_affine(const Scene& scene) {
       refuse("periodic", fmt::format("an axis {}", "xyz"[axis]),
              "must be without axes: the dynamics \"affine\" have no periods");
   require_no_values(scene, kNoValues, "contacts of the dynamics \"affine\" have friction alone");
-  std::vector<bool> is_fixed;
   for_each_by_id(
       scene,
-      [&](std::size_t id, const BodyDescription& body) {
-        is_fixed.resize(std::max(is_fixed.size(), id + 1));
-        is_fixed[id] = body.kind == BodyKind::fixed;
+      [](std::size_t id, const BodyDescription& body) {
         check_locks(body.locks, body.entry >= 0 ? fmt::format("bodies[{}]", body.entry)
                                                 : fmt::format("body {}", id));
       },
@@ -88,7 +85,7 @@ void check_affine(const Scene& scene) {
         check_locks(set.locks,
                     set.entry >= 0 ? fmt::format("particles[{}]", set.entry) : "particles");
       });
-  for (std::size_t j = 0; j < scene.joints.size(); ++j) check_joint(scene.joints[j], j, is_fixed);
+  for (std::size_t j = 0; j < scene.joints.size(); ++j) check_joint(scene, j);
 }
 
 double affine_bytes_per_body(const Scene&, const WorldOptions&) {

@@ -235,7 +235,9 @@ class Builder {
     }
   }
 
+  /// All turns of a body; of one without a row, which rests, nothing.
   void hold_turns(int row) {
+    if (row < 0) return;
     for (int k = 1; k < 4; ++k) {
       NodeEquation e;
       e.row[0] = row, e.weight[0][k] = 1;
@@ -272,18 +274,15 @@ class Builder {
       const double radius = setup_.bodies[static_cast<std::size_t>(body[k])].radius;
       reach = reach == 0 ? radius : std::min(reach, radius);
     }
-    if (joint.kind == JointKind::slider || joint.kind == JointKind::cylindrical) {
-      hold_point(body, joint.anchor, joint.axis);
-      if (joint.kind == JointKind::cylindrical) {
-        hold_point(body, joint.anchor + reach * joint.axis, joint.axis);
-      } else {
-        for (const int b : body)
-          if (b >= 0) hold_turns(setup_.bodies[static_cast<std::size_t>(b)].row);
-      }
-      return;
+    const bool slides = joint.kind == JointKind::slider || joint.kind == JointKind::cylindrical;
+    const Vec3d free = slides ? joint.axis : Vec3d{};
+    hold_point(body, joint.anchor, free);
+    if (joint.kind == JointKind::hinge || joint.kind == JointKind::cylindrical)
+      hold_point(body, joint.anchor + reach * joint.axis, free);
+    if (joint.kind == JointKind::slider) {
+      for (const int b : body)
+        if (b >= 0) hold_turns(setup_.bodies[static_cast<std::size_t>(b)].row);
     }
-    hold_point(body, joint.anchor);
-    if (joint.kind == JointKind::hinge) hold_point(body, joint.anchor + reach * joint.axis);
     if (joint.kind == JointKind::fixed) {
       for (int k = 0; k < 3; ++k) {
         Vec3d away;

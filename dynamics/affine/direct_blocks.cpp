@@ -91,7 +91,7 @@ DirectBlocks::DirectBlocks(int rows, const std::vector<NodeEquation>& equations)
       for (int side = 0; side < 2; ++side) {
         for (int i = 0; i < 12 && e.row[side] >= 0; ++i) {
           const double weight = e.weight[side][i / 3] * e.direction[d][i % 3];
-          if (e.direction[d][i % 3] == 0) continue;
+          if (weight == 0) continue;
           impl_
               ->of_unknown[12 * static_cast<std::size_t>(e.row[side]) + static_cast<std::size_t>(i)]
               .push_back({number, weight / std::sqrt(size)});

@@ -46,10 +46,14 @@ void add_sizes_option(CLI::App& command, BedOptions& options) {
 /// Options: of scenes, those of one or of several.
 template <class Options>
 void add_measuring_options(CLI::App& command, Options& options) {
-  command.add_option("--warmup", options.warmup, "steps before measuring")
+  command
+      .add_option("--warmup", options.warmup,
+                  fmt::format("steps before measuring (default: {})", options.warmup))
       ->check(CLI::Range(0, kMostSteps))
       ->take_last();
-  command.add_option("--steps", options.steps, "steps measured")
+  command
+      .add_option("--steps", options.steps,
+                  fmt::format("steps measured (default: {})", options.steps))
       ->check(CLI::Range(1, kMostSteps))
       ->take_last();
   command

@@ -31,7 +31,7 @@ struct AffineVec {
 };
 
 /// One of the twelve numbers.
-SCREE_HD inline double number(const AffineVec& v, int i) { return v.node[i / 3][i % 3]; }
+SCREE_HD inline double entry_of(const AffineVec& v, int i) { return v.node[i / 3][i % 3]; }
 
 SCREE_HD inline double dot(const AffineVec& a, const AffineVec& b) {
   double sum = 0;

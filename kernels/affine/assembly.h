@@ -177,7 +177,7 @@ struct MarkBlocks {
 /// Adds row i of the block of an element that two of its sides have: twelve numbers.
 SCREE_HD inline void add_row(const Element& e, int side, int to, int i, double* row) {
   for (int k = 0; k < e.count; ++k) {
-    const double own = number(e.mode[k][side], i);
+    const double own = entry_of(e.mode[k][side], i);
     for (int l = 0; l < 4; ++l)
       for (int d = 0; d < 3; ++d) row[3 * l + d] += own * e.mode[k][to].node[l][d];
   }
@@ -231,7 +231,7 @@ struct AddElements {
       const int side = entry[k] % 2;
       for (int i = 0; i < kLines; ++i) {
         add_row(e, side, side, first + i, line[i]);
-        push[i] += number(e.push[side], first + i);
+        push[i] += entry_of(e.push[side], first + i);
       }
     }
     for (int i = 0; i < kLines; ++i) {

@@ -106,9 +106,6 @@ struct GradientState {
   bool is_done = false;  ///< nothing changes any more
 };
 
-/// Components of a vector as numbers.
-SCREE_HD inline double entry_of(const AffineVec& v, int i) { return v.node[i / 3][i % 3]; }
-
 /// Adds matrix v, or that of its transpose.
 SCREE_HD inline void add_product(const Dense<12>& m, bool is_turned, const AffineVec& v,
                                  AffineVec& sum) {

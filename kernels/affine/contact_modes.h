@@ -14,6 +14,10 @@
 
 namespace scree::affine {
 
+SCREE_HD inline double square_of(const double (&w)[4]) {
+  return w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3];
+}
+
 /// Vectors whose outer products are summed.
 struct Modes {
   int count = 0;
@@ -53,8 +57,7 @@ SCREE_HD inline int mode_parts(const Mollifier& m) { return m.first == 0 ? 1 : 2
 
 /// The terms of free parameters. @param push  -2 b', > 0
 SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four& x, Modes& modes) {
-  double weights = 0;
-  for (int i = 0; i < 4; ++i) weights += n.weight[i] * n.weight[i];
+  const double weights = square_of(n.weight);
   Vec3d tangent[2];
   double slope[2][4];
   for (int k = 0; k < n.free; ++k) {
@@ -68,12 +71,8 @@ SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four
     const double length = norm(tangent[k]);
     if (!(length > 0)) return;
     tangent[k] *= 1 / length;
-    double slopes = 0;
-    for (int i = 0; i < 4; ++i) {
-      slope[k][i] /= length;
-      slopes += slope[k][i] * slope[k][i];
-    }
-    const double square = slopes * n.squared, c = std::sqrt(square);  // of |c|
+    for (int i = 0; i < 4; ++i) slope[k][i] /= length;
+    const double square = square_of(slope[k]) * n.squared, c = std::sqrt(square);  // of |c|
     const double value = 0.5 * square + std::sqrt(0.25 * square * square + weights * square);
     const double size = std::sqrt(weights * square + value * value);
     if (!(c > 0) || !modes.begin(push * value)) continue;
@@ -91,8 +90,7 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
   if (!barrier.acts(n.squared)) return modes;
   const Derivatives b = barrier(n.squared);
   const Mollifier m = mollifier(pair, x);
-  double weights = 0;
-  for (int i = 0; i < 4; ++i) weights += n.weight[i] * n.weight[i];
+  const double weights = square_of(n.weight);
   const double root = std::sqrt(weights);
   const Vec3d normal = normalized(n.gap);
   const double along = pair.weight * m.value * (4 * b.second * n.squared + 2 * b.first) * weights;

@@ -40,23 +40,39 @@ SCREE_HD inline double distance_bound(PairKind kind, const Four& x, double size)
   return apart - kErrors * size;
 }
 
+/// Ways of the four points, less what is common to all of them.
+/// @return the most that features can come nearer [m]
+SCREE_HD inline double closing_ways(PairKind kind, const Four& from, const Four& to, Four& way,
+                                    Vec3d& mean) {
+  const int split = first_points(kind);
+  mean = Vec3d{};
+  for (int i = 0; i < 4; ++i) {
+    way[i] = (to[i] - from[i]) - (to[0] - from[0]);
+    mean += 0.25 * way[i];
+  }
+  double most[2] = {0, 0};
+  for (int i = 0; i < 4; ++i) {
+    way[i] -= mean;
+    const double own = norm(way[i]);
+    double& side = most[i < split ? 0 : 1];
+    side = own > side ? own : side;
+  }
+  return most[0] + most[1];
+}
+
 /// Whether straight ways are so short that their features keep a distance, without looking at these: most pairs of a step.
 /// @param squared  of the distance at the start [m^2]. Features that are nearly parallel may be nearer by 1e-8 of their size
 SCREE_HD inline bool stays_apart(PairKind kind, const Four& from, const Four& to, double squared,
                                  double separation) {
-  const int split = first_points(kind);
-  double most[2] = {0, 0}, size = 0;
+  Four way;
   Vec3d mean;
-  for (int i = 0; i < 4; ++i) mean += 0.25 * (to[i] - from[i]);
-  for (int i = 0; i < 4; ++i) {
-    const double own = norm2(to[i] - from[i] - mean), far = norm2(from[i] - from[0]);
-    double& side = most[i < split ? 0 : 1];
-    side = own > side ? own : side;
+  const double closing = closing_ways(kind, from, to, way, mean);
+  double size = 0;
+  for (int i = 1; i < 4; ++i) {
+    const double far = norm2(from[i] - from[0]);
     size = far > size ? far : size;
   }
-  const double way = std::sqrt(most[0]) + std::sqrt(most[1]);
-  const double distance = std::sqrt(squared);
-  return way < 0.9 * (distance - separation) - 1e-8 * std::sqrt(size);
+  return closing < 0.9 * (std::sqrt(squared) - separation) - 1e-8 * std::sqrt(size);
 }
 
 struct FirstContactParameters {
@@ -77,24 +93,15 @@ struct FirstContact {
 /// @return a time up to which the features stay farther apart than the separation
 SCREE_HD inline FirstContact first_contact(PairKind kind, const Four& from, const Four& to,
                                            const FirstContactParameters& parameters) {
-  const int split = first_points(kind);
   Four start, way;
   Vec3d mean;
+  const double rate = closing_ways(kind, from, to, way, mean) * (1 + 1e-14);
+  double size = 0;
   for (int i = 0; i < 4; ++i) {
     start[i] = from[i] - from[0];
-    way[i] = (to[i] - from[i]) - (to[0] - from[0]);
-    mean += 0.25 * way[i];
-  }
-  double speed[2] = {0, 0}, size = 0;
-  for (int i = 0; i < 4; ++i) {
-    way[i] -= mean;
-    double& most = speed[i < split ? 0 : 1];
-    const double own = norm(way[i]);
-    most = own > most ? own : most;
-    const double far = norm(start[i]) + own + norm(mean) + norm(to[i] - from[i]);
+    const double far = norm(start[i]) + norm(way[i]) + norm(mean) + norm(to[i] - from[i]);
     size = far > size ? far : size;
   }
-  const double rate = (speed[0] + speed[1]) * (1 + 1e-14);
   FirstContact r;
   double stop = 0;
   for (double time = 0;;) {

@@ -71,32 +71,4 @@ SCREE_HD inline Four friction_gradient(const FrictionContact& f, const SlipLaw& 
   return g;
 }
 
-/// The 3x3 matrix K of the pair: blocks of the Hessian are w_i w_j K. Along the slip it is f1', across
-/// it f1 / y, both never below zero: it needs no projection.
-SCREE_HD inline Dense<3> friction_stiffness(const FrictionContact& f, const SlipLaw& law,
-                                            const Four& moved) {
-  double u[2];
-  slip_of(f, moved, u);
-  const double y = std::sqrt(u[0] * u[0] + u[1] * u[1]);
-  const double across = f.bound * law.force_per_slip(y);
-  const double along = f.bound * law.stiffness(y);
-  Dense<3> k;
-  k.add_outer(0, 0, across, f.tangent[0], f.tangent[0]);
-  k.add_outer(0, 0, across, f.tangent[1], f.tangent[1]);
-  if (y > 0) {
-    const Vec3d direction = (u[0] / y) * f.tangent[0] + (u[1] / y) * f.tangent[1];
-    k.add_outer(0, 0, along - across, direction, direction);
-  }
-  return k;
-}
-
-SCREE_HD inline Dense<12> friction_hessian(const FrictionContact& f, const SlipLaw& law,
-                                           const Four& moved) {
-  const Dense<3> k = friction_stiffness(f, law, moved);
-  Dense<12> h;
-  for (int i = 0; i < 12; ++i)
-    for (int j = 0; j < 12; ++j) h(i, j) = f.weight[i / 3] * f.weight[j / 3] * k(i % 3, j % 3);
-  return h;
-}
-
 }  // namespace scree::affine

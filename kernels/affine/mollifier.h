@@ -40,29 +40,4 @@ SCREE_HD inline Four cross_gradient(const Four& x) {
   return g;
 }
 
-/// Second derivatives of c = |e|^2 |f|^2 - (e.f)^2 with respect to the four points.
-SCREE_HD inline Dense<12> cross_hessian(const Four& x) {
-  const Vec3d e = x[1] - x[0], f = x[3] - x[2];
-  const double ee = norm2(e), ff = norm2(f), ef = dot(e, f);
-  Dense<12> h;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = 0; j < 4; ++j) {
-      const double sign = (i + j) % 2 == 0 ? 1 : -1;
-      if (i < 2 && j < 2) {
-        h.add_identity(i, j, 2 * sign * ff);
-        h.add_outer(i, j, -2 * sign, f, f);
-      } else if (i >= 2 && j >= 2) {
-        h.add_identity(i, j, 2 * sign * ee);
-        h.add_outer(i, j, -2 * sign, e, e);
-      } else {
-        const Vec3d &own = i < 2 ? e : f, &other = i < 2 ? f : e;
-        h.add_identity(i, j, -2 * sign * ef);
-        h.add_outer(i, j, 4 * sign, own, other);
-        h.add_outer(i, j, -2 * sign, other, own);
-      }
-    }
-  }
-  return h;
-}
-
 }  // namespace scree::affine

@@ -2,7 +2,7 @@
 // Nearest points of a point and a triangle, and of two edges, with derivatives of their squared
 // distance. docs/theory.md, "Barrier contact".
 
-#include "kernels/math/dense.h"
+#include "kernels/math/vec3.h"
 
 namespace scree::affine {
 
@@ -134,37 +134,6 @@ SCREE_HD inline Four distance_gradient(const Nearest& n) {
   Four g;
   for (int i = 0; i < 4; ++i) g[i] = (2 * n.weight[i]) * n.gap;
   return g;
-}
-
-/// Second derivatives of the squared distance. With F = |sum of w_i x_i|^2 at parameters b, which
-/// follow the points, they are F_xx - F_xb F_bb^-1 F_bx.
-SCREE_HD inline Dense<12> distance_hessian(const Four& x, const Nearest& n) {
-  Dense<12> h;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) h.add_identity(i, j, 2 * n.weight[i] * n.weight[j]);
-  if (n.free == 0) return h;
-  Vec3d along[2];  // derivatives of the gap with respect to the parameters
-  for (int k = 0; k < n.free; ++k)
-    for (int i = 0; i < 4; ++i)
-      if (i > 0) along[k] += n.slope[k][i] * (x[i] - x[0]);
-  double inverse[2][2] = {};  // of F_bb / 2
-  const double aa = norm2(along[0]), bb = norm2(along[1]), ab = dot(along[0], along[1]);
-  if (n.free == 1) {
-    inverse[0][0] = 1 / aa;
-  } else {
-    const double area = norm2(cross(along[0], along[1]));
-    inverse[0][0] = bb / area, inverse[1][1] = aa / area;
-    inverse[0][1] = inverse[1][0] = -ab / area;
-  }
-  Four mixed[2];  // F_xb / 2
-  for (int k = 0; k < n.free; ++k)
-    for (int i = 0; i < 4; ++i) mixed[k][i] = n.slope[k][i] * n.gap + n.weight[i] * along[k];
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j)
-      for (int k = 0; k < n.free; ++k)
-        for (int l = 0; l < n.free; ++l)
-          h.add_outer(i, j, -2 * inverse[k][l], mixed[k][i], mixed[l][j]);
-  return h;
 }
 
 }  // namespace scree::affine

@@ -124,7 +124,7 @@ struct EnergyOfTerm {
       if (!p.barrier.acts(e.squared)) return e;
       const ContactPair contact = p.contact_pair(pair.kind, rest);
       const Mollifier m = mollifier(contact, x);
-      e.energy = p.scale * contact.weight * m.value * p.barrier(e.squared).value;
+      e.energy = p.scale * contact_energy(contact, p.barrier, e.squared, m);
       e.contacts = 1;
       states.elements[i] = mode_parts(m);
       return e;

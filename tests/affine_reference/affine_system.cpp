@@ -12,6 +12,7 @@
 #include "kernels/affine/friction.h"
 #include "kernels/affine/orthogonality.h"
 #include "solvers/solver.h"
+#include "tests/affine_reference/hessians.h"
 #include "tests/affine_reference/pair_search.h"
 #include "tests/affine_reference/reduction.h"
 

@@ -3,6 +3,7 @@
 
 #include "kernels/affine/affine_state.h"
 #include "kernels/affine/nearest.h"
+#include "kernels/math/dense.h"
 
 namespace scree::affine {
 

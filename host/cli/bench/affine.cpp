@@ -66,49 +66,51 @@ int bench_affine(const AffineBenchOptions& options) {
   require_json_name(options.json);
   std::vector<std::string> names = options.scenes;
   if (names.empty()) names.assign(std::begin(kOwnScenes), std::end(kOwnScenes));
+  std::vector<WorldOptions> world_options;
+  std::string notice;
   for (const std::string& name : names) {  // all of them before the first runs
     const Scene scene = read_affine_scene(options, name);
-    require_memory(scene, resolve_options(options.target, scene));
+    world_options.push_back(resolve_options(options.target, scene, &notice));
+    require_memory(scene, world_options.back());
   }
   const bool prints_json = options.json == "-";
-  std::unique_ptr<BenchRecord> record;
-  Json all = Json::array();
+  BenchRecord record(bench_header("affine", world_options.front()),
+                     prints_json ? "" : options.json);
+  if (!prints_json) {
+    if (!notice.empty()) say(notice);
+    fmt::print("{}\n", bench_title(record.document()));
+  }
   Table table({{"scene", 24},
                {"bodies", 8},
                {"frames/s", 10},
                {"contacts", 9},
                {"Newton", 7},
                {"linear", 7},
+               {"residual", 9},
                {"near ms", 9},
                {"set up ms", 9},
                {"linear ms", 9},
                {"rest ms", 9},
                {"gap m", 9},
                {"capped", 6}});
-  Json header;
-  for (const std::string& name : names) {
-    const Scene scene = read_affine_scene(options, name);
-    const WorldOptions world_options = resolve_options(options.target, scene);
-    if (!record) {
-      header = bench_header("affine", world_options);
-      record = std::make_unique<BenchRecord>(header, prints_json ? "" : options.json);
-      if (!prints_json) fmt::print("{}\n", bench_title(header));
-    }
-    const AffineFigures f = measure(scene, world_options, options);
-    const Json result = to_json(scene.name, scene.stepping.time_step, f);
-    record->add(result);
-    all.push_back(result);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const Scene scene = read_affine_scene(options, names[k]);
+    const AffineFigures f = measure(scene, world_options[k], options);
+    record.add(to_json(scene.name, scene.stepping.time_step, f));
     if (prints_json) continue;
     const StepFigures& s = f.steps;
     table.row({scene.name, fmt::format("{}", s.bodies), digits(f.frames_per_s()),
                fmt::format("{:.0f}", s.contacts), fixed(s.iterations, 1), fixed(s.applications, 0),
-               digits(s.ms("collision").mean), digits(s.ms("setup").mean),
-               digits(s.ms("solve").mean), digits(s.ms("integrate").mean), digits(f.min_gap),
+               digits(s.residual_rms, 2), digits(s.ms("collision").mean),
+               digits(s.ms("setup").mean), digits(s.ms("solve").mean),
+               digits(s.ms("integrate").mean), digits(f.min_gap),
                fmt::format("{}", s.not_converged)});
   }
   if (prints_json) {
-    header["results"] = all;
-    fmt::print("{}\n", header.dump(2));
+    fmt::print("{}\n", record.document().dump(2));
+  } else {
+    fmt::print(
+        "residual: the largest of a step [m/s]; capped: steps that ended above their tolerance\n");
   }
   return 0;
 }

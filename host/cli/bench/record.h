@@ -25,6 +25,8 @@ class BenchRecord {
   BenchRecord(Json header, std::string path);
   /// Adds a case and rewrites the file, so that what is done is on disk when a later case fails.
   void add(Json result);
+  /// The header and all cases so far.
+  const Json& document() const { return document_; }
 
  private:
   Json document_;

@@ -4,6 +4,7 @@
 
 #include "dynamics/affine/affine_setup.h"
 #include "host/error.h"
+#include "host/scene_reader.h"
 #include "host/state_hash.h"
 #include "tests/affine_reference/affine_system.h"
 #include "tests/dynamics/affine_scenes.h"
@@ -221,6 +222,18 @@ TEST(AffineModel, AHingedRodSwingsWithItsPeriod) {
   EXPECT_LT(largest_error, 1e-12);
 }
 
+// Stiffer barriers press contacts into the last hundredths of their reach, where a step took 158 iterations.
+TEST(AffineModel, AHouseOfCardsAtRestTakesFewIterations) {
+  const Scene scene = read_scene(SCREE_SCENE_DIR "/house_of_cards.json", {});
+  World world(scene, cpu_options());
+  for (int k = 0; k < 11; ++k) world.step();
+  const StepReport report = world.step();
+  EXPECT_TRUE(report.converged);
+  EXPECT_LE(report.iterations, 4);
+  EXPECT_GT(report.contact_count, 1000);
+  EXPECT_GT(report.own[min_gap], 0.02 * 2e-4);
+}
+
 /// A box off the axis that holds it, which leads down a slope.
 Scene box_on_an_axis(JointKind kind, const Vec3d& axis) {
   Scene scene = affine_scene(0.01, 0, 0);
@@ -244,6 +257,18 @@ TEST(AffineModel, ASliderGoesStraightDownItsAxis) {
   const double way = 0.6 * kGravity * 1.0 * 1.01 / 2;
   EXPECT_LT(norm(states.position[0] - Vec3d{0, 0, 0.3} - way * axis), 1e-9);
   EXPECT_LT(norm(states.angular_velocity[0]), 1e-9);
+}
+
+// A fixed body holds the axis as the world does, and what joins them lets them overlap.
+TEST(AffineModel, ASliderGoesThroughTheFixedBodyThatHoldsIt) {
+  const Vec3d axis{0.8, 0, -0.6};
+  Scene scene = box_on_an_axis(JointKind::slider, axis);
+  physics::add_wall_box(scene, {0.4, 0, 0}, {0.05, 0.3, 0.3});
+  scene.joints[0].bodies = {1, 0};
+  World world(scene, cpu_options());
+  for (int k = 0; k < 50; ++k) world.step();
+  const double way = 0.6 * kGravity * 0.5 * 0.51 / 2;
+  EXPECT_LT(norm(world.states().position[0] - Vec3d{0, 0, 0.3} - way * axis), 1e-9);
 }
 
 // About its axis it turns as a pendulum too, and leaves it nowhere.

@@ -96,6 +96,8 @@ TEST_F(FirstContactTest, IsNeverLaterThanExactContact) {
         continue;
       }
       ++touched;
+      const double apart = nearest_points(kind, from[k]).squared;
+      EXPECT_FALSE(stays_apart(kind, from[k], to[k], apart, 0)) << k;
       for (const FirstContact& found : {coarse[k], fine[k]}) {
         EXPECT_TRUE(found.hit) << k;
         EXPECT_TRUE(exact::Number(found.time) <= truth.to) << k;
@@ -131,7 +133,13 @@ TEST_F(FirstContactTest, TheWayIsFreeUpToTheTimeFound) {
           for (int i = 0; i < 4; ++i) x[i] = from[k][i] + time * (to[k][i] - from[k][i]);
           return std::sqrt(nearest_points(kind, x).squared);
         };
-        const double least = separation;
+        const double least = separation, apart = nearest_points(kind, from[k]).squared;
+        // Of a short way it is known without a search that it is free.
+        Four near = from[k];
+        for (int i = 0; i < 4; ++i)
+          near[i] += 0.1 * std::sqrt(apart) * normalized(to[k][i] - from[k][i]);
+        EXPECT_TRUE(stays_apart(kind, from[k], near, apart, separation)) << k;
+        if (stays_apart(kind, from[k], to[k], apart, separation)) EXPECT_FALSE(found[k].hit) << k;
         for (int s = 0; s <= 100; ++s) EXPECT_GT(distance(0.01 * s * found[k].time), least) << k;
         if (!found[k].hit) {
           EXPECT_EQ(found[k].time, 1);

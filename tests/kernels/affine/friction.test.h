@@ -3,6 +3,7 @@
 #include <random>
 
 #include "kernels/affine/friction.h"
+#include "tests/affine_reference/hessians.h"
 #include "tests/backend_fixture.h"
 #include "tests/kernels/affine/differences.h"
 

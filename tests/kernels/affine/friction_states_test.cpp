@@ -7,6 +7,7 @@
 
 #include "kernels/affine/contact_potential.h"
 #include "kernels/affine/friction.h"
+#include "tests/affine_reference/hessians.h"
 #include "tests/kernels/affine/differences.h"
 #include "tests/physics/shared_data.h"
 

@@ -139,7 +139,9 @@ TEST_F(FirstContactTest, TheWayIsFreeUpToTheTimeFound) {
         for (int i = 0; i < 4; ++i)
           near[i] += 0.1 * std::sqrt(apart) * normalized(to[k][i] - from[k][i]);
         EXPECT_TRUE(stays_apart(kind, from[k], near, apart, separation)) << k;
-        if (stays_apart(kind, from[k], to[k], apart, separation)) EXPECT_FALSE(found[k].hit) << k;
+        if (stays_apart(kind, from[k], to[k], apart, separation)) {
+          EXPECT_FALSE(found[k].hit) << k;
+        }
         for (int s = 0; s <= 100; ++s) EXPECT_GT(distance(0.01 * s * found[k].time), least) << k;
         if (!found[k].hit) {
           EXPECT_EQ(found[k].time, 1);

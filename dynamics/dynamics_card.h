@@ -80,6 +80,7 @@ struct DynamicsCard {
   const SolverParameter* iteration_cap = nullptr;
   bool has_joints = false;               ///< joints hold bodies together; else scenes have none
   bool meshes_may_be_free = false;       ///< what meets are surfaces, those of free bodies too
+  bool bodies_may_be_elastic = false;    ///< and bend, where their meshes have tetrahedra
   bool has_collision_groups = false;     ///< bodies of one group do not touch each other
   bool has_loads = false;                ///< bodies may have forces and torques of their own
   std::span<const ReportColumn> report;  ///< steps.csv; the first is the number of the step

@@ -100,6 +100,12 @@ struct Load {
   Vec3d torque;  ///< about it, world axes [N m]
 };
 
+/// Of a free body that bends and stretches, whose mesh has tetrahedra.
+struct Elasticity {
+  double young_modulus = 0;    ///< [Pa], > 0; 0: the body is not elastic
+  double poisson_ratio = 0.3;  ///< [-], -1 < nu < 0.5
+};
+
 /// A body that may touch all others.
 inline constexpr int kNoCollisionGroup = -1;
 /// Of bodies that are not free and name no other; other groups are below it.
@@ -121,6 +127,7 @@ struct BodyDescription {
   int collision_group = kNoCollisionGroup;  ///< bodies of the same one do not touch
   Rare<Motion> motion;                      ///< kinematic bodies only
   Rare<Load> load;                          ///< free bodies only
+  Rare<Elasticity> elastic;                 ///< free bodies with a mesh of their own only
   int entry = -1;  ///< number in the list `bodies` of the scene file, for messages
 };
 
@@ -227,6 +234,13 @@ struct Joint {
   double break_moment = std::numeric_limits<double>::infinity();
 };
 
+/// Corners of an elastic body that another body carries, or that stay where they are.
+struct Attachment {
+  int body = 0;         ///< elastic: index in Scene::bodies
+  int to = kWorldBody;  ///< index of one that is not elastic, or kWorldBody
+  Vec3d low, high;      ///< corners within this box at time zero, world [m]
+};
+
 /// When a solver stops. Levels are those of the theory page: relative to v* and to d/h.
 struct StopRule {
   enum class Level { quality, preview, absolute, fixed_iterations };
@@ -317,9 +331,10 @@ struct Scene {
   std::vector<BodyDescription> bodies;  ///< present at time zero, any kind and order
   /// Names that some of the bodies have, those of insertions included, and their ids.
   std::map<std::string, int> body_names;
-  std::vector<ParticleSet> particles;  ///< present at time zero
-  std::vector<Insertion> insertions;   ///< increasing times
-  std::vector<Joint> joints;           ///< of `bodies`, from time zero
+  std::vector<ParticleSet> particles;   ///< present at time zero
+  std::vector<Insertion> insertions;    ///< increasing times
+  std::vector<Joint> joints;            ///< of `bodies`, from time zero
+  std::vector<Attachment> attachments;  ///< of elastic ones of `bodies`
   Periodicity periodicity;
   DynamicsSettings dynamics;
   SteppingSettings stepping;

@@ -80,6 +80,8 @@ struct BodyStates {
   std::vector<Vec3d> velocity;
   std::vector<Vec3d> angular_velocity;   ///< world frame [rad/s]
   std::vector<std::vector<double>> own;  ///< quantities of the model, see Own in dynamics_card.h
+  /// Of bodies that bend, by id: where the vertices of their meshes are [m].
+  std::map<int, std::vector<Vec3d>> bent;
 };
 
 /// One contact of the last step, for analysis; ids, not storage indices.

@@ -15,7 +15,8 @@ struct Mesh {
   static constexpr const char* name = "mesh";
   static constexpr const char* description = "a triangle surface";
   static constexpr ShapeKey keys[]{
-      {"file", ShapeKey::Type::file, ".stl or .obj file, relative to the scene file.", true},
+      {"file", ShapeKey::Type::file,
+       ".stl or .obj file, or .msh or .vtk file of tetrahedra, relative to the scene file.", true},
       {"scale", ShapeKey::Type::scale,
        "the file's coordinates are multiplied by this [m per unit of the file]."},
       {"closed", ShapeKey::Type::flag,

@@ -51,6 +51,9 @@ struct TriangleMesh {
   bool closed = true;
   std::vector<ShapePart> parts =
       {};  ///< of a compound: the mesh is their surfaces, one after the other
+  /// Of a file with tetrahedra: what is inside. Their corners are vertices, and behind these the inner ones [m].
+  std::vector<Vec3d> inner = {};
+  std::vector<std::array<int, 4>> tetrahedra = {};  ///< of positive volume
 };
 
 }  // namespace scree

@@ -6,10 +6,12 @@
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
 #include "dynamics/affine/minimizer.h"
+#include "dynamics/affine/solids.h"
 #include "dynamics/model_on.h"
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
+#include "dynamics/rigid/part_store.h"
 #include "host/scene/motion.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/affine/step_programs.h"
@@ -28,10 +30,13 @@ class AffineDynamics final : public ModelOn<B, double> {
         store_(backend(), summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
                summary_.solid_spheres),
         obstacles_(backend(), scene_, store_.fixed_begin()),
+        parts_(backend(), obstacles_.data(), obstacles_.shapes(), store_.ranges(), PeriodicBox{}),
         rows_(static_cast<Index>(setup_.body_of_row.size())),
         surfaces_(backend(), setup_.surfaces, setup_.surface_of_body, setup_.collision_group,
                   setup_.held_pairs),
-        minimizer_(backend(), static_cast<Index>(setup_.bodies.size()), rows_, setup_.equations),
+        solids_(backend(), setup_.solid),
+        minimizer_(backend(), static_cast<Index>(setup_.bodies.size()), rows_, setup_.solid.links,
+                   setup_.equations),
         constants_(backend()),
         body_of_row_(backend()),
         friction_(backend()),
@@ -92,7 +97,10 @@ class AffineDynamics final : public ModelOn<B, double> {
 
   int body_count() const override { return store_.ranges().present_count(); }
   BodyStates states() override {
-    return store_.states(static_cast<Index>(store_.ranges().present_count()));
+    write_solid_poses();
+    BodyStates states = store_.states(static_cast<Index>(store_.ranges().present_count()));
+    solids_.add_bent(backend(), q_.view(), states);
+    return states;
   }
   void arrays_changed(Written /*what*/) override {}  // none can be written
   void set_gravity(const Vec3d& gravity) override {
@@ -118,12 +126,23 @@ class AffineDynamics final : public ModelOn<B, double> {
     tolerance_ = kNewtonTolerance.of(values) > 0 ? kNewtonTolerance.of(values) : 1e-3 * setup_.size;
   }
 
-  /// Pictures find the body of a mesh by its shape.
+  /// Pictures find the body of a mesh by its shape: the first of its parts, where there are compounds.
   void place_shapes() {
-    std::vector<ShapeRecord<double>> shapes = obstacles_.data().shapes;
-    for (std::size_t body = 0; body < setup_.id_of_body.size(); ++body) {
+    const ObstacleData<double>& data = obstacles_.data();
+    std::vector<ShapeRecord<double>> shapes = data.shapes;
+    Index place = 0;
+    for (std::size_t body = 0; body < setup_.scene_bodies; ++body) {
       const Index shape = obstacles_.shape(setup_.id_of_body[body]);
-      if (shape >= 0) shapes[static_cast<std::size_t>(shape)].body = static_cast<Index>(body);
+      Index parts = 1;
+      if (shape >= 0) {
+        ShapeRecord<double>& record = shapes[static_cast<std::size_t>(shape)];
+        record.body = place;
+        if (shape_card(record.kind).is_compound) {
+          const auto k = static_cast<std::size_t>(record.mesh);
+          parts = data.first_part[k + 1] - data.first_part[k];
+        }
+      }
+      place += parts;
     }
     upload(backend(), shapes, shapes_);
   }
@@ -168,8 +187,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     upload(b, led, led_);
     for_each(b, rows_,
              affine::SetTargets{scheme, p.bodies, p.body_of_row, states(scheme.is_second),
-                                led_.view(std::ssize(led)), target_.view(), rate_.view(),
-                                minimizer_.from(), minimizer_.to()});
+                                led_.view(std::ssize(led)), setup_.first_led_row, target_.view(),
+                                rate_.view(), minimizer_.from(), minimizer_.to()});
     copy(b, Span<const AffineVec>(q_.view()), next_.view());
     p.lead = kFirstLead;
     minimizer_.begin(surfaces_, p);
@@ -226,7 +245,8 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// Largest strain of a body at the end of the step.
   double strain() {
     reduce<Largest<double>>(backend(), rows_,
-                            affine::StrainOfRow{body_of_row_.view(rows_), next_.view()},
+                            affine::StrainOfRow{constants_.view(std::ssize(setup_.bodies)),
+                                                body_of_row_.view(rows_), next_.view()},
                             StoreResult<Largest<double>>{strain_.data()});
     return fetch(backend(), strain_.data()).value;
   }
@@ -239,6 +259,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   void finish(const affine::StepScheme& scheme) {
+    solids_.join(backend(), next_.view());
     for_each(backend(), rows_,
              affine::FinishStep{scheme, constants_.view(), body_of_row_.view(),
                                 states(scheme.is_second), next_.view(), target_.view(),
@@ -250,6 +271,11 @@ class AffineDynamics final : public ModelOn<B, double> {
     for_each(backend(), rows_,
              affine::WritePoses{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
                                 store_.view()});
+  }
+  /// Only when they are asked for: a pass goes through a body alone.
+  void write_solid_poses() {
+    solids_.write_poses(backend(), constants_.view(std::ssize(setup_.bodies)), q_.view(), v_.view(),
+                        store_.view());
   }
   affine::AffineSums sum() {
     reduce<affine::AffineSums>(
@@ -310,6 +336,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   void save_arrays(WorldState& s) override {
+    write_solid_poses();
     store_.save_owned(s);
     s.add("affine/position", nodes(q_));
     s.add("affine/velocity", nodes(v_));
@@ -359,10 +386,14 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   typename ModelOn<B, double>::Drawn drawn() override {
-    return {store_.view(), shapes_.view(shapes_.capacity()), obstacles_.mesh_set()};
+    write_solid_poses();
+    for (const affine::Solid& solid : solids_.list())
+      solids_.draw(backend(), solid, q_.view(), store_.view(), obstacles_.vertices_of(solid.id));
+    return {parts_.place(store_.view()), shapes_.view(shapes_.capacity()), obstacles_.mesh_set()};
   }
 
   void for_each_array(const typename ModelOn<B, double>::VisitArray& visit) override {
+    write_solid_poses();
     const BodyView<double> bodies = store_.view();
     const Index n = store_.owned_count();
     const auto rows = [n](const auto* data) { return [data, n] { return array_of(data, n); }; };
@@ -381,8 +412,10 @@ class AffineDynamics final : public ModelOn<B, double> {
   SceneSummary summary_;
   BodyStore<B, double> store_;  ///< bodies as rigid ones, for output and pictures; never reordered
   Obstacles<B, double> obstacles_;
+  PartStore<B, double> parts_;  ///< of compounds, for pictures
   Index rows_;
   affine::SurfaceTables<B> surfaces_;
+  affine::Solids<B> solids_;
   affine::Minimizer<B> minimizer_;
   affine::StepRule rule_ = affine::StepRule::bdf2;
   double reach_ = 0, tolerance_ = 0;  ///< [m], [m/s]

@@ -11,6 +11,7 @@
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/joint_cards.h"
 #include "host/scene/scene_checks.h"
+#include "host/scene/scene_summary.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
@@ -53,6 +54,11 @@ void check_joint(const Scene& scene, std::size_t j) {
     refuse(path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
            "must have the world or a fixed body as one of its bodies: along an axis that moves it "
            "is no linear equation of affine bodies");
+  for (const int body : joint.bodies)
+    if (body != kWorldBody &&
+        scene.bodies[static_cast<std::size_t>(body)].elastic->young_modulus > 0)
+      refuse(path + ".bodies", fmt::format("body {}", body),
+             "must not be elastic: attachments hold elastic bodies");
   if (joint.motor)
     refuse(path + ".motor", "a motor", "must not be there with the dynamics \"affine\"");
   if (std::isfinite(joint.limits[0]) || std::isfinite(joint.limits[1]))
@@ -88,11 +94,19 @@ void check_affine(const Scene& scene) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) check_joint(scene, j);
 }
 
-double affine_bytes_per_body(const Scene&, const WorldOptions&) {
+double affine_bytes_per_body(const Scene& scene, const WorldOptions&) {
   // States and constants, eight contacts with their elements and entries, forty near pairs, four blocks.
   constexpr double kState = 12 * 96 + 400 + 200, kRow = 3 * 1152 + 6 * 96;
   constexpr double kContacts = 8 * (784 + 200), kNear = 40 * 52, kBlocks = 4 * 2 * 1160;
-  return kState + kRow + kContacts + kNear + kBlocks;
+  // A tetrahedron has a row, three links on the average, eight pieces and a third of a row of unknowns with its blocks.
+  constexpr double kTetrahedron = kState + kRow + 3 * 144 + 8 * 56 + kBlocks;
+  double tetrahedra = 0;
+  for (const BodyDescription& body : scene.bodies)
+    if (body.elastic->young_modulus > 0)
+      tetrahedra += static_cast<double>(mesh_of(scene, body.shape)->tetrahedra.size());
+  const auto bodies = static_cast<double>(count_bodies(scene).all());
+  return kState + kRow + kContacts + kNear + kBlocks +
+         (bodies > 0 ? kTetrahedron * tetrahedra / bodies : 0);
 }
 
 }  // namespace scree

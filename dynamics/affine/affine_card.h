@@ -135,20 +135,22 @@ void check_affine(const Scene& scene);
 double affine_bytes_per_body(const Scene& scene, const WorldOptions& options);
 
 constexpr DynamicsCard affine_card() {
-  return {
-      .name = "affine",
-      .description = "stiff affine bodies with barrier contact and friction, which never intersect",
-      .parameters = kAffineParameters,
-      .iteration_cap = &kNewtonIterations,
-      .has_joints = true,
-      .meshes_may_be_free = true,
-      .has_collision_groups = true,
-      .has_loads = true,
-      .report = kAffineReport,
-      .frame = kRigidFrame,
-      .state = kAffineState,
-      .check = check_affine,
-      .bytes_per_body = affine_bytes_per_body};
+  return {.name = "affine",
+          .description =
+              "stiff affine bodies and elastic ones with barrier contact and friction, which never "
+              "intersect",
+          .parameters = kAffineParameters,
+          .iteration_cap = &kNewtonIterations,
+          .has_joints = true,
+          .meshes_may_be_free = true,
+          .bodies_may_be_elastic = true,
+          .has_collision_groups = true,
+          .has_loads = true,
+          .report = kAffineReport,
+          .frame = kRigidFrame,
+          .state = kAffineState,
+          .check = check_affine,
+          .bytes_per_body = affine_bytes_per_body};
 }
 
 }  // namespace scree

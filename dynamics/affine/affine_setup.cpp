@@ -58,6 +58,8 @@ TriangleMesh large_triangles(const std::vector<WallFace>& faces, double inner_ra
   return mesh;
 }
 
+bool is_elastic(const BodyDescription& body) { return body.elastic->young_modulus > 0; }
+
 bool is_unbounded(const Shape& shape) {
   const ShapeCard& card = shape_card(shape.kind);
   return card.faces != nullptr;
@@ -87,6 +89,11 @@ class Builder {
     number_rows();
     for (std::size_t b = 0; b < all_.size(); ++b) lock(static_cast<int>(b));
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) hold(scene_.joints[j]);
+    std::vector<ElasticBody> elastic;
+    for (std::size_t b = 0; b < all_.size(); ++b)
+      if (is_elastic(all_[b].body))
+        elastic.push_back({static_cast<Index>(b), static_cast<Index>(all_[b].id), &all_[b].body});
+    add_solids(scene_, elastic, body_of_id_, setup_);
     return std::move(setup_);
   }
 
@@ -144,7 +151,9 @@ class Builder {
     c.radius = surface->radius;
     c.material = body.material;
     c.is_led = body.kind == BodyKind::kinematic;
-    if (body.kind == BodyKind::free) {
+    if (is_elastic(body)) {
+      c.mass = affine_mass(body.mass, body.inertia);
+    } else if (body.kind == BodyKind::free) {
       c.mass = affine_mass(body.mass, body.inertia);
       c.stiffness = stiffness_ * (body.shape.volume > 0 ? body.shape.volume : moments.volume);
       c.force = body.load->force, c.torque = body.load->torque;
@@ -193,14 +202,17 @@ class Builder {
   void number_rows() {
     double mass = 0;
     Index free = 0;
+    setup_.scene_bodies = all_.size();
     for (const bool led : {false, true}) {
+      setup_.first_led_row = static_cast<Index>(setup_.body_of_row.size());
       for (std::size_t b = 0; b < all_.size(); ++b) {
         BodyConstant& body = setup_.bodies[b];
         const bool is_free = all_[b].body.kind == BodyKind::free;
         if (led ? !body.is_led : !is_free) continue;
+        if (is_free) mass += body.mass.mass, ++free;
+        if (is_elastic(all_[b].body)) continue;
         body.row = static_cast<Index>(setup_.body_of_row.size());
         setup_.body_of_row.push_back(static_cast<Index>(b));
-        if (is_free) mass += body.mass.mass, ++free;
       }
     }
     setup_.mean_mass = free > 0 ? mass / free : 1;
@@ -356,7 +368,16 @@ std::vector<Vec3d> corners_at(const Surface& surface, const AffineVec& q) {
   return at;
 }
 
-[[noreturn]] void throw_crossing(int id_a, int id_b, const Crossing& c) {
+[[noreturn]] void throw_crossing(const AffineSetup& setup, Index a, Index b, const Crossing& c) {
+  const auto id = [&](Index body) { return setup.id_of_body[static_cast<std::size_t>(body)]; };
+  const auto is_part = [&](Index body) {  // its edges and triangles have no numbers that users know
+    return setup.bodies[static_cast<std::size_t>(body)].lame.is_elastic();
+  };
+  const int id_a = id(a), id_b = id(b);
+  if (is_part(a) || is_part(b))
+    throw InputError(fmt::format(
+        "bodies {} and {} intersect at the start; bodies of the dynamics \"affine\" must be apart",
+        std::min(id_a, id_b), std::max(id_a, id_b)));
   const bool is_first = c.edge_of_first >= 0;
   throw InputError(fmt::format(
       "bodies {} and {} intersect at the start: edge {} of body {} passes through triangle {} of "
@@ -426,9 +447,7 @@ void require_no_crossing(const AffineSetup& setup) {
       const auto [a, b] = std::minmax(*i, *k);
       if (!box_of(a).near(box_of(b), 0) || !may_touch(setup, a, b)) continue;
       const Crossing crossing = first_crossing(surface(a), place(a), surface(b), place(b));
-      if (crossing.is_one())
-        throw_crossing(setup.id_of_body[static_cast<std::size_t>(a)],
-                       setup.id_of_body[static_cast<std::size_t>(b)], crossing);
+      if (crossing.is_one()) throw_crossing(setup, a, b, crossing);
     }
   }
 }

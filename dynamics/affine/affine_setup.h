@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "dynamics/affine/solid_setup.h"
 #include "dynamics/affine/surface.h"
 #include "host/scene.h"
 #include "host/scene/motion.h"
@@ -19,8 +20,8 @@ struct LedBody {
   BodyDescription description;
 };
 
-/// Bodies are numbered as they are stored: free ones by id, then fixed and kinematic ones by id. Rows of the linear system are
-/// free bodies, then kinematic ones.
+/// Bodies are numbered as they are stored: free ones by id, then fixed and kinematic ones by id, then the tetrahedra of elastic
+/// ones. These have no row and no surface of their own. Rows are stiff free bodies, then kinematic ones, then tetrahedra.
 struct AffineSetup {
   std::vector<std::shared_ptr<const Surface>> surfaces;  ///< bodies share them
   std::vector<int> surface_of_body;
@@ -32,6 +33,9 @@ struct AffineSetup {
   std::vector<std::array<int, 2>> held_pairs;  ///< bodies that joints hold, which do not touch
   std::vector<NodeEquation> equations;
   std::vector<LedBody> led;
+  Index first_led_row = 0;
+  std::size_t scene_bodies = 0;  ///< those that are no tetrahedra
+  SolidSetup solid;
   double size = 0;       ///< diagonal of the box about all bounded bodies [m]
   double mean_mass = 0;  ///< of free bodies [kg]
 };

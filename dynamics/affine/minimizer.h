@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "dynamics/affine/block_solver.h"
+#include "dynamics/affine/linked_rows.h"
 #include "dynamics/affine/near_pairs.h"
 #include "dynamics/model_on.h"
 #include "kernels/affine/assembly.h"
@@ -41,10 +42,13 @@ struct MinimizerReport {
 template <class B>
 class Minimizer {
  public:
-  /// @param rows  of the linear system
-  Minimizer(B& b, Index bodies, Index rows, const std::vector<NodeEquation>& equations)
+  /// @param rows   of bodies
+  /// @param links  of these to unknowns; without any, they are the unknowns
+  Minimizer(B& b, Index bodies, Index rows, const LinkTable& links,
+            const std::vector<NodeEquation>& equations)
       : b_(&b),
-        solver_(b, rows, equations),
+        solver_(b, links.empty() ? rows : static_cast<Index>(links.used.size()), equations),
+        linked_(b, links),
         near_(b),
         full_(b, bodies),
         trial_(b, bodies),
@@ -57,7 +61,7 @@ class Minimizer {
         mark_(b),
         squared_(b),
         count_(b),
-        place_(b),
+        marked_(b),
         active_(b),
         elements_(b),
         slips_(b),
@@ -119,8 +123,7 @@ class Minimizer {
       StageClock<B> timer(*b_);
       assemble(p, q);
       report.assembly_ms += timer.lap();
-      const auto solved = solver_.solve(
-          *b_, {diagonal_.view(), mixed_.view(block_count_), right_.view()}, step_.view(), 1e-6);
+      const auto solved = solve();
       report.linear_ms += timer.lap();
       report.linear_iterations += solved.iterations;
       if (!solved.is_solved && solver_.is_direct()) break;  // there is no step
@@ -220,23 +223,23 @@ class Minimizer {
     for_each(*b_, p.rows(), MoveBody{p.body_of_row, q, step_.view(), share, moved});
   }
 
+  /// The Newton step of the system that was assembled.
+  typename BlockSolver<B>::Report solve() {
+    constexpr double kTolerance = 1e-6;
+    const BlockSystemView system{diagonal_.view(), mixed_.view(block_count_), right_.view()};
+    if (!linked_.is_on()) return solver_.solve(*b_, system, step_.view(), kTolerance);
+    const auto solved = solver_.solve(*b_, linked_.carry(*b_, system), linked_.step(), kTolerance);
+    linked_.follow(*b_, step_.view());
+    return solved;
+  }
+
   /// Near pairs that the barrier acts on. @return how many
   Index list_active(const Potential& p, Span<const AffineVec> q) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
     if (pairs == 0) return 0;
     mark_.reserve_discard(pairs);
     for_each(*b_, pairs, MarkActive{p.barrier, p.near, q, mark_.view(pairs)});
-    return list_marked(mark_, pairs, active_);
-  }
-  Index list_marked(const Buffer<B, Index>& mark, Index count, Buffer<B, Index>& marked) {
-    if (count == 0) return 0;
-    place_.reserve_discard(static_cast<Offset>(count) + 1);
-    const Span<const Index> marks = mark.view(count);
-    exclusive_scan(*b_, marks, place_.view(static_cast<Offset>(count) + 1));
-    const auto found = static_cast<Index>(fetch(*b_, place_.data() + count));
-    marked.reserve_discard(found);
-    for_each(*b_, count, ListMarked{marks, place_.view(count), marked.view(found)});
-    return found;
+    return marked_.list(*b_, mark_, pairs, active_);
   }
 
   /// The linear system at q, where energy() was asked last.
@@ -244,7 +247,7 @@ class Minimizer {
     B& b = *b_;
     const Index rows = p.rows();
     for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view()});
-    const Index contacts = list_marked(count_, static_cast<Index>(p.near.pairs.size), active_);
+    const Index contacts = marked_.list(b, count_, static_cast<Index>(p.near.pairs.size), active_);
     const Index count = contacts + static_cast<Index>(p.slips.size);
     block_count_ = 0;
     if (count == 0) return;
@@ -263,7 +266,7 @@ class Minimizer {
                                  diagonal_.view(), right_.view()});
     mark_.reserve_discard(entries);
     for_each(b, entries, MarkBlocks{keys, key_.view(entries), mark_.view(entries)});
-    block_count_ = list_marked(mark_, entries, first_);
+    block_count_ = marked_.list(b, mark_, entries, first_);
     mixed_.reserve_discard(block_count_);
     for_each(b, 12 / kLines * block_count_,
              AddMixed<kLines>{elements_.view(count), keys, key_.view(entries), entry_.view(entries),
@@ -273,6 +276,7 @@ class Minimizer {
   B* b_;
   const SurfaceTables<B>* surfaces_ = nullptr;
   BlockSolver<B> solver_;
+  LinkedRows<B> linked_;
   NearPairs<B> near_;
   double room_ = 0;  ///< how far bodies may leave the ways of the list [m]
   double near_ms_ = 0;
@@ -283,7 +287,7 @@ class Minimizer {
   Buffer<B, Index> begin_, mark_;
   Buffer<B, double> squared_;  ///< of near pairs, as energy() found them
   Buffer<B, Index> count_;     ///< of their elements
-  Buffer<B, Offset> place_;
+  MarkedList<B> marked_;
   Buffer<B, Index> active_;
   Buffer<B, Element> elements_;
   Buffer<B, Slip> slips_;

@@ -1,6 +1,7 @@
 #include "dynamics/affine/surface.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "solvers/solver.h"
@@ -13,6 +14,8 @@ Surface make_surface(const TriangleMesh& mesh, const Vec3d& center) {
     s.vertices.push_back(v - center);
     s.radius = std::max(s.radius, norm(s.vertices.back()));
   }
+  s.points.resize(s.vertices.size());
+  std::iota(s.points.begin(), s.points.end(), 0);
   s.triangles = mesh.triangles;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {

@@ -11,6 +11,7 @@ namespace scree::affine {
 /// Corners in coordinates of the body, about its center of mass. Bodies may share one.
 struct Surface {
   std::vector<Vec3d> vertices;            ///< [m]
+  std::vector<int> points;                ///< vertices that touch triangles
   std::vector<std::array<int, 2>> edges;  ///< each once
   std::vector<std::array<int, 3>> triangles;
   double radius = 0;  ///< distance of the farthest corner from the center of mass [m]

@@ -127,7 +127,7 @@ std::vector<TreeNode> add_tree(HostTables& tables, const Surface& surface, Index
 HostTables tables_of(const std::vector<std::shared_ptr<const Surface>>& surfaces) {
   std::size_t features = 0;
   for (const auto& s : surfaces)
-    features += s->vertices.size() + s->edges.size() + s->triangles.size();
+    features += s->points.size() + s->edges.size() + s->triangles.size();
   require(can_number(static_cast<Offset>(2 * features)),
           "affine bodies: " + std::to_string(features) +
               " corners, edges and triangles of different shapes, at most 2^30 can be numbered");
@@ -138,8 +138,8 @@ HostTables tables_of(const std::vector<std::shared_ptr<const Surface>>& surfaces
     const auto first_corner = static_cast<Index>(t.corners.size());
     t.corners.insert(t.corners.end(), surface.vertices.begin(), surface.vertices.end());
     for (const Vec3d& v : surface.vertices) r.radius = std::max(r.radius, norm(v));
-    std::vector<std::array<int, 1>> points(surface.vertices.size());
-    for (std::size_t k = 0; k < points.size(); ++k) points[k][0] = static_cast<int>(k);
+    std::vector<std::array<int, 1>> points;
+    for (const int v : surface.points) points.push_back({v});
     r.block_begin = static_cast<Index>(t.blocks.size());
     r.outline_begin = static_cast<Index>(t.outline.size());
     const auto node = [&] { return static_cast<Index>(t.nodes.size()); };

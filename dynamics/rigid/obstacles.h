@@ -71,6 +71,16 @@ class Obstacles {
     return owner;
   }
 
+  /// Vertices of the mesh of a body, which others with that mesh share.
+  Span<Vec3<Real>> vertices_of(Index id) {
+    const Index mesh = data_.shapes[static_cast<std::size_t>(shape(id))].mesh;
+    Offset first = 0;
+    for (Index k = 0; k < mesh; ++k)
+      first += std::ssize(data_.meshes[static_cast<std::size_t>(k)].vertices);
+    const auto count = std::ssize(data_.meshes[static_cast<std::size_t>(mesh)].vertices);
+    return {vertices_.data() + first, count};
+  }
+
   /// Shape record of a body by id, -1 for a sphere.
   Index shape(Index id) const {
     const auto found = shape_of_id_.find(id);

@@ -303,8 +303,11 @@ void SurfaceFrameWriter::write_frame(h5::Group vtk, const SurfaceExtent& after, 
     // Orientations of float runs are unit only to their rounding; models may have none.
     const Quatd turn = states.orientation.empty() ? Quatd{} : normalized(states.orientation[id]);
     const auto speed = static_cast<float>(norm(states.velocity[id]));
-    for (const Vec3d& corner : surface.vertices) {
-      const Vec3d x = states.position[id] + rotate(turn, scale * corner);
+    const auto bent = states.bent.find(static_cast<int>(id));
+    for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
+      const Vec3d x = bent != states.bent.end()
+                          ? bent->second.at(v)
+                          : states.position[id] + rotate(turn, scale * surface.vertices[v]);
       for (int k = 0; k < 3; ++k) points.add(static_cast<float>(x[k]));
       speeds.add(speed);
     }

@@ -61,7 +61,8 @@ std::optional<LocalFrame> move_inside_to_principal_frame(TriangleMesh& mesh) {
       norm(moments_about(mesh, solid.center).center - solid.center) > kTolerance * size)
     return std::nullopt;
   const LocalFrame frame = principal_frame(solid);
-  for (Vec3d& v : mesh.vertices) v = rotate_back(frame.axes, v - frame.origin);
+  for (std::vector<Vec3d>* points : {&mesh.vertices, &mesh.inner})
+    for (Vec3d& v : *points) v = rotate_back(frame.axes, v - frame.origin);
   return frame;
 }
 

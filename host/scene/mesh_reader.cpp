@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -19,78 +16,23 @@
 #include "host/error.h"
 #include "host/io/printable.h"
 #include "host/scene/mesh_crossings.h"
+#include "host/scene/mesh_text.h"
+#include "host/scene/tetrahedra_reader.h"
 #include "kernels/bodies/range.h"
 
 namespace scree {
 namespace {
 
+using mesh_text::fail;
+using mesh_text::Lines;
+using mesh_text::parsed;
+using mesh_text::parsed_vector;
+using mesh_text::read_bytes;
+
 constexpr double kWeldTolerance = 1e-9;         // of the bounding box's diagonal
 constexpr double kDegenerateTolerance = 1e-10;  // height over longest edge
 
-[[noreturn]] void fail(const TriangleMesh& mesh, const std::string& text) {
-  throw InputError(mesh.name + ": " + text);
-}
-
 std::string text(const Vec3d& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
-
-std::string read_bytes(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    throw InputError(file.string() + ": no such file");
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream || stream.bad()) throw InputError(file.string() + ": cannot be read");
-  return bytes;
-}
-
-/// Words of one line after another.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-  bool next() {
-    if (rest_.empty()) return false;
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    ++number;
-    words.clear();
-    line = line.substr(0, line.find('#'));
-    while (true) {
-      const std::size_t start = line.find_first_not_of(" \t\r\f");
-      if (start == std::string_view::npos) return true;
-      line.remove_prefix(start);
-      const std::size_t stop = std::min(line.find_first_of(" \t\r\f"), line.size());
-      words.push_back(line.substr(0, stop));
-      line.remove_prefix(stop);
-    }
-  }
-  std::vector<std::string_view> words;
-  long long number = 0;
-
- private:
-  std::string_view rest_;
-};
-
-template <class T>
-T parsed(const TriangleMesh& mesh, const Lines& lines, std::string_view word) {
-  T value{};
-  const char* start = word.data() + (!word.empty() && word.front() == '+' ? 1 : 0);
-  const auto [end, error] = std::from_chars(start, word.data() + word.size(), value);
-  bool good = error == std::errc{} && end == word.data() + word.size();
-  if constexpr (std::is_floating_point_v<T>) good = good && std::isfinite(value);
-  if (!good)
-    fail(mesh, fmt::format("line {}: \"{}\" is not a {}", lines.number, printable(word, 40),
-                           std::is_floating_point_v<T> ? "finite number" : "whole number"));
-  return value;
-}
-
-Vec3d parsed_vector(const TriangleMesh& mesh, const Lines& lines, std::size_t first) {
-  if (lines.words.size() < first + 3)
-    fail(mesh, fmt::format("line {}: a vertex needs three numbers", lines.number));
-  return {parsed<double>(mesh, lines, lines.words[first]),
-          parsed<double>(mesh, lines, lines.words[first + 1]),
-          parsed<double>(mesh, lines, lines.words[first + 2])};
-}
 
 /// Adds a corner to a list of separate triangles; welding makes the mesh of it.
 void add_corner(TriangleMesh& mesh, const Vec3d& v) {
@@ -108,14 +50,14 @@ void read_binary_stl(const std::string& bytes, TriangleMesh& mesh) {
   std::memcpy(&count, bytes.data() + 80, sizeof(count));
   const std::size_t needed = header + record * static_cast<std::size_t>(count);
   if (bytes.size() < needed)
-    fail(mesh, fmt::format("truncated: {} triangles need {} bytes, the file has {}", count, needed,
-                           bytes.size()));
+    fail(mesh.name, fmt::format("truncated: {} triangles need {} bytes, the file has {}", count,
+                                needed, bytes.size()));
   for (std::uint32_t t = 0; t < count; ++t) {
     float corners[9];
     std::memcpy(corners, bytes.data() + header + record * t + 12, sizeof(corners));
     for (int c = 0; c < 3; ++c) {
       const Vec3d v{corners[3 * c], corners[3 * c + 1], corners[3 * c + 2]};
-      if (!is_finite(v)) fail(mesh, fmt::format("triangle {}: a coordinate is not finite", t));
+      if (!is_finite(v)) fail(mesh.name, fmt::format("triangle {}: a coordinate is not finite", t));
       add_corner(mesh, v);
     }
   }
@@ -129,18 +71,18 @@ void read_ascii_stl(const std::string& bytes, TriangleMesh& mesh) {
     if (lines.words.empty()) continue;
     const std::string_view word = lines.words[0];
     if (word == "vertex") {
-      add_corner(mesh, parsed_vector(mesh, lines, 1));
+      add_corner(mesh, parsed_vector(mesh.name, lines, 1));
       ++corners;
     } else if (word == "endloop") {
       if (corners != 3)
-        fail(mesh,
+        fail(mesh.name,
              fmt::format("line {}: a facet has {} vertices, must be 3", lines.number, corners));
       corners = 0;
     }
     ended = word == "endsolid";
   }
   if (!ended || corners != 0)
-    fail(mesh, fmt::format("truncated: no \"endsolid\" at the end (line {})", lines.number));
+    fail(mesh.name, fmt::format("truncated: no \"endsolid\" at the end (line {})", lines.number));
 }
 
 void read_stl(const std::string& bytes, TriangleMesh& mesh) {
@@ -156,7 +98,7 @@ void read_stl(const std::string& bytes, TriangleMesh& mesh) {
   if (bytes.compare(0, 5, "solid") == 0) {
     read_ascii_stl(bytes, mesh);
   } else if (bytes.size() < 84) {
-    fail(mesh, fmt::format("truncated: {} bytes are too few for an STL file", bytes.size()));
+    fail(mesh.name, fmt::format("truncated: {} bytes are too few for an STL file", bytes.size()));
   } else {
     read_binary_stl(bytes, mesh);
   }
@@ -173,20 +115,20 @@ void read_obj(const std::string& bytes, TriangleMesh& mesh) {
   while (lines.next()) {
     if (lines.words.empty()) continue;
     if (lines.words[0] == "v") {
-      mesh.vertices.push_back(parsed_vector(mesh, lines, 1));
+      mesh.vertices.push_back(parsed_vector(mesh.name, lines, 1));
     } else if (lines.words[0] == "f") {
       const std::size_t count = lines.words.size() - 1;
       if (count < 3)
-        fail(mesh, fmt::format("line {}: a face needs three vertices or more", lines.number));
+        fail(mesh.name, fmt::format("line {}: a face needs three vertices or more", lines.number));
       std::vector<int> polygon;
       for (std::size_t i = 1; i <= count; ++i) {
         const std::string_view word = lines.words[i];  // v, v/vt, v//vn or v/vt/vn
-        const long long index = parsed<long long>(mesh, lines, word.substr(0, word.find('/')));
+        const long long index = parsed<long long>(mesh.name, lines, word.substr(0, word.find('/')));
         const auto size = static_cast<long long>(mesh.vertices.size());
         const long long v = index < 0 ? size + index : index - 1;  // negative: counted from the end
         if (v < 0 || v >= size)
-          fail(mesh, fmt::format("line {}: vertex {} is out of range, {} vertices so far",
-                                 lines.number, index, size));
+          fail(mesh.name, fmt::format("line {}: vertex {} is out of range, {} vertices so far",
+                                      lines.number, index, size));
         polygon.push_back(static_cast<int>(v));
       }
       add_polygon(mesh, polygon);
@@ -194,44 +136,35 @@ void read_obj(const std::string& bytes, TriangleMesh& mesh) {
   }
 }
 
-/// The next line that holds anything.
-bool next_filled(Lines& lines) {
-  while (lines.next())
-    if (!lines.words.empty()) return true;
-  return false;
-}
-
 void read_off(const std::string& bytes, TriangleMesh& mesh) {
   Lines lines(bytes);
-  const auto require = [&](const char* what) {
-    if (!next_filled(lines)) fail(mesh, fmt::format("truncated: {} expected", what));
-  };
+  const auto require = [&](const char* what) { lines.require(mesh.name, what); };
   require("\"OFF\"");
   // OFF, COFF, NOFF...: what is beside positions and corners stands after them. Counts may follow in the same line.
   if (lines.words[0].size() < 3 || !lines.words[0].ends_with("OFF"))
-    fail(mesh, fmt::format("line {}: \"{}\" is not \"OFF\"", lines.number,
-                           printable(lines.words[0], 40)));
+    fail(mesh.name, fmt::format("line {}: \"{}\" is not \"OFF\"", lines.number,
+                                printable(lines.words[0], 40)));
   lines.words.erase(lines.words.begin());
   if (lines.words.empty()) require("numbers of vertices and faces");
   if (lines.words.size() < 2)
-    fail(mesh, fmt::format("line {}: numbers of vertices and faces expected", lines.number));
-  const auto vertices = parsed<long long>(mesh, lines, lines.words[0]);
-  const auto faces = parsed<long long>(mesh, lines, lines.words[1]);
+    fail(mesh.name, fmt::format("line {}: numbers of vertices and faces expected", lines.number));
+  const auto vertices = parsed<long long>(mesh.name, lines, lines.words[0]);
+  const auto faces = parsed<long long>(mesh.name, lines, lines.words[1]);
   for (long long v = 0; v < vertices; ++v) {
     require("a vertex");
-    mesh.vertices.push_back(parsed_vector(mesh, lines, 0));
+    mesh.vertices.push_back(parsed_vector(mesh.name, lines, 0));
   }
   for (long long f = 0; f < faces; ++f) {
     require("a face");
-    const auto count = parsed<long long>(mesh, lines, lines.words[0]);
+    const auto count = parsed<long long>(mesh.name, lines, lines.words[0]);
     if (count < 3 || static_cast<long long>(lines.words.size()) < 1 + count)
-      fail(mesh, fmt::format("line {}: a face needs three vertices or more", lines.number));
+      fail(mesh.name, fmt::format("line {}: a face needs three vertices or more", lines.number));
     std::vector<int> polygon;
     for (long long i = 1; i <= count; ++i) {
-      const auto v = parsed<long long>(mesh, lines, lines.words[static_cast<std::size_t>(i)]);
+      const auto v = parsed<long long>(mesh.name, lines, lines.words[static_cast<std::size_t>(i)]);
       if (v < 0 || v >= vertices)
-        fail(mesh, fmt::format("line {}: vertex {} is out of range, must be below {}", lines.number,
-                               v, vertices));
+        fail(mesh.name, fmt::format("line {}: vertex {} is out of range, must be below {}",
+                                    lines.number, v, vertices));
       polygon.push_back(static_cast<int>(v));
     }
     add_polygon(mesh, polygon);
@@ -294,8 +227,9 @@ void check_triangles(const TriangleMesh& mesh) {
     const Vec3d& c = mesh.vertices[static_cast<std::size_t>(k)];
     const double longest2 = std::max({norm2(b - a), norm2(c - b), norm2(a - c)});
     if (!(norm(cross(b - a, c - a)) > kDegenerateTolerance * longest2))
-      fail(mesh, fmt::format("triangle {} is degenerate: its corners {}, {} and {} lie on a line",
-                             t, text(a), text(b), text(c)));
+      fail(mesh.name,
+           fmt::format("triangle {} is degenerate: its corners {}, {} and {} lie on a line", t,
+                       text(a), text(b), text(c)));
   }
 }
 
@@ -330,14 +264,17 @@ void check_edges(const TriangleMesh& mesh) {
       ++end;
     const std::size_t count = end - first;
     if (count == 1 && mesh.closed)
-      fail(mesh, fmt::format("{} of triangle {} is open: the surface must be closed, or the scene "
-                             "must say \"closed\": false",
-                             name(uses[first]), uses[first].triangle));
+      fail(mesh.name,
+           fmt::format("{} of triangle {} is open: the surface must be closed, or the scene "
+                       "must say \"closed\": false",
+                       name(uses[first]), uses[first].triangle));
     if (count > 2 && mesh.closed)
-      fail(mesh, fmt::format("{} is shared by {} triangles, must be 2", name(uses[first]), count));
+      fail(mesh.name,
+           fmt::format("{} is shared by {} triangles, must be 2", name(uses[first]), count));
     if (count == 2 && uses[first].forward == uses[first + 1].forward)
-      fail(mesh, fmt::format("triangles {} and {} have opposite orientations at their common {}",
-                             uses[first].triangle, uses[first + 1].triangle, name(uses[first])));
+      fail(mesh.name,
+           fmt::format("triangles {} and {} have opposite orientations at their common {}",
+                       uses[first].triangle, uses[first + 1].triangle, name(uses[first])));
     first = end;
   }
 }
@@ -365,21 +302,23 @@ void check_solid(const TriangleMesh& mesh) {
         mesh.vertices[static_cast<std::size_t>(j)] - mesh.vertices[static_cast<std::size_t>(i)],
         mesh.vertices[static_cast<std::size_t>(k)] - mesh.vertices[static_cast<std::size_t>(i)]));
   if (!(std::abs(volume6(mesh)) > kFlat * area2 * norm(high - low)))
-    fail(mesh,
+    fail(mesh.name,
          "encloses no volume: the surface must be that of a solid, or the scene must say "
          "\"closed\": false");
   if (const auto pair = crossing_triangles(mesh))
-    fail(mesh, fmt::format("triangles {} and {} cross each other: a closed surface must not cross "
-                           "itself, or the scene must say \"closed\": false",
-                           pair->first, pair->second));
+    fail(mesh.name,
+         fmt::format("triangles {} and {} cross each other: a closed surface must not cross "
+                     "itself, or the scene must say \"closed\": false",
+                     pair->first, pair->second));
 }
 
 /// Welding squares distances.
 void check_range(const TriangleMesh& mesh) {
-  for (const Vec3d& v : mesh.vertices)
-    if (!is_in_range(v))
-      fail(mesh, fmt::format("a vertex at {} m is too far out, must be within {:g} m", text(v),
-                             kFarthest));
+  for (const std::vector<Vec3d>* points : {&mesh.vertices, &mesh.inner})
+    for (const Vec3d& v : *points)
+      if (!is_in_range(v))
+        fail(mesh.name, fmt::format("a vertex at {} m is too far out, must be within {:g} m",
+                                    text(v), kFarthest));
 }
 
 /// Lower-case ending of the name of a file.
@@ -398,7 +337,7 @@ TriangleMesh read_surface(const std::filesystem::path& file) {
   mesh.closed = false;
   const std::string kind = kind_of(file);
   if (kind != ".stl" && kind != ".obj" && kind != ".off")
-    fail(mesh, "unknown kind of mesh file: the name must end in .stl, .obj or .off");
+    fail(mesh.name, "unknown kind of mesh file: the name must end in .stl, .obj or .off");
   const std::string bytes = read_bytes(file);
   if (kind == ".obj") read_obj(bytes, mesh);
   if (kind == ".off") read_off(bytes, mesh);
@@ -423,16 +362,20 @@ bool is_closed(const TriangleMesh& mesh) {
 TriangleMesh read_mesh(const std::filesystem::path& file, const MeshOptions& options) {
   TriangleMesh mesh;
   mesh.name = file.string();
-  mesh.closed = options.closed;
   const std::string kind = kind_of(file);
-  if (kind != ".stl" && kind != ".obj")
-    fail(mesh, "unknown kind of mesh file: the name must end in .stl or .obj");
+  const bool has_tetrahedra = is_tetrahedra_file(kind);
+  if (kind != ".stl" && kind != ".obj" && !has_tetrahedra)
+    fail(mesh.name, "unknown kind of mesh file: the name must end in .stl, .obj, .msh or .vtk");
   const std::string bytes = read_bytes(file);
-  kind == ".stl" ? read_stl(bytes, mesh) : read_obj(bytes, mesh);
-  if (mesh.triangles.empty()) fail(mesh, "holds no triangles");
-  for (Vec3d& v : mesh.vertices) v *= options.scale;
+  if (kind == ".stl") read_stl(bytes, mesh);
+  if (kind == ".obj") read_obj(bytes, mesh);
+  if (has_tetrahedra) mesh = read_tetrahedra(bytes, kind, mesh.name);
+  mesh.closed = options.closed;
+  if (mesh.triangles.empty()) fail(mesh.name, "holds no triangles");
+  for (std::vector<Vec3d>* points : {&mesh.vertices, &mesh.inner})
+    for (Vec3d& v : *points) v *= options.scale;
   check_range(mesh);
-  weld(mesh);
+  if (!has_tetrahedra) weld(mesh);
   check_triangles(mesh);
   check_edges(mesh);
   if (!mesh.closed) return mesh;

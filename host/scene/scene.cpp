@@ -222,6 +222,7 @@ std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body)
     return Fault{"lock", fmt::format("{}", body.locks), "must be bits 0 to 5"};
   if (auto fault = motion_fault(body)) return fault;
   if (auto fault = own_fault(scene, body)) return fault;
+  if (auto fault = elasticity_fault(scene, body)) return fault;
   return range_fault(scene, body);
 }
 
@@ -567,6 +568,8 @@ void validate(const Scene& scene) {
     refuse(fault->field, fault->value, fault->expected);
   check_dynamics(scene);
   if (const auto fault = joints_fault(scene)) refuse(fault->field, fault->value, fault->expected);
+  if (const auto fault = attachments_fault(scene))
+    refuse(fault->field, fault->value, fault->expected);
 }
 
 bool meshes_may_be_free(const Scene& scene) {

@@ -25,6 +25,13 @@ std::optional<Fault> joint_fault(const Scene& scene, const Joint& joint);
 /// What of a scene with joints does not go with them; nothing where there are none.
 std::optional<Fault> joints_fault(const Scene& scene);
 
+/// First fault of what makes a body elastic; nothing for one that is not.
+std::optional<Fault> elasticity_fault(const Scene& scene, const BodyDescription& body);
+
+/// First fault of one attachment; of all of them, and of elastic bodies with one mesh. The field is the whole path.
+std::optional<Fault> attachment_fault(const Scene& scene, const Attachment& attachment);
+std::optional<Fault> attachments_fault(const Scene& scene);
+
 /// Indices and numbers of all meshes. @throws InputError
 void check_meshes(const Scene& scene);
 /// Meshes of hulls must be convex, and in the principal frame where a body is free, as must those of free bodies that are

@@ -87,6 +87,8 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   }
   if (const auto joints = root.find("joints"))
     for (const Node& entry : joints->elements()) read_joint(entry, draft);
+  if (const auto attachments = root.find("attachments"))
+    for (const Node& entry : attachments->elements()) read_attachment(entry, draft);
   draft.scene.insertions.reserve(draft.inserted.size());
   for (auto& [time, insertion] : draft.inserted) {
     insertion.time = time;

@@ -35,7 +35,7 @@ std::vector<std::string> body_keys() {
   keys.insert(keys.begin(), {"name", "shape", "kind"});
   for (const char* key : {"position", "orientation", "rotation_deg", "velocity", "angular_velocity",
                           "mass", "density", "inertia", "material", "group", "collision_group",
-                          "lock", "force", "torque", "motion", "insert_at"})
+                          "lock", "force", "torque", "elastic", "motion", "insert_at"})
     keys.emplace_back(key);
   return keys;
 }
@@ -89,10 +89,10 @@ const std::vector<std::string>& own_particle_keys() {
 
 const std::vector<KeyTable>& scene_key_tables() {
   static const std::vector<KeyTable> tables{
-      {"scene", {"$schema",   "name",      "gravity",  "seed",      "backend",
-                 "precision", "time_step", "duration", "materials", "material_pairs",
-                 "periodic",  "bodies",    "urdf",     "particles", "joints",
-                 "dynamics",  "solver",    "stepping", "collision", "output"}},
+      {"scene", {"$schema",   "name",      "gravity",   "seed",           "backend",  "precision",
+                 "time_step", "duration",  "materials", "material_pairs", "periodic", "bodies",
+                 "urdf",      "particles", "joints",    "attachments",    "dynamics", "solver",
+                 "stepping",  "collision", "output"}},
       {"material",
        {"friction", "restitution", "cohesion", "rolling_friction", "spinning_friction"}},
       {"material_pair",
@@ -100,6 +100,8 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"periodic", {"x", "y", "z"}},
       {"body", body_keys()},
       {"rotation", {"axis", "angle"}},
+      {"elasticity", {"young_modulus", "poisson_ratio"}},
+      {"attachment", {"body", "to", "box"}},
       {"motion",
        {"type", "velocity", "angular_velocity", "axis", "center", "rate", "amplitude", "frequency",
         "phase", "start", "stop", "times", "positions", "orientations", "file"}},

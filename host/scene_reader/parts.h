@@ -69,6 +69,10 @@ void read_body(const Node& node, std::size_t index, Draft& draft);
 /// An entry of `urdf`; all of `bodies` were read.
 void read_urdf_entry(const Node& node, Draft& draft);
 JointMotor read_joint_motor(const Node& node);
+/// Index in Scene::bodies of one that is there from the start, by its name or number, or kWorldBody.
+int read_held_body(const Node& node, const Draft& draft);
+/// An entry of `attachments`; all bodies were read.
+void read_attachment(const Node& node, Draft& draft);
 /// An entry of `joints`; all bodies were read.
 void read_joint(const Node& node, Draft& draft);
 void read_motion(const Node& node, Motion& motion);

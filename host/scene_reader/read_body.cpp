@@ -45,7 +45,7 @@ std::vector<Vec3d> read_points(const Node& node, std::string& key) {
 
 /// @param is_free  the mesh is moved to the center of mass and the principal axes of the solid inside
 void read_mesh_file(const Node& node, bool is_free, Shape& shape, Draft& draft) {
-  const Node file = node.at("file", "must be the name of an .stl or .obj file");
+  const Node file = node.at("file", "must be the name of an .stl, .obj, .msh or .vtk file");
   const std::filesystem::path path = file.file();
   MeshOptions options;
   node.read("scale", options.scale, kPositive, "m per unit of the file");
@@ -70,6 +70,10 @@ void read_mesh_file(const Node& node, bool is_free, Shape& shape, Draft& draft) 
   }
   shape = shared->second.shape;
   draft.shape_frame = shared->second.frame;
+  if (is_free && node.has("elastic")) {  // what bends has a mesh of its own
+    draft.scene.meshes.push_back(draft.scene.meshes[static_cast<std::size_t>(shape.mesh)]);
+    shape.mesh = static_cast<int>(draft.scene.meshes.size()) - 1;
+  }
 }
 
 /// An entry of `bodies`.
@@ -190,7 +194,7 @@ void read_kind(const Node& node, const Draft& draft, BodyDescription& body) {
   if (body.kind != BodyKind::free)
     refuse_keys(node,
                 {"velocity", "angular_velocity", "mass", "density", "inertia", "lock", "insert_at",
-                 "force", "torque"},
+                 "force", "torque", "elastic"},
                 "only free bodies have this key (a moving wall is \"kinematic\" and has a motion)");
 }
 
@@ -229,6 +233,14 @@ void read_mass(const Node& node, BodyDescription& body) {
     if (!(body.inertia.x > 0 && body.inertia.y > 0 && body.inertia.z > 0))
       inertia->refuse("must be three positive principal moments [kg m^2]");
   }
+}
+
+Elasticity read_elasticity(const Node& node) {
+  node.check_keys(scene_keys("elasticity"));
+  Elasticity e;
+  e.young_modulus = node.at("young_modulus", "must be positive [Pa]").number(kPositive, "Pa");
+  node.read("poisson_ratio", e.poisson_ratio, kFinite, "");
+  return e;
 }
 
 }  // namespace
@@ -287,6 +299,7 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
     node.read("force", load.force, "N");
     node.read("torque", load.torque, "N m");
     if (norm2(load.force) > 0 || norm2(load.torque) > 0) body.load = load;
+    if (const auto elastic = node.find("elastic")) body.elastic = read_elasticity(*elastic);
   }
   node.read("collision_group", body.collision_group, 0, kRestingGroup - 1);
   body.material = read_material(node, draft);

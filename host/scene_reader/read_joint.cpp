@@ -27,18 +27,6 @@ std::size_t entry_of(const Node& node, const Draft& draft) {
       nearest_hint(name, known));
 }
 
-/// Index in Scene::bodies, or kWorldBody.
-int read_body_of_joint(const Node& node, const Draft& draft) {
-  if (node.json().is_string()) {
-    if (node.text() == kWorldName) return kWorldBody;
-    const auto of_model = draft.scene.body_names.find(node.text());  // those of `urdf` so far
-    if (of_model != draft.scene.body_names.end()) return of_model->second;
-  }
-  const int body = draft.body_of_entry[entry_of(node, draft)];
-  if (body == kInserted) node.refuse("must be there from the start, without insert_at");
-  return body;
-}
-
 [[noreturn]] void refuse_key(const Node& value, const JointCard& card) {
   value.fail(fmt::format("a joint of type \"{}\" has no such key", card.name));
 }
@@ -99,6 +87,17 @@ void read_drive(const Node& node, const JointCard& card, Joint& joint) {
 
 }  // namespace
 
+int read_held_body(const Node& node, const Draft& draft) {
+  if (node.json().is_string()) {
+    if (node.text() == kWorldName) return kWorldBody;
+    const auto of_model = draft.scene.body_names.find(node.text());  // those of `urdf` so far
+    if (of_model != draft.scene.body_names.end()) return of_model->second;
+  }
+  const int body = draft.body_of_entry[entry_of(node, draft)];
+  if (body == kInserted) node.refuse("must be there from the start, without insert_at");
+  return body;
+}
+
 JointMotor read_joint_motor(const Node& node) {
   node.check_keys(scene_keys("joint_motor"));
   JointMotor motor;
@@ -135,7 +134,7 @@ void read_joint(const Node& node, Draft& draft) {
   const Node bodies = node.at("bodies", two);
   const std::vector<Node> ends = bodies.elements();
   if (ends.size() != 2) bodies.refuse(two);
-  for (std::size_t k = 0; k < 2; ++k) joint.bodies[k] = read_body_of_joint(ends[k], draft);
+  for (std::size_t k = 0; k < 2; ++k) joint.bodies[k] = read_held_body(ends[k], draft);
   read_anchors(node, card, joint);
   read_direction(node, card, "axis", card.axis, joint.axis);
   read_direction(node, card, "second_axis", card.second_axis, joint.second_axis);
@@ -144,6 +143,25 @@ void read_joint(const Node& node, Draft& draft) {
     Node(node.json(), node.path() + "." + fault->field, node.source())
         .fail(fault->value + " is not allowed: " + fault->expected);
   draft.scene.joints.push_back(joint);
+}
+
+void read_attachment(const Node& node, Draft& draft) {
+  node.check_keys(scene_keys("attachment"));
+  Attachment attachment;
+  const char* const one = "must be the name or number of an elastic body";
+  attachment.body = read_held_body(node.at("body", one), draft);
+  attachment.to =
+      read_held_body(node.at("to", "must be the name or number of a body, or \"world\""), draft);
+  const char* const corners = "must be two corners at the start, [[x, y, z], [x, y, z]] [m]";
+  const Node box = node.at("box", corners);
+  const std::vector<Node> ends = box.elements();
+  if (ends.size() != 2) box.refuse(corners);
+  attachment.low = ends[0].vector("m");
+  attachment.high = ends[1].vector("m");
+  if (const auto fault = attachment_fault(draft.scene, attachment))
+    Node(node.json(), node.path() + "." + fault->field, node.source())
+        .fail(fault->value + " is not allowed: " + fault->expected);
+  draft.scene.attachments.push_back(attachment);
 }
 
 }  // namespace scree::reader

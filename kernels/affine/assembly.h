@@ -195,9 +195,12 @@ struct BeginRows {
     const Index b = p.body_of_row[row];
     const BodyConstant& body = p.bodies[b];
     const double factor = p.inertia_factor(body);
+    const bool is_elastic = body.lame.is_elastic();
     right[row] = factor * body.mass.product(p.target[row] - q[b]) +
-                 (-p.scale) * orthogonality_gradient(body.stiffness, q[b]);
-    const Dense<9> elastic = projected_orthogonality_hessian(body.stiffness, q[b]);
+                 (-p.scale) * (is_elastic ? neo_hookean_gradient(body.lame, q[b])
+                                          : orthogonality_gradient(body.stiffness, q[b]));
+    const Dense<9> elastic = is_elastic ? projected_neo_hookean_hessian(body.lame, q[b])
+                                        : projected_orthogonality_hessian(body.stiffness, q[b]);
     Dense<12> block;
     for (int i = 0; i < 9; ++i)
       for (int j = 0; j < 9; ++j) block(3 + i, 3 + j) = p.scale * elastic(i, j);

@@ -8,7 +8,7 @@
 #include "kernels/affine/friction.h"
 #include "kernels/affine/inertial_target.h"
 #include "kernels/affine/near_pair.h"
-#include "kernels/affine/orthogonality.h"
+#include "kernels/affine/neo_hookean.h"
 #include "kernels/backend/backend.h"
 
 namespace scree::affine {
@@ -17,6 +17,7 @@ namespace scree::affine {
 struct BodyConstant {
   AffineMass mass;       ///< of a led body what holds it to its way
   double stiffness = 0;  ///< kappa times the volume [J]
+  Lame lame;             ///< of a tetrahedron of an elastic body, in place of the stiffness
   Vec3d force, torque;   ///< world axes [N], [N m]
   double radius = 0;     ///< distance of the farthest corner from the center of mass [m]
   Index row = -1;        ///< of the linear system; -1: the body is fixed
@@ -108,9 +109,14 @@ struct EnergyOfTerm {
       const Index b = p.body_of_row[i];
       const BodyConstant& body = p.bodies[b];
       const AffineVec off = q[b] - p.target[i];
+      e.energy = 0.5 * p.inertia_factor(body) * dot(off, body.mass.product(off));
+      if (body.lame.is_elastic()) {
+        e.energy += p.scale * neo_hookean_energy(body.lame, q[b]);
+        e.rounding = 1e-15 * p.scale * body.lame.shear;
+        return e;
+      }
       const double strain = strain_norm(q[b]);
-      e.energy = 0.5 * p.inertia_factor(body) * dot(off, body.mass.product(off)) +
-                 p.scale * body.stiffness * strain * strain;
+      e.energy += p.scale * body.stiffness * strain * strain;
       e.rounding = 1e-14 * p.scale * body.stiffness * (strain + 1e-14);
       return e;
     }

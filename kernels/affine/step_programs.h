@@ -44,6 +44,13 @@ struct StepStates {
   }
 };
 
+/// Corners that tetrahedra share must be led to one place: turning each of these on its own would not.
+SCREE_HD inline StepScheme rule_of(StepScheme scheme, const BodyConstant& body) {
+  if (body.lame.is_elastic() && scheme.rule == StepRule::rotational)
+    scheme.rule = StepRule::implicit_euler;
+  return scheme;
+}
+
 /// Bytes a row: 1,000.
 struct SetTargets {
   static constexpr const char* name = "affine_set_targets";
@@ -51,7 +58,8 @@ struct SetTargets {
   Span<const BodyConstant> bodies;
   Span<const Index> body_of_row;
   StepStates states;
-  Span<const AffineVec> led;     ///< targets of led bodies, the last rows
+  Span<const AffineVec> led;     ///< targets of led bodies
+  Index first_led = 0;           ///< row of the first
   Span<AffineVec> target, rate;  ///< out, by row
   Span<AffineVec> from, to;      ///< out, by body: ways that near pairs are listed for
 
@@ -61,9 +69,9 @@ struct SetTargets {
     const StepStart start = states.start(b);
     InertialTarget t;
     if (body.is_led) {
-      t.q = led[row - (static_cast<Index>(body_of_row.size) - static_cast<Index>(led.size))];
+      t.q = led[row - first_led];
     } else {
-      t = inertial_target(scheme, body.mass, start, body.force, body.torque);
+      t = inertial_target(rule_of(scheme, body), body.mass, start, body.force, body.torque);
     }
     target[row] = t.q, rate[row] = t.rate;
     from[b] = start.q, to[b] = t.q;
@@ -83,7 +91,7 @@ struct FinishStep {
 
   SCREE_HD void operator()(Index row) const {
     const Index b = body_of_row[row];
-    StepScheme own = scheme;
+    StepScheme own = rule_of(scheme, bodies[b]);
     if (bodies[b].is_led) own.rule = StepRule::implicit_euler, own.is_second = false;
     const StepStart start = states.start(b);
     states.v[b] = velocity_after(own, start, {target[row], rate[row]}, q[b]);
@@ -91,6 +99,19 @@ struct FinishStep {
     earlier_q[b] = start.q, earlier_v[b] = start.v;
   }
 };
+
+/// The pose of a body as a rigid one. @param velocity, momentum  of its center of mass, and of its turn about that
+SCREE_HD inline void write_pose(const AffineMass& mass, const AffineVec& q, const Vec3d& velocity,
+                                const Vec3d& momentum, Index body, const BodyView<double>& store) {
+  Vec3d columns[3];
+  nearest_rotation(q, columns);
+  const Quat<double> turn = quaternion_of(columns), before = store.orientation[body];
+  const double same = turn.w * before.w + turn.x * before.x + turn.y * before.y + turn.z * before.z;
+  store.position[body] = q.node[0];
+  store.orientation[body] = same < 0 ? Quat<double>{-turn.w, -turn.x, -turn.y, -turn.z} : turn;
+  store.velocity[body] = velocity;
+  store.angular_velocity[body] = turn_rate(mass, q, momentum);
+}
 
 /// Poses of the bodies as rigid ones.
 struct WritePoses {
@@ -102,23 +123,16 @@ struct WritePoses {
 
   SCREE_HD void operator()(Index row) const {
     const Index b = body_of_row[row];
-    Vec3d columns[3];
-    nearest_rotation(q[b], columns);
-    const Quat<double> turn = quaternion_of(columns), before = store.orientation[b];
-    const double same =
-        turn.w * before.w + turn.x * before.x + turn.y * before.y + turn.z * before.z;
-    store.position[b] = q[b].node[0];
-    store.orientation[b] = same < 0 ? Quat<double>{-turn.w, -turn.x, -turn.y, -turn.z} : turn;
-    store.velocity[b] = v[b].node[0];
-    store.angular_velocity[b] =
-        turn_rate(bodies[b].mass, q[b], angular_momentum(bodies[b].mass, q[b], v[b]));
+    if (bodies[b].lame.is_elastic()) return;  // part of a body
+    write_pose(bodies[b].mass, q[b], v[b].node[0], angular_momentum(bodies[b].mass, q[b], v[b]), b,
+               store);
   }
 };
 
 /// Sums over free bodies.
 struct AffineSums {
   double kinetic = 0;   ///< [J]
-  double strain = 0;    ///< largest |A^T A - I|
+  double strain = 0;    ///< largest |A^T A - I| of stiff bodies
   Vec3d momentum;       ///< [kg m/s]
   Vec3d angular;        ///< about the origin [kg m^2/s]
   Index bad_body = -1;  ///< one whose state is no number
@@ -140,7 +154,7 @@ struct SumBody {
     const Index b = body_of_row[row];
     const BodyConstant& body = bodies[b];
     AffineSums s;
-    s.strain = strain_norm(q[b]);
+    s.strain = body.lame.is_elastic() ? 0 : strain_norm(q[b]);
     if (!(dot(q[b], q[b]) < 1e30 && dot(v[b], v[b]) < 1e30)) s.bad_body = b;
     if (body.is_led) return s;
     s.kinetic = 0.5 * dot(v[b], body.mass.product(v[b]));
@@ -150,13 +164,16 @@ struct SumBody {
   }
 };
 
+/// Of stiff bodies.
 struct StrainOfRow {
   static constexpr const char* name = "affine_strain";
+  Span<const BodyConstant> bodies;
   Span<const Index> body_of_row;
   Span<const AffineVec> q;  ///< by body
 
   SCREE_HD Largest<double> operator()(Index row) const {
-    return {strain_norm(q[body_of_row[row]])};
+    const Index b = body_of_row[row];
+    return {bodies[b].lame.is_elastic() ? 0 : strain_norm(q[b])};
   }
 };
 

@@ -15,9 +15,12 @@ struct Bounds {
     add_axis(x.y, low.y, high.y);
     add_axis(x.z, low.z, high.z);
   }
+  /// An empty one changes nothing.
   SCREE_HD void add(const Bounds& o) {
-    add(o.low);
-    add(o.high);
+    for (int k = 0; k < 3; ++k) {
+      low[k] = o.low[k] < low[k] ? o.low[k] : low[k];
+      high[k] = o.high[k] > high[k] ? o.high[k] : high[k];
+    }
   }
   /// The same for reductions.
   SCREE_HD void combine(const Bounds& o) { add(o); }

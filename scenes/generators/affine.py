@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Writes scenes of affine bodies: a house of cards, a set of gears, a net of chain links.
+"""Writes scenes of affine bodies: a house of cards, a set of gears, a net of chain links, ships with sails.
 
     python3 scenes/generators/affine.py house_of_cards --levels 10 house_of_cards.json
     python3 scenes/generators/affine.py gears --columns 7 --rows 4 gears.json
     python3 scenes/generators/affine.py chain_net --knots 97 --no-ball chain_net_97.json
+    python3 scenes/generators/affine.py ships --helicopters 3 ships.json
 
 Meshes go to the folder meshes/ beside the scene. The scenes in scenes/ are those of the options' defaults.
 """
 import argparse
+import itertools
 import json
 import math
 from pathlib import Path
@@ -30,11 +32,35 @@ def write_mesh(path, title, vertices, triangles):
         out.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in triangles)
 
 
-def write_scene(path, comment, head, bodies, joints, output):
-    """One body or joint a line."""
+def write_tetrahedra(path, cells, place):
+    """A Gmsh file of a box of cells, six tetrahedra in each, whose corners a function moves from the unit cube."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    nx, ny, nz = cells
+    at = [(i, j, k) for k in range(nz + 1) for j in range(ny + 1) for i in range(nx + 1)]
+    tag = {corner: n + 1 for n, corner in enumerate(at)}
+    tetrahedra = []
+    for i, j, k in itertools.product(range(nx), range(ny), range(nz)):
+        for order in itertools.permutations(range(3)):  # from the lower corner to the upper one
+            corner, corners = [i, j, k], [tag[i, j, k]]
+            for axis in order:
+                corner[axis] += 1
+                corners.append(tag[tuple(corner)])
+            tetrahedra.append(corners)
+    with open(path, "w") as out:
+        out.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(at)}\n")
+        for corner in at:
+            x, y, z = place(*(c / n for c, n in zip(corner, cells)))
+            out.write(f"{tag[corner]} {number(x):g} {number(y):g} {number(z):g}\n")
+        out.write(f"$EndNodes\n$Elements\n{len(tetrahedra)}\n")
+        out.writelines(f"{n + 1} 4 0 {a} {b} {c} {d}\n" for n, (a, b, c, d) in enumerate(tetrahedra))
+        out.write("$EndElements\n")
+
+
+def write_scene(path, comment, head, bodies, joints, output, attachments=()):
+    """One body, joint or attachment a line."""
     lines = ["// " + line for line in comment] + ["{"]
     lines += [f'  "{key}": {json.dumps(value)},' for key, value in head.items()]
-    for key, items in (("bodies", bodies), ("joints", joints)):
+    for key, items in (("bodies", bodies), ("joints", joints), ("attachments", attachments)):
         if items:
             lines += [f'  "{key}": [', ",\n".join("    " + json.dumps(item) for item in items), "  ],"]
     lines += [f'  "output": {json.dumps(output)}', "}"]
@@ -208,10 +234,81 @@ def chain_net(options):
     write_scene(options.file, comment, head, bodies, [], output)
 
 
+def disc(radius, thickness):
+    """Places of a box of cells on a disc about the axis y: squares become circles."""
+    def place(u, v, w):
+        x, z = 2 * u - 1, 2 * w - 1
+        return (radius * x * math.sqrt(1 - z * z / 2), thickness * (v - 0.5), radius * z * math.sqrt(1 - x * x / 2))
+    return place
+
+
+def ships(options):
+    """Two stiff ships with soft sails in a tank, and helicopters with soft rotors and wheels that fall on them."""
+    folder = options.file.parent / "meshes"
+    sail, rotor, wheel = (0.3, 0.012, 0.24), (0.56, 0.04, 0.01), (0.05, 0.04)
+    box = lambda edges: lambda u, v, w: tuple(e * (c - 0.5) for e, c in zip(edges, (u, v, w)))
+    write_tetrahedra(folder / "sail.msh", (10, 1, 8), box(sail))
+    write_tetrahedra(folder / "rotor.msh", (16, 2, 1), box(rotor))
+    write_tetrahedra(folder / "wheel.msh", (4, 2, 4), disc(*wheel))
+    bodies = [{"shape": "container", "size": vector(1.8, 1.2, 2.4), "open": ["+z"], "group": "tank",
+               "position": vector(0, 0, 1.2)}]
+    attachments = []
+
+    def attach(body, to, low, high):
+        attachments.append({"body": body, "to": to, "box": [vector(*low), vector(*high)]})
+
+    keel = [(-0.35, 0, 0.02), (0.35, 0, 0.02)]
+    deck = [(-0.45, y, 0.16) for y in (-0.1, 0.1)] + [(0.3, y, 0.16) for y in (-0.13, 0.13)] + [(0.5, 0, 0.18)]
+    for n, (x, y) in enumerate([(-0.05, -0.3), (0.05, 0.3)]):
+        ship = f"ship_{n}"
+        bodies.append({"name": ship, "shape": "compound", "density": 600, "group": "ships", "position": vector(x, y, 0),
+                       "parts": [{"shape": "hull", "points": [vector(*p) for p in keel + deck]},
+                                 {"shape": "box", "size": vector(0.03, 0.03, 0.44), "position": vector(0, 0, 0.36)},
+                                 {"shape": "box", "size": vector(0.02, 0.34, 0.02), "position": vector(0, 0, 0.55)},
+                                 {"shape": "box", "size": vector(0.02, 0.34, 0.02), "position": vector(0, 0, 0.27)}]})
+        # The sail hangs before the mast, across the ship, from the upper yard to the lower one.
+        name, ahead = f"sail_{n}", 0.03
+        bodies.append({"name": name, "shape": "mesh", "file": "meshes/sail.msh", "kind": "free", "density": 300,
+                       "group": "sails", "position": vector(x + ahead, y, 0.41),
+                       "rotation_deg": {"axis": [0, 0, 1], "angle": 90},
+                       "elastic": {"young_modulus": 2e5, "poisson_ratio": 0.3}})
+        for edge in (0.41 - sail[2] / 2, 0.41 + sail[2] / 2):
+            attach(name, ship, (x, y - 0.2, edge - 1e-3), (x + 0.1, y + 0.2, edge + 1e-3))
+    for n in range(options.helicopters):
+        craft, x, y, z = f"helicopter_{n}", 0.25 * (n % 3 - 1), 0.16 * (n % 2) - 0.08, 1.05 + 0.45 * n
+        bodies.append({"name": craft, "shape": "compound", "density": 500, "group": "helicopters",
+                       "position": vector(x, y, z),
+                       "parts": [{"shape": "box", "size": vector(0.26, 0.14, 0.12)},
+                                 {"shape": "box", "size": vector(0.26, 0.03, 0.04), "position": vector(0.24, 0, 0.03)},
+                                 {"shape": "box", "size": vector(0.02, 0.02, 0.08), "position": vector(0, 0, 0.1)}]})
+        name = f"rotor_{n}"
+        top = z + 0.16
+        bodies.append({"name": name, "shape": "mesh", "file": "meshes/rotor.msh", "kind": "free", "density": 1000,
+                       "group": "rotors", "position": vector(x, y, top),
+                       "elastic": {"young_modulus": 2e7, "poisson_ratio": 0.3}})
+        attach(name, craft, (x - 0.04, y - 0.1, top - 0.01), (x + 0.04, y + 0.1, top + 0.01))
+        for k, (dx, dy) in enumerate([(-0.09, -0.1), (-0.09, 0.1), (0.09, -0.1), (0.09, 0.1)]):
+            name, low = f"wheel_{n}_{k}", z - 0.06
+            bodies.append({"name": name, "shape": "mesh", "file": "meshes/wheel.msh", "kind": "free", "density": 1000,
+                           "group": "wheels", "position": vector(x + dx, y + dy, low),
+                           "elastic": {"young_modulus": 2e5, "poisson_ratio": 0.4}})
+            attach(name, craft, (x + dx - 0.03, y + dy - 0.03, low - 0.03), (x + dx + 0.03, y + dy + 0.03, low + 0.03))
+    head = {"$schema": "schema.json", "name": "ships", "precision": "double", "time_step": 0.01, "duration": 1.5,
+            "materials": {"default": {"friction": 0.3}},
+            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 2e-3, "tolerance": 1e-2}}
+    comment = [f"Two stiff ships with soft sails, and {options.helicopters} helicopters with soft rotors and wheels that fall on them.",
+               "Written by scenes/generators/affine.py."]
+    output = {"frame_interval": 0.02, "surface_frames": True,
+              "picture": {"interval": 0.1, "width": 960, "height": 720, "color_by": "group", "labels": False,
+                          "camera": {"position": vector(1.9, -2.6, 1.7), "target": vector(0, 0, 0.5), "up": vector(0, 0, 1),
+                                     "vertical_angle_deg": 34}}}
+    write_scene(options.file, comment, head, bodies, [], output, attachments)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     scenes = parser.add_subparsers(required=True, metavar="SCENE")
-    for make in (house_of_cards, gears, chain_net):
+    for make in (house_of_cards, gears, chain_net, ships):
         command = scenes.add_parser(make.__name__, help=make.__doc__.splitlines()[0])
         command.set_defaults(make=make)
         command.add_argument("file", type=Path, help="scene file to write")
@@ -222,6 +319,8 @@ def main():
             command.add_argument("--columns", type=int, default=7)
             command.add_argument("--rows", type=int, default=4)
             command.add_argument("--points", type=int, default=6, help="of half a tooth")
+        elif make is ships:
+            command.add_argument("--helicopters", type=int, default=3)
         else:
             command.add_argument("--knots", type=int, default=8, help="of a side")
             command.add_argument("--no-ball", dest="ball", action="store_false")

@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "dynamics/affine/affine_setup.h"
+#include "host/compounds.h"
 #include "host/error.h"
 #include "host/scene_reader.h"
 #include "host/state_hash.h"
+#include "shapes/box.h"
+#include "shapes/mesh.h"
 #include "tests/affine_reference/affine_system.h"
+#include "tests/box_mesh.h"
 #include "tests/dynamics/affine_scenes.h"
 #include "tests/exact_triangles.h"
 
@@ -384,6 +388,37 @@ TEST(AffineModel, ANeedleThroughAFloorIsRefused) {
   add_plane(scene);
   add_box(scene, {0.1, 0.2, 0.1}, {0.001, 0.001, 0.5}, 1);
   EXPECT_THROW(World(scene, cpu_options()), InputError);
+}
+
+/// Also bodies behind compounds, whose parts have places of their own.
+TEST(AffineModel, CompoundsAreDrawnAsRigidOnesAre) {
+  Scene scene = affine_scene(0.01, 0);
+  BodyDescription cross;
+  std::vector<ShapePart> parts(2);
+  for (ShapePart& part : parts) part.shape.kind = shapes::Box::kind;
+  parts[0].shape.half_extents = {0.3, 0.1, 0.1};
+  parts[1].shape.half_extents = {0.1, 0.1, 0.4};
+  parts[1].position = {0.1, 0, 0.2};
+  cross.position = {0, 0, 1};
+  set_compound(scene, cross, parts);
+  set_mass_from_density(cross, 1000);
+  scene.bodies.push_back(cross);
+  add_box(scene, {0.5, 1, 0.5}, {0.2, 0.2, 0.2}, 1);
+  BodyDescription wall;
+  wall.kind = BodyKind::fixed;
+  wall.shape.kind = shapes::Mesh::kind;
+  wall.shape.mesh = static_cast<int>(scene.meshes.size());
+  wall.position = {-1, 0, 0};
+  scene.meshes.push_back(scree::test::box_mesh({0.2, 0.3, 0.4}, {}));
+  scene.bodies.push_back(wall);
+  PictureSettings settings;
+  settings.width = 160, settings.height = 120, settings.labels = false;
+  World world(scene, cpu_options());
+  const Image affine = world.render(settings);
+  scene.dynamics = {};
+  EXPECT_EQ(affine.rgb, World(scene, cpu_options()).render(settings).rgb);
+  scene.bodies.erase(scene.bodies.begin());
+  EXPECT_NE(affine.rgb, World(scene, cpu_options()).render(settings).rgb);
 }
 
 }  // namespace

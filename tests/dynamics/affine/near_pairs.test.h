@@ -1,5 +1,6 @@
 // The search for near pairs against the boxes of all features of all bodies, worked out on the host.
 
+#include <numeric>
 #include <random>
 #include <set>
 
@@ -55,7 +56,7 @@ class AffineNearPairsTest : public BackendTest<double> {
     surfaces_.push_back(std::make_shared<Surface>(make_surface(mesh, {})));
   }
   void add_shapes() {
-    add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+    add_surface(scree::test::box_mesh({0.5, 0.7, 0.3}));
     add_surface(wavy_ring(9, 5));
     TriangleMesh tetrahedron;
     tetrahedron.vertices = {{1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}, {0, 0, 1.5}};
@@ -194,7 +195,7 @@ TEST_F(AffineNearPairsTest, OfFewBodiesAreThoseOfAllFeatures) {
 }
 
 TEST_F(AffineNearPairsTest, OfManyBodiesAreThoseOfAllFeatures) {
-  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  add_surface(scree::test::box_mesh({0.5, 0.7, 0.3}));
   for (const int count : {33, 64, 65, 257, 513}) {  // levels of the tree fill, and begin
     SCOPED_TRACE(count);
     surface_.clear(), group_.clear(), from_.clear(), to_.clear();
@@ -213,7 +214,7 @@ TEST_F(AffineNearPairsTest, OfTwoDetailedBodiesAreThoseOfAllFeatures) {
 /// Large bodies of few and of many features among small ones, by a factor of a thousand and more.
 TEST_F(AffineNearPairsTest, OfSmallBodiesOnLargeOnesAreThoseOfAllFeatures) {
   add_shapes();
-  add_surface(test::box_mesh({500, 500, 500}));
+  add_surface(scree::test::box_mesh({500, 500, 500}));
   add_surface(wavy_ring(30, 12));
   for (int k = 0; k < 90; ++k) add_body(k % 3, vector(3), uniform(0.1, 0.5), 0.1);
   add_body(3, {}, 1, 0.1);
@@ -227,7 +228,7 @@ TEST_F(AffineNearPairsTest, OfSmallBodiesOnLargeOnesAreThoseOfAllFeatures) {
 
 /// Boxes of a grid touch in their faces: a pair whose boxes are exactly as far apart as asked for is near.
 TEST_F(AffineNearPairsTest, AtTheDistanceItselfCount) {
-  add_surface(test::box_mesh({0.5, 0.5, 0.5}));
+  add_surface(scree::test::box_mesh({0.5, 0.5, 0.5}));
   for (int k = 0; k < 36; ++k) {
     surface_.push_back(0), group_.push_back(-1);
     AffineVec q;
@@ -250,8 +251,8 @@ TEST_F(AffineNearPairsTest, FarFromTheOriginAreThoseOfAllFeatures) {
 /// At the least distance at which a pair is near, no box of a tree loses it by rounding. Devices place corners with other
 /// rounding than the host, so there it is a little more.
 TEST_F(AffineNearPairsTest, AreNotLostByRounding) {
-  add_surface(test::box_mesh({0.5, 0.75, 0.25}));  // float holds its boxes as they are
-  add_surface(test::box_mesh({0.3, 0.7, 0.1}));    // and rounds those of this one
+  add_surface(scree::test::box_mesh({0.5, 0.75, 0.25}));  // float holds its boxes as they are
+  add_surface(scree::test::box_mesh({0.3, 0.7, 0.1}));    // and rounds those of this one
   for (int k = 0; k < 100; ++k) {
     surface_.clear(), group_.clear(), from_.clear(), to_.clear();
     add_body(k % 2, vector(k % 2 == 0 ? 1e5 : 1), 1, 1);
@@ -267,7 +268,7 @@ TEST_F(AffineNearPairsTest, AreNotLostByRounding) {
 }
 
 TEST_F(AffineNearPairsTest, LeaveBodiesOutThatDoNotTouch) {
-  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  add_surface(scree::test::box_mesh({0.5, 0.7, 0.3}));
   for (const int count : {20, 40}) {
     group_.clear(), surface_.clear(), from_.clear(), to_.clear(), held_.clear();
     add_bodies(count, 1.5, 0.1);
@@ -284,7 +285,7 @@ TEST_F(AffineNearPairsTest, LeaveBodiesOutThatDoNotTouch) {
 
 TEST_F(AffineNearPairsTest, OfNoneOneAndFarBodiesAreNone) {
   EXPECT_TRUE(listed(1).empty());
-  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  add_surface(scree::test::box_mesh({0.5, 0.7, 0.3}));
   EXPECT_TRUE(listed(1).empty());
   add_body(0, {}, 1, 1);
   EXPECT_TRUE(listed(1).empty());
@@ -301,6 +302,8 @@ TEST_F(AffineNearPairsTest, OfSurfacesWithoutTrianglesAreThoseOfAllFeatures) {
     points->vertices.push_back(vector(1));
     if (k > 0) rods->edges.push_back({k - 1, k});
   }
+  rods->points.resize(12), std::iota(rods->points.begin(), rods->points.end(), 0);
+  points->points = rods->points;
   surfaces_.insert(surfaces_.end(), {rods, points, std::make_shared<Surface>()});
   add_bodies(12, 0.5, 0.1);
   EXPECT_GT(compare(0.05), 1000u);
@@ -341,7 +344,7 @@ TEST_F(AffineNearPairsTest, HaveOneOrder) {
 }
 
 TEST_F(AffineNearPairsTest, RefuseBodiesThatThereAreNot) {
-  add_surface(test::box_mesh({0.5, 0.7, 0.3}));
+  add_surface(scree::test::box_mesh({0.5, 0.7, 0.3}));
   add_body(0, {}, 1, 0);
   surface_[0] = 1;
   EXPECT_THROW(tables(), InvalidParameter);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/problems/matrix_problem.h"
+#include "tests/reference/dense_algebra.h"
 
 namespace scree::fixtures {
 
@@ -99,7 +100,7 @@ struct DenseContacts {
     Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n + m, p.H.cols() + 1);
     right.topLeftCorner(n, p.H.cols()) = p.H;
     right.col(p.H.cols()) << p.f, -p.b;
-    const Eigen::MatrixXd v = kkt.completeOrthogonalDecomposition().solve(right).topRows(n);
+    const Eigen::MatrixXd v = oracle::least_norm(kkt, right).topRows(n);
     W = p.H.transpose() * v.leftCols(p.H.cols());
     q = p.w + p.H.transpose() * v.col(p.H.cols());
   }

@@ -300,8 +300,8 @@ def ships(options):
                "Written by scenes/generators/affine.py."]
     output = {"frame_interval": 0.02, "surface_frames": True,
               "picture": {"interval": 0.1, "width": 960, "height": 720, "color_by": "group", "labels": False,
-                          "camera": {"position": vector(1.9, -2.6, 1.7), "target": vector(0, 0, 0.5), "up": vector(0, 0, 1),
-                                     "vertical_angle_deg": 34}}}
+                          "camera": {"position": vector(1.9, -2.6, 1.7), "target": vector(0, 0, 0.36), "up": vector(0, 0, 1),
+                                     "vertical_angle_deg": 25}}}
     write_scene(options.file, comment, head, bodies, [], output, attachments)
 
 

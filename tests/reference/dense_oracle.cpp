@@ -468,8 +468,4 @@ Solution solve_coulomb(Problem p, double tolerance, int max_iterations) {
   return solution;
 }
 
-Eigen::MatrixXd least_norm(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  return a.completeOrthogonalDecomposition().solve(b);
-}
-
 }  // namespace scree::oracle

@@ -91,7 +91,4 @@ Solution solve_convex(const Problem& p);
 /// Coulomb's law: the De Saxce fixed point around solve_convex, to `tolerance` in the shift [m/s].
 Solution solve_coulomb(Problem p, double tolerance = 1e-13, int max_iterations = 400);
 
-/// The x of least norm among those that make |a x - b| least.
-Eigen::MatrixXd least_norm(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
-
 }  // namespace scree::oracle

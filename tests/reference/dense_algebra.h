@@ -1,0 +1,29 @@
+#pragma once
+// Dense and sparse systems by Eigen's decompositions, compiled once: each takes seconds in every source that has it.
+
+// Eigen marks defaulted functions for the device, which nvcc warns about wherever they are used.
+#ifdef __NVCC__
+#pragma nv_diag_suppress 20012
+#endif
+#include <Eigen/Core>
+#include <vector>
+
+namespace scree::oracle {
+
+/// The x of least norm among those that make |a x - b| least; of a regular a the solution.
+Eigen::MatrixXd least_norm(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+/// Eigenvalues of a symmetric matrix, rising.
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
+
+/// The positive semidefinite matrix nearest to a symmetric one.
+Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& symmetric);
+
+struct SparseEntry {
+  int row = 0, column = 0;
+  double value = 0;
+};
+/// Solution of a sparse, symmetric and definite system. @param entries  of both triangles, or of the lower one
+Eigen::VectorXd solve_sparse(const std::vector<SparseEntry>& entries, const Eigen::VectorXd& right);
+
+}  // namespace scree::oracle

@@ -61,6 +61,9 @@ class SolidBuilder {
     if (setup_.collision_group[at(elastic.storage)] < 0)
       setup_.collision_group[at(elastic.storage)] = next_group_++;
     attach(elastic, solid);
+    if (std::none_of(holder_.begin(), holder_.end(), [](int holder) { return holder == kLoose; }))
+      throw InputError(fmt::format(
+          "attachments hold all corners of body {}: at least one must be loose", elastic.id));
     number_corners();
     add_tetrahedra(elastic, solid);
     solid.tetrahedra_end = size_of(out_.tetrahedra);

@@ -189,8 +189,9 @@ class VtkFile {
       if (word == "CELL_TYPES") read_types();
       if (word == "CELL_DATA" || word == "POINT_DATA") break;
     }
-    if (types_.size() != begin_.size())
-      fail(name_, fmt::format("has {} cells and types of {}", begin_.size(), types_.size()));
+    const std::size_t cells = begin_.empty() ? 0 : begin_.size() - 1;
+    if (types_.size() != cells)
+      fail(name_, fmt::format("has {} cells and types of {}", cells, types_.size()));
     for (std::size_t cell = 0; cell < types_.size(); ++cell) add(cell);
     return std::move(cells_);
   }
@@ -213,7 +214,6 @@ class VtkFile {
     if (lines_.words[0] == "OFFSETS") {  // format 5: one offset more than cells, then all corners
       Numbers offsets(name_, lines_);
       for (long long k = 0; k < first; ++k) begin_.push_back(offsets.next<long long>("an offset"));
-      if (!begin_.empty()) begin_.pop_back();
       lines_.require(name_, "CONNECTIVITY");
       Numbers corners(name_, lines_);
       for (long long k = 0; k < second; ++k) corner_.push_back(corners.next<long long>("a corner"));
@@ -225,6 +225,7 @@ class VtkFile {
       begin_.push_back(static_cast<long long>(corner_.size()));
       for (long long k = 0; k < count; ++k) corner_.push_back(numbers.next<long long>("a corner"));
     }
+    begin_.push_back(static_cast<long long>(corner_.size()));
   }
   void read_types() {
     const long long count = count_of(name_, lines_, 1);
@@ -236,12 +237,12 @@ class VtkFile {
     if (types_[cell] == kTetrahedronOfTen)
       fail(name_, fmt::format("cell {}: a tetrahedron of ten points: must be of four", cell));
     if (types_[cell] != kTetrahedron) return;
+    const long long first = begin_[cell], end = begin_[cell + 1];
+    if (first < 0 || end < first || end > std::ssize(corner_) || end - first != 4)
+      fail(name_, fmt::format("cell {}: a tetrahedron must have four corners", cell));
     Corners corners{};
     for (std::size_t k = 0; k < 4; ++k) {
-      const auto place = static_cast<std::size_t>(begin_[cell]) + k;
-      if (begin_[cell] < 0 || place >= corner_.size())
-        fail(name_, fmt::format("cell {}: has no four corners", cell));
-      const long long v = corner_[place];
+      const long long v = corner_[static_cast<std::size_t>(first) + k];
       if (v < 0 || v >= std::ssize(cells_.vertices))
         fail(name_, fmt::format("cell {}: there is no point {}", cell, v));
       corners[k] = static_cast<int>(v);
@@ -251,7 +252,8 @@ class VtkFile {
 
   const std::string& name_;
   Lines lines_;
-  std::vector<long long> begin_, corner_, types_;
+  std::vector<long long> begin_;  ///< of the corners of cells, and their end
+  std::vector<long long> corner_, types_;
   Cells cells_;
 };
 

@@ -76,7 +76,7 @@ void read_as_file(std::string_view bytes, const std::string& extension, Read rea
 
 void read_mesh_bytes(std::string_view bytes) {
   bool was_read = false;
-  for (const char* extension : {".obj", ".stl"})
+  for (const char* extension : {".obj", ".stl", ".msh", ".vtk"})
     for (const bool closed : {true, false}) try {
         read_as_file(bytes, extension,
                      [&](const fs::path& path) { read_mesh(path, {.closed = closed}); });

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include "tests/physics/long_tests.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -158,6 +160,30 @@ TEST(Cohesion, C63_SmallCubeOfGrainsStandsByItsCohesion) {
   const double loose = height_left(5, 0, 0.5, 0.5), sticky = height_left(5, 100, 0.5, 0.5);
   EXPECT_LT(loose, 0.8);
   EXPECT_GT(sticky, 0.8);
+}
+
+// A cube of 1000 grains: what is left of its height, for more and more cohesion and friction.
+TEST(Cohesion, C63_MapOfHeights) {
+  if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
+  constexpr double kFrictions[] = {0.2, 0.5, 0.8}, kBonds[] = {0, 1, 5, 20, 100};
+  double left[3][5];
+  for (int m = 0; m < 3; ++m) {
+    for (int c = 0; c < 5; ++c) {
+      left[m][c] = height_left(10, kBonds[c], kFrictions[m], 1);
+      std::printf("mu %.1f  c/(m g) %3.0f: %.3f of the height\n", kFrictions[m], kBonds[c],
+                  left[m][c]);
+      std::fflush(stdout);
+    }
+  }
+  // One grain more or less on top is 0.05 of the height.
+  constexpr double kGrain = 0.05;
+  for (int m = 0; m < 3; ++m)
+    for (int c = 0; c + 1 < 5; ++c) EXPECT_GT(left[m][c + 1], left[m][c] - kGrain) << m << " " << c;
+  for (int m = 0; m + 1 < 3; ++m)
+    for (int c = 0; c < 5; ++c) EXPECT_GT(left[m + 1][c], left[m][c] - kGrain) << m << " " << c;
+  EXPECT_LT(left[1][0], 0.6);
+  EXPECT_GT(left[1][3], 0.8);
+  EXPECT_GT(left[1][4], 0.8);
 }
 
 }  // namespace

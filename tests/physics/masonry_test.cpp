@@ -76,9 +76,10 @@ struct LeastOf {
   double thickness, friction;
 };
 
-TEST_P(Arch, A64_A65_OfFewerStones) {
+TEST_P(Arch, A64_A65_OfFewerAndMoreStones) {
   if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
-  for (const LeastOf& least : {LeastOf{11, 0.10459, 0.30703}, LeastOf{19, 0.10612, 0.30693}}) {
+  for (const LeastOf& least : {LeastOf{11, 0.10459, 0.30703}, LeastOf{19, 0.10612, 0.30693},
+                               LeastOf{101, 0.10745, 0.30914}}) {
     SCOPED_TRACE(least.stones);
     const auto drop = [&](double thickness, double friction) {
       return drop_of_crown(arch(least.stones, thickness, friction, GetParam()));

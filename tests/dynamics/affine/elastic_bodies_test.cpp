@@ -266,6 +266,10 @@ TEST(ElasticBodies, WhatTheyCannotBeIsNamed) {
               }),
               AllOf(HasSubstr("attachments[0].box"), HasSubstr("no corner of body 0")));
   EXPECT_THAT(refusal_of_elastic([](Scene& s) {
+                s.attachments.push_back({0, kWorldBody, {-5, -5, -5}, {6, 6, 6}});
+              }),
+              HasSubstr("all corners of body 0"));
+  EXPECT_THAT(refusal_of_elastic([](Scene& s) {
                 s.attachments.push_back({1, 0, {}, {}});
               }),
               AllOf(HasSubstr("attachments[0].body"), HasSubstr("elastic")));

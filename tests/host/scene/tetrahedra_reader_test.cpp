@@ -146,6 +146,8 @@ TEST(TetrahedraReader, FaultsAreNamed) {
               HasSubstr("UNSTRUCTURED_GRID"));
   EXPECT_THAT(refused(replaced(vtk(false), "4 6 0 2 4", "4 6 0 2 9"), "vtk"),
               HasSubstr("there is no point 9"));
+  EXPECT_THAT(refused(replaced(vtk(true), "0 3 7 11", "0 3 8 11"), "vtk"),
+              HasSubstr("must have four corners"));
   EXPECT_THAT(refused(replaced(vtk(false), "CELL_TYPES 9", "CELL_TYPES 8"), "vtk"),
               HasSubstr("9 cells and types of 8"));
   EXPECT_THAT(refused(replaced(vtk(false), "0\n0 0 5 5 5", "0\n0 1 5 5 5"), "vtk"),

@@ -297,6 +297,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     report.converged = done.converged;
     report.residual_rms = report.residual_max = done.residual / scheme.h;
     report.kinetic_energy = sums.kinetic;
+    report.max_turn = sums.turn * scheme.h;
     const double listed = p.barrier.separation + 3 * p.barrier.reach;
     report.own = {std::min(std::sqrt(done.squared), listed),
                   sums.strain,

@@ -93,6 +93,7 @@ inline constexpr std::array kMinimizerColumns{
     ReportColumn{"max_strain", Own{kStrainColumn}},
     ReportColumn{"barrier_stiffness_J_per_m4", Own{2}},
     ReportColumn{"blocked_bodies", Own{3}},
+    ReportColumn{"max_turn_rad", &StepReport::max_turn},
     ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy}};
 inline constexpr std::array kMinimizerTimes{ReportColumn{"collision_ms", &StageTimes::collision},
                                             ReportColumn{"setup_ms", &StageTimes::setup},

@@ -310,6 +310,12 @@ class Run {
           "step did not know; a smaller time step follows them better",
           record_.totals.stopped()));
     }
+    constexpr double kMostTurn = 0.5;  // rad
+    if (record_.totals.max_turn() > kMostTurn)
+      progress.note(fmt::format(
+          "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
+          "smaller time step follows it better",
+          record_.totals.max_turn(), kMostTurn));
     const std::string unsolved = steps_not_converged();
     if (unsolved.empty()) return;
     if (options_.require_convergence) throw RunError(unsolved);

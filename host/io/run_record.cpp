@@ -86,6 +86,7 @@ void RunTotals::add(const StepReport& report) {
   max_residual_relative_ = std::max(max_residual_relative_, report.residual_relative);
   max_penetration_ = std::max(max_penetration_, report.max_penetration);
   max_contacts_ = std::max(max_contacts_, report.contact_count);
+  max_turn_ = std::max(max_turn_, report.max_turn);
   last_ = report;
 }
 

@@ -133,12 +133,14 @@ struct WritePoses {
 struct AffineSums {
   double kinetic = 0;   ///< [J]
   double strain = 0;    ///< largest |A^T A - I| of stiff bodies
+  double turn = 0;      ///< their largest angular velocity [rad/s]
   Vec3d momentum;       ///< [kg m/s]
   Vec3d angular;        ///< about the origin [kg m^2/s]
   Index bad_body = -1;  ///< one whose state is no number
   SCREE_HD void combine(const AffineSums& o) {
     kinetic += o.kinetic;
     strain = o.strain > strain ? o.strain : strain;
+    turn = o.turn > turn ? o.turn : turn;
     momentum += o.momentum;
     angular += o.angular;
     bad_body = bad_body < 0 ? o.bad_body : bad_body;
@@ -159,7 +161,9 @@ struct SumBody {
     if (body.is_led) return s;
     s.kinetic = 0.5 * dot(v[b], body.mass.product(v[b]));
     s.momentum = body.mass.mass * v[b].node[0];
-    s.angular = cross(q[b].node[0], s.momentum) + angular_momentum(body.mass, q[b], v[b]);
+    const Vec3d own = angular_momentum(body.mass, q[b], v[b]);
+    s.angular = cross(q[b].node[0], s.momentum) + own;
+    if (!body.lame.is_elastic()) s.turn = norm(turn_rate(body.mass, q[b], own));
     return s;
   }
 };

@@ -1,0 +1,73 @@
+// Affine and elastic bodies from the command line: files, resuming, warnings.
+
+#include "host/io/h5.h"
+#include "tests/cli/program.h"
+#include "tests/steps_file.h"
+
+namespace scree::test {
+namespace {
+
+using json = nlohmann::json;
+
+/// Eight tetrahedra about the origin that hang from their upper tip.
+json hanging_octahedron(const Scratch& scratch) {
+  put(scratch / "octahedron.vtk",
+      "# vtk DataFile Version 3.0\noctahedron\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 7 double\n"
+      "1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1 0 0 0\nCELLS 8 40\n"
+      "4 6 0 2 4\n4 6 0 2 5\n4 6 0 3 4\n4 6 0 3 5\n4 6 1 2 4\n4 6 1 2 5\n4 6 1 3 4\n4 6 1 3 5\n"
+      "CELL_TYPES 8\n10 10 10 10 10 10 10 10\n");
+  return json::parse(R"({
+    "name": "soft", "time_step": 0.02, "duration": 0.4, "dynamics": {"type": "affine"},
+    "bodies": [{"name": "soft", "shape": "mesh", "file": "octahedron.vtk", "kind": "free", "density": 1000,
+                "elastic": {"young_modulus": 1e5}}],
+    "attachments": [{"body": "soft", "to": "world", "box": [[-0.1, -0.1, 0.9], [0.1, 0.1, 1.1]]}],
+    "output": {"frame_interval": 0.1, "surface_frames": true, "picture": {"width": 64, "height": 48}}})");
+}
+
+TEST(CliAffine, ElasticBodiesAreInSurfacesAsTheyBend) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, hanging_octahedron(scratch)).string();
+  const Result run = scree(scratch, run_arguments(scene, scratch / "a"));
+  ASSERT_EQ(run.code, 0) << run.err;
+  const h5::File file = h5::File::open(scratch / "a" / "surfaces.vtkhdf");
+  const auto points = file.root().read<float>("VTKHDF/Points");
+  ASSERT_EQ(points.size(), 5u * 6 * 3);
+  float highest = -9, lowest = 9;
+  for (std::size_t v = 4 * 6; v < 5 * 6; ++v) {  // in the last frame
+    highest = std::max(highest, points[3 * v + 2]);
+    lowest = std::min(lowest, points[3 * v + 2]);
+  }
+  EXPECT_NEAR(highest, 1, 1e-6);
+  EXPECT_LT(lowest, -1.05);
+}
+
+TEST(CliAffine, ResumedRunsOfElasticBodiesAreTheSame) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, hanging_octahedron(scratch)).string();
+  ASSERT_EQ(scree(scratch, run_arguments(scene, scratch / "whole")).code, 0);
+  ASSERT_EQ(scree(scratch, run_arguments(scene, scratch / "a", {"--steps", "7"})).code, 0);
+  const Result resumed = scree(scratch, run_arguments(scene, scratch / "a", {"--resume"}));
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(steps_without_times(scratch / "a/steps.csv"),
+            steps_without_times(scratch / "whole/steps.csv"));
+}
+
+TEST(CliAffine, TurnsThatAStepIsTooLongForAreTold) {
+  const Scratch scratch;
+  json scene = json::parse(R"({
+    "name": "spin", "time_step": 0.01, "duration": 0.1, "gravity": [0, 0, 0],
+    "dynamics": {"type": "affine", "rule": "rotational"}, "output": {"picture": {"width": 64, "height": 48}},
+    "bodies": [{"shape": "box", "size": [0.1, 0.1, 0.1], "density": 1000, "angular_velocity": [0, 0, 60]}]})");
+  const std::string file = put_scene(scratch, scene).string();
+  const Result run = scree(scratch, run_arguments(file, scratch / "a", {"--quiet"}));
+  ASSERT_EQ(run.code, 0);
+  EXPECT_EQ(run.err,
+            "warning: a body turned by 0.6 rad in a step: steps follow turns of up to 0.5 rad; a "
+            "smaller time step follows it better\n");
+  const Result finer =
+      scree(scratch, run_arguments(file, scratch / "b", {"--quiet", "--set", "time_step=0.005"}));
+  EXPECT_EQ(finer.err, "");
+}
+
+}  // namespace
+}  // namespace scree::test

@@ -70,6 +70,7 @@ std::vector<std::array<int, 3>> surface_of(const std::string& name,
   std::sort(once.begin(), once.end(),
             [](const Face& a, const Face& b) { return a.place < b.place; });
   std::vector<std::array<int, 3>> triangles;
+  triangles.reserve(once.size());
   for (const Face& f : once) triangles.push_back(f.face);
   return triangles;
 }

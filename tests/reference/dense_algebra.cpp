@@ -23,6 +23,7 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& symmetric) {
 Eigen::VectorXd solve_sparse(const std::vector<SparseEntry>& entries,
                              const Eigen::VectorXd& right) {
   std::vector<Eigen::Triplet<double>> triplets;
+  triplets.reserve(entries.size());
   for (const SparseEntry& e : entries) triplets.emplace_back(e.row, e.column, e.value);
   Eigen::SparseMatrix<double> matrix(right.size(), right.size());
   matrix.setFromTriplets(triplets.begin(), triplets.end());

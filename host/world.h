@@ -68,8 +68,8 @@ struct StepReport {
   double max_cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
   double kinetic_energy = 0;      ///< after the step [J]
   int stopped = 0;                ///< spheres that were stopped at a box or mesh wall
-  double max_turn = 0;            ///< largest turn of a body in the step, of models that bound it [rad]
-  std::vector<double> own;        ///< quantities of the model, see Own in dynamics_card.h
+  double max_turn = 0;      ///< largest turn of a body in the step, of models that bound it [rad]
+  std::vector<double> own;  ///< quantities of the model, see Own in dynamics_card.h
   StageTimes ms;
 };
 

@@ -239,6 +239,12 @@ struct Attachment {
   int body = 0;         ///< elastic: index in Scene::bodies
   int to = kWorldBody;  ///< index of one that is not elastic, or kWorldBody
   Vec3d low, high;      ///< corners within this box at time zero, world [m]
+
+  /// Whether a corner that is there at time zero is one of them.
+  bool holds(const Vec3d& corner) const {
+    return corner.x >= low.x && corner.x <= high.x && corner.y >= low.y && corner.y <= high.y &&
+           corner.z >= low.z && corner.z <= high.z;
+  }
 };
 
 /// When a solver stops. Levels are those of the theory page: relative to v* and to d/h.

@@ -152,7 +152,7 @@ class Builder {
     c.material = body.material;
     c.is_led = body.kind == BodyKind::kinematic;
     if (is_elastic(body)) {
-      c.mass = affine_mass(body.mass, body.inertia);
+      c.mass = affine_mass(body.mass, body.mass * body.shape.moments);
     } else if (body.kind == BodyKind::free) {
       c.mass = affine_mass(body.mass, body.inertia);
       c.stiffness = stiffness_ * (body.shape.volume > 0 ? body.shape.volume : moments.volume);

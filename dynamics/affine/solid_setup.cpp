@@ -1,7 +1,5 @@
 #include "dynamics/affine/solid_setup.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +7,6 @@
 #include <numeric>
 
 #include "dynamics/affine/affine_setup.h"
-#include "host/error.h"
 #include "kernels/affine/surface_tree.h"
 #include "kernels/math/morton.h"
 
@@ -61,9 +58,6 @@ class SolidBuilder {
     if (setup_.collision_group[at(elastic.storage)] < 0)
       setup_.collision_group[at(elastic.storage)] = next_group_++;
     attach(elastic, solid);
-    if (std::none_of(holder_.begin(), holder_.end(), [](int holder) { return holder == kLoose; }))
-      throw InputError(fmt::format(
-          "attachments hold all corners of body {}: at least one must be loose", elastic.id));
     number_corners();
     add_tetrahedra(elastic, solid);
     solid.tetrahedra_end = size_of(out_.tetrahedra);
@@ -86,22 +80,12 @@ class SolidBuilder {
   void attach(const ElasticBody& elastic, const Solid& solid) {
     carried_.assign(rest_.size(), {});
     holder_.assign(rest_.size(), kLoose);
-    for (std::size_t a = 0; a < scene_.attachments.size(); ++a) {
-      const Attachment& each = scene_.attachments[a];
+    for (const Attachment& each : scene_.attachments) {
       if (each.body != elastic.id) continue;
-      const Bounds box{each.low, each.high};
-      int found = 0;
       for (std::size_t v = 0; v < rest_.size(); ++v) {
         const Vec3d x = place(*elastic.body, v);
-        if (!box.near({x, x}, 0)) continue;
-        ++found;
-        if (holder_[v] == kLoose) hold(v, x, each.to, solid);
+        if (holder_[v] == kLoose && each.holds(x)) hold(v, x, each.to, solid);
       }
-      if (found == 0)
-        throw InputError(fmt::format(
-            "attachments[{}].box: there is no corner of body {} within it at the start, must hold "
-            "at least one",
-            a, elastic.id));
     }
   }
 

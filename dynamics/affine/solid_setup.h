@@ -27,7 +27,6 @@ struct ElasticBody {
 
 /// Adds tetrahedra behind all bodies, and their rows behind all rows, of a setup that is otherwise complete.
 /// @param body_of_id  places of bodies in the setup
-/// @throws InputError naming an attachment that holds no corner
 void add_solids(const Scene& scene, const std::vector<ElasticBody>& bodies,
                 const std::vector<int>& body_of_id, AffineSetup& setup);
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <map>
 #include <set>
 
 #include "dynamics/dynamics_card.h"
@@ -16,6 +16,21 @@ namespace {
 constexpr double kLargestModulus = 1e15;
 
 bool is_elastic(const BodyDescription& body) { return body.elastic->young_modulus != 0; }
+
+/// Calls visit(corner) for those that an attachment holds. @return how many corners the body has
+template <class Visit>
+int for_each_held(const Scene& scene, const Attachment& attachment, Visit visit) {
+  const BodyDescription& body = scene.bodies[static_cast<std::size_t>(attachment.body)];
+  const TriangleMesh& mesh = *mesh_of(scene, body.shape);
+  int corner = 0;
+  for (const std::vector<Vec3d>* points : {&mesh.vertices, &mesh.inner}) {
+    for (const Vec3d& v : *points) {
+      if (attachment.holds(body.position + rotate(body.orientation, v))) visit(corner);
+      ++corner;
+    }
+  }
+  return corner;
+}
 
 }  // namespace
 
@@ -74,10 +89,25 @@ std::optional<Fault> attachment_fault(const Scene& scene, const Attachment& atta
 }
 
 std::optional<Fault> attachments_fault(const Scene& scene) {
-  for (std::size_t k = 0; k < scene.attachments.size(); ++k)
-    if (auto fault = attachment_fault(scene, scene.attachments[k]))
-      return Fault{fmt::format("attachments[{}].{}", k, fault->field), fault->value,
-                   fault->expected};
+  std::map<int, std::set<int>> held;  // corners, by body
+  for (std::size_t k = 0; k < scene.attachments.size(); ++k) {
+    const Attachment& each = scene.attachments[k];
+    const std::string path = fmt::format("attachments[{}].", k);
+    if (auto fault = attachment_fault(scene, each))
+      return Fault{path + fault->field, fault->value, fault->expected};
+    const std::size_t before = held[each.body].size();
+    const int corners = for_each_held(scene, each, [&](int v) { held[each.body].insert(v); });
+    if (held[each.body].size() == before)
+      return Fault{path + "box",
+                   fmt::format("{} to {}", vector_text(each.low), vector_text(each.high)),
+                   fmt::format("must hold a corner of body {} at the start that no attachment "
+                               "before it holds",
+                               each.body)};
+    if (std::ssize(held[each.body]) == corners)
+      return Fault{path + "box",
+                   fmt::format("{} to {}", vector_text(each.low), vector_text(each.high)),
+                   fmt::format("must leave a corner of body {} loose", each.body)};
+  }
   std::set<int> meshes;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
     if (is_elastic(scene.bodies[b]) && !meshes.insert(scene.bodies[b].shape.mesh).second)

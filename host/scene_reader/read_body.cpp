@@ -299,7 +299,10 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
     node.read("force", load.force, "N");
     node.read("torque", load.torque, "N m");
     if (norm2(load.force) > 0 || norm2(load.torque) > 0) body.load = load;
-    if (const auto elastic = node.find("elastic")) body.elastic = read_elasticity(*elastic);
+    if (const auto elastic = node.find("elastic")) {
+      refuse_keys(node, {"inertia"}, "an elastic body has the moments of its tetrahedra");
+      body.elastic = read_elasticity(*elastic);
+    }
   }
   node.read("collision_group", body.collision_group, 0, kRestingGroup - 1);
   body.material = read_material(node, draft);

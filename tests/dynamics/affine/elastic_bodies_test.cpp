@@ -264,11 +264,11 @@ TEST(ElasticBodies, WhatTheyCannotBeIsNamed) {
   EXPECT_THAT(refusal_of_elastic([](Scene& s) {
                 s.attachments.push_back({0, 1, {5, 5, 5}, {6, 6, 6}});
               }),
-              AllOf(HasSubstr("attachments[0].box"), HasSubstr("no corner of body 0")));
+              AllOf(HasSubstr("attachments[0].box"), HasSubstr("must hold a corner of body 0")));
   EXPECT_THAT(refusal_of_elastic([](Scene& s) {
                 s.attachments.push_back({0, kWorldBody, {-5, -5, -5}, {6, 6, 6}});
               }),
-              HasSubstr("all corners of body 0"));
+              HasSubstr("must leave a corner of body 0 loose"));
   EXPECT_THAT(refusal_of_elastic([](Scene& s) {
                 s.attachments.push_back({1, 0, {}, {}});
               }),

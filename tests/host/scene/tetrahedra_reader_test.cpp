@@ -183,6 +183,15 @@ TEST(TetrahedraReader, ScenesReadElasticBodies) {
   EXPECT_THAT(refusal([&] { scene_of(R"({"body": "soft", "box": [[0, 0, 0], [1, 1, 1]]})"); }),
               HasSubstr("to"));
   EXPECT_THAT(refusal([&] { scene_of("", "rigid"); }), HasSubstr("bodies[0]"));
+  EXPECT_THAT(
+      refusal([&] {
+        parse_scene(
+            R"({"time_step": 0.01, "duration": 1, "dynamics": {"type": "affine"}, "bodies": [
+                  {"shape": "mesh", "file": "bar.msh", "kind": "free", "mass": 1, "inertia": [1, 1, 1],
+                   "elastic": {"young_modulus": 1e5}}]})",
+            "s.json", file.parent_path());
+      }),
+      AllOf(HasSubstr("bodies[0].inertia"), HasSubstr("moments of its tetrahedra")));
 }
 
 }  // namespace

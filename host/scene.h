@@ -104,6 +104,8 @@ struct Load {
 struct Elasticity {
   double young_modulus = 0;    ///< [Pa], > 0; 0: the body is not elastic
   double poisson_ratio = 0.3;  ///< [-], -1 < nu < 0.5
+
+  bool is_on() const { return young_modulus != 0; }
 };
 
 /// A body that may touch all others.

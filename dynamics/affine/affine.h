@@ -388,8 +388,8 @@ class AffineDynamics final : public ModelOn<B, double> {
 
   typename ModelOn<B, double>::Drawn drawn() override {
     write_solid_poses();
-    for (const affine::Solid& solid : solids_.list())
-      solids_.draw(backend(), solid, q_.view(), store_.view(), obstacles_.vertices_of(solid.id));
+    solids_.draw(backend(), q_.view(), store_.view(),
+                 [&](Index id) { return obstacles_.vertices_of(id); });
     return {parts_.place(store_.view()), shapes_.view(shapes_.capacity()), obstacles_.mesh_set()};
   }
 

@@ -55,8 +55,7 @@ void check_joint(const Scene& scene, std::size_t j) {
            "must have the world or a fixed body as one of its bodies: along an axis that moves it "
            "is no linear equation of affine bodies");
   for (const int body : joint.bodies)
-    if (body != kWorldBody &&
-        scene.bodies[static_cast<std::size_t>(body)].elastic->young_modulus > 0)
+    if (body != kWorldBody && scene.bodies[static_cast<std::size_t>(body)].elastic->is_on())
       refuse(path + ".bodies", fmt::format("body {}", body),
              "must not be elastic: attachments hold elastic bodies");
   if (joint.motor)
@@ -102,7 +101,7 @@ double affine_bytes_per_body(const Scene& scene, const WorldOptions&) {
   constexpr double kTetrahedron = kState + kRow + 3 * 144 + 8 * 56 + kBlocks;
   double tetrahedra = 0;
   for (const BodyDescription& body : scene.bodies)
-    if (body.elastic->young_modulus > 0)
+    if (body.elastic->is_on())
       tetrahedra += static_cast<double>(mesh_of(scene, body.shape)->tetrahedra.size());
   const auto bodies = static_cast<double>(count_bodies(scene).all());
   return kState + kRow + kContacts + kNear + kBlocks +

@@ -58,8 +58,6 @@ TriangleMesh large_triangles(const std::vector<WallFace>& faces, double inner_ra
   return mesh;
 }
 
-bool is_elastic(const BodyDescription& body) { return body.elastic->young_modulus > 0; }
-
 bool is_unbounded(const Shape& shape) {
   const ShapeCard& card = shape_card(shape.kind);
   return card.faces != nullptr;
@@ -91,7 +89,7 @@ class Builder {
     for (std::size_t j = 0; j < scene_.joints.size(); ++j) hold(scene_.joints[j]);
     std::vector<ElasticBody> elastic;
     for (std::size_t b = 0; b < all_.size(); ++b)
-      if (is_elastic(all_[b].body))
+      if (all_[b].body.elastic->is_on())
         elastic.push_back({static_cast<Index>(b), static_cast<Index>(all_[b].id), &all_[b].body});
     add_solids(scene_, elastic, body_of_id_, setup_);
     return std::move(setup_);
@@ -151,7 +149,7 @@ class Builder {
     c.radius = surface->radius;
     c.material = body.material;
     c.is_led = body.kind == BodyKind::kinematic;
-    if (is_elastic(body)) {
+    if (body.elastic->is_on()) {
       c.mass = affine_mass(body.mass, body.mass * body.shape.moments);
     } else if (body.kind == BodyKind::free) {
       c.mass = affine_mass(body.mass, body.inertia);
@@ -210,7 +208,7 @@ class Builder {
         const bool is_free = all_[b].body.kind == BodyKind::free;
         if (led ? !body.is_led : !is_free) continue;
         if (is_free) mass += body.mass.mass, ++free;
-        if (is_elastic(all_[b].body)) continue;
+        if (all_[b].body.elastic->is_on()) continue;
         body.row = static_cast<Index>(setup_.body_of_row.size());
         setup_.body_of_row.push_back(static_cast<Index>(b));
       }

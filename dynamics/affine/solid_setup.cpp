@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 
 #include "dynamics/affine/affine_setup.h"
 #include "kernels/affine/surface_tree.h"

@@ -24,7 +24,6 @@ class Solids {
   }
 
   bool empty() const { return solids_.empty(); }
-  const std::vector<Solid>& list() const { return solids_; }
 
   /// Lets tetrahedra share their corners to the last bit. @param q  by body
   void join(B& b, Span<AffineVec> q) {
@@ -52,12 +51,15 @@ class Solids {
       states.bent[s.id].assign(all.begin() + s.corners_begin, all.begin() + s.surface_end);
   }
 
-  /// Writes where vertices of a mesh are, in the frame of its body. @param vertices  of that mesh
-  void draw(B& b, const Solid& solid, Span<const AffineVec> q, const BodyView<double>& store,
-            Span<Vec3d> vertices) {
+  /// Writes where vertices of meshes are, in the frames of their bodies. @param vertices_of  (id): those of the mesh of a body
+  template <class VerticesOf>
+  void draw(B& b, Span<const AffineVec> q, const BodyView<double>& store, VerticesOf vertices_of) {
+    if (empty()) return;
     place(b, q);
-    for_each(b, solid.surface_end - solid.corners_begin,
-             DrawCorners{solid, std::as_const(place_).view(place_.capacity()), store, vertices});
+    for (const Solid& solid : solids_)
+      for_each(b, solid.surface_end - solid.corners_begin,
+               DrawCorners{solid, std::as_const(place_).view(place_.capacity()), store,
+                           vertices_of(solid.id)});
   }
 
  private:

@@ -15,8 +15,6 @@ namespace {
 /// Moduli of what there is are below 1e13 Pa.
 constexpr double kLargestModulus = 1e15;
 
-bool is_elastic(const BodyDescription& body) { return body.elastic->young_modulus != 0; }
-
 /// Calls visit(corner) for those that an attachment holds. @return how many corners the body has
 template <class Visit>
 int for_each_held(const Scene& scene, const Attachment& attachment, Visit visit) {
@@ -35,7 +33,7 @@ int for_each_held(const Scene& scene, const Attachment& attachment, Visit visit)
 }  // namespace
 
 std::optional<Fault> elasticity_fault(const Scene& scene, const BodyDescription& body) {
-  if (!is_elastic(body)) return std::nullopt;
+  if (!body.elastic->is_on()) return std::nullopt;
   const double young = body.elastic->young_modulus, poisson = body.elastic->poisson_ratio;
   const DynamicsCard* card = find_dynamics(scene.dynamics.type);
   const std::string modulus = fmt::format("{:g}", young);
@@ -68,10 +66,10 @@ std::optional<Fault> attachment_fault(const Scene& scene, const Attachment& atta
   const auto body = [&](int k) -> const BodyDescription& {
     return scene.bodies[static_cast<std::size_t>(k)];
   };
-  if (attachment.body < 0 || attachment.body >= count || !is_elastic(body(attachment.body)))
+  if (attachment.body < 0 || attachment.body >= count || !body(attachment.body).elastic->is_on())
     return Fault{"body", fmt::format("{}", attachment.body), "must be an elastic body"};
   if (attachment.to != kWorldBody &&
-      (attachment.to < 0 || attachment.to >= count || is_elastic(body(attachment.to))))
+      (attachment.to < 0 || attachment.to >= count || body(attachment.to).elastic->is_on()))
     return Fault{"to", fmt::format("{}", attachment.to),
                  "must be a body that is not elastic, or \"world\""};
   for (const Vec3d& corner : {attachment.low, attachment.high})
@@ -110,7 +108,7 @@ std::optional<Fault> attachments_fault(const Scene& scene) {
   }
   std::set<int> meshes;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)
-    if (is_elastic(scene.bodies[b]) && !meshes.insert(scene.bodies[b].shape.mesh).second)
+    if (scene.bodies[b].elastic->is_on() && !meshes.insert(scene.bodies[b].shape.mesh).second)
       return Fault{fmt::format("bodies[{}].mesh", b), fmt::format("{}", scene.bodies[b].shape.mesh),
                    "must be its own: another elastic body has it"};
   return std::nullopt;

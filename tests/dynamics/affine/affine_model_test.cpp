@@ -11,8 +11,8 @@
 #include "shapes/mesh.h"
 #include "tests/affine_reference/affine_system.h"
 #include "tests/box_mesh.h"
+#include "tests/dynamics/affine/exact_surfaces.h"
 #include "tests/dynamics/affine_scenes.h"
-#include "tests/exact_triangles.h"
 
 namespace scree::affine {
 namespace {
@@ -78,29 +78,7 @@ TEST(AffineModel, NoTrianglesTouchInAnyStep) {
   for (int k = 0; k < 100; ++k) {
     const StepReport report = world.step();
     ASSERT_GT(report.own[min_gap], 0);
-    const std::vector<Vec3d> nodes = nodes_of(world);
-    std::vector<std::vector<exact::Triangle>> triangles;
-    for (std::size_t b = 0; b < setup.bodies.size(); ++b) {
-      AffineVec q = setup.position[b];
-      if (setup.bodies[b].row >= 0)
-        for (std::size_t n = 0; n < 4; ++n)
-          q.node[n] = nodes[4 * static_cast<std::size_t>(setup.bodies[b].row) + n];
-      const Surface& surface = *setup.surfaces[static_cast<std::size_t>(setup.surface_of_body[b])];
-      std::vector<exact::Triangle> own;
-      for (const auto& t : surface.triangles) {
-        exact::Triangle corners;
-        for (std::size_t c = 0; c < 3; ++c)
-          corners[c] = point_of(q, surface.vertices[static_cast<std::size_t>(t[c])]);
-        own.push_back(corners);
-      }
-      triangles.push_back(own);
-    }
-    for (std::size_t a = 0; a < triangles.size(); ++a)
-      for (std::size_t b = a + 1; b < triangles.size(); ++b)
-        for (const exact::Triangle& s : triangles[a])
-          for (const exact::Triangle& t : triangles[b])
-            ASSERT_FALSE(exact::triangles_touch(s, t))
-                << "step " << k << " bodies " << a << " " << b;
+    ASSERT_FALSE(affine::triangles_touch(setup, world)) << "step " << k;
   }
 }
 

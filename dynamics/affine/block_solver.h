@@ -3,6 +3,7 @@
 // factorization too where equations hold two bodies together, or where gradients take long.
 
 #include <algorithm>
+#include <utility>
 
 #include "dynamics/affine/direct_blocks.h"
 #include "kernels/affine/gradient_iteration.h"
@@ -27,6 +28,9 @@ class BlockSolver {
         is_direct_(takes_factors(equations, method)),
         direct_(rows, equations),
         space_(b),
+        diagonal_(b),
+        right_(b),
+        mixed_(b),
         inverse_(b),
         r_(b),
         z_(b),
@@ -85,24 +89,32 @@ class BlockSolver {
 
   Report iterate(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance) {
     const Span<const RowSpace> space = space_.view(has_spaces_ ? rows_ : 0);
-    for_each(b, rows_, InvertRow{system.diagonal, space, inverse_.view()});
-    const GradientVectors v{step,
-                            r_.view(),
-                            z_.view(),
-                            p_.view(),
-                            next_p_.view(),
-                            image_.view(),
-                            system.diagonal,
-                            inverse_.view(),
-                            list_blocks(b, system),
-                            nullptr};
+    const BlockSystemView own = has_spaces_ ? restrict_system(b, system) : system;
+    for_each(b, rows_, InvertRow{own.diagonal, space, inverse_.view()});
+    const GradientVectors v{
+        step,          r_.view(),    z_.view(),       p_.view(),           next_p_.view(),
+        image_.view(), own.diagonal, inverse_.view(), list_blocks(b, own), nullptr};
     const bool may_factorize = rows_ <= kMostFactorized && method_ == LinearMethod::standard;
-    const GradientState state = gradients_.run(b, v, system.right, tolerance,
+    const GradientState state = gradients_.run(b, v, own.right, tolerance,
                                                may_factorize ? kFewIterations : kMostIterations);
+    if (has_spaces_) for_each(b, rows_, ExpandRow{space, step});
     if (state.is_done || !may_factorize) return {state.is_done, state.iterations};
     Report report = factorize(b, system, step);
     report.iterations += state.iterations;
     return report;
+  }
+
+  /// The system in the numbers that equations leave to the rows.
+  BlockSystemView restrict_system(B& b, const BlockSystemView& s) {
+    const auto blocks = static_cast<Index>(s.mixed.size);
+    diagonal_.reserve_discard(rows_), right_.reserve_discard(rows_);
+    mixed_.reserve_discard(blocks);
+    const Span<const RowSpace> space = space_.view(rows_);
+    for_each(b, rows_,
+             RestrictRow{space, s.diagonal, s.right, diagonal_.view(rows_), right_.view(rows_)});
+    for_each(b, blocks, RestrictMixed{space, s.mixed, mixed_.view(blocks)});
+    return {std::as_const(diagonal_).view(rows_), std::as_const(mixed_).view(blocks),
+            std::as_const(right_).view(rows_)};
   }
 
   BlockLists list_blocks(B& b, const BlockSystemView& system) {
@@ -121,6 +133,9 @@ class BlockSolver {
   bool has_spaces_ = false;
   DirectBlocks direct_;
   Buffer<B, RowSpace> space_;
+  Buffer<B, Dense<12>> diagonal_;  ///< this and the next two: of restrict_system
+  Buffer<B, AffineVec> right_;
+  Buffer<B, MixedBlock> mixed_;
   Buffer<B, Dense<12>> inverse_;
   Buffer<B, AffineVec> r_, z_, p_, next_p_, image_;
   Buffer<B, std::uint64_t> key_;

@@ -4,6 +4,7 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "dynamics/affine/block_factor.h"
 
@@ -11,6 +12,13 @@ namespace scree::affine {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
+
+/// What stands against an equation's multiplier, in units of one over the largest entry of the system. The factorization takes
+/// most equations before their unknowns: rounding of 1e-16 over this share is what it then loses of the system, and this share
+/// is what an equation that is barely its own is first missed by. In between, refinement repairs both.
+constexpr double kSlackOfEquations = 1e-7;
+/// Refinements end where they no longer gain.
+constexpr int kMostRefinements = 12;
 
 }  // namespace
 
@@ -60,7 +68,7 @@ struct DirectBlocks::Impl {
     }
     for (int e = 0; e < equations; ++e) {
       outer[unknowns + e] = at;
-      inner[at] = unknowns + e, value[at] = -1e-10 / largest, ++at;
+      inner[at] = unknowns + e, value[at] = -kSlackOfEquations / largest, ++at;
     }
     outer[n] = at;
   }
@@ -114,12 +122,16 @@ bool DirectBlocks::solve(const BlockSystemView& system, Span<AffineVec> step) {
   Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
   for (int i = 0; i < m.unknowns; ++i) right(i) = entry_of(system.right[i / 12], i % 12);
   Eigen::VectorXd x = m.factor.solve(right);
-  constexpr int kRefinements = 3;
-  const Eigen::VectorXd small = m.matrix.diagonal().tail(m.equations);
-  for (int k = 0; k < kRefinements; ++k) {
+  const Eigen::VectorXd slack = m.matrix.diagonal().tail(m.equations);
+  double moved = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kMostRefinements; ++k) {
     Eigen::VectorXd left = right - m.matrix.selfadjointView<Eigen::Lower>() * x;
-    left.tail(m.equations) += small.cwiseProduct(x.tail(m.equations));
-    x += m.factor.solve(left);
+    left.tail(m.equations) += slack.cwiseProduct(x.tail(m.equations));
+    const Eigen::VectorXd change = m.factor.solve(left);
+    const double now = change.head(m.unknowns).norm();
+    if (!(now < 0.5 * moved)) break;
+    x += change;
+    moved = now;
   }
   if (!x.allFinite()) return false;
   for (int i = 0; i < m.unknowns; ++i) step[i / 12].node[i % 12 / 3][i % 3] = x(i);

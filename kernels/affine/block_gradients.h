@@ -1,16 +1,12 @@
 #pragma once
 // Conjugate gradients for the linear system of a Newton step, with the inverse of each diagonal block as preconditioner.
-// Equations of one row restrict its steps to a subspace. Source: Saad, Iterative Methods for Sparse Linear Systems, algorithm 9.1.
+// Equations of one row restrict its steps to a subspace (row_space.h). Source: Saad, Iterative Methods for Sparse Linear Systems,
+// algorithm 9.1.
 
 #include "kernels/affine/assembly.h"
+#include "kernels/affine/row_space.h"
 
 namespace scree::affine {
-
-/// Steps that equations leave to a row: orthonormal, in the first columns.
-struct RowSpace {
-  Dense<12> basis;
-  int count = 12;
-};
 
 /// Blocks of a row: two entries a block above the diagonal, sorted by row and then by the other row.
 struct BlockLists {
@@ -34,17 +30,16 @@ struct NameHalves {
   }
 };
 
-/// Inverse of a diagonal block in the space of its row: Q (Q^T D Q)^-1 Q^T. A pivot that is not positive becomes a unit.
+/// Inverse of a diagonal block in the numbers of its row. A pivot that is not positive becomes a unit.
 struct InvertRow {
   static constexpr const char* name = "affine_invert_row";
   Span<const Dense<12>> diagonal;
   Span<const RowSpace> space;  ///< empty: rows have no equations
-  Span<Dense<12>> inverse;     ///< out
+  Span<Dense<12>> inverse;     ///< out; zero beyond the numbers of the row
 
   SCREE_HD void operator()(Index row) const {
     Dense<12> a = diagonal[row];
     const int n = space.empty() ? 12 : space[row].count;
-    if (!space.empty()) restrict_to(space[row], a);
     for (int j = 0; j < n; ++j) {  // a = L L^T, in its lower triangle
       double pivot = a(j, j);
       for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
@@ -57,10 +52,9 @@ struct InvertRow {
       }
     }
     Dense<12> out;
-    for (int column = 0; column < 12; ++column) {
+    for (int column = 0; column < n; ++column) {
       double y[12];
-      for (int i = 0; i < n; ++i)
-        y[i] = space.empty() ? (i == column ? 1 : 0) : space[row].basis(column, i);
+      for (int i = 0; i < n; ++i) y[i] = i == column ? 1 : 0;
       for (int i = 0; i < n; ++i) {
         for (int k = 0; k < i; ++k) y[i] -= a(i, k) * y[k];
         y[i] /= a(i, i);
@@ -69,30 +63,9 @@ struct InvertRow {
         for (int k = i + 1; k < n; ++k) y[i] -= a(k, i) * y[k];
         y[i] /= a(i, i);
       }
-      for (int i = 0; i < 12; ++i) {
-        double sum = 0;
-        if (space.empty()) {
-          sum = y[i];
-        } else {
-          for (int k = 0; k < n; ++k) sum += space[row].basis(i, k) * y[k];
-        }
-        out(i, column) = sum;
-      }
+      for (int i = 0; i < n; ++i) out(i, column) = y[i];
     }
     inverse[row] = out;
-  }
-
-  SCREE_HD static void restrict_to(const RowSpace& s, Dense<12>& a) {
-    Dense<12> half;
-    for (int i = 0; i < 12; ++i)
-      for (int j = 0; j < s.count; ++j)
-        for (int k = 0; k < 12; ++k) half(i, j) += a(i, k) * s.basis(k, j);
-    for (int i = 0; i < s.count; ++i) {
-      for (int j = 0; j < s.count; ++j) {
-        a(i, j) = 0;
-        for (int k = 0; k < 12; ++k) a(i, j) += s.basis(k, i) * half(k, j);
-      }
-    }
   }
 };
 

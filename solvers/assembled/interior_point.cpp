@@ -34,7 +34,7 @@ constexpr double most_of_the_way = 0.995;
 /// all that is left.
 constexpr int looks_without_gain = 3;
 constexpr double small_gap = 1e-6;
-constexpr int polish_iterations = 12;
+constexpr int polish_iterations = 60, polish_patience = 15;
 
 Cone3 at(const std::vector<double>& v, int c) { return {v[3 * c], v[3 * c + 1], v[3 * c + 2]}; }
 
@@ -100,7 +100,7 @@ class InteriorPoint {
       without_gain = gained || !(gap() < small_gap) ? 0 : without_gain + 1;
       if (without_gain >= looks_without_gain || !step()) break;
     }
-    polish(k);
+    polish();
   }
 
  private:
@@ -115,25 +115,16 @@ class InteriorPoint {
   /// Mean x.s of a contact, in units of the loads.
   double gap() const { return dot(x_, s_) / p_.contact_count; }
 
-  /// Goes on from the best impulses after k iterations.
-  void polish(int k) {
+  /// Goes on from the best impulses.
+  void polish() {
+    if (!monitor_.next_phase(polish_iterations, 1)) return;
+    AssembledOptions from = options_;
+    from.guess = monitor_.best();
     ProximalSettings settings;
-    for (int t = 1; t <= polish_iterations; ++t) {
-      AssembledOptions one = options_;
-      one.guess = monitor_.best();
-      one.max_iterations = 1;
-      one.check_every = 1;
-      if (options_.max_seconds > 0)
-        one.max_seconds = std::max(1e-3, options_.max_seconds - monitor_.seconds());
-      AssembledMonitor inner(original_, one, nullptr);
-      run_proximal(original_, one, settings, inner);
-      const AssembledResult result = inner.finish();
-      monitor_.count_applications(result.applications);
-      monitor_.count_factorizations(result.factorizations);
-      if (monitor_.check(k + t, result.r)) return;
-      settings.first_weight = std::max(settings.least_weight, 0.1 * settings.first_weight);
-    }
-    monitor_.fail(AssembledStatus::stalled, "rounding ends the interior point");
+    settings.patience = polish_patience;
+    run_proximal(original_, from, settings, monitor_);
+    if (!monitor_.converged())
+      monitor_.fail(AssembledStatus::stalled, "rounding ends the interior point");
   }
 
   /// (W + P^-2)^-1 b with one refinement.

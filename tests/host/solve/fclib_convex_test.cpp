@@ -66,7 +66,7 @@ TEST_P(FclibOracle, ReachesAResidualOfRounding) {
     SCOPED_TRACE(f.name);
     const ReadyProblem p =
         ready(f.name, read_problem(shared_file("fclib/local/" + f.name + ".hdf5")));
-    const AssembledResult result = solve(p, GetParam(), 1e-12, 0);
+    const AssembledResult result = solve(p, GetParam(), 1e-14, 0);
     EXPECT_LE(result.residual.relative, 1e-12) << result.note;
     EXPECT_NEAR(result.residual.objective, f.convex_minimum, 1e-11 * std::abs(f.convex_minimum));
   }

@@ -49,7 +49,8 @@ TEST_P(FclibConvex, ReachesTheMinimumOfTheInteriorPointAndThePublishedOne) {
     const ReadyProblem p =
         ready(f.name, read_problem(shared_file("fclib/local/" + f.name + ".hdf5")));
     const double oracle = solve(p, "interior_point", 1e-12, 0).residual.objective;
-    const AssembledResult result = solve(p, solver, 1e-10, 2000000);
+    // Ten times less takes some of them 30 times the iterations, and the minimum is within 1e-9 already.
+    const AssembledResult result = solve(p, solver, is_slow(f.name) ? 1e-8 : 1e-9, 2000000);
     EXPECT_NEAR(result.residual.objective, f.convex_minimum, 1e-8 * std::abs(f.convex_minimum))
         << result.note;
     EXPECT_NEAR(result.residual.objective, oracle, 1e-8 * std::abs(oracle)) << result.note;

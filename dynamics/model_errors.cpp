@@ -129,6 +129,10 @@ void throw_wrong_body_count(std::size_t found, std::size_t expected) {
       fmt::format("checkpoint: {} free bodies, the scene has {} at that time", found, expected));
 }
 
+void throw_bad_earlier_step() {
+  throw InputError("checkpoint: affine/earlier_step must be one time above 0");
+}
+
 void throw_unknown_body(int id) {
   throw InputError(fmt::format("checkpoint: body {} is not a free body of the scene", id));
 }

@@ -75,23 +75,27 @@ class AffineDynamics final : public ModelOn<B, double> {
     B& b = backend();
     StageClock<B> clock(b);
     StepReport report;
-    const affine::StepScheme scheme{rule_, rule_ == affine::StepRule::bdf2 && has_earlier_,
-                                    scene_.stepping.time_step, scene_.gravity};
-    affine::Potential p = potential(scheme);
-    set_out(p, scheme);
-    p.barrier.stiffness = barrier_stiffness(p, scheme.h);
+    report.converged = true;
     affine::MinimizerReport done;
-    const affine::MinimizerSettings settings = minimizer_settings(scheme.h);
-    const int blocked = minimize(p, scheme, settings, done);
-    finish(scheme);
+    const int parts = part_count();
+    for (int part = 0; part < parts; ++part) {
+      const affine::StepScheme scheme = scheme_of(scene_.stepping.time_step / parts);
+      affine::Potential p = potential(scheme);
+      set_out(p, scheme);
+      p.barrier.stiffness = barrier_stiffness(p, scheme.h);
+      const int blocked = minimize(p, scheme, minimizer_settings(scheme.h), done);
+      finish(scheme);
+      const affine::AffineSums sums = sum();
+      if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
+      note_part(report, p, scheme, done, sums, blocked);
+    }
+    this->count_step();
+    fill_report(report, done, parts);
     report.ms.collision = minimizer_.take_near_ms();
     report.ms.solve = done.linear_ms;
     report.ms.setup = done.assembly_ms;
     report.ms.integrate = clock.lap() - report.ms.collision - report.ms.setup - report.ms.solve;
-    const affine::AffineSums sums = sum();
-    if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
-    this->count_step();
-    fill_report(report, p, scheme, done, sums, blocked);
+    report.ms.total = report.ms.collision + report.ms.setup + report.ms.solve + report.ms.integrate;
     return report;
   }
 
@@ -118,6 +122,24 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr double kFirstLead = 1e3, kMostLead = 1e9;
   /// Strain from which on a body counts as squeezed.
   static constexpr double kMostSqueeze = 0.01;
+  static constexpr int kMostParts = 1024;
+
+  /// Parts of the step to come: a power of two, and half as many as those of the step before at least. bdf2 goes on
+  /// as from before to now: over a step of many times that length a push would become a throw.
+  int part_count() {
+    const double most = kMaxTurn.of(scene_.dynamics.parameters), h = scene_.stepping.time_step;
+    if (!(most > 0)) return 1;
+    const double turn = sum().turn * h;
+    int parts = 1;
+    while (parts < kMostParts &&
+           (turn > most * parts || (has_earlier_ && h > 2.5 * earlier_step_ * parts)))
+      parts *= 2;
+    return parts;
+  }
+  affine::StepScheme scheme_of(double h) const {
+    const bool is_second = rule_ == affine::StepRule::bdf2 && has_earlier_;
+    return {rule_, is_second, h, scene_.gravity, is_second ? h / earlier_step_ : 1};
+  }
 
   void read_parameters() {
     const ParameterValues& values = scene_.dynamics.parameters;
@@ -265,6 +287,7 @@ class AffineDynamics final : public ModelOn<B, double> {
                                 states(scheme.is_second), next_.view(), target_.view(),
                                 rate_.view(), earlier_q_.view(), earlier_v_.view()});
     has_earlier_ = true;
+    earlier_step_ = scheme.h;
     write_poses();
   }
   void write_poses() {
@@ -285,9 +308,31 @@ class AffineDynamics final : public ModelOn<B, double> {
     return fetch(backend(), sums_.data());
   }
 
-  void fill_report(StepReport& report, const affine::Potential& p, const affine::StepScheme& scheme,
-                   const affine::MinimizerReport& done, const affine::AffineSums& sums,
-                   int blocked) {
+  /// Adds what a part of the step ended with.
+  /// @param done  of this part and those before
+  void note_part(StepReport& report, const affine::Potential& p, const affine::StepScheme& scheme,
+                 const affine::MinimizerReport& done, const affine::AffineSums& sums, int blocked) {
+    const double listed = p.barrier.separation + 3 * p.barrier.reach;
+    const double gap = std::min(std::sqrt(done.squared), listed);
+    const bool is_first = report.own.empty();
+    report.own = {is_first ? gap : std::min(report.own[kMinGapColumn], gap),
+                  std::max(is_first ? 0 : report.own[kStrainColumn], sums.strain),
+                  p.barrier.stiffness,
+                  std::max(is_first ? 0 : report.own[kBlockedColumn], static_cast<double>(blocked)),
+                  sums.momentum.x,
+                  sums.momentum.y,
+                  sums.momentum.z,
+                  sums.angular.x,
+                  sums.angular.y,
+                  sums.angular.z,
+                  0};
+    report.residual_max = std::max(report.residual_max, done.residual / scheme.h);
+    report.kinetic_energy = sums.kinetic;
+    report.max_turn = std::max(report.max_turn, sums.turn * scheme.h);
+    if (!std::isfinite(sums.kinetic))
+      throw_not_finite(steps_done() + 1, "kinetic energy", sums.kinetic);
+  }
+  void fill_report(StepReport& report, const affine::MinimizerReport& done, int parts) {
     report.step = steps_done();
     report.time = this->time();
     report.body_count = store_.owned_count();
@@ -295,23 +340,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     report.iterations = done.iterations;
     report.applications = done.linear_iterations;
     report.converged = done.converged;
-    report.residual_rms = report.residual_max = done.residual / scheme.h;
-    report.kinetic_energy = sums.kinetic;
-    report.max_turn = sums.turn * scheme.h;
-    const double listed = p.barrier.separation + 3 * p.barrier.reach;
-    report.own = {std::min(std::sqrt(done.squared), listed),
-                  sums.strain,
-                  p.barrier.stiffness,
-                  static_cast<double>(blocked),
-                  sums.momentum.x,
-                  sums.momentum.y,
-                  sums.momentum.z,
-                  sums.angular.x,
-                  sums.angular.y,
-                  sums.angular.z};
-    report.ms.total = report.ms.collision + report.ms.setup + report.ms.solve + report.ms.integrate;
-    if (!std::isfinite(sums.kinetic))
-      throw_not_finite(steps_done(), "kinetic energy", sums.kinetic);
+    report.residual_rms = report.residual_max;
+    report.own[kPartsColumn] = parts;
   }
 
   [[noreturn]] void report_bad_body(Index body) {
@@ -343,6 +373,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     s.add("affine/velocity", nodes(v_));
     s.add("affine/earlier_position", has_earlier_ ? nodes(earlier_q_) : std::vector<Vec3d>{});
     s.add("affine/earlier_velocity", has_earlier_ ? nodes(earlier_v_) : std::vector<Vec3d>{});
+    s.add("affine/earlier_step",
+          has_earlier_ ? std::vector<double>{earlier_step_} : std::vector<double>{});
     s.add("affine/led_time", led_time_);
     if (!(scene_.gravity == first_gravity_))
       s.add("world/gravity", std::vector<Vec3d>{scene_.gravity});
@@ -359,6 +391,9 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (has_earlier_) {
       put_nodes(earlier, earlier_q_);
       put_nodes(s.template at<Vec3d>("affine/earlier_velocity"), earlier_v_);
+      const auto& step = s.template at<double>("affine/earlier_step");
+      if (step.size() != 1 || !(step[0] > 0)) throw_bad_earlier_step();
+      earlier_step_ = step[0];
     }
     const auto& led_time = s.template at<double>("affine/led_time");
     if (led_time.size() != led_time_.size())
@@ -422,6 +457,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   double reach_ = 0, tolerance_ = 0;  ///< [m], [m/s]
   bool has_friction_ = false;
   bool has_earlier_ = false;  ///< whether there was a step before
+  double earlier_step_ = 0;   ///< how long that took [s]
   Buffer<B, affine::BodyConstant> constants_;
   Buffer<B, Index> body_of_row_;
   Buffer<B, double> friction_;

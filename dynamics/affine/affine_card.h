@@ -76,12 +76,23 @@ inline constexpr SolverParameter kBarrierStiffness{
     .low = 0,
     .high = 1e60,
     .is_low_allowed = true};
+inline constexpr SolverParameter kMaxTurn{
+    .key = "max_turn",
+    .description =
+        "a step in which a stiff body would turn by more is made in equal parts, 1024 at most "
+        "[rad]; 0: in one, however far bodies turn.",
+    .standard = 0,
+    .low = 0,
+    .high = 1e6,
+    .is_low_allowed = true};
 inline constexpr std::array kAffineParameters{
-    kStepRule,        kAffineStiffness,  kReach,           kSeparation, kSlipSpeed, kFrictionSolves,
-    kNewtonTolerance, kNewtonIterations, kBarrierStiffness};
+    kStepRule,         kAffineStiffness, kReach,           kSeparation,
+    kSlipSpeed,        kFrictionSolves,  kNewtonTolerance, kNewtonIterations,
+    kBarrierStiffness, kMaxTurn};
 
 /// Places in StepReport::own.
-inline constexpr std::size_t kMinGapColumn = 0, kStrainColumn = 1, kMomentumColumn = 4;
+inline constexpr std::size_t kMinGapColumn = 0, kStrainColumn = 1, kBlockedColumn = 3,
+                             kMomentumColumn = 4, kPartsColumn = 10;
 
 inline constexpr std::array kMinimizerColumns{
     ReportColumn{"contacts", &StepReport::contact_count},
@@ -92,7 +103,8 @@ inline constexpr std::array kMinimizerColumns{
     ReportColumn{"min_gap_m", Own{kMinGapColumn}},
     ReportColumn{"max_strain", Own{kStrainColumn}},
     ReportColumn{"barrier_stiffness_J_per_m4", Own{2}},
-    ReportColumn{"blocked_bodies", Own{3}},
+    ReportColumn{"blocked_bodies", Own{kBlockedColumn}},
+    ReportColumn{"parts", Own{kPartsColumn}},
     ReportColumn{"max_turn_rad", &StepReport::max_turn},
     ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy}};
 inline constexpr std::array kMinimizerTimes{ReportColumn{"collision_ms", &StageTimes::collision},
@@ -121,6 +133,11 @@ inline constexpr std::array kAffineOwnState{
     StateField{.name = "affine/earlier_velocity",
                .type = StateField::Type::vector,
                .rows_of = "affine/position",
+               .may_be_empty = true,
+               .largest = kLargestOfState},
+    // How long that step took [s].
+    StateField{.name = "affine/earlier_step",
+               .type = StateField::Type::number,
                .may_be_empty = true,
                .largest = kLargestOfState},
     // Time of the motion of each kinematic body.

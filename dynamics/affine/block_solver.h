@@ -90,7 +90,7 @@ class BlockSolver {
   Report iterate(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance) {
     const Span<const RowSpace> space = space_.view(has_spaces_ ? rows_ : 0);
     const BlockSystemView own = has_spaces_ ? restrict_system(b, system) : system;
-    for_each(b, rows_, InvertRow{own.diagonal, space, inverse_.view()});
+    for_each(b, 12 * rows_, InvertRow{own.diagonal, space, inverse_.view()});
     const GradientVectors v{
         step,          r_.view(),    z_.view(),       p_.view(),           next_p_.view(),
         image_.view(), own.diagonal, inverse_.view(), list_blocks(b, own), nullptr};

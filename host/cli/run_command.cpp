@@ -314,7 +314,7 @@ class Run {
     if (record_.totals.max_turn() > kMostTurn)
       progress.note(fmt::format(
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
-          "smaller time step follows it better",
+          "smaller time step follows it better, or max_turn of the dynamics",
           record_.totals.max_turn(), kMostTurn));
     const std::string unsolved = steps_not_converged();
     if (unsolved.empty()) return;

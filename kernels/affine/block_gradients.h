@@ -30,42 +30,42 @@ struct NameHalves {
   }
 };
 
-/// Inverse of a diagonal block in the numbers of its row. A pivot that is not positive becomes a unit.
+/// A column of the inverse of a diagonal block, in the numbers of its row. A pivot that is not positive becomes a unit. Columns
+/// factorize the block each for itself: a device has more threads than rows, and one thread a row takes five times as long.
 struct InvertRow {
   static constexpr const char* name = "affine_invert_row";
   Span<const Dense<12>> diagonal;
   Span<const RowSpace> space;  ///< empty: rows have no equations
   Span<Dense<12>> inverse;     ///< out; zero beyond the numbers of the row
 
-  SCREE_HD void operator()(Index row) const {
+  /// @param k  of 12 columns a row
+  SCREE_HD void operator()(Index k) const {
+    const Index row = k / 12;
+    const int column = k % 12;
     Dense<12> a = diagonal[row];
     const int n = space.empty() ? 12 : space[row].count;
     for (int j = 0; j < n; ++j) {  // a = L L^T, in its lower triangle
       double pivot = a(j, j);
-      for (int k = 0; k < j; ++k) pivot -= a(j, k) * a(j, k);
+      for (int m = 0; m < j; ++m) pivot -= a(j, m) * a(j, m);
       const double root = pivot > 0 ? std::sqrt(pivot) : 1;
       a(j, j) = root;
       for (int i = j + 1; i < n; ++i) {
         double sum = a(i, j);
-        for (int k = 0; k < j; ++k) sum -= a(i, k) * a(j, k);
+        for (int m = 0; m < j; ++m) sum -= a(i, m) * a(j, m);
         a(i, j) = sum / root;
       }
     }
-    Dense<12> out;
-    for (int column = 0; column < n; ++column) {
-      double y[12];
-      for (int i = 0; i < n; ++i) y[i] = i == column ? 1 : 0;
-      for (int i = 0; i < n; ++i) {
-        for (int k = 0; k < i; ++k) y[i] -= a(i, k) * y[k];
-        y[i] /= a(i, i);
-      }
-      for (int i = n - 1; i >= 0; --i) {
-        for (int k = i + 1; k < n; ++k) y[i] -= a(k, i) * y[k];
-        y[i] /= a(i, i);
-      }
-      for (int i = 0; i < n; ++i) out(i, column) = y[i];
+    double y[12] = {};
+    if (column < n) y[column] = 1;
+    for (int i = 0; i < n; ++i) {
+      for (int m = 0; m < i; ++m) y[i] -= a(i, m) * y[m];
+      y[i] /= a(i, i);
     }
-    inverse[row] = out;
+    for (int i = n - 1; i >= 0; --i) {
+      for (int m = i + 1; m < n; ++m) y[i] -= a(m, i) * y[m];
+      y[i] /= a(i, i);
+    }
+    for (int i = 0; i < 12; ++i) inverse[row](i, column) = y[i];
   }
 };
 

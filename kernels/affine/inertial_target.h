@@ -55,11 +55,20 @@ SCREE_HD inline AffineVec turned(const AffineVec& q, const Vec3d& w) {
 struct StepScheme {
   StepRule rule = StepRule::bdf2;
   bool is_second = false;
-  double h = 0.01;  ///< [s]
-  Vec3d gravity;    ///< [m/s^2]
+  double h = 0.01;   ///< [s]
+  Vec3d gravity;     ///< [m/s^2]
+  double ratio = 1;  ///< of h to the step before
+
+  /// Share of a step that its end's velocity acts for: 2/3 of equal ones with bdf2.
+  /// Source: Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, section III.5, also for `before`.
+  SCREE_HD double share() const { return is_second ? (1 + ratio) / (1 + 2 * ratio) : 1; }
+  /// What bdf2 would go on from without rates: 4/3 of now less 1/3 of the step before, of equal ones.
+  SCREE_HD AffineVec before(const AffineVec& now, const AffineVec& earlier) const {
+    return (share() * (1 + ratio)) * now - (share() * ratio * ratio / (1 + ratio)) * earlier;
+  }
 
   /// What forces and energies are multiplied by beside the inertia: h^2, or 4/9 h^2.
-  SCREE_HD double scale() const { return (is_second ? 4.0 / 9 : 1) * h * h; }
+  SCREE_HD double scale() const { return share() * share() * h * h; }
 };
 
 /// States of a body that a step begins with.
@@ -86,9 +95,9 @@ SCREE_HD inline InertialTarget inertial_target(const StepScheme& scheme, const A
   gain.node[0] += scheme.gravity;
   InertialTarget t;
   t.rate = s.v;
-  t.q = scheme.is_second
-            ? (1.0 / 3) * (4.0 * s.q - s.earlier_q) + (2 * h / 9) * (4.0 * s.v - s.earlier_v)
-            : s.q + h * s.v;
+  t.q = scheme.is_second ? scheme.before(s.q, s.earlier_q) +
+                               (scheme.share() * h) * scheme.before(s.v, s.earlier_v)
+                         : s.q + h * s.v;
   if (turning) {
     const Vec3d momentum = angular_momentum(mass, s.q, s.v) + h * torque;
     const Vec3d w = turn_rate(mass, s.q, momentum);
@@ -107,7 +116,8 @@ SCREE_HD inline InertialTarget inertial_target(const StepScheme& scheme, const A
 /// Velocity of a body that the step took to q.
 SCREE_HD inline AffineVec velocity_after(const StepScheme& scheme, const StepStart& s,
                                          const InertialTarget& t, const AffineVec& q) {
-  if (scheme.is_second) return (0.5 / scheme.h) * (3.0 * q - 4.0 * s.q + s.earlier_q);
+  if (scheme.is_second)
+    return (1 / (scheme.share() * scheme.h)) * (q - scheme.before(s.q, s.earlier_q));
   AffineVec v = (1 / scheme.h) * (q - s.q);
   if (scheme.rule == StepRule::rotational)
     for (int k = 1; k < 4; ++k)

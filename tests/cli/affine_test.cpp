@@ -1,5 +1,6 @@
 // Affine and elastic bodies from the command line: files, resuming, warnings.
 
+#include "dynamics/affine/affine_card.h"
 #include "host/io/h5.h"
 #include "tests/cli/program.h"
 #include "tests/steps_file.h"
@@ -63,10 +64,17 @@ TEST(CliAffine, TurnsThatAStepIsTooLongForAreTold) {
   ASSERT_EQ(run.code, 0);
   EXPECT_EQ(run.err,
             "warning: a body turned by 0.6 rad in a step: steps follow turns of up to 0.5 rad; a "
-            "smaller time step follows it better\n");
+            "smaller time step follows it better, or max_turn of the dynamics\n");
   const Result finer =
       scree(scratch, run_arguments(file, scratch / "b", {"--quiet", "--set", "time_step=0.005"}));
   EXPECT_EQ(finer.err, "");
+  const Result in_parts = scree(
+      scratch, run_arguments(file, scratch / "c", {"--quiet", "--set", "dynamics.max_turn=0.3"}));
+  EXPECT_EQ(in_parts.err, "");
+  const std::vector<StepReport> steps =
+      read_steps_csv(scratch / "c" / "steps.csv", dynamics_card("affine").report);
+  ASSERT_EQ(steps.size(), 10u);
+  EXPECT_EQ(steps[0].own[kPartsColumn], 2);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
 #include "host/compounds.h"
 #include "host/error.h"
@@ -279,6 +280,63 @@ TEST(AffineModel, ResumedRunsHaveTheSameBitsForAnyNumberOfThreads) {
   other.restore(state);
   for (int k = 0; k < 30; ++k) other.step();
   EXPECT_EQ(state_hash(one.states()), state_hash(other.states()));
+}
+
+/// A cube that turns by 1.2 rad a step.
+Scene spinning_cube(double max_turn) {
+  Scene scene = affine_scene(0.02, 0);
+  scene.gravity = {};
+  scene.dynamics.parameters["rule"] = static_cast<double>(StepRule::bdf2);
+  scene.dynamics.parameters["max_turn"] = max_turn;
+  add_box(scene, {}, {0.05, 0.05, 0.05}, 1).angular_velocity = {0, 0, 60};
+  return scene;
+}
+
+TEST(AffineModel, StepsInWhichBodiesTurnFarAreMadeInPartsWhereAllowed) {
+  World in_one(spinning_cube(0), cpu_options()), in_parts(spinning_cube(0.02), cpu_options());
+  const double energy = 0.5 * (2.0 / 3 * 0.05 * 0.05) * 60 * 60;
+  StepReport coarse, fine;
+  for (int k = 0; k < 10; ++k) {
+    coarse = in_one.step(), fine = in_parts.step();
+    EXPECT_EQ(coarse.own[kPartsColumn], 1);
+    EXPECT_EQ(fine.own[kPartsColumn], 64);
+    EXPECT_LE(fine.max_turn, 0.02);
+    EXPECT_GT(coarse.max_turn, 0.02);
+  }
+  EXPECT_EQ(fine.step, 10);
+  EXPECT_NEAR(in_parts.time(), 0.2, 1e-14);
+  EXPECT_LT(coarse.kinetic_energy, 0.9 * energy);
+  EXPECT_NEAR(fine.kinetic_energy, energy, 0.01 * energy);
+}
+
+/// A spin that comes to rest: steps of ever fewer parts, each of half those of the one before at least.
+TEST(AffineModel, PartsOfStepsFollowTheTurnAndResumedRunsHaveTheSameBits) {
+  Scene scene = spinning_cube(0.1);
+  scene.gravity = {0, 0, -9.81};
+  scene.materials[0].friction = 0.8;
+  scene.bodies[0].position = {0, 0, 0.06};
+  scene.bodies[0].angular_velocity = {40, 0, 0};
+  add_plane(scene);
+  World one(scene, cpu_options(1));
+  WorldState state;
+  double parts = 0, before = 0;
+  for (int k = 0; k < 40; ++k) {
+    if (k == 4) state = one.save();
+    const StepReport report = one.step();
+    if (k == 0) parts = report.own[kPartsColumn];
+    if (k > 0) {
+      EXPECT_GE(report.own[kPartsColumn], 0.5 * before);
+    }
+    before = report.own[kPartsColumn];
+  }
+  EXPECT_GE(parts, 8);
+  EXPECT_EQ(before, 1);
+  World other(scene, cpu_options(2));
+  other.restore(state);
+  for (int k = 4; k < 40; ++k) other.step();
+  EXPECT_EQ(state_hash(one.states()), state_hash(other.states()));
+  state.at<double>("affine/earlier_step") = {-1};
+  EXPECT_THROW(other.restore(state), InputError);
 }
 
 TEST(AffineModel, ALedBoxPushesAndStopsWhereItIsBlocked) {

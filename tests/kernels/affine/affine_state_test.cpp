@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "kernels/affine/inertial_target.h"
 #include "shapes/sphere.h"
 #include "tests/box_mesh.h"
 #include "tests/kernels/affine/differences.h"
@@ -112,6 +113,24 @@ TEST(AffineForceTest, ForcesAndTorquesDoTheWorkTheyShould) {
   }
   EXPECT_NEAR(dot(t, turning), dot(torque, w), 1e-12);
   EXPECT_NEAR(dot(t, stretching), 0, 1e-12);
+}
+
+// Motion of constant acceleration, from one step to the next of any length.
+TEST(StepSchemeTest, Bdf2IsExactForParabolasWhateverTheStepBefore) {
+  AffineMass mass;
+  mass.mass = 2, mass.second = {1, 1, 1, 0, 0, 0};
+  const Vec3d x{1, -2, 3}, v{0.5, 4, -1}, a{3, -7, 2};
+  for (const double ratio : {0.25, 1.0, 2.0}) {
+    StepScheme scheme{StepRule::bdf2, true, 0.1, a, ratio};
+    const double h = scheme.h, earlier = h / ratio;
+    StepStart s;
+    s.q.node[0] = x, s.v.node[0] = v;
+    s.earlier_q.node[0] = x - earlier * v + (0.5 * earlier * earlier) * a;
+    s.earlier_v.node[0] = v - earlier * a;
+    const InertialTarget t = inertial_target(scheme, mass, s, {}, {});
+    EXPECT_LT(norm(t.q.node[0] - (x + h * v + (0.5 * h * h) * a)), 1e-14) << ratio;
+    EXPECT_LT(norm(velocity_after(scheme, s, t, t.q).node[0] - (v + h * a)), 1e-13) << ratio;
+  }
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ namespace scree {
 [[noreturn]] void throw_wrong_insertions(std::uint64_t found, std::size_t in_scene);
 /// @throws InputError
 [[noreturn]] void throw_wrong_body_count(std::size_t found, std::size_t expected);
+/// @throws InputError
 [[noreturn]] void throw_bad_earlier_step();
 /// @throws InputError
 [[noreturn]] void throw_unknown_body(int id);

@@ -31,7 +31,8 @@ struct NameHalves {
 };
 
 /// A column of the inverse of a diagonal block, in the numbers of its row. A pivot that is not positive becomes a unit. Columns
-/// factorize the block each for itself: a device has more threads than rows, and one thread a row takes five times as long.
+/// factorize the block each for itself: a device has more threads than rows, and a thread a row would do five times as much one
+/// after the other.
 struct InvertRow {
   static constexpr const char* name = "affine_invert_row";
   Span<const Dense<12>> diagonal;

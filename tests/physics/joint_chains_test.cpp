@@ -109,6 +109,11 @@ TEST(JointChains, AThousandLinksHoldForTenSeconds) {
   EXPECT_LT(largest_error(hanging_chain(1000), 10), 1e-6);
 }
 
+TEST(JointChains, ANetOf32By32KnotsHoldsForTenSeconds) {
+  if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
+  EXPECT_LT(largest_error(hanging_net(32), 10), 1e-6);
+}
+
 // Between hooks 1 m apart a chain of 1.2 m has the form y = a cosh(x / a) with 2 a sinh(1 / 2 a) = 1.2 m.
 TEST(JointChains, AHangingChainIsACatenary) {
   constexpr int kLinks = 50;

@@ -87,7 +87,7 @@ TEST(KleinertPile, AutoSolvesAStepWithExactFriction) {
 
   AssembledOptions options;
   options.tolerance = 1e-8;
-  options.max_seconds = 120;
+  options.max_seconds = 400;  // for slow machines: 37 on a quiet one
   const AssembledResult result = run_solvers(problem, {"auto"}, options).front().result;
   EXPECT_EQ(result.status, AssembledStatus::converged) << result.residual.relative;
   const std::vector<double> u = contact_velocity(problem.problem, result.r);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <random>
 
 #include "tests/physics/long_tests.h"
 #include "tests/physics/scene_builder.h"
@@ -136,40 +137,74 @@ TEST(Cohesion, C63_SphereDoesNotRollOffAnOverhang) {
   }
 }
 
-/// Height of a cube of grains of 1 cm after it stood free for a while, over that at the start.
+/// Grains of 1 cm that stand free, as they were poured.
+struct Packing {
+  static constexpr double kRadius = 0.01, kDensity = 2000;
+  static constexpr double kMass = kDensity * 4 / 3 * kPi * kRadius * kRadius * kRadius;
+  std::vector<Vec3d> center;
+  double height = 0;
+};
+double height_of(const std::vector<Vec3d>& center) {
+  double top = 0;
+  for (const Vec3d& x : center) top = std::max(top, x.z);
+  return top + Packing::kRadius;
+}
+
+/// About a cube of grains that fell without friction between four walls and came to rest. A lattice would not do: its
+/// columns buckle, whatever sticks.
+Packing settled_cube(int edge) {
+  constexpr double kRadius = Packing::kRadius, kSpacing = 2.06 * kRadius;
+  Scene scene = empty_scene(1e-3, 0);
+  solve_to(scene, 1e-3);
+  const double half = (edge + 0.6) * kRadius, lowest = -0.5 * (edge - 1) * kSpacing;
+  add_tank(scene, -half, half, -half, half);
+  const auto walls = static_cast<std::ptrdiff_t>(scene.bodies.size());
+  add_lattice(scene, edge * edge * edge, edge, edge, {lowest, lowest, 1.2 * kRadius}, kSpacing,
+              kRadius, Packing::kDensity, 5);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> speed(-0.5, 0.5);
+  for (auto body = scene.bodies.begin() + walls; body != scene.bodies.end(); ++body)
+    body->velocity = {speed(random), speed(random), speed(random)};
+  World world(scene, cpu_options(2));
+  run_for(world, scene, 1);
+  const std::vector<Vec3d> x = world.states().position;
+  Packing packing{{x.begin() + walls, x.end()}, 0};
+  packing.height = height_of(packing.center);
+  return packing;
+}
+
+/// Height after the walls are gone for a while, over that before.
 /// @param bond  cohesion of a contact over the weight of a grain
-double height_left(int edge, double bond, double mu, double duration) {
-  constexpr double kRadius = 0.01, kDensity = 2000, kSpacing = 2.02 * kRadius;
+double height_left(const Packing& packing, double bond, double mu, double duration) {
   Scene scene = empty_scene(1e-3, mu);
   solve_to(scene, 1e-4);
-  scene.materials[0].cohesion = bond * kDensity * 4 / 3 * kPi * std::pow(kRadius, 3) * kGravity;
-  scene.stepping.envelope = 1e-3 * kRadius;
+  scene.materials[0].cohesion = bond * Packing::kMass * kGravity;
+  scene.stepping.envelope = 1e-3 * Packing::kRadius;
+  for (const Vec3d& x : packing.center) add_sphere(scene, x, Packing::kRadius, Packing::kMass);
   add_plane(scene);
-  add_lattice(scene, edge * edge * edge, edge, edge, {0, 0, 1.01 * kRadius}, kSpacing, kRadius,
-              kDensity, 5);
   World world(scene, cpu_options(2));
   run_for(world, scene, duration);
-  const BodyStates s = world.states();
-  double top = 0;
-  for (std::size_t i = 1; i < s.position.size(); ++i) top = std::max(top, s.position[i].z);
-  return (top + kRadius) / (edge * kSpacing);
+  std::vector<Vec3d> x = world.states().position;
+  x.resize(packing.center.size());  // without the floor
+  return height_of(x) / packing.height;
 }
 
 // 125 grains, without cohesion and with much of it.
 TEST(Cohesion, C63_SmallCubeOfGrainsStandsByItsCohesion) {
-  const double loose = height_left(5, 0, 0.5, 0.5), sticky = height_left(5, 100, 0.5, 0.5);
-  EXPECT_LT(loose, 0.8);
-  EXPECT_GT(sticky, 0.8);
+  const Packing cube = settled_cube(5);
+  EXPECT_LT(height_left(cube, 0, 0.5, 0.5), 0.8);
+  EXPECT_GT(height_left(cube, 100, 0.5, 0.5), 0.8);
 }
 
 // A cube of 1000 grains: what is left of its height, for more and more cohesion and friction.
 TEST(Cohesion, C63_MapOfHeights) {
   if (!runs_long_tests()) GTEST_SKIP() << kLongTest;
   constexpr double kFrictions[] = {0.2, 0.5, 0.8}, kBonds[] = {0, 1, 5, 20, 100};
+  const Packing cube = settled_cube(10);
   double left[3][5];
   for (int m = 0; m < 3; ++m) {
     for (int c = 0; c < 5; ++c) {
-      left[m][c] = height_left(10, kBonds[c], kFrictions[m], 1);
+      left[m][c] = height_left(cube, kBonds[c], kFrictions[m], 2);
       std::printf("mu %.1f  c/(m g) %3.0f: %.3f of the height\n", kFrictions[m], kBonds[c],
                   left[m][c]);
       std::fflush(stdout);

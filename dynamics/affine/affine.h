@@ -75,7 +75,9 @@ class AffineDynamics final : public ModelOn<B, double> {
     B& b = backend();
     StageClock<B> clock(b);
     StepReport report;
-    report.converged = true;
+    report.own.assign(kPartsColumn + 1, 0);
+    report.own[kMinGapColumn] =
+        kSeparation.of(scene_.dynamics.parameters) + 3 * reach_;  // none is nearer
     affine::MinimizerReport done;
     const int parts = part_count();
     for (int part = 0; part < parts; ++part) {
@@ -312,13 +314,10 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// @param done  of this part and those before
   void note_part(StepReport& report, const affine::Potential& p, const affine::StepScheme& scheme,
                  const affine::MinimizerReport& done, const affine::AffineSums& sums, int blocked) {
-    const double listed = p.barrier.separation + 3 * p.barrier.reach;
-    const double gap = std::min(std::sqrt(done.squared), listed);
-    const bool is_first = report.own.empty();
-    report.own = {is_first ? gap : std::min(report.own[kMinGapColumn], gap),
-                  std::max(is_first ? 0 : report.own[kStrainColumn], sums.strain),
+    report.own = {std::min(report.own[kMinGapColumn], std::sqrt(done.squared)),
+                  std::max(report.own[kStrainColumn], sums.strain),
                   p.barrier.stiffness,
-                  std::max(is_first ? 0 : report.own[kBlockedColumn], static_cast<double>(blocked)),
+                  std::max(report.own[kBlockedColumn], static_cast<double>(blocked)),
                   sums.momentum.x,
                   sums.momentum.y,
                   sums.momentum.z,

@@ -51,13 +51,14 @@ SCREE_HD inline Dense<12> restricted(const RowSpace& a, const Dense<12>& m, cons
   return out;
 }
 
+/// The diagonal block and the right-hand side of a row in its own numbers. Bytes a row: 1,248 read besides its space, 1,248 written.
 struct RestrictRow {
   static constexpr const char* name = "affine_restrict_row";
   Span<const RowSpace> space;
   Span<const Dense<12>> diagonal;
   Span<const AffineVec> right;
-  Span<Dense<12>> diagonal_out;
-  Span<AffineVec> right_out;
+  Span<Dense<12>> diagonal_out;  ///< out
+  Span<AffineVec> right_out;     ///< out
 
   SCREE_HD void operator()(Index row) const {
     diagonal_out[row] = restricted(space[row], diagonal[row], space[row]);
@@ -65,11 +66,12 @@ struct RestrictRow {
   }
 };
 
+/// A block above the diagonal in the numbers of its rows. Bytes a block: 1,160 read besides the spaces, 1,160 written.
 struct RestrictMixed {
   static constexpr const char* name = "affine_restrict_mixed";
   Span<const RowSpace> space;
   Span<const MixedBlock> mixed;
-  Span<MixedBlock> out;
+  Span<MixedBlock> out;  ///< out
 
   SCREE_HD void operator()(Index k) const {
     const MixedBlock& m = mixed[k];
@@ -77,6 +79,7 @@ struct RestrictMixed {
   }
 };
 
+/// The step of a row back in its coordinates.
 struct ExpandRow {
   static constexpr const char* name = "affine_expand_row";
   Span<const RowSpace> space;

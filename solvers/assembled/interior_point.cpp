@@ -34,7 +34,8 @@ constexpr double most_of_the_way = 0.995;
 /// all that is left.
 constexpr int looks_without_gain = 3;
 constexpr double small_gap = 1e-6;
-constexpr int polish_iterations = 60, polish_patience = 15;
+/// Outer iterations of the proximal method behind it without half the residual.
+constexpr int polish_patience = 15;
 
 Cone3 at(const std::vector<double>& v, int c) { return {v[3 * c], v[3 * c + 1], v[3 * c + 2]}; }
 
@@ -117,13 +118,13 @@ class InteriorPoint {
 
   /// Goes on from the best impulses.
   void polish() {
-    if (!monitor_.next_phase(polish_iterations, 1)) return;
+    if (!monitor_.next_phase(0, 1)) return;
     AssembledOptions from = options_;
     from.guess = monitor_.best();
     ProximalSettings settings;
     settings.patience = polish_patience;
     run_proximal(original_, from, settings, monitor_);
-    if (!monitor_.converged())
+    if (monitor_.status() == AssembledStatus::stalled)
       monitor_.fail(AssembledStatus::stalled, "rounding ends the interior point");
   }
 

@@ -127,6 +127,20 @@ class ContactDetector {
     contact_count_ = radial_count_ = 0;
   }
 
+  /// How far detect() looks for contacts, before margins.
+  ContactRange range_of(const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step,
+                        double load_speed) const;
+
+  /// With several ranks: detect() is then a call that all make together. Contacts with ghosts are listed by both owners,
+  /// by the same numbers.
+  void set_ghosts(const Ghosts<B>* ghosts) { ghosts_ = ghosts; }
+  /// Follows ghosts that came, went or changed places. @param new_of_old  new place of each old ghost, -1: gone
+  void rename_ghosts(B& b, Index owned_count, const std::vector<Index>& new_of_old) {
+    candidates_.forget();
+    memory_.rename_ghosts(b, keys_, owned_count, new_of_old);
+    contact_count_ = radial_count_ = 0;
+  }
+
   /// Bodies were put elsewhere: what is remembered of the last step and of near pairs is void.
   void forget_places() {
     memory_.forget();
@@ -161,8 +175,6 @@ class ContactDetector {
   std::int64_t list_extensions() const { return candidates_.extension_count(); }
 
  private:
-  ContactRange range_of(const BodyView<Real>& bodies, double h, const Vec3<double>& gravity_step,
-                        double load_speed) const;
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
   /// in a loose bed, more than two change little.
   static constexpr int kMaxWidenings = ContactStores<Real>::kMost - 1;
@@ -196,6 +208,7 @@ class ContactDetector {
 
   CollisionSettings settings_;
   BodyParts<Real> parts_;  ///< while detect() works
+  const Ghosts<B>* ghosts_ = nullptr;
   ObstacleBuffers<B, Real> obstacles_;
   PairFilter<B> held_pairs_;
   PairCandidates<B, Real> candidates_;
@@ -244,12 +257,12 @@ void ContactDetector<B, Real>::detect(B& b, const BodyView<Real>& bodies, double
   needed_.release();
   name_elements(bodies);
   mixed_.release();
-  if (bodies.owned_count == 0) return;
+  if (bodies.owned_count == 0 && ghosts_ == nullptr) return;
   const ContactRange range = range_of(bodies, h, gravity_step, load_speed);
   obstacles_.refresh(b, bodies, range, keys_);
   with_mix([&]<ShapeMix kMix>(std::integral_constant<ShapeMix, kMix>) {
     if constexpr (kMix != ShapeMix::spheres_and_planes) {
-      if (obstacles_.walls().solids.size > 0)
+      if (obstacles_.walls().solids.size > 0 && bodies.owned_count > 0)
         solids_.start(b, test_of<kMix>(bodies, range), parts_);
     }
   });
@@ -279,7 +292,7 @@ template <class B, class Real>
 void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bodies,
                                                  ContactRange range) {
   list_within(b, bodies, range);
-  if (!(settings_.margin_limit > 0) || contact_count_ == 0) return;
+  if (!(settings_.margin_limit > 0) || !on_any_rank(b, contact_count_ > 0)) return;
   ImpactMargins<B, Real> margins(b);
   Buffer<B, float> of_parts(b);
   const BodyView<Real>& owners = parts_.is_used() ? parts_.bodies : bodies;
@@ -288,9 +301,9 @@ void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bod
     const Index before = contact_count_;
     const ImpactGraph<Real> graph{owners,         contacts(),       range,
                                   settings_.lift, settings_.bounce, settings_.bounce_threshold};
-    const double largest_push = margins.start(b, graph);
+    const double largest_push = margins.start(b, graph, ghosts_);
     if (k == 0 && !(largest_push > least)) return;
-    range.margin = margins.spread(b, graph);
+    range.margin = margins.spread(b, graph, ghosts_);
     if (parts_.is_used()) {
       const Span<float> spread = of_parts.resize_discard(bodies.moving_count);
       for_each(b, bodies.moving_count, SpreadToParts{parts_.owner, range.margin, spread});
@@ -299,13 +312,14 @@ void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bod
     // Margins that grew by less than calls for margins at all are not worth another detection.
     if (k > 0 && !(margins.growth(b, owners.moving_count) > least)) return;
     list_within(b, bodies, range);
-    if (contact_count_ == before) return;
+    if (!on_any_rank(b, contact_count_ != before)) return;
   }
 }
 
 template <class B, class Real>
 void ContactDetector<B, Real>::list_within(B& b, const BodyView<Real>& bodies,
                                            const ContactRange& range) {
+  if (bodies.owned_count == 0) return;
   if (!candidates_.covers(b, bodies, range)) {
     release_contacts();
     candidates_.renew(b, bodies, range, {settings_.skin}, needed_);

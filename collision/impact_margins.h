@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "kernels/backend/backend.h"
+#include "kernels/bodies/ghosts.h"
 #include "kernels/narrow_phase/impact_margins.h"
 
 namespace scree {
@@ -15,8 +15,9 @@ class ImpactMargins {
   explicit ImpactMargins(B& b) : margin_(b), spread_(b), last_(b), room_(b), largest_(b, 1) {}
 
   /// Margins of the bodies in contact; one host read.
+  /// @param ghosts  with several ranks: their margins are those that their owners know, here and in spread()
   /// @return  how far contacts push bodies off their course at most [m]
-  double start(B& b, const ImpactGraph<Real>& graph) {
+  double start(B& b, const ImpactGraph<Real>& graph, const Ghosts<B>* ghosts) {
     std::swap(margin_, last_);
     const Span<float> margin = margin_.resize_discard(graph.bodies.moving_count);
     fill(b, margin, 0.0f);
@@ -24,14 +25,15 @@ class ImpactMargins {
         b, graph.contacts.count,
         StartMargins<Real>{graph, margin, room_.resize_discard(graph.contacts.count)},
         StoreResult<Largest<double>>{largest_.data()});
-    return fetch(b, largest_.data()).value;
+    if (ghosts != nullptr) ghosts->update(b, margin);
+    return largest_over_ranks(b, fetch(b, largest_.data()).value);
   }
 
   /// Passes the margins on through the contacts.
   /// @param graph  that of start()
   /// @return       [moving_count] how far each body may be pushed [m]; valid until the start() after
   ///               the next
-  Span<const float> spread(B& b, const ImpactGraph<Real>& graph) {
+  Span<const float> spread(B& b, const ImpactGraph<Real>& graph, const Ghosts<B>* ghosts) {
     const Index n = graph.bodies.moving_count;
     for (int round = 0; round < kRounds; ++round) {
       const Span<float> spread = spread_.resize_discard(n);
@@ -39,6 +41,7 @@ class ImpactMargins {
       for_each(b, graph.contacts.count,
                SpreadMargins<Real>{graph, std::as_const(room_).view(graph.contacts.count),
                                    std::as_const(margin_).view(n), spread});
+      if (ghosts != nullptr) ghosts->update(b, spread);
       std::swap(margin_, spread_);
     }
     room_.release();
@@ -52,7 +55,7 @@ class ImpactMargins {
                             MarginGrowth{std::as_const(last_).view(moving_count),
                                          std::as_const(margin_).view(moving_count)},
                             StoreResult<Largest<double>>{largest_.data()});
-    return fetch(b, largest_.data()).value;
+    return largest_over_ranks(b, fetch(b, largest_.data()).value);
   }
 
  private:

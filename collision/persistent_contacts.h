@@ -14,7 +14,7 @@ namespace scree {
 template <class B, class Real>
 class PersistentContacts {
  public:
-  explicit PersistentContacts(B& b) : key_(b), impulse_(b), mark_(b) {}
+  explicit PersistentContacts(B& b) : key_(b), impulse_(b), mark_(b), left_(b) {}
 
   Index count() const { return count_; }
   int vectors() const { return vectors_; }
@@ -82,6 +82,35 @@ class PersistentContacts {
     swap(mark_, sorted_mark);
   }
 
+  /// Follows ghosts that came, went or changed places: renames them, forgets contacts of those that are gone, sorts again.
+  /// @param new_of_old  new place of each old ghost, -1: gone
+  void rename_ghosts(B& b, const ContactKeys& names, Index owned_count,
+                     const std::vector<Index>& new_of_old) {
+    if (count_ == 0) return;
+    Buffer<B, Index> places(b);
+    upload(b, new_of_old, places);
+    SortSpace<B> sort(b);
+    Buffer<B, Index> order(b, count_);
+    const Span<std::uint64_t> key = key_.view(count_);
+    for_each(b, count_,
+             RenameGhosts{names, owned_count,
+                          std::as_const(places).view(static_cast<Offset>(new_of_old.size())), key,
+                          order.view()});
+    sort_pairs(b, sort, key, order.view(), 64);  // forgotten ones come last
+    reduce<Sums<1>>(b, count_, CountKeys{key}, StoreResult<Sums<1>>{left_.resize_discard(1).data});
+    const auto left = static_cast<Index>(fetch(b, std::as_const(left_).data()).value[0]);
+    Buffer<B, Vec3<Real>> impulse(b, static_cast<Offset>(left) * vectors_);
+    for_each(b, left, Gather<Vec3<Real>>{order.view(), impulses(), impulse.view(), vectors_});
+    swap(impulse_, impulse);
+    if (mark_count_ > 0) {
+      Buffer<B, Index> mark(b, left);
+      for_each(b, left, Gather<Index>{order.view(), marks(), mark.view()});
+      swap(mark_, mark);
+      mark_count_ = left;
+    }
+    count_ = left;
+  }
+
   /// Forgets everything and gives the memory back.
   void forget() {
     key_.release(), impulse_.release(), mark_.release();
@@ -108,6 +137,7 @@ class PersistentContacts {
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Vec3<Real>> impulse_;
   Buffer<B, Index> mark_;
+  Buffer<B, Sums<1>> left_;
   Index count_ = 0;
   Index mark_count_ = 0;  ///< count_, or 0 when no marks are kept
   int vectors_ = 1;

@@ -133,6 +133,17 @@ void throw_bad_earlier_step() {
   throw InputError("checkpoint: affine/earlier_step must be one time above 0");
 }
 
+void throw_no_room_for_bodies(std::int64_t wanted, std::int64_t room) {
+  throw RunError(
+      fmt::format("a rank has room for {} free bodies and ghosts, and needs {}", room, wanted));
+}
+
+void throw_too_many_peers(std::size_t found) {
+  throw RunError(fmt::format(
+      "bodies of one rank may meet those of {} others, at most 64 are possible: use fewer ranks",
+      found));
+}
+
 void throw_unknown_body(int id) {
   throw InputError(fmt::format("checkpoint: body {} is not a free body of the scene", id));
 }

@@ -86,7 +86,7 @@ class ModelOn : public Dynamics {
     time_ = s.time;
   }
 
-  Image render(const PictureSettings& settings) final {
+  Image render(const PictureSettings& settings) override {
     render::ColorRange range;
     const Drawn bodies = drawn();
     Image image =

@@ -16,7 +16,16 @@
 
 namespace scree {
 
+class Ranks;  // kernels/backend/ranks.h
+
 enum class Precision { single_precision, double_precision };
+
+/// Who calls a World of several ranks.
+enum class RankCalls {
+  together,  ///< each rank has one, of the same scene and options, and all make the same calls in the same order, its
+  ///< end included; what a call returns about bodies, contacts and pictures is whole on rank 0 only
+  led  ///< rank 0 has one at a time, as a World of one rank; the others are in follow_worlds()
+};
 
 struct WorldOptions {
   BackendKind backend = BackendKind::cpu;
@@ -34,6 +43,9 @@ struct WorldOptions {
   bool contact_groups = true;
   /// Whether bodies may be added and removed. The World then keeps the descriptions of all bodies in host memory.
   bool bodies_may_change = true;
+  /// Several ranks that simulate the scene together, each a part of its bodies; null: this process alone.
+  std::shared_ptr<Ranks> ranks = nullptr;
+  RankCalls rank_calls = RankCalls::together;
 };
 
 /// Wall-clock time of the stages of one step [ms].
@@ -70,6 +82,9 @@ struct StepReport {
   int stopped = 0;                ///< spheres that were stopped at a box or mesh wall
   double max_turn = 0;      ///< largest turn of a body in the step, of models that bound it [rad]
   std::vector<double> own;  ///< quantities of the model, see Own in dynamics_card.h
+  /// With several ranks: bodies of the fullest one over the mean, and ghosts over all free bodies.
+  double largest_share = 1;
+  double ghost_share = 0;
   StageTimes ms;
 };
 
@@ -163,7 +178,8 @@ class World {
   /// Constants of all bodies, those that join later included; valid until add(), remove() and restore().
   const BodyConstants& constants() const;
   /// Contacts of the last step; none after overlaps(), restore(), add(), remove(),
-  /// arrays_changed(Written::poses) and a step that failed.
+  /// arrays_changed(Written::poses) and a step that failed; on several ranks none after save() and render() either, but
+  /// in scenes with contact frames.
   std::vector<ContactRecord> contacts() const;
   /// What the joints of the scene carried in the last step, in its order.
   std::vector<JointRecord> joints() const;
@@ -275,6 +291,13 @@ class World {
   std::size_t peak_before_ = 0;     ///< of runs of other bodies before this one [bytes]
   std::unique_ptr<Dynamics> dynamics_;
 };
+
+/// Takes part in the worlds that rank 0 makes of this scene, on the ranks above it; WorldOptions::ranks is theirs. Returns
+/// after rank 0 called release_followers(). What fails here alone ends all ranks, see Ranks::abort().
+void follow_worlds(const Scene& scene, const WorldOptions& options);
+
+/// On rank 0: the others return from follow_worlds().
+void release_followers(Ranks& ranks);
 
 /// Whether this build and machine can run the backend on a device; the reason when they cannot,
 /// which lists the devices when there is none of that number.

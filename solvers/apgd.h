@@ -139,7 +139,9 @@ class Apgd final : public Solver<B, Real> {
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
-    if (p.contact_count == 0) return {0, 0, true, {}};
+    if (p.contacts_in_all() == 0) return {0, 0, true, {}};
+    if (this->is_over_ranks() && params_.law != ApgdLaw::convex)
+      throw std::logic_error("exact friction does not know ranks");
     if (R::kHasJoints && params_.law != ApgdLaw::convex)
       throw std::logic_error("exact friction does not know joints");
 
@@ -164,6 +166,7 @@ class Apgd final : public Solver<B, Real> {
     const auto start_from_guess = [&] {
       copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[1]);
       for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      this->update_ghosts(b, velocity);
       for (const Span<Twist<Real>>& view : {velocities.of_iterate[1], velocities.of_extrapolated}) {
         if (!view.empty()) copy(b, Span<const Twist<Real>>(velocity), view);
       }
@@ -176,8 +179,8 @@ class Apgd final : public Solver<B, Real> {
       w.metric.reserve_discard(values);
       passes.metric = StoredMetric<R, Real>::on(p, w.metric.view());
     }
-    reduce<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, passes.metric},
-                            ApgdStart{state, lipschitz_});
+    reduce_over_ranks<Largest<double>>(b, p.contact_count, ApgdMetric<R, Real>{p, passes.metric},
+                                       ApgdStart{state, lipschitz_});
     bool is_unlifted = is_lifted;
     const auto follow_lift = [&] {
       for_each(b, p.contact_count,
@@ -190,7 +193,7 @@ class Apgd final : public Solver<B, Real> {
     gauge_.start_solve();
 
     SolveStats stats;
-    const double root_count = std::sqrt(p.contact_count);
+    const double root_count = std::sqrt(p.contacts_in_all());
     double best = -1;
     bool is_guess = true, is_best = true;
     int next_block = params_.max_iterations / kBlocks;
@@ -198,12 +201,11 @@ class Apgd final : public Solver<B, Real> {
     CheckSchedule schedule(kPatience * params_.check_every, tolerance);
     for (;;) {
       // The host reads the residual, the only synchronization of the loop.
-      reduce<ResidualSums>(b, p.contact_count,
-                           ApgdResidual<R, Real>{p, impulses, velocities, state},
-                           ApgdCheckFinish{state, w.check.data()});
+      reduce_contacts<ResidualSums>(b, p, ApgdResidual<R, Real>{p, impulses, velocities, state},
+                                    ApgdCheckFinish{state, w.check.data()});
       const ApgdCheck check = fetch(b, w.check.data());
       const Residual residual =
-          ResidualEvaluator<B, Real>::from_sums(check.residual, p.contact_count);
+          ResidualEvaluator<B, Real>::from_sums(check.residual, p.contacts_in_all());
       const double rms = params_.law == ApgdLaw::convex ? residual.rms : residual.exact_rms;
       if (std::exchange(is_guess, false) && rms > tolerance) {
         // Impulses that grew while bodies were jammed between prescribed ones are far too large
@@ -240,7 +242,8 @@ class Apgd final : public Solver<B, Real> {
         }
       }
       if (is_last) break;
-      if (stats.applications >= next_block && tolerance > 0 && !passes.exact) {
+      if (stats.applications >= next_block && tolerance > 0 && !passes.exact &&
+          !this->is_over_ranks()) {
         next_block += params_.max_iterations / kBlocks;
         const Span<Vec3<Real>> here = impulses.current(stats.iterations);
         if (loaded.template solve<R>(b, passes.p, here, velocities.iterate(stats.iterations),
@@ -261,7 +264,7 @@ class Apgd final : public Solver<B, Real> {
       // Where trials cannot end or their level is not known yet, checks are frequent.
       const double aim =
           is_late && !this->is_recorded() ? std::max(tolerance, kWorth * best) : tolerance;
-      const bool stops = !is_lifted && w.iteration.stops(passes);
+      const bool stops = this->is_over_ranks() || (!is_lifted && w.iteration.stops(passes));
       const double enough = stops ? root_count * gauge_.level(aim) : -1;
       int most = wait + wait / 4 + 1;
       if (this->is_recorded() || !stops || (enough < 0 && aim > 0)) {
@@ -270,6 +273,10 @@ class Apgd final : public Solver<B, Real> {
         most = std::min(most, to_half);
       }
       most = std::min(most, left);
+      if (this->is_over_ranks()) {
+        run_over_ranks(b, w.iteration, passes, most, enough);
+        continue;
+      }
       if (!is_lifted) {
         w.iteration.run(b, passes, most, enough);
         continue;
@@ -286,9 +293,35 @@ class Apgd final : public Solver<B, Real> {
     } else {
       copy(b, Span<const Vec3<Real>>(w.best.view()), gamma);
       for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      this->update_ghosts(b, velocity);
       stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     }
+    w.residual.template add_own<R>(b, p, gamma, velocity, stats.residual);
     return stats;
+  }
+
+  /// Trials on problems that ranks share: after each one exchange of the velocities found and one of sums. Ghosts
+  /// extrapolate their velocities as their owners do, from the same numbers. Every rank works out the next state by
+  /// itself, and has the same.
+  template <class R>
+  void run_over_ranks(B& b, ApgdIteration<B>& iteration, const ApgdPasses<R, Real>& a, int count,
+                      double enough) {
+    const BodyRanges& bodies = a.p.bodies;
+    ApgdState state = fetch(b, static_cast<const ApgdState*>(a.state));
+    for (int k = 0; k < count; ++k) {
+      iteration.queue_trial(b, a);
+      const Span<Twist<Real>> next = a.velocity.iterate(state.accepted + 1);
+      this->ghosts()->send(b, next);
+      const ApgdSums sums = combined(*b.ranks(), iteration.take_sums(b, a));
+      this->ghosts()->receive(b, next);
+      if (iteration.stores_extrapolated(a))
+        for_each(b, bodies.moving_count - bodies.owned_count,
+                 ApgdGhostPass<Real>{bodies.owned_count, a.velocity, a.state});
+      ApgdContactFinish{&state}(sums.contacts);
+      ApgdBodyFinish{&state, a.exact}(sums.bodies);
+      for_each(b, 1, FinishWith<ApgdState, StoreResult<ApgdState>>{state, {a.state}});
+      if (!(state.measure > enough)) break;
+    }
   }
 
   /// The factor of gamma, 0 to 1, at which the objective is smallest.
@@ -337,6 +370,7 @@ constexpr SolverCard apgd_card() {
           .parameters = kApgdParameters,
           .layouts = kAllLayouts,
           .steps_to_coulomb = true,
+          .over_ranks = true,
           .memory = apgd_memory,
           .traffic = [](const SolverCase& c) {
             return c.real == 4 ? apgd_fused_iteration_traffic()

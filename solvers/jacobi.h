@@ -37,14 +37,17 @@ class Jacobi final : public RelaxationSolver<B, Real> {
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
-    if (p.contact_count == 0) return {0, 0, true, {}};
+    if (p.contacts_in_all() == 0) return {0, 0, true, {}};
     Buffer<B, ContactMetric<Real>> weights(b, p.contact_count);
     const Span<ContactMetric<Real>> metric = weights.view();
     for_each(b, p.contact_count, StoreMassSplitMetric<R, Real>{p, metric});
 
     bool is_current = false;  // V belongs to gamma
     const auto sweep = [&] {
-      if (!is_current) for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      if (!is_current) {
+        for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+        this->update_ghosts(b, velocity);
+      }
       for_each(b, p.contact_count,
                JacobiPass<R, Real>{p, metric, velocity, gamma, this->relaxation()});
       is_current = false;
@@ -65,6 +68,7 @@ constexpr SolverCard jacobi_card() {
           .description = "projected Jacobi, every contact at once: for comparisons",
           .parameters = kRelaxationParameters,
           .layouts = kAllLayouts,
+          .over_ranks = true,
           .memory = relaxation_memory,
           .traffic = [](const SolverCase& c) { return jacobi_iteration_traffic(c.real); }};
 }

@@ -51,6 +51,7 @@ class RelaxationSolver : public Solver<B, Real> {
     for (;;) {
       collect();
       for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      this->update_ghosts(b, velocity);
       stats.residual = residual.template evaluate<R>(b, p, gamma, velocity);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.rms);
       stats.converged = stats.residual.rms <= tolerance;
@@ -62,6 +63,7 @@ class RelaxationSolver : public Solver<B, Real> {
       stats.applications += block;
     }
     stats.residual = residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
+    residual.template add_own<R>(b, p, gamma, velocity, stats.residual);
     return stats;
   }
 

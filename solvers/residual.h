@@ -18,32 +18,44 @@ class ResidualEvaluator {
   template <class R>
   Residual evaluate(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
                     Span<const Twist<Real>> velocity) {
-    if (p.contact_count == 0) return {};
-    reduce<ResidualSums>(b, p.contact_count, ContactResidual<R, Real>{p, gamma, velocity},
-                         StoreResult<ResidualSums>{contact_sums_.data()});
-    return from_sums(fetch(b, contact_sums_.data()), p.contact_count);
+    if (p.contacts_in_all() == 0) return {};
+    reduce_contacts<ResidualSums>(b, p, ContactResidual<R, Real>{p, gamma, velocity},
+                                  StoreResult<ResidualSums>{contact_sums_.data()});
+    return from_sums(fetch(b, contact_sums_.data()), p.contacts_in_all());
   }
 
   /// Adds the objective: f = gamma . (N gamma + r) - 1/2 |V - v*|_M^2.
   template <class R>
   Residual evaluate_with_objective(B& b, const ContactProblem<Real>& p,
                                    Span<const Vec3<Real>> gamma, Span<const Twist<Real>> velocity) {
-    if (p.contact_count == 0) return {};
+    if (p.contacts_in_all() == 0) return {};
     Residual r = evaluate<R>(b, p, gamma, velocity);
     r.objective -= impulse_energy<R>(b, p, velocity);
     return r;
+  }
+
+  /// With several ranks: says of the contacts here what a residual over all does not. One pass more.
+  template <class R>
+  void add_own(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
+               Span<const Twist<Real>> velocity, Residual& residual) {
+    if (b.ranks() == nullptr) return;
+    const Alone<B> alone(b);
+    const Residual own = evaluate<R>(b, p, gamma, velocity);
+    residual.own_max = own.max;
+    residual.own_max_contact = own.max_contact;
+    residual.own_bad_contact = own.bad_contact;
   }
 
   /// 1/2 gamma^T N gamma = 1/2 |V - v*|_M^2 [J].
   /// @param velocity  V = v* + M^-1 J^T gamma
   template <class R>
   double impulse_energy(B& b, const ContactProblem<Real>& p, Span<const Twist<Real>> velocity) {
-    reduce<Sums<1>>(b, p.bodies.owned_count, ImpulseEnergy<R, Real>{p, velocity},
-                    StoreResult<Sums<1>>{body_sums_.data()});
+    reduce_over_ranks<Sums<1>>(b, p.bodies.owned_count, ImpulseEnergy<R, Real>{p, velocity},
+                               StoreResult<Sums<1>>{body_sums_.data()});
     return fetch(b, body_sums_.data()).value[0];
   }
 
-  static Residual from_sums(const ResidualSums& s, Index contact_count) {
+  static Residual from_sums(const ResidualSums& s, double contact_count) {
     Residual r;
     r.rms = std::sqrt(s.sum_squares / contact_count);
     r.exact_rms = std::sqrt(s.exact_squares / contact_count);

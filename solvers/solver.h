@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "kernels/bodies/ghosts.h"
 #include "kernels/contact/contact_operator.h"
 #include "solvers/solver_parameter.h"
 
@@ -62,6 +63,10 @@ struct Residual {
   double objective = 0;       ///< 1/2 gamma^T N gamma + r^T gamma [J]
   double cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
   Index bad_contact = -1;     ///< a contact whose residual is not finite, or -1
+  /// With several ranks, of the contacts that this one lists; then max_contact and bad_contact say nothing.
+  double own_max = 0;  ///< [m/s]
+  Index own_max_contact = -1;
+  Index own_bad_contact = -1;
 };
 
 struct SolveStats {
@@ -106,10 +111,20 @@ class Solver {
   /// Whether ContactProblem::mark is to travel with the contacts from step to step.
   virtual bool keeps_marks() const { return false; }
 
+  /// With several ranks: solve() is then a call that all make together. Those that can say so on their card.
+  void set_ghosts(const Ghosts<B>* ghosts) { ghosts_ = ghosts; }
+
   /// When set, every residual check of a solve is appended here.
   void record_curve(std::vector<CurvePoint>* curve) { curve_ = curve; }
 
  protected:
+  const Ghosts<B>* ghosts() const { return ghosts_; }
+  bool is_over_ranks() const { return ghosts_ != nullptr; }
+  /// Ghosts get the rows that their owners have.
+  void update_ghosts(B& b, Span<Twist<Real>> velocity) const {
+    if (ghosts_ != nullptr) ghosts_->update(b, velocity);
+  }
+
   bool is_recorded() const { return curve_ != nullptr; }
   void add_to_curve(int iterations, int applications, double rms) {
     if (curve_ != nullptr) curve_->push_back({iterations, applications, rms});
@@ -129,6 +144,7 @@ class Solver {
  private:
   std::optional<Buffer<B, Twist<Real>>> velocity_;
   std::vector<CurvePoint>* curve_ = nullptr;
+  const Ghosts<B>* ghosts_ = nullptr;
 };
 
 /// Makes a solver by its registered name.

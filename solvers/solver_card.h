@@ -66,6 +66,7 @@ struct SolverCard {
   const char* cpu_only = nullptr;
   /// Takes all of ApgdLaw: exact friction begins with its own steps.
   bool steps_to_coulomb = false;
+  bool over_ranks = false;   ///< solves problems that several ranks share
   bool keeps_marks = false;  ///< as Solver::keeps_marks(): 4 bytes a contact from step to step
   /// Velocities that it returns, and its working memory at the fullest.
   HeldBytes (*memory)(const SolverCase&);

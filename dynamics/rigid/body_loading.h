@@ -1,6 +1,9 @@
 #pragma once
 // Brings the bodies of a scene into the simulation when their time has come.
 
+#include <functional>
+#include <utility>
+
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/obstacles.h"
 #include "host/scene/added_bodies.h"
@@ -14,10 +17,13 @@ class BodyLoading {
  public:
   /// @param scene  loses the descriptions of bodies as they are loaded; it, the store and the
   ///               shapes outlive this object
-  BodyLoading(Scene& scene, BodyStore<B, Real>& store, const Obstacles<B, Real>& obstacles)
+  /// @param owns   whether a free body that is there belongs to this rank; the others are left out
+  BodyLoading(Scene& scene, BodyStore<B, Real>& store, const Obstacles<B, Real>& obstacles,
+              std::function<bool(const Vec3d&)> owns = {})
       : scene_(&scene),
         store_(&store),
         obstacles_(&obstacles),
+        owns_(std::move(owns)),
         insertion_count_(timed_insertions(scene)),
         added_count_(static_cast<Index>(added_count(scene))),
         id_end_(static_cast<Index>(count_bodies(scene).all())) {}
@@ -25,16 +31,18 @@ class BodyLoading {
   /// The bodies that are there from the start.
   void load_first() { load(scene_->bodies, scene_->particles); }
 
+  /// Whether insert_due() will have one.
+  bool is_due(double time) const {
+    return insertions_done_ < insertion_count_ &&
+           scene_->insertions[insertions_done_].time <= time + 1e-9 * scene_->stepping.time_step;
+  }
+
   /// A batch enters before the first step that starts at or after its time; sums and products of
   /// times differ by less than the slack.
   /// @return  whether there was one
   bool insert_due(double time) {
     const std::uint64_t before = insertions_done_;
-    const double now = time + 1e-9 * scene_->stepping.time_step;
-    while (insertions_done_ < insertion_count_ &&
-           scene_->insertions[insertions_done_].time <= now) {
-      insert_next();
-    }
+    while (is_due(time)) insert_next();
     return insertions_done_ > before;
   }
 
@@ -74,22 +82,27 @@ class BodyLoading {
     typename BodyStore<B, Real>::Loader free(*store_, store_->owned_count());
     typename BodyStore<B, Real>::Loader fixed(*store_, store_->fixed_begin());
     for (const BodyDescription& body : bodies) {
-      auto& loader = body.kind == BodyKind::free ? free : fixed;
-      loader.add(body, next_id_, obstacles_->shape(next_id_), bounding_radius(*scene_, body));
+      const bool is_free = body.kind == BodyKind::free;
+      if (!is_free || owns(body.position))
+        (is_free ? free : fixed)
+            .add(body, next_id_, obstacles_->shape(next_id_), bounding_radius(*scene_, body));
       ++next_id_;
     }
     bodies = {};
     for (ParticleSet& set : sets) {
       const bool spheres = are_spheres(set);
       for (std::size_t i = 0; i < set.position.size(); ++i, ++next_id_)
-        free.add(particle_body(set, i), next_id_,
-                 spheres ? kSphereShape : obstacles_->shape(next_id_), set.radius[i]);
+        if (owns(set.position[i]))
+          free.add(particle_body(set, i), next_id_,
+                   spheres ? kSphereShape : obstacles_->shape(next_id_), set.radius[i]);
       set = {};
     }
     sets = {};
     store_->set_owned_count(free.flush());
     fixed.flush();
   }
+
+  bool owns(const Vec3d& position) const { return !owns_ || owns_(position); }
 
   void insert_next() {
     Insertion& insertion = scene_->insertions[insertions_done_];
@@ -100,6 +113,7 @@ class BodyLoading {
   Scene* scene_;
   BodyStore<B, Real>* store_;
   const Obstacles<B, Real>* obstacles_;
+  std::function<bool(const Vec3d&)> owns_;
   std::uint64_t insertion_count_;  ///< with a time
   Index added_count_;              ///< by programs
   Index id_end_;                   ///< of all bodies that there can ever be

@@ -11,6 +11,7 @@
 #include "dynamics/rigid/shared_constants.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
+#include "kernels/backend/ranks.h"
 #include "kernels/bodies/body_view.h"
 #include "kernels/bodies/permute.h"
 
@@ -146,7 +147,91 @@ class BodyStore {
 
   /// Takes the free bodies into the simulation that were loaded up to a storage index. No body is a
   /// ghost after it.
-  void set_owned_count(Index count) { ranges_.owned_count = ranges_.moving_count = count; }
+  void set_owned_count(Index count) {
+    ranges_.owned_count = ranges_.moving_count = ranges_.higher_begin = count;
+  }
+
+  /// The bodies behind the owned ones are ghosts from now on. @param lower  of them that lower ranks own; they come first
+  void set_ghost_count(Index count, Index lower) {
+    ranges_.moving_count = ranges_.owned_count + count;
+    ranges_.higher_begin = ranges_.owned_count + lower;
+  }
+  /// Places for free bodies, ghosts included.
+  Index capacity() const { return ranges_.fixed_begin; }
+
+  /// Sends rows of owned bodies to other ranks and stores those that come behind the owned bodies, by rank.
+  /// @param to  places, for each rank  @return how many came from each rank
+  /// @throws RunError when there is no room for them
+  std::vector<Index> send_bodies(Ranks& ranks, const std::vector<std::vector<Index>>& to) {
+    std::vector<Index> places;
+    for (const std::vector<Index>& of_rank : to)
+      places.insert(places.end(), of_rank.begin(), of_rank.end());
+    const auto n = static_cast<Index>(places.size());
+    Buffer<B, Index> on_backend(*b_);
+    upload(*b_, places, on_backend);
+    std::vector<Bytes> out(to.size());
+    for_each_array([&](auto& array) {
+      using Value = std::remove_pointer_t<decltype(array.data())>;
+      Buffer<B, Value> rows(*b_, n);
+      for_each(*b_, n, Gather<Value>{on_backend.view(n), array.view(), rows.view(n)});
+      const std::vector<Value> values = download(*b_, rows.view(n));
+      const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+      for (std::size_t r = 0; r < to.size(); ++r) {
+        const std::size_t size = to[r].size() * sizeof(Value);
+        out[r].insert(out[r].end(), bytes, bytes + size);
+        bytes += size;
+      }
+    });
+    const std::vector<Bytes> in = all_to_all(ranks, std::move(out));
+    std::size_t row = 0;
+    for_each_array([&](auto& array) { row += sizeof(*array.data()); });
+    std::vector<Index> came;
+    Offset total = 0;
+    for (const Bytes& of_rank : in) {
+      came.push_back(static_cast<Index>(of_rank.size() / row));
+      total += came.back();
+    }
+    if (total > capacity() - ranges_.owned_count)
+      throw_no_room_for_bodies(ranges_.owned_count + total, capacity());
+    std::vector<std::size_t> read(in.size(), 0);
+    for_each_array([&](auto& array) {
+      using Value = std::remove_pointer_t<decltype(array.data())>;
+      std::vector<Value> values(static_cast<std::size_t>(total));
+      auto* bytes = reinterpret_cast<unsigned char*>(values.data());
+      for (std::size_t r = 0; r < in.size(); ++r) {
+        const std::size_t size = static_cast<std::size_t>(came[r]) * sizeof(Value);
+        std::copy_n(in[r].data() + read[r], size, bytes);
+        read[r] += size;
+        bytes += size;
+      }
+      put(array, ranges_.owned_count, values);
+    });
+    return came;
+  }
+
+  /// Owned bodies stay that are named, in this order; the others are gone. @param places  in storage
+  void keep(const std::vector<Index>& places) {
+    gather_owned(places);
+    set_owned_count(static_cast<Index>(places.size()));
+  }
+
+  std::vector<Vec3d> owned_positions() { return take_owned<Vec3d>(position_); }
+  std::vector<Index> owned_ids() { return take(id_, 0, ranges_.owned_count); }
+  std::vector<Index> ghost_ids() {
+    return take(id_, ranges_.owned_count, ranges_.moving_count - ranges_.owned_count);
+  }
+  /// Places that hold no body name none.
+  void clear_room() {
+    fill(*b_,
+         Span<Index>{id_.data() + ranges_.moving_count, ranges_.fixed_begin - ranges_.moving_count},
+         Index(-1));
+  }
+
+  /// Rows of state that change from step to step, for ghosts.
+  template <class F>
+  void for_each_state(F&& f) {
+    f(position_), f(orientation_), f(velocity_), f(angular_velocity_);
+  }
 
   /// Rewrites pose and velocity of body `fixed_begin + k` for each k.
   void set_fixed_motion(const std::vector<Vec3<double>>& position,
@@ -207,16 +292,7 @@ class BodyStore {
         throw_unknown_body(wanted);
       order.push_back(std::exchange(place[static_cast<std::size_t>(wanted)], -1));
     }
-    Buffer<B, Index> on_backend(*b_);
-    upload(*b_, order, on_backend);
-    const auto n = static_cast<Index>(order.size());
-    for_each_array([&](auto& array) {
-      std::remove_reference_t<decltype(array)> moved(*b_, n);
-      using Value = std::remove_pointer_t<decltype(array.data())>;
-      for_each(*b_, n,
-               Gather<Value>{on_backend.view(n), std::as_const(array).view(n), moved.view(n)});
-      copy(*b_, std::as_const(moved).view(n), array.view(n));
-    });
+    gather_owned(order);
   }
 
   /// States of the bodies by id; not a number where there is none. @param id_end  behind those inserted so far
@@ -260,6 +336,18 @@ class BodyStore {
   }
 
  private:
+  /// Row k becomes that of place order[k].
+  void gather_owned(const std::vector<Index>& order) {
+    Buffer<B, Index> on_backend(*b_);
+    upload(*b_, order, on_backend);
+    const auto n = static_cast<Index>(order.size());
+    for_each_array([&](auto& array) {
+      std::remove_reference_t<decltype(array)> moved(*b_, n);
+      using Value = std::remove_pointer_t<decltype(array.data())>;
+      for_each(*b_, n, Gather<Value>{on_backend.view(n), array.view(), moved.view(n)});
+      copy(*b_, std::as_const(moved).view(n), array.view(n));
+    });
+  }
   template <class To, class From>
   static std::optional<To> converted(const std::optional<From>& value) {
     return value ? std::optional<To>(static_cast<To>(*value)) : std::nullopt;

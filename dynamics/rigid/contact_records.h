@@ -51,6 +51,17 @@ std::vector<ContactRecord> contact_records(B& b, const std::vector<Index>& id,
   return out;
 }
 
+/// Leaves out contacts that another rank tells of. @param view  the contacts of the records
+template <class B, class Real>
+void keep_counted(B& b, const BodyRanges& bodies, const ContactView<Real>& view,
+                  std::vector<ContactRecord>& records) {
+  const auto body_b = download(b, view.body_b);
+  std::size_t kept = 0;
+  for (std::size_t c = 0; c < records.size(); ++c)
+    if (bodies.counts(body_b[c])) records[kept++] = records[c];
+  records.resize(kept);
+}
+
 /// Adds the impulses of the impacts of the step.
 template <class B, class Real>
 void add_impacts(B& b, const std::vector<ImpactImpulses<B, Real>>& rounds, int vectors,

@@ -49,6 +49,12 @@ class ImpactPhase {
     solver_ = make_impact<B, Real>(params);
   }
 
+  /// With several ranks: run() is then a call that all make together.
+  void set_ghosts(const Ghosts<B>* ghosts) {
+    ghosts_ = ghosts;
+    solver_->set_ghosts(ghosts);
+  }
+
   /// Gives bodies the velocities that they have after their impacts; loads come later.
   /// @param envelope   up to which contacts are listed [m]
   /// @param load_gain  what loads beside gravity will add to velocities [m/s]; empty: nothing
@@ -107,17 +113,17 @@ class ImpactPhase {
     {
       Buffer<B, float> reached(b, test.bodies.moving_count);
       fill(b, reached.view(), 0.0f);
-      reduce<ImpactSums>(b, n,
-                         FindImpacts<Real>{test, kReach + 1.0f, takes_part.view(), reached.view()},
-                         StoreResult<ImpactSums>{sums_.data()});
+      find(b, {test, kReach + 1.0f, takes_part.view(), reached.view()});
       sums = fetch(b, sums_.data());
       if (stats.rounds == 0) stats.before = sums;
       const double enough = kRest * stats.before.approach_squares;
       if (!(sums.bouncing > 0) || sums.approach_squares < enough) return false;
-      for (int k = 0; k < kReach; ++k)
+      for (int k = 0; k < kReach; ++k) {
+        if (ghosts_ != nullptr) ghosts_->update(b, reached.view());
         for_each(b, n,
                  SpreadImpacts<Real>{test, static_cast<float>(kReach + 1 - k), takes_part.view(),
                                      reached.view()});
+      }
     }
     Buffer<B, Offset> place(b, static_cast<Offset>(n) + 1);
     exclusive_scan(b, Span<const Index>(takes_part.view(n)), place.view());
@@ -141,8 +147,9 @@ class ImpactPhase {
                                  layout_, radial, r.step.contacts.spans(), r.restitution.view()});
     assembly.set_bodies(b, test.bodies, {}, r.step);
     r.step.lists.build(b, p);
+    assembly.share(b, r.step);
 
-    double tolerance = std::max(kTolerance * std::sqrt(sums.approach_squares / count),
+    double tolerance = std::max(kTolerance * std::sqrt(sums.approach_squares / p.contacts_in_all()),
                                 kShareOfThreshold * static_cast<double>(test.threshold));
     if (absolute_ > 0) tolerance = std::min(tolerance, absolute_);
     const Span<Vec3<Real>> gamma = found.gamma.view(vectors(count));
@@ -158,8 +165,25 @@ class ImpactPhase {
     });
     for_each(b, test.bodies.owned_count, TakeVelocities<Real>{p, solver_->velocity(), test.bodies});
     solver_->forget_velocity();
+    if (ghosts_ != nullptr) {
+      ghosts_->update(b, test.bodies.velocity);
+      ghosts_->update(b, test.bodies.angular_velocity);
+    }
     impulses_.push_back(std::move(found));
     return true;
+  }
+
+  void find(B& b, const FindImpacts<Real>& impacts) {
+    const ContactView<Real>& contacts = impacts.test.contacts;
+    const StoreResult<ImpactSums> finish{sums_.data()};
+    if (ghosts_ == nullptr) {
+      reduce<ImpactSums>(b, contacts.count, impacts, finish);
+    } else {
+      reduce_on_ranks<ImpactSums>(
+          b, contacts.count,
+          CountedOnce<FindImpacts<Real>>{impacts, contacts.body_b, impacts.test.bodies.ranges()},
+          finish);
+    }
   }
 
   template <class R>
@@ -199,6 +223,7 @@ class ImpactPhase {
   Buffer<B, ImpactSums> sums_;
   Buffer<B, Sums<1>> changes_;
   std::vector<ImpactImpulses<B, Real>> impulses_;
+  const Ghosts<B>* ghosts_ = nullptr;
   ContactLayout layout_;
   bool exact_;
   double absolute_;  ///< the residual that the scene asks for [m/s], or 0

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "dynamics/rigid/step_parts.h"
+#include "kernels/contact/contact_operator.h"
 #include "kernels/contact/field_buffers.h"
 #include "kernels/step/step_setup.h"
 #include "solvers/body_contacts.h"
@@ -15,7 +16,12 @@ namespace scree {
 template <class B, class Real>
 struct StepProblem {
   explicit StepProblem(B& b)
-      : free_velocity(b), radial_inertia(b), general_inertia(b), contacts(b), lists(b) {}
+      : free_velocity(b),
+        radial_inertia(b),
+        general_inertia(b),
+        contacts(b),
+        lists(b),
+        contacts_of_body(b) {}
 
   ContactProblem<Real> problem;
   SetupSums sums;
@@ -24,6 +30,7 @@ struct StepProblem {
   Buffer<B, GeneralInertia<Real>> general_inertia;
   ProblemContacts<B, Real> contacts;  ///< fields that contacts as they were found lack
   BodyContacts<B> lists;
+  Buffer<B, Index> contacts_of_body;  ///< with several ranks [moving_count]
 };
 
 template <class B, class Real>
@@ -34,6 +41,7 @@ class ProblemAssembly {
                   Span<const ShapeRecord<Real>> shapes)
       : laws_(b),
         sums_(b, 1),
+        contacts_(b),
         layout_(summary.layout),
         own_(parts_of_step<Real>(scene, summary)),
         solid_spheres_(summary.solid_spheres),
@@ -51,6 +59,9 @@ class ProblemAssembly {
                                    [](const PairLaw<Real>& law) { return law.restitution > 0; });
     upload(b, laws, laws_);
   }
+
+  /// With several ranks: assemble() is then a call that all make together.
+  void set_ghosts(const Ghosts<B>* ghosts) { ghosts_ = ghosts; }
 
   /// Whether some pair of materials bounces.
   bool has_restitution() const { return has_restitution_; }
@@ -103,10 +114,26 @@ class ProblemAssembly {
                ContactDrift<Real>{bodies, parts, contacts, p.general_inertia, shapes_,
                                   setup.time_step / 2, own.drift});
     point_to(p, step.contacts);
-    reduce<SetupSums>(b, n, setup, StoreResult<SetupSums>{sums_.data()});
+    reduce_contacts<SetupSums>(b, p, setup, StoreResult<SetupSums>{sums_.data()});
     step.lists.build(b, p);
+    share(b, step);
     step.sums = fetch(b, sums_.data());
     return step;
+  }
+
+  /// What ranks have to know of each other's contacts.
+  /// @param step  with contacts, bodies and lists
+  void share(B& b, StepProblem<B, Real>& step) {
+    if (ghosts_ == nullptr) return;
+    ContactProblem<Real>& p = step.problem;
+    reduce_contacts<Sums<1>>(b, p, EachContact{},
+                             StoreResult<Sums<1>>{contacts_.resize_discard(1).data});
+    p.all_contacts = static_cast<Offset>(fetch(b, std::as_const(contacts_).data()).value[0]);
+    const Index moving = p.bodies.moving_count, owned = p.bodies.owned_count;
+    const Span<Index> count = step.contacts_of_body.resize_discard(moving);
+    for_each(b, owned, ContactsOfBodies<Real>{p, count});
+    ghosts_->update(b, count);
+    p.ghost_contacts = Span<const Index>{count.data + owned, moving - owned};
   }
 
   /// Velocities and inertias of the bodies in the problem of a step.
@@ -161,6 +188,8 @@ class ProblemAssembly {
 
   Buffer<B, PairLaw<Real>> laws_;
   Buffer<B, SetupSums> sums_;
+  Buffer<B, Sums<1>> contacts_;
+  const Ghosts<B>* ghosts_ = nullptr;
   ContactLayout layout_;
   ContactParts own_;  ///< what it stores of contacts
   bool solid_spheres_ = false;

@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"
 #include "dynamics/model_on.h"
+#include "dynamics/ranks/common_error.h"
+#include "dynamics/ranks/gather.h"
+#include "dynamics/ranks/shareable.h"
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/changed_bodies.h"
@@ -21,6 +25,7 @@
 #include "dynamics/rigid/part_store.h"
 #include "dynamics/rigid/prescribed_motion.h"
 #include "dynamics/rigid/problem_assembly.h"
+#include "dynamics/rigid/rank_share.h"
 #include "dynamics/rigid/rigid_card.h"
 #include "dynamics/rigid/saved_state.h"
 #include "dynamics/rigid/step_report.h"
@@ -40,8 +45,11 @@ class RigidDynamics final : public ModelOn<B, Real> {
  public:
   /// @param summary     see summarize_run()
   /// @param near_pairs  whether the list of near pairs is kept between steps
-  RigidDynamics(std::unique_ptr<B> on, Scene scene, const SceneSummary& summary, bool near_pairs)
+  /// @param ranks       null: this process alone
+  RigidDynamics(std::unique_ptr<B> on, Scene scene, const SceneSummary& summary, bool near_pairs,
+                std::shared_ptr<Ranks> ranks)
       : ModelOn<B, Real>(std::move(on), scene),
+        ranks_(std::move(ranks)),
         scene_(std::move(scene)),
         gravity_(scene_.gravity),
         summary_(summary),
@@ -58,7 +66,18 @@ class RigidDynamics final : public ModelOn<B, Real> {
         integration_(backend()),
         forces_(scene_),
         solver_(make_step_solver()),
-        loading_(scene_, store_, obstacles_) {
+        share_(ranks_ ? std::make_unique<RankShare<B, Real>>(backend(), *ranks_,
+                                                             first_cut(scene_, ranks_->count()),
+                                                             kSlack * summary_.median_diameter)
+                      : nullptr),
+        loading_(scene_, store_, obstacles_, owned_here()) {
+    if (share_) {
+      backend().set_ranks(ranks_.get());
+      solver_->set_ghosts(&share_->ghosts());
+      detector_.set_ghosts(&share_->ghosts());
+      assembly_.set_ghosts(&share_->ghosts());
+      impacts_.set_ghosts(&share_->ghosts());
+    }
     loading_.load_first();
     motion_.set(store_, 0, 1);
     insert_due(0);
@@ -75,9 +94,14 @@ class RigidDynamics final : public ModelOn<B, Real> {
     StepReport report;
     forget_solved_contacts();  // a step that fails leaves none
 
-    insert_due(time());
+    if (share_) {
+      move_bodies();
+    } else {
+      insert_due(time());
+    }
     motion_.set(store_, time(), steps_done() + 1);
     if (steps_done() % kReorderEvery == 0) reorder();
+    if (share_) renew_ghosts(detector_.range_of(store_.view(), h, Vec3d(gravity_step()), 0));
     const BodyView<Real> bodies = store_.view();
     const LoadSums loads = start_loads(bodies);
     BodyView<Real> loaded = loads_.loaded(b, bodies);
@@ -139,17 +163,21 @@ class RigidDynamics final : public ModelOn<B, Real> {
     stats.iterations += impacts.iterations;
     stats.applications += impacts.applications;
     stats.converged = stats.converged && impacts.converged;
-    if (stats.residual.bad_contact >= 0) report_bad_contact(problem, stats.residual.bad_contact);
+    if (stats.residual.bad_contact >= 0) {
+      const Index here = share_ ? stats.residual.own_bad_contact : stats.residual.bad_contact;
+      throw_on_all(ranks_.get(), here >= 0, [&] { report_bad_contact(problem, here); });
+    }
     report.ms.solve = impact_ms + clock.lap();
 
     if (joints_.count() > 0) joints_.keep(b, bodies, h, gamma);
     if (tracks_forces_) sum_forces(bodies, contacts, gamma, problem.rolling);
-    const IntegrateSums moved =
+    IntegrateSums moved =
         integration_.run(b, bodies, solver_->velocity(), summary_.layout, h, periodic_box(),
                          detector_.walls(), detector_.held_pairs(), seen);
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
-    if (moved.bad_body >= 0) report_bad_body(moved.bad_body);
+    throw_on_all(ranks_.get(), moved.bad_body >= 0, [&] { report_bad_body(moved.bad_body); });
+    moved = over_ranks(backend(), moved);
     detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
     if (keeps_marks()) detector_.keep_marks(std::move(mark));
     has_solved_contacts_ = true;
@@ -159,19 +187,27 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
     report.step = steps_done();
     report.time = time();
-    report.contact_count = contacts.count;
+    report.contact_count = share_ ? number_of(problem.all_contacts) : contacts.count;
+    if (share_) stats.residual.max_contact = stats.residual.own_max_contact;
     fill_report(report, stats, sums, problem, b, store_);
+    if (share_) add_report(*ranks_, share_->ghosts().count(), stats.residual.own_max, report);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
     report.stopped = moved.stopped;
-    require_finite(report);
+    throw_on_all(ranks_.get(), !is_finite(report), [&] { require_finite(report); });
     return report;
   }
 
-  int body_count() const override { return store_.ranges().without_ghosts().present_count(); }
-  BodyStates states() override { return store_.states(loading_.id_end()); }
+  int body_count() const override {
+    return share_ ? loading_.id_end() : store_.ranges().without_ghosts().present_count();
+  }
+  BodyStates states() override {
+    BodyStates own = store_.states(loading_.id_end());
+    if (share_) gather_states(*ranks_, store_.owned_ids(), own);
+    return own;
+  }
 
-  bool bodies_may_change() const override { return true; }
+  bool bodies_may_change() const override { return !share_; }
   bool has_body(int id) const override {
     return loading_.has_come(id) && !std::binary_search(removed_.begin(), removed_.end(), id);
   }
@@ -209,9 +245,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   std::vector<ContactRecord> contacts() override {
-    if (!has_solved_contacts_) return {};
+    if (!has_solved_contacts_) return kept_records_;  // on all ranks
     std::vector<ContactRecord> out = records(download(backend(), solved_impulses()));
     add_impacts(backend(), impacts_.impulses(), vectors(), out);
+    if (share_) gather_counted(out);
     return out;
   }
 
@@ -220,15 +257,17 @@ class RigidDynamics final : public ModelOn<B, Real> {
   void track_forces() override { tracks_forces_ = true; }
   MeanForces take_forces() override {
     if (!tracks_forces_) throw_untracked_forces("take_forces()");
-    return forces_.take(scene_.stepping.time_step);
+    MeanForces means = forces_.take(scene_.stepping.time_step);
+    if (share_) add_over_ranks(*ranks_, means);
+    return means;
   }
   ForceRecord force_on_body(int body) override {
     if (!tracks_forces_) throw_untracked_forces("force_on()");
-    return forces_.on_body(body, scene_.stepping.time_step);
+    return sum_over_ranks(forces_.on_body(body, scene_.stepping.time_step));
   }
   ForceRecord force_on_group(int group) override {
     if (!tracks_forces_) throw_untracked_forces("force_on_group()");
-    return forces_.on_group(group, scene_.stepping.time_step);
+    return sum_over_ranks(forces_.on_group(group, scene_.stepping.time_step));
   }
 
   void set_gravity(const Vec3d& gravity) override {
@@ -247,19 +286,23 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
   void apply_force(int body, const Vec3d& force, const Vec3d& torque) override {
     require_load(body, force, torque);
+    if (share_) throw_not_over_ranks("apply_force()");
     loads_.apply(backend(), body, force, torque);
   }
 
   std::vector<ContactRecord> overlaps() override {
     forget_solved_contacts();
+    if (share_) renew_ghosts(detector_.range_of(store_.view(), 0, {}, 0));
     const BodyView<Real> bodies = store_.view();
     detector_.detect(backend(), parts_.place(bodies), 0, {}, 0, parts_.of(bodies));
     std::vector<ContactRecord> found = records({});
+    if (share_) gather_counted(found);
     std::erase_if(found, [](const ContactRecord& contact) { return !(contact.gap < 0); });
     return found;
   }
 
   void arrays_changed(Written what) override {
+    if (share_) throw_not_over_ranks("arrays_changed()");
     B& b = backend();
     const bool poses = what == Written::poses;
     const BodyView<Real> bodies = store_.view();
@@ -286,14 +329,25 @@ class RigidDynamics final : public ModelOn<B, Real> {
   /// Steps between two sorts of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
+  /// Steps between two looks whether bodies left the space of their rank; the same holds.
+  static constexpr std::int64_t kMoveEvery = 16;
+  /// Steps after which a body that left goes to where it is, even if it is the only one.
+  static constexpr std::int64_t kPatience = 256;
+  /// Slack of ghosts, over the median diameter.
+  static constexpr double kSlack = 0.2;
 
   using ModelOn<B, Real>::backend;
 
   void save_arrays(WorldState& s) override {
     s.insertions_done = loading_.insertions_done();
-    save_state(backend(), store_, parts_, detector_, *solver_, s);
+    if (share_) {
+      save_shared(s);
+    } else {
+      save_state(backend(), store_, parts_, detector_, *solver_, s);
+    }
     joints_.save(backend(), s);
     if (tracks_forces_) forces_.save(s);
+    if (tracks_forces_ && share_) add_array(*ranks_, "force/sum", s);
     motion_.save(s);
     if (!(gravity_ == scene_.gravity)) s.add("world/gravity", std::vector<Vec3d>{gravity_});
   }
@@ -303,13 +357,36 @@ class RigidDynamics final : public ModelOn<B, Real> {
     store_.drop(removed_);
     forget_solved_contacts();
     joints_.check(s);
-    restore_state(backend(), s, vectors(), store_, parts_, detector_, *solver_);
+    if (share_) {
+      restore_shared(s);
+    } else {
+      restore_state(backend(), s, vectors(), store_, parts_, detector_, *solver_);
+    }
     joints_.restore(backend(), s);
-    if (tracks_forces_) forces_.restore(s);
+    if (tracks_forces_) restore_forces(s);
     motion_.restore(scene_, s, has_arms());
     gravity_ =
         s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : scene_.gravity;
     motion_.set(store_, s.time, s.step + 1);
+  }
+
+  /// With several ranks rank 0 has all bodies for the moment, and the others have none to draw.
+  Image render(const PictureSettings& settings) override {
+    if (!share_) return ModelOn<B, Real>::render(settings);
+    put_contacts_aside();
+    const Index own = store_.owned_count();
+    share_->gather_bodies(store_);
+    Image image;
+    std::string fault;
+    try {
+      if (ranks_->rank() == 0) image = ModelOn<B, Real>::render(settings);
+    } catch (const std::exception& error) {
+      fault = error.what();
+    }
+    store_.set_owned_count(own);
+    share_->forget();
+    throw_on_all(ranks_.get(), !fault.empty(), [&] { throw RunError(fault); });
+    return image;
   }
 
   typename ModelOn<B, Real>::Drawn drawn() override {
@@ -317,6 +394,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   void for_each_array(const typename ModelOn<B, Real>::VisitArray& visit) override {
+    if (share_) throw_not_over_ranks("array()");
     for_each_named_array(backend(), store_, loads_, detector_.contacts(), solved_impulses(),
                          vectors(), visit);
   }
@@ -333,6 +411,143 @@ class RigidDynamics final : public ModelOn<B, Real> {
     forces_.count_step();
   }
 
+  // --- several ranks
+
+  /// For reports, which count in 32 bits.
+  static int number_of(Offset count) {
+    return static_cast<int>(std::min<Offset>(count, std::numeric_limits<int>::max()));
+  }
+
+  /// @param scene  that is still to be loaded
+  static Decomposition first_cut(const Scene& scene, int ranks) {
+    return Decomposition::of(work_samples(scene), ranks);
+  }
+  std::function<bool(const Vec3d&)> owned_here() const {
+    if (!share_) return {};
+    return [share = share_.get()](const Vec3d& x) { return share->owns(x); };
+  }
+
+  /// Inserts bodies that are due, and gives those that left the space of this rank to the ones where they are.
+  void move_bodies() {
+    const bool inserts = loading_.is_due(time());
+    if (!inserts && steps_done() % kMoveEvery != 0) return;
+    const double work = store_.owned_count() + 2.0 * detector_.impulses().size / vectors();
+    const bool patience_ends = steps_done() % kPatience == 0;
+    if (!inserts && !share_->has_work_to_move(store_, work, patience_ends)) return;
+    remember_contacts();
+    store_.set_owned_count(store_.owned_count());  // no ghosts until renew_ghosts()
+    insert_due(time());
+    share_->move_bodies(store_, work, *remembered_);
+    share_->forget();
+  }
+
+  /// Before bodies go elsewhere than a step brings them.
+  void put_contacts_aside() {
+    if (has_solved_contacts_ && scene_.output.contact_frames) {
+      std::vector<ContactRecord> records = contacts();
+      forget_solved_contacts();
+      kept_records_ = std::move(records);
+    } else if (has_solved_contacts_) {
+      forget_solved_contacts();
+    }
+    remember_contacts();
+  }
+
+  /// Contacts of the last step by the ids of their bodies, until there are ghosts again.
+  void remember_contacts() {
+    if (remembered_) return;
+    remembered_ = no_contacts();
+    std::vector<std::uint64_t> key;
+    detector_.save(backend(), key, remembered_->at<Vec3d>("contact/impulse"));
+    NamedContacts names = names_of(key, detector_.keys(), store_.ids());
+    remembered_->at<std::int32_t>("contact/body_a") = std::move(names.body_a);
+    remembered_->at<std::int32_t>("contact/body_b") = std::move(names.body_b);
+    remembered_->at<std::uint64_t>("contact/feature") = std::move(names.feature);
+  }
+
+  void renew_ghosts(const ContactRange& range) {
+    if (!share_->renew(store_, range)) return;
+    const Index owned = store_.owned_count();
+    if (!remembered_) {
+      detector_.rename_ghosts(backend(), owned, share_->new_places(owned));
+      return;
+    }
+    const std::vector<Index> ids = store_.ids();
+    keep_known_contacts(ids, owned, *remembered_);
+    const RememberedContacts known =
+        remembered_contacts(*remembered_, detector_.name_elements(store_.view()), ids, owned,
+                            static_cast<std::size_t>(vectors()));
+    detector_.restore(backend(), known.key, known.impulse);
+    remembered_.reset();
+  }
+
+  /// The whole state, on every rank; each then goes on as one that was restored from it.
+  void save_shared(WorldState& s) {
+    put_contacts_aside();
+    WorldState own = *remembered_;
+    store_.save_owned(own);
+    s.arrays = gather_arrays(*ranks_, own).arrays;
+    std::vector<Index> all(static_cast<std::size_t>(loading_.id_end()));
+    std::iota(all.begin(), all.end(), Index(0));
+    keep_known_contacts(all, loading_.id_end(), s);  // once, where two ranks have them
+    s.add("solver/memory", solver_->memory());
+    restore_shared(s);
+  }
+
+  /// All ranks have the whole state, so all refuse it or none. @throws InputError
+  void require_whole_state(const WorldState& s, const std::vector<std::int32_t>& id) {
+    std::size_t all = 0;
+    for (const Index count : gather(*ranks_, store_.owned_count()))
+      all += static_cast<std::size_t>(count);
+    require_rows(s, id.size(), static_cast<std::size_t>(vectors()));
+    if (id.size() != all) throw_wrong_body_count(id.size(), all);
+    std::vector<std::int32_t> sorted = id;
+    std::sort(sorted.begin(), sorted.end());
+    const auto again = std::adjacent_find(sorted.begin(), sorted.end());
+    if (again != sorted.end()) throw_unknown_body(*again);
+    std::int32_t unknown = -1;
+    for (const Index own : store_.owned_ids())
+      if (!std::binary_search(sorted.begin(), sorted.end(), own)) unknown = own;
+    for (const std::int32_t of_rank : gather(*ranks_, unknown))
+      if (of_rank >= 0) throw_unknown_body(of_rank);
+  }
+
+  void restore_shared(const WorldState& s) {
+    const std::vector<std::int32_t>& id = s.at<std::int32_t>("body/id");
+    const std::vector<Vec3d>& x = s.at<Vec3d>("body/position");
+    require_whole_state(s, id);
+    share_->set_decomposition(Decomposition::of(work_samples(x), ranks_->count()));
+    store_.set_owned_count(store_.owned_count());
+    share_->send_to_owners(store_, id, x);
+    WorldState own = shared_part(s, [&](const Vec3d& place) { return share_->owns(place); });
+    store_.arrange(own.at<std::int32_t>("body/id"));
+    store_.restore_owned(own);
+    parts_.forget();
+    detector_.restore(backend(), {}, {});
+    remembered_ = contacts_of(own);
+    solver_->restore_memory(s.at<double>("solver/memory"));
+    share_->forget();
+  }
+
+  /// Sums of all ranks go on at rank 0.
+  void restore_forces(const WorldState& s) {
+    if (!share_ || ranks_->rank() == 0 || !s.has("force/sum")) return forces_.restore(s);
+    WorldState own;
+    own.add("force/sum", std::vector<Vec3d>(s.at<Vec3d>("force/sum").size()));
+    own.add("force/steps", s.at<double>("force/steps"));
+    forces_.restore(own);
+  }
+
+  /// Records of the contacts of all ranks, each once, at rank 0.
+  void gather_counted(std::vector<ContactRecord>& own) {
+    keep_counted(backend(), store_.ranges(), detector_.contacts(), own);
+    gather_rows(*ranks_, own);
+  }
+
+  ForceRecord sum_over_ranks(const ForceRecord& own) const {
+    return share_ ? added_over_ranks(*ranks_, own) : own;
+  }
+
   ContactNaming naming() const { return {loading_.id_count(), summary_.layout}; }
   int vectors() const { return vectors_per_contact(summary_.layout); }
   /// Marks belong to contacts, and solvers do without any as well.
@@ -345,6 +560,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   void forget_solved_contacts() {
     impacts_.forget();
     has_solved_contacts_ = false;
+    kept_records_.clear();
   }
   std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
     return contact_records(backend(), store_.ids(), store_.view(), detector_.contacts(), gamma,
@@ -440,6 +656,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     Buffer<B, Index> place(b);
     const Span<const Index> new_of_old = parts_.follow(store_.view(), order.new_of_old(), place);
     detector_.remap(b, parts_.place(store_.view()), new_of_old);
+    if (share_) share_->forget();
   }
 
   [[noreturn]] void report_bad_body(Index storage) {
@@ -454,8 +671,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     throw_bad_contact(steps_done() + 1, a, second);
   }
 
-  Scene scene_;    ///< without the descriptions already loaded
-  Vec3d gravity_;  ///< [m/s^2]
+  std::shared_ptr<Ranks> ranks_;  ///< null: this process alone
+  Scene scene_;                   ///< without the descriptions already loaded
+  Vec3d gravity_;                 ///< [m/s^2]
   SceneSummary summary_;
   PrescribedMotion motion_;
   BodyStore<B, Real> store_;
@@ -470,17 +688,24 @@ class RigidDynamics final : public ModelOn<B, Real> {
   ForceTotals forces_;
   bool tracks_forces_ = false;
   std::unique_ptr<Solver<B, Real>> solver_;
+  std::unique_ptr<RankShare<B, Real>> share_;  ///< null without ranks
+  /// With ranks: contacts of the last step by ids, while places of ghosts are not known.
+  std::optional<WorldState> remembered_;
   std::vector<int> removed_;  ///< ids of bodies that are no more, rising
   BodyLoading<B, Real> loading_;
-  bool has_solved_contacts_ = false;  ///< the detector has those of the last step
+  std::vector<ContactRecord> kept_records_;  ///< of the last step, see put_contacts_aside()
+  bool has_solved_contacts_ = false;         ///< the detector has those of the last step
 };
 
 template <class B, class Real>
 std::unique_ptr<Dynamics> make_rigid(Scene scene, const WorldOptions& options) {
   const bool near_pairs = keeps_near_pairs(scene, options);  // from what is free before all else
   const SceneSummary summary = summarize_run(scene, options);
+  const bool is_shared = options.ranks != nullptr && options.ranks->count() > 1;
+  if (is_shared) require_shareable(scene);
   return std::make_unique<RigidDynamics<B, Real>>(make_backend<B>(options), std::move(scene),
-                                                  summary, near_pairs);
+                                                  summary, near_pairs,
+                                                  is_shared ? options.ranks : nullptr);
 }
 
 }  // namespace scree

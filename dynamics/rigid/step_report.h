@@ -1,6 +1,7 @@
 #pragma once
 // What a step of rigid bodies tells.
 
+#include <array>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -44,20 +45,28 @@ void fill_report(StepReport& report, const SolveStats& stats, const SetupSums& s
   report.ms.total = t.collision + t.setup + t.solve + t.integrate;
 }
 
+/// The quantities of a report that sums make.
+inline std::array<std::pair<const char*, double>, 9> sums_of(const StepReport& r) {
+  return {{{"residual", r.residual_rms},
+           {"largest residual", r.residual_max},
+           {"relative residual", r.residual_relative},
+           {"exact residual", r.exact_residual_rms},
+           {"objective", r.objective},
+           {"penetration", r.max_penetration},
+           {"joint error", r.max_joint_error},
+           {"cone violation", r.max_cone_violation},
+           {"kinetic energy", r.kinetic_energy}}};
+}
+
 /// Sums can overflow where no body and no contact does.
+inline bool is_finite(const StepReport& r) {
+  for (const auto& [name, value] : sums_of(r))
+    if (!std::isfinite(value)) return false;
+  return true;
+}
 inline void require_finite(const StepReport& r) {
-  const std::pair<const char*, double> values[] = {{"residual", r.residual_rms},
-                                                   {"largest residual", r.residual_max},
-                                                   {"relative residual", r.residual_relative},
-                                                   {"exact residual", r.exact_residual_rms},
-                                                   {"objective", r.objective},
-                                                   {"penetration", r.max_penetration},
-                                                   {"joint error", r.max_joint_error},
-                                                   {"cone violation", r.max_cone_violation},
-                                                   {"kinetic energy", r.kinetic_energy}};
-  for (const auto& [name, value] : values) {
+  for (const auto& [name, value] : sums_of(r))
     if (!std::isfinite(value)) throw_not_finite(r.step, name, value);
-  }
 }
 
 }  // namespace scree

@@ -137,6 +137,14 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
   step->add_option("--kind", options.step.kind, "bed (settled) or column (collapsing)")
       ->take_last();
 
+  CLI::App* scaling =
+      command->add_subcommand("scaling", "whole steps on one rank and on all of mpirun -n N");
+  add_bed_options(*scaling, options.scaling);
+  add_steps_options(*scaling, options.scaling);
+  scaling->footer(
+      "Sizes are those of one rank. Weak scaling: as many bodies on each of the ranks; strong: as "
+      "many on\nall. Efficiency is of the time for an application of the operator.");
+
   CLI::App* solvers =
       command->add_subcommand("solvers", "time to equal residual, solver by solver");
   solvers->footer(solver_lines());
@@ -165,6 +173,7 @@ int run_bench(const CLI::App& command, const BenchOptions& options) {
   if (mode == "iteration") return bench_iteration(options.iteration);
   if (mode == "collision") return bench_collision(options.collision);
   if (mode == "step") return bench_step(options.step);
+  if (mode == "scaling") return bench_scaling(options.scaling);
   if (mode == "solvers") return bench_solvers(options.solvers);
   if (mode == "capacity") return bench_capacity(options.capacity);
   if (mode == "affine") return bench_affine(options.affine);

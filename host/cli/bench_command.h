@@ -15,6 +15,7 @@ struct BenchOptions {
   BedOptions iteration;
   BedOptions collision;
   StepBenchOptions step;
+  BedOptions scaling;
   SolverBenchOptions solvers;
   BedOptions capacity;
 };

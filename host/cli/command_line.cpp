@@ -11,8 +11,10 @@
 #include "host/cli/info_command.h"
 #include "host/cli/run_command.h"
 #include "host/cli/solve_command.h"
+#include "host/cli/start_together.h"
 #include "host/io/printable.h"
 #include "host/io/streams.h"
+#include "host/ranks/launch.h"
 #include "host/version.h"
 
 namespace scree {
@@ -226,12 +228,16 @@ int run_command_line(int argc, char** argv) {
   const CLI::App* convert_command = add_convert_command(app, convert);
   const CLI::App* info_command = add_info_command(app, info);
 
+  const bool speaks = launch_of_environment().rank == 0;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return fail(usage_fault(app, error, argc, argv), 2);
+    if (error.get_exit_code() != 0) return fail_together(usage_fault(app, error, argc, argv));
+    return speaks ? app.exit(error) : 0;  // --help, --version
   }
+  // Several processes of one launch make one run, or one benchmark of ranks; what other commands do, one does.
+  const bool is_shared = *run_command || bench_command->got_subcommand("scaling");
+  if (!speaks && !is_shared) return 0;
   if (*run_command) return run_scene(run);
   if (*check_command) return check_scene(check);
   if (*bench_command) return run_bench(*bench_command, bench);

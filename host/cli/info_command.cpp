@@ -11,6 +11,7 @@
 #include "dynamics/dynamics_card.h"
 #include "host/cli/options.h"
 #include "host/error.h"
+#include "host/ranks/mpi_ranks.h"
 #include "host/scene_reader/scene_schema.h"
 #include "host/version.h"
 #include "host/world.h"
@@ -71,6 +72,7 @@ int print_info(const InfoOptions& options) {
 #else
   const char* assertions = "on";
 #endif
+  const std::string mpi = mpi_version().empty() ? "not built" : mpi_version();
   const std::vector<std::string> problem_solvers = assembled_solver_names();
   if (options.json) {
     nlohmann::json out = {
@@ -79,6 +81,7 @@ int print_info(const InfoOptions& options) {
         {"compiler", __VERSION__},
         {"assertions", assertions},
         {"built_with_cuda", built_with_cuda},
+        {"mpi", mpi},
         {"dynamics", dynamics_names()},
         {"solvers", solver_names()},
         {"problem_solvers", problem_solvers},
@@ -99,6 +102,7 @@ int print_info(const InfoOptions& options) {
   fmt::print("scree       {} ({})\n", version(), commit());
   fmt::print("compiler    {}; assertions {}; CUDA {}\n", __VERSION__, assertions,
              built_with_cuda ? "built in" : "not built in");
+  fmt::print("MPI         {}\n", mpi);
   const char* heading = "dynamics";
   for (const DynamicsCard& card : dynamics_cards())
     fmt::print("{:<12}{:<22}{}\n", std::exchange(heading, ""), card.name, card.description);

@@ -1,13 +1,35 @@
 #include "host/cli/options.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <thread>
 
 #include "host/error.h"
+#include "host/ranks/mpi_ranks.h"
 
 namespace scree {
 namespace fs = std::filesystem;
+
+namespace {
+
+/// The device of a rank: those of a host take turns.
+int device_of(const Ranks& ranks) {
+  return local_rank(ranks).rank % std::max(1, device_count(BackendKind::cuda));
+}
+
+/// CPU threads of a rank: a fair share of the processors of its host, and no more than a launcher bound it to. 0, what
+/// OpenMP offers, where the environment says.
+int threads_of(const Ranks& ranks) {
+  if (std::getenv("OMP_NUM_THREADS") != nullptr) return 0;
+  const auto processors = static_cast<int>(::sysconf(_SC_NPROCESSORS_ONLN));
+  const auto bound_to = static_cast<int>(std::thread::hardware_concurrency());
+  return std::max(1, std::min(bound_to, processors / local_rank(ranks).count));
+}
+
+}  // namespace
 
 fs::path scene_folder() {
   std::error_code error;
@@ -37,7 +59,8 @@ fs::path find_scene(const std::string& name_or_path) {
                                name_or_path, fmt::join(names, ", ")));
 }
 
-WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::string* notice) {
+WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::string* notice,
+                             const std::shared_ptr<Ranks>& ranks) {
   const std::string backend = target.backend.empty() ? scene.backend : target.backend;
   const std::string precision = target.precision.empty() ? scene.precision : target.precision;
   WorldOptions options;
@@ -52,6 +75,11 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   }
   const bool has_device = target.device >= 0;
   options.device = has_device ? target.device : 0;
+  if (ranks != nullptr) {
+    options.ranks = ranks;
+    options.rank_calls = RankCalls::led;
+    if (!has_device) options.device = device_of(*ranks);
+  }
   std::string reason;
   if (backend == "cuda") {
     if (!backend_available(BackendKind::cuda, &reason, options.device)) {
@@ -73,6 +101,10 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   } else if (has_device) {
     throw InputError(
         fmt::format("--device {}: is for the backend cuda, this is cpu", target.device));
+  }
+  if (options.backend == BackendKind::cpu) {
+    options.device = 0;
+    if (ranks != nullptr && options.threads == 0) options.threads = threads_of(*ranks);
   }
   return options;
 }

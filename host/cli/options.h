@@ -2,6 +2,7 @@
 // Options that several commands share.
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,11 @@ std::filesystem::path find_scene(const std::string& name_or_path);
 /// Backend, device and precision to use: the command line before the scene; `auto` takes CUDA when
 /// it is there.
 /// @param notice  when given: what a user should know about the choice, or empty
+/// @param ranks   that simulate the scene together, led by rank 0, or null. Those of one host share its devices and
+///                processors where the command line does not say
 /// @throws InputError when the backend or the device that was asked for is not available
 WorldOptions resolve_options(const RunTarget& target, const Scene& scene,
-                             std::string* notice = nullptr);
+                             std::string* notice = nullptr,
+                             const std::shared_ptr<Ranks>& ranks = nullptr);
 
 }  // namespace scree

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "dynamics/dynamics_card.h"
 #include "host/cli/judged.h"
+#include "host/cli/start_together.h"
 #include "host/error.h"
 #include "host/io/checkpoint.h"
 #include "host/io/contact_frames.h"
@@ -26,6 +29,8 @@
 #include "host/io/wall_frames.h"
 #include "host/io/walls.h"
 #include "host/io/writer_thread.h"
+#include "host/ranks/launch.h"
+#include "host/ranks/mpi_ranks.h"
 #include "host/scene/overlaps.h"
 #include "host/scene/stored_joints.h"
 #include "host/scene_reader.h"
@@ -85,21 +90,45 @@ struct RunFiles {
   std::optional<ForcesCsv> forces;
 };
 
+/// What a run reads before it looks at its output directory.
+struct RunInput {
+  /// @param ranks  that run the scene together, or null
+  RunInput(const RunOptions& options, const std::shared_ptr<Ranks>& ranks) {
+    if (options.resume && options.force)
+      throw InputError("--resume and --force exclude each other");
+    if (ranks != nullptr && !options.dump_problem.empty())
+      throw InputError("--dump-problem is for a run of one rank");
+    file = find_scene(options.target.scene);
+    scene = read_scene(file, options.target.overrides, &notes);
+    text = scene_text(file, options.target.overrides);
+    world = resolve_options(options.target, scene, &notice, ranks);
+  }
+
+  fs::path file;
+  std::vector<std::string> notes;  ///< of the scene
+  Scene scene;
+  std::string text;
+  std::string notice;  ///< about the backend
+  WorldOptions world;
+};
+
 /// One run from open files to the last byte.
 class Run {
  public:
-  Run(const RunOptions& options, const fs::path& scene_file)
+  Run(const RunOptions& options, RunInput input)
       : options_(options),
-        scene_(read_scene(scene_file, options.target.overrides, &notes_)),
-        scene_text_(scree::scene_text(scene_file, options.target.overrides)),
-        world_options_(resolve_options(options.target, scene_, &notice_)),
+        notes_(std::move(input.notes)),
+        scene_(std::move(input.scene)),
+        scene_text_(std::move(input.text)),
+        notice_(std::move(input.notice)),
+        world_options_(std::move(input.world)),
         directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out,
                    existing_output(options), scene_text_,
                    {"/duration", "/max_time", "/max_iterations", "/output"}),
         target_(step_target(options, scene_)),
         card_(dynamics_card(scene_.dynamics.type)),
         record_(card_) {
-    record_.scene_file = scene_file.string();
+    record_.scene_file = input.file.string();
   }
 
   int go() {
@@ -375,6 +404,7 @@ class Run {
     record_.precision = world_options_.precision;
     record_.device = device.name;
     record_.threads = world_options_.threads > 0 ? world_options_.threads : device.threads;
+    if (world_options_.ranks != nullptr) record_.ranks = world_options_.ranks->count();
     record_.seed = scene_.seed;
     record_.start_time = utc_now();
     record_.resumed_from_step = resumed_from;
@@ -404,11 +434,64 @@ class Run {
   std::chrono::steady_clock::time_point start_clock_;
 };
 
+/// Ends what the ranks above 0 wait for, however a run on rank 0 ends.
+class FollowerGuard {
+ public:
+  explicit FollowerGuard(Ranks& ranks) : ranks_(ranks) {}
+  ~FollowerGuard() {
+    try {
+      release_followers(ranks_);
+    } catch (const std::exception& error) {
+      ranks_.abort(error.what(), 1);
+    }
+  }
+  FollowerGuard(const FollowerGuard&) = delete;
+  FollowerGuard& operator=(const FollowerGuard&) = delete;
+
+ private:
+  Ranks& ranks_;
+};
+
+/// Takes part in the run of rank 0, which alone writes and speaks.
+int follow(const RunInput& input, Ranks& ranks) {
+  ignore_requests_to_end();
+  try {
+    follow_worlds(input.scene, input.world);
+  } catch (const std::exception& error) {
+    ranks.abort(error.what(), 1);
+  }
+  return 0;
+}
+
+int run_on_ranks(const RunOptions& options, const std::shared_ptr<Ranks>& ranks) {
+  std::optional<RunInput> input;
+  const auto read = [&](RankReport& report) {
+    input.emplace(options, ranks);
+    require_solver(input->scene, input->world);
+    require_memory(input->scene, input->world);
+    report.scene = input->text;
+    report.arithmetic = fmt::format("backend {} in {}", to_string(input->world.backend),
+                                    to_string(input->world.precision));
+  };
+  const int code = start_together(*ranks, read);
+  if (code != 0) return code;
+  if (ranks->rank() > 0) return follow(*input, *ranks);
+  const FollowerGuard guard(*ranks);
+  return Run(options, std::move(*input)).go();
+}
+
 }  // namespace
 
 int run_scene(const RunOptions& options) {
-  if (options.resume && options.force) throw InputError("--resume and --force exclude each other");
-  return Run(options, find_scene(options.target.scene)).go();
+  std::shared_ptr<Ranks> ranks;
+  try {
+    ranks = mpi_ranks();
+  } catch (const InputError&) {
+    if (launch_of_environment().rank > 0) return 0;  // rank 0 says it, and ends with its code
+    throw;
+  }
+  if (ranks != nullptr) return run_on_ranks(options, ranks);
+  return Run(options, RunInput(options, nullptr)).go();
 }
 
 }  // namespace scree

@@ -17,6 +17,7 @@ struct RunOptions {
   std::vector<std::string> command_line;
 };
 
+/// Processes that a launcher of MPI started together make one run, see mpi_ranks().
 /// @return exit code: 0 done, or ended cleanly after an interrupt
 /// @throws InputError, RunError; also when steps did not converge that were required to
 int run_scene(const RunOptions& options);

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "dynamics/dynamics.h"
+#include "dynamics/ranks/leading.h"
 #include "host/engine/cuda_device.h"
 #include "host/engine/roster.h"
 #include "host/error.h"
@@ -21,8 +22,14 @@ class Cuda;
 
 namespace {
 
-std::unique_ptr<Dynamics> dynamics_for(Scene scene, const WorldOptions& options) {
+bool has_several_ranks(const WorldOptions& options) {
+  return options.ranks != nullptr && options.ranks->count() > 1;
+}
+
+std::unique_ptr<Dynamics> own_dynamics(Scene scene, const WorldOptions& options) {
   validate(scene);
+  if (has_several_ranks(options) && scene.dynamics.type != "rigid")
+    throw InputError("dynamics \"" + scene.dynamics.type + "\" runs on one rank only");
   std::string reason;
   if (!backend_available(options.backend, &reason, options.device))
     throw InputError((options.backend == BackendKind::cuda ? "backend cuda: " : "backend cpu: ") +
@@ -35,6 +42,12 @@ std::unique_ptr<Dynamics> dynamics_for(Scene scene, const WorldOptions& options)
   }
 #endif
   return make_dynamics<Cpu>(std::move(scene), options);
+}
+
+std::unique_ptr<Dynamics> dynamics_for(Scene scene, const WorldOptions& options) {
+  if (!has_several_ranks(options) || options.rank_calls == RankCalls::together)
+    return own_dynamics(std::move(scene), options);
+  return lead(options.ranks, [&] { return own_dynamics(std::move(scene), options); });
 }
 
 /// The dynamics of a world, while its device is the current one of this thread.
@@ -284,6 +297,14 @@ Image World::render(const PictureSettings& settings) const {
 }
 std::size_t World::memory() const { return dynamics_->memory(); }
 std::size_t World::peak_memory() const { return std::max(peak_before_, dynamics_->peak_memory()); }
+
+void follow_worlds(const Scene& scene, const WorldOptions& options) {
+#ifdef SCREE_HAS_CUDA
+  const CudaDeviceScope scope(options.backend == BackendKind::cuda ? options.device : -1);
+#endif
+  follow(*options.ranks, [&] { return own_dynamics(scene, options); });
+}
+void release_followers(Ranks& ranks) { release(ranks); }
 
 bool backend_available(BackendKind kind, std::string* reason, int device) {
   if (kind == BackendKind::cpu) {

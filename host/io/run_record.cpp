@@ -119,6 +119,7 @@ void write_run_record(const std::filesystem::path& path, const RunRecord& record
   json["precision"] = to_string(record.precision);
   json["device"] = record.device;
   json["threads"] = record.threads;
+  if (record.ranks > 1) json["ranks"] = record.ranks;
   json["seed"] = record.seed;
   json["bodies"] = record.body_count;
   json["start_time"] = record.start_time;

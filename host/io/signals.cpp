@@ -39,4 +39,8 @@ SignalGuard::~SignalGuard() {
 
 int SignalGuard::received() const { return received_signal; }
 
+void ignore_requests_to_end() {
+  for (const int request : {SIGINT, SIGTERM, SIGHUP}) std::signal(request, SIG_IGN);
+}
+
 }  // namespace scree

@@ -27,4 +27,7 @@ class SignalGuard {
   std::array<struct sigaction, requests.size()> old_{};
 };
 
+/// From now on SIGINT, SIGTERM and SIGHUP do nothing here: another process is asked too, and decides for this one.
+void ignore_requests_to_end();
+
 }  // namespace scree

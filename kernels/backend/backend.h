@@ -39,6 +39,19 @@ class OutOfMemory : public DeviceError {
                     std::to_string(bytes / (1024 * 1024) + 1) + " MiB") {}
 };
 
+class Ranks;  // kernels/backend/ranks.h
+
+/// What a backend knows of the other ranks that simulate the same scene.
+class InRanks {
+ public:
+  /// Null: there are none.
+  Ranks* ranks() const { return ranks_; }
+  void set_ranks(Ranks* ranks) { ranks_ = ranks; }
+
+ private:
+  Ranks* ranks_ = nullptr;
+};
+
 /// Owns `capacity` elements in the memory of backend B. Move-only; contents start uninitialized.
 template <class B, class T>
 class Buffer {

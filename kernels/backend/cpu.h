@@ -14,7 +14,7 @@
 
 namespace scree {
 
-class Cpu {
+class Cpu : public InRanks {
  public:
   static constexpr bool kIsDevice = false;
   static constexpr const char* kName = "cpu";

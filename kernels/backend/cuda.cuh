@@ -19,7 +19,7 @@ inline void check_cuda(cudaError_t error, const char* what) {
   }
 }
 
-class Cuda {
+class Cuda : public InRanks {
  public:
   static constexpr bool kIsDevice = true;
   static constexpr const char* kName = "cuda";
@@ -50,6 +50,11 @@ class Cuda {
   void copy_bytes(void* destination, const void* source, std::size_t bytes);
   void upload_bytes(void* destination, const void* source, std::size_t bytes);
   void download_bytes(void* destination, const void* source, std::size_t bytes);
+
+  /// Page-locked host memory that kernels may write into: for small results, read when the stream has been waited for.
+  /// Void after the next download.
+  static constexpr std::size_t kResultBytes = 16 * 1024;
+  void* result() { return result_; }
 
   /// Temporary storage of a scan; grows, and is valid until the next call.
   void* scan_space(std::size_t bytes);
@@ -90,6 +95,7 @@ class Cuda {
   void* partials_ = nullptr;
   unsigned* ticket_ = nullptr;
   std::unordered_map<const void*, unsigned> reduce_blocks_;
+  void* result_ = nullptr;
   void* scan_space_ = nullptr;
   std::size_t scan_bytes_ = 0;
   std::size_t allocated_ = 0;

@@ -19,11 +19,18 @@ struct BodyRanges {
   Index moving_count = 0;  ///< owned bodies and ghosts
   Index fixed_begin = 0;
   Index count = 0;  ///< size of storage
+  /// Ghosts from here on belong to ranks above this one, those before to ranks below.
+  Index higher_begin = 0;
 
   SCREE_HD bool is_owned(Index i) const { return i < owned_count; }
   /// Owned bodies and ghosts.
   SCREE_HD bool moves(Index i) const { return i < moving_count; }
   SCREE_HD bool is_fixed(Index i) const { return i >= fixed_begin; }
+  /// Whether there may be contacts that do not count here: see counts().
+  SCREE_HD bool has_uncounted() const { return higher_begin > owned_count; }
+  /// Whether a contact with body B counts here: one with a ghost is listed by both owners, and counts where the rank is
+  /// lower.
+  SCREE_HD bool counts(Index b) const { return is_owned(b) || !moves(b) || b >= higher_begin; }
   /// Whether a place of storage is in use.
   SCREE_HD bool exists(Index i) const { return moves(i) || (is_fixed(i) && i < count); }
 

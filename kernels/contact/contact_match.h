@@ -1,6 +1,7 @@
 #pragma once
 // Element programs that carry impulses from the contacts of one step to those of the next.
 
+#include "kernels/backend/backend.h"
 #include "kernels/contact/contact_key.h"
 #include "kernels/math/vec3.h"
 
@@ -80,6 +81,39 @@ struct MatchMarks {
     const Offset k = find_contact(previous_key, key, c);
     mark[c] = k >= 0 ? previous_mark[k] : -1;
   }
+};
+
+/// The key of a contact that is to be forgotten: behind all others.
+inline constexpr std::uint64_t kForgottenKey = ~std::uint64_t{0};
+
+/// Keys after ghosts have changed places; they are body B of their contacts, and stay so.
+struct RenameGhosts {
+  static constexpr const char* name = "rename_ghosts";
+  ContactKeys keys;
+  Index owned_count;
+  Span<const Index> new_of_old;  ///< of the ghosts before; -1: gone
+  Span<std::uint64_t> key;       ///< in and out
+  Span<Index> order;             ///< out: c
+
+  SCREE_HD void operator()(Index c) const {
+    order[c] = c;
+    const std::uint32_t element = key_element(key[c]);
+    if (!keys.is_body(element)) return;
+    const Index ghost = keys.body(element) - owned_count;
+    if (ghost < 0 || ghost >= new_of_old.size) return;
+    const Index place = new_of_old[ghost];
+    key[c] = place < 0 ? kForgottenKey
+                       : (key[c] & kGeneralGroup) |
+                             make_key(contact_body(key[c]),
+                                      keys.body_element(place, keys.feature(element)));
+  }
+};
+
+/// Contacts that are not forgotten.
+struct CountKeys {
+  static constexpr const char* name = "count_keys";
+  Span<const std::uint64_t> key;
+  SCREE_HD Sums<1> operator()(Index c) const { return {{key[c] == kForgottenKey ? 0.0 : 1.0}}; }
 };
 
 /// Keys after owned bodies have moved in storage. When the order of the two bodies flips, they

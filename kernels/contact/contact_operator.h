@@ -2,7 +2,7 @@
 // Element programs every solver shares: body velocities from impulses, contact
 // velocities, residual.
 
-#include "kernels/backend/backend.h"
+#include "kernels/backend/over_ranks.h"
 #include "kernels/contact/contact_rows.h"
 
 namespace scree {
@@ -106,6 +106,44 @@ struct ResidualSums {
       bad_contact = o.bad_contact;
   }
 };
+
+/// Lets contacts count once that two ranks list: the program runs for all, the records of the others are left out.
+template <class F>
+struct CountedOnce {
+  static constexpr const char* name = F::name;
+  F f;
+  Span<const Index> body_b;
+  BodyRanges bodies;
+  SCREE_HD auto operator()(Index c) const {
+    const auto record = f(c);
+    return bodies.counts(body_b[c]) ? record : std::remove_const_t<decltype(record)>{};
+  }
+};
+
+/// To count contacts.
+struct EachContact {
+  static constexpr const char* name = "each_contact";
+  SCREE_HD Sums<1> operator()(Index) const { return {{1}}; }
+};
+
+/// How many contacts each body has.
+template <class Real>
+struct ContactsOfBodies {
+  static constexpr const char* name = "contacts_of_bodies";
+  ContactProblem<Real> p;
+  Span<Index> count;  ///< [owned_count] out
+  SCREE_HD void operator()(Index i) const { count[i] = p.count_contacts(i); }
+};
+
+/// reduce() over the contacts of all ranks, each counted once.
+template <class R, class B, class Real, class F, class G>
+void reduce_contacts(B& b, const ContactProblem<Real>& p, F f, G finish) {
+  if (b.ranks() == nullptr) {
+    reduce<R>(b, p.contact_count, f, finish);
+  } else {
+    reduce_on_ranks<R>(b, p.contact_count, CountedOnce<F>{f, p.body_b, p.bodies}, finish);
+  }
+}
 
 /// Natural-map residual of one contact: e = (gamma - P_K(gamma - rho u)) / rho,
 /// rho = 3 / trace(N_cc).
@@ -213,6 +251,18 @@ struct ImpulseEnergy {
   }
 };
 
+/// What a ghost adds to the bound of mass_split_metric(): it is body B.
+template <class R, class Real>
+SCREE_HD void add_ghost_metric(const ContactProblem<Real>& p, Index c, ContactMetric<Real>& sum) {
+  const Index i = p.body_b[c];
+  if (p.bodies.is_owned(i) || !p.bodies.moves(i)) return;
+  const Real k = static_cast<Real>(p.ghost_contacts[i - p.bodies.owned_count]);
+  const ContactMetric<Real> m = R::body_metric(p, c, true, i);
+  sum.normal += k * m.normal;
+  sum.tangential += k * m.tangential;
+  sum.moment += k * m.moment;
+}
+
 /// Upper bound of the largest eigenvalue of N over contact c's rows: with k_i contacts on body i,
 /// N <= blockdiag_c(k_a N_c,a + k_b N_c,b) (mass splitting).
 template <class R, class Real>
@@ -231,6 +281,7 @@ SCREE_HD ContactMetric<Real> mass_split_metric(const ContactProblem<Real>& p, In
     sum.tangential += k * m.tangential;
     sum.moment += k * m.moment;
   }
+  if (!p.ghost_contacts.empty()) add_ghost_metric<R>(p, c, sum);
   return sum;
 }
 

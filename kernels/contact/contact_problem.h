@@ -162,10 +162,12 @@ template <class Real>
 struct ContactProblem : ProblemFields<InProblem<Real>> {
   ContactLayout layout = ContactLayout::radial;
   Index contact_count = 0;
+  /// Contacts of all ranks, each once; negative: there is one rank.
+  Offset all_contacts = -1;
   /// Storage of the arrays of bodies; the world, where joints hold to it, counts as one more fixed
   /// body. Solvers find velocities of owned bodies. Ghosts have v* and inertia too, but only their
   /// owners know all of their contacts: here they keep the velocity that they have, as fixed ones
-  /// do.
+  /// do, until their owners' comes (kernels/bodies/ghosts.h).
   BodyRanges bodies;
   /// Mixed layout: contacts [0, radial_count) are radial, the others general. 0 in other layouts.
   Index radial_count = 0;
@@ -186,9 +188,11 @@ struct ContactProblem : ProblemFields<InProblem<Real>> {
 
   // contacts of a body in the first group: as A they are the range [a_start[i], a_start[i+1]), as B
   // the listed ones
-  Span<const Index> a_start;         ///< [owned_count + 1]
-  Span<const Index> b_start;         ///< [owned_count + 1]
-  Span<const Index> b_contact;       ///< contact indices sorted by (body_b, contact)
+  Span<const Index> a_start;    ///< [owned_count + 1]
+  Span<const Index> b_start;    ///< [owned_count + 1]
+  Span<const Index> b_contact;  ///< contact indices sorted by (body_b, contact)
+  /// Contacts that each ghost has in all, [moving_count - owned_count]; empty: ghosts stand still.
+  Span<const Index> ghost_contacts;
   ContactLists later[kLaterGroups];  ///< of the groups behind it
 
   /// The lists of a group, 0 to kLaterGroups.
@@ -200,6 +204,10 @@ struct ContactProblem : ProblemFields<InProblem<Real>> {
     Index n = lists(0).count(i);
     for (const ContactLists& group : later) n += group.a_start.empty() ? 0 : group.count(i);
     return n;
+  }
+  /// Contacts of all ranks, each once.
+  double contacts_in_all() const {
+    return static_cast<double>(all_contacts < 0 ? contact_count : all_contacts);
   }
 };
 

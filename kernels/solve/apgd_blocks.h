@@ -45,6 +45,7 @@ struct ApgdContactBlock {
     using L = Lanes<Real>;
     const Index first = block * kContacts;
     const int present = static_cast<int>(std::min(kContacts, a.p.contact_count - first));
+    if (!all_count(first, present)) return one_by_one(first, present);
     const ApgdContactStep<Rows<Real>, Real> step = a.contact_pass().step();
 
     // Lanes past the end stay zero: their impulse remains zero and adds nothing to the sums.
@@ -85,6 +86,21 @@ struct ApgdContactBlock {
   }
 
  private:
+  /// Blocks with contacts that another rank counts are few.
+  bool all_count(Index first, int present) const {
+    if (a.p.bodies.owned_count == a.p.bodies.moving_count) return true;
+    for (int j = 0; j < present; ++j)
+      if (!a.p.bodies.counts(a.p.body_b[first + j])) return false;
+    return true;
+  }
+  Sums<2> one_by_one(Index first, int present) const {
+    const CountedOnce<ApgdContactPass<Rows<Real>, Real>> contact{a.contact_pass(), a.p.body_b,
+                                                                 a.p.bodies};
+    Sums<2> sums;
+    for (int j = 0; j < present; ++j) sums.combine(contact(first + j));
+    return sums;
+  }
+
   enum Row {
     kGamma = 0,
     kBefore = 3,
@@ -119,7 +135,7 @@ struct ApgdContactBlock {
 template <>
 class ApgdIteration<Cpu> {
  public:
-  explicit ApgdIteration(Cpu&) {}
+  explicit ApgdIteration(Cpu& cpu) : sums_(cpu) {}
   template <class R, class Real>
   void start(Cpu&, const ApgdPasses<R, Real>&) {}
 
@@ -146,49 +162,79 @@ class ApgdIteration<Cpu> {
     }
   }
 
- private:
   template <class R, class Real>
-  static void trial(Cpu& cpu, const ApgdPasses<R, Real>& a) {
-    apgd_trial(cpu, a);
+  void queue_trial(Cpu& cpu, const ApgdPasses<R, Real>& a) {
+    ApgdSums* sums = sums_.resize_discard(1).data;
+    step(cpu, a, [&](bool adds) { return KeepContactSums{&sums->contacts, adds}; });
+    reduce<Sums<1>>(cpu, a.p.bodies.owned_count, a.body_pass(),
+                    StoreResult<Sums<1>>{&sums->bodies});
   }
-  template <class Real>
-  static void trial(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a) {
-    trial_in_blocks<RadialRows>(cpu, a);
-  }
-  template <class Real>
-  static void trial(Cpu& cpu, const ApgdPasses<RadialImpactRows<Real>, Real>& a) {
-    trial_in_blocks<RadialImpactRows>(cpu, a);
-  }
-  template <class Real>
-  static void trial(Cpu& cpu, const ApgdPasses<MixedRows<Real>, Real>& a) {
-    trial_in_groups<RadialRows>(cpu, a);
-  }
-  template <class Real>
-  static void trial(Cpu& cpu, const ApgdPasses<MixedImpactRows<Real>, Real>& a) {
-    trial_in_groups<RadialImpactRows>(cpu, a);
+  template <class R, class Real>
+  ApgdSums take_sums(Cpu&, const ApgdPasses<R, Real>&) const {
+    return *sums_.data();
   }
 
-  template <template <class> class Rows, class Real>
-  static void trial_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a) {
-    step_in_blocks<Rows>(cpu, a);
+ private:
+  /// ApgdContactFinish for sums that are not the last.
+  struct KeepContactSums {
+    Sums<2>* kept;
+    bool adds;
+    void operator()(const Sums<2>& sums) const {
+      if (!adds) *kept = {};
+      kept->combine(sums);
+    }
+  };
+
+  template <class R, class Real>
+  static void trial(Cpu& cpu, const ApgdPasses<R, Real>& a) {
+    step(cpu, a, [&](bool adds) { return ApgdContactFinish{a.state, adds}; });
     reduce<Sums<1>>(cpu, a.p.bodies.owned_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
   }
+
+  /// The contact step. @param finish  finish(adds): what ends a sum, which may add to the one before
+  template <class R, class Real, class F>
+  static void step(Cpu& cpu, const ApgdPasses<R, Real>& a, const F& finish) {
+    reduce<Sums<2>>(cpu, a.p.contact_count,
+                    CountedOnce<ApgdContactPass<R, Real>>{a.contact_pass(), a.p.body_b, a.p.bodies},
+                    finish(false));
+  }
+  template <class Real, class F>
+  static void step(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a, const F& finish) {
+    step_in_blocks<RadialRows>(cpu, a, finish);
+  }
+  template <class Real, class F>
+  static void step(Cpu& cpu, const ApgdPasses<RadialImpactRows<Real>, Real>& a, const F& finish) {
+    step_in_blocks<RadialImpactRows>(cpu, a, finish);
+  }
+  template <class Real, class F>
+  static void step(Cpu& cpu, const ApgdPasses<MixedRows<Real>, Real>& a, const F& finish) {
+    step_in_groups<RadialRows>(cpu, a, finish);
+  }
+  template <class Real, class F>
+  static void step(Cpu& cpu, const ApgdPasses<MixedImpactRows<Real>, Real>& a, const F& finish) {
+    step_in_groups<RadialImpactRows>(cpu, a, finish);
+  }
+
   /// @tparam Rows  of the radial contacts
-  template <template <class> class Rows, class R, class Real>
-  static void trial_in_groups(Cpu& cpu, const ApgdPasses<R, Real>& a) {
+  template <template <class> class Rows, class R, class Real, class F>
+  static void step_in_groups(Cpu& cpu, const ApgdPasses<R, Real>& a, const F& finish) {
     ApgdPasses<Rows<Real>, Real> radial = passes_on<Rows<Real>>(a);
     radial.p.contact_count = a.p.radial_count;
-    step_in_blocks<Rows>(cpu, radial);
-    reduce<Sums<2>>(cpu, a.p.contact_count - a.p.radial_count,
-                    ApgdGeneralContacts<R, Real>{a.contact_pass()},
-                    ApgdContactFinish{a.state, true});
-    reduce<Sums<1>>(cpu, a.p.bodies.owned_count, a.body_pass(), ApgdBodyFinish{a.state, a.exact});
+    step_in_blocks<Rows>(cpu, radial, finish);
+    const ApgdGeneralContacts<R, Real> general{a.contact_pass()};
+    const Span<const Index> body_b{a.p.body_b.data + a.p.radial_count,
+                                   a.p.contact_count - a.p.radial_count};
+    reduce<Sums<2>>(cpu, static_cast<Index>(body_b.size),
+                    CountedOnce<ApgdGeneralContacts<R, Real>>{general, body_b, a.p.bodies},
+                    finish(true));
   }
-  template <template <class> class Rows, class Real>
-  static void step_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a) {
+  template <template <class> class Rows, class Real, class F>
+  static void step_in_blocks(Cpu& cpu, const ApgdPasses<Rows<Real>, Real>& a, const F& finish) {
     using Block = ApgdContactBlock<Rows, Real>;
-    reduce<Sums<2>>(cpu, Block::count(a.p.contact_count), Block{a}, ApgdContactFinish{a.state});
+    reduce<Sums<2>>(cpu, Block::count(a.p.contact_count), Block{a}, finish(false));
   }
+
+  Buffer<Cpu, ApgdSums> sums_;  ///< of one of several ranks
 };
 
 }  // namespace scree

@@ -23,10 +23,12 @@ __device__ void step_general_contacts(const RadialPasses<Real>& a, const Trial<R
   const auto v_y = [&](Index i) {
     return trial.extrapolated(trial.velocity[i], trial.previous_velocity[i]);
   };
+  const bool has_uncounted = a.p.bodies.has_uncounted();
   const auto stride = static_cast<Index>(gridDim.x * blockDim.x);
   for (Index c = a.p.radial_count + static_cast<Index>(blockIdx.x * blockDim.x + threadIdx.x);
        c < a.p.contact_count; c += stride) {
     const Sums<2> mine = step(a.p, metric, c, v_y(a.p.body_a[c]), v_y(a.p.body_b[c]));
+    if (has_uncounted && !a.p.bodies.counts(a.p.body_b[c])) continue;
     sums.value[0] += mine.value[0];
     sums.value[1] += mine.value[1];
   }

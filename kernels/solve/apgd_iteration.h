@@ -22,6 +22,9 @@ void apgd_trial(B& b, const ApgdPasses<R, Real>& a) {
 ///   run(B&, const ApgdPasses<R, Real>&, int count, double enough)
 ///       queues trials on the passes of start(), as many as asked for or, where it may, until the
 ///       measure of the state is not above `enough`
+///   queue_trial(B&, const ApgdPasses<R, Real>&)
+///       of several ranks: queues one trial, which leaves the next state to the caller
+///   take_sums(B&, const ApgdPasses<R, Real>&)        its sums here; contacts that two ranks list count in one
 template <class B>
 class ApgdIteration;
 

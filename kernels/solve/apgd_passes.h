@@ -219,6 +219,24 @@ struct ApgdBodyPass {
   }
 };
 
+/// V_y+ of ghosts, whose V+ has come from their owners: what ApgdBodyPass does there. Bytes per ghost (float): 48 read, 24
+/// written.
+template <class Real>
+struct ApgdGhostPass {
+  static constexpr const char* name = "apgd_ghost_pass";
+  Index first;  ///< ghost
+  ApgdVelocities<Real> velocity;
+  const ApgdState* state;
+
+  SCREE_HD void operator()(Index k) const {
+    const Index i = first + k;
+    const Twist<Real> next = velocity.iterate(state->accepted + 1)[i];
+    const Twist<Real> momentum =
+        static_cast<Real>(state->next_beta) * (next - velocity.current(*state)[i]);
+    velocity.of_extrapolated[i] = next + momentum;
+  }
+};
+
 /// Adapts L to the curvature rho = (gamma+ - y)^T N (gamma+ - y) / |gamma+ - y|_H^2 that
 /// the trial met. Up to 2 L the trial lowers the objective and is accepted; a shorter step
 /// follows when rho passed L. Above, it is rejected, and one from the iterate itself follows:
@@ -258,6 +276,16 @@ struct ApgdBodyFinish {
     }
     s.set_lipschitz(energy.value[0] > allowed ? enough
                                               : (exact ? kSlowDecay : kDecay) * s.lipschitz);
+  }
+};
+
+/// What a trial adds up: see ApgdContactFinish and ApgdBodyFinish.
+struct ApgdSums {
+  Sums<2> contacts;
+  Sums<1> bodies;
+  SCREE_HD void combine(const ApgdSums& o) {
+    contacts.combine(o.contacts);
+    bodies.combine(o.bodies);
   }
 };
 

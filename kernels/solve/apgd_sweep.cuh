@@ -198,17 +198,35 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   if (blockIdx.x == 0 && local == 0) *a.state = state;
 }
 
+/// The sums of one block.
+struct ReadPartial {
+  static constexpr const char* name = "apgd_read_partial";
+  Span<const Sums<3>> partial;
+  SCREE_HD Sums<3> operator()(Index k) const { return partial[k]; }
+};
+
 }  // namespace apgd_sweep
+
+/// A trial of one of several ranks, whose sums are those of its share.
+template <class R, class Real>
+void apgd_shared_trial(Cuda& b, const ApgdPasses<R, Real>& a, ApgdSums* sums) {
+  reduce<Sums<2>>(b, a.p.contact_count,
+                  CountedOnce<ApgdContactPass<R, Real>>{a.contact_pass(), a.p.body_b, a.p.bodies},
+                  StoreResult<Sums<2>>{&sums->contacts});
+  reduce<Sums<1>>(b, a.p.bodies.owned_count, a.body_pass(), StoreResult<Sums<1>>{&sums->bodies});
+}
 
 template <>
 class ApgdIteration<Cuda> {
  public:
   explicit ApgdIteration(Cuda& cuda)
-      : counters_(cuda), partial_(cuda), packed_(cuda), wide_(cuda) {}
+      : counters_(cuda), partial_(cuda), packed_(cuda), wide_(cuda), sums_(cuda) {}
 
   template <class R, class Real>
   void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
     if constexpr (kIsSwept<R, Real>) {
+      tiles_ = 0;
+      if (a.p.bodies.owned_count == 0) return;  // of one of several ranks
       kernel_ = kernel_of<true>(a);
       const Index size = apgd_sweep::bodies_of_tile(a.p.bodies.owned_count, resident_blocks(cuda));
       if (size < apgd_sweep::kBodies) kernel_ = kernel_of<false>(a);
@@ -224,7 +242,9 @@ class ApgdIteration<Cuda> {
                apgd_sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
       shared_ = {counters_.data() + 1, {counters_.data(), partial_.data()}, packed_.data(), size};
     }
-    if constexpr (kIsWide<R>) wide_.start(cuda, a);
+    if constexpr (kIsWide<R>) {
+      if (cuda.ranks() == nullptr) wide_.start(cuda, a);
+    }
   }
 
   template <class R, class Real>
@@ -250,6 +270,30 @@ class ApgdIteration<Cuda> {
       wide_.run(cuda, a, count, enough);
     } else {
       for (int k = 0; k < count; ++k) apgd_trial(cuda, a);
+    }
+  }
+
+  /// The sweep decides by the sums here; the caller overwrites the state that it leaves.
+  template <class R, class Real>
+  void queue_trial(Cuda& cuda, const ApgdPasses<R, Real>& a) {
+    if constexpr (kIsSwept<R, Real>) {
+      if (tiles_ > 0) run(cuda, a, 1, -1);
+    } else {
+      apgd_shared_trial(cuda, a, sums_.resize_discard(1).data);
+    }
+  }
+  template <class R, class Real>
+  ApgdSums take_sums(Cuda& cuda, const ApgdPasses<R, Real>&) {
+    if constexpr (!kIsSwept<R, Real>) {
+      return fetch(cuda, std::as_const(sums_).data());
+    } else {
+      if (tiles_ == 0) return {};
+      auto* result = static_cast<Sums<3>*>(cuda.result());
+      reduce<Sums<3>>(cuda, static_cast<Index>(blocks_),
+                      apgd_sweep::ReadPartial{std::as_const(partial_).view(blocks_)},
+                      StoreResult<Sums<3>>{result});
+      cuda.synchronize();
+      return {{{result->value[0], result->value[1]}}, {{result->value[2]}}};
     }
   }
 
@@ -294,6 +338,7 @@ class ApgdIteration<Cuda> {
   Buffer<Cuda, Sums<3>> partial_;
   Buffer<Cuda, PackedContact> packed_;
   wide::Iteration wide_;
+  Buffer<Cuda, ApgdSums> sums_;  ///< of one of several ranks, by the plain passes
   apgd_sweep::Shared shared_{};
   const void* kernel_ = nullptr;
   Index tiles_ = 0;

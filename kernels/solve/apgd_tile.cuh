@@ -275,6 +275,7 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
                               Pull<Real>* pull, Sums<3>& sums) {
   using Rows =
       std::conditional_t<kLaw == Law::impact, ImpactRows<RadialRows<Real>>, RadialRows<Real>>;
+  const bool has_uncounted = a.p.bodies.has_uncounted();
   const Index share = (range.last - range.first + kThreads - 1) / kThreads * 32;
   const Index begin = range.first + static_cast<Index>(threadIdx.x / 32) * share;
   const Index end = min(begin + share, range.last);
@@ -311,6 +312,7 @@ __device__ void step_contacts(const RadialPasses<Real>& a, const Trial<Real>& tr
                                     v_b, next, kLaw == Law::coulomb);
     trial.next_gamma[c] = next;
     if (c - range.first < kStaged) pull[c - range.first] = {next, contact.normal};
+    if (has_uncounted && !a.p.bodies.counts(id_b)) continue;
     sums.value[0] += mine.value[0];
     sums.value[1] += mine.value[1];
   }

@@ -53,7 +53,8 @@ struct FlagContactLoads {
 
   SCREE_HD void operator()(Index c) const {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
-    flag[c] = bodies.is_fixed(b) || bodies.group[a] != bodies.group[b] ? 1 : 0;
+    const bool is_told = bodies.is_fixed(b) || bodies.group[a] != bodies.group[b];
+    flag[c] = is_told && bodies.counts(b) ? 1 : 0;
   }
 };
 

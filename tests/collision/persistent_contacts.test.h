@@ -184,6 +184,31 @@ TYPED_TEST(PersistentContactsTest, MarksFollowTheirContacts) {
   EXPECT_TRUE(run.detector().save_marks(b).empty());
 }
 
+/// Ghosts behind 10 owned bodies: one stays, one goes, two change places.
+TYPED_TEST(PersistentContactsTest, GhostsKeepTheirImpulsesInNewPlaces) {
+  ContactKeys rule;
+  rule.feature_bits = 1;
+  rule.wall_begin = 200;
+  const auto key = [&](Index a, Index b, std::uint32_t feature) {
+    return make_key(a, rule.body_element(b, feature));
+  };
+  const std::vector<std::uint64_t> before{key(0, 3, 0),     key(0, 10, 1), key(0, 11, 0),
+                                          make_key(0, 205), key(2, 12, 0), key(2, 13, 1)};
+  std::vector<Vec3<TypeParam>> impulses;
+  for (std::size_t k = 0; k < before.size(); ++k)
+    impulses.push_back(this->stamp(static_cast<double>(k)));
+  PersistentContacts<TestBackend, TypeParam> memory(this->backend());
+  memory.keep(this->buffer(before), static_cast<Index>(before.size()), 1, this->buffer(impulses));
+  memory.rename_ghosts(this->backend(), rule, 10, {10, -1, 14, 11});
+  const std::vector<std::uint64_t> expected{key(0, 3, 0), key(0, 10, 1), make_key(0, 205),
+                                            key(2, 11, 1), key(2, 14, 0)};
+  EXPECT_EQ(download(this->backend(), memory.keys()), expected);
+  const auto moved = download(this->backend(), memory.impulses());
+  ASSERT_EQ(moved.size(), expected.size());
+  const double of[] = {0, 1, 3, 5, 4};
+  for (std::size_t k = 0; k < moved.size(); ++k) EXPECT_EQ(moved[k].x, this->stamp(of[k]).x) << k;
+}
+
 TYPED_TEST(PersistentContactsTest, SavedMemoryRestores) {
   auto& b = this->backend();
   CollisionRun<TestBackend, TypeParam> run(b, this->bed(200, 4)), other(b, this->bed(200, 4));

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # bootstrap_test.sh SOURCE_DIR: what ./bootstrap asks CMake for, seen by a stand-in for CMake: `run` builds the
-# program alone, `test` builds all, CUDA is built where there is a GPU, and progress is shown.
+# program alone, `test` builds all, CUDA is built where there is a GPU, and progress is shown. Stand-ins for the system's
+# tools tell which packages are there, and which can be had.
 set -euo pipefail
 source_dir=$1
 temporary=$(mktemp -d)
@@ -22,8 +23,20 @@ fi
 END
 printf '#!/bin/sh\nexit 0\n' >"$temporary/tools/ctest"
 printf '#!/bin/sh\necho "$GPU_LIST"\n' >"$temporary/tools/nvidia-smi"
+cat >"$temporary/tools/dpkg-query" <<'END'
+#!/usr/bin/env bash
+shift 2
+for package; do [[ " $MISSING " == *" $package "* ]] || echo "installed $package:amd64"; done
+END
+cat >"$temporary/tools/apt-get" <<'END'
+#!/usr/bin/env bash
+echo "apt-get $*" >>"$CALLS"
+for package in $NOT_TO_BE_HAD; do [[ " $* " != *" $package "* ]] || exit 100; done
+END
+printf '#!/bin/sh\nshift; exec "$@"\n' >"$temporary/tools/sudo"
+printf '#!/bin/sh\nexit 1\n' >"$temporary/tools/g++" # no header is there
 chmod +x "$temporary"/tools/*
-export PATH=$temporary/tools:$PATH CALLS=$temporary/calls
+export PATH=$temporary/tools:$PATH CALLS=$temporary/calls MISSING="" NOT_TO_BE_HAD=""
 unset SCREE_PRESET
 
 fail() {
@@ -47,3 +60,16 @@ bootstrap "" test
 ! grep -q -- '--target' "$CALLS" || fail "'test' does not build all"
 SCREE_PRESET=ci bootstrap "" build
 grep -q -- '--preset ci' "$CALLS" || fail "SCREE_PRESET is ignored"
+! grep -q apt-get "$CALLS" || fail "packages that are there are installed"
+
+MISSING="libpng-dev libopenmpi-dev" bootstrap "" build
+grep -q 'apt-get .* install .* libpng-dev libopenmpi-dev' "$CALLS" || fail "missing packages are not installed"
+MISSING="libpng-dev libopenmpi-dev" NOT_TO_BE_HAD=libopenmpi-dev bootstrap "" build
+grep -q 'apt-get .* install .* libpng-dev$' "$CALLS" || fail "a package that is optional keeps the others away"
+grep -q -- '--build' "$CALLS" || fail "nothing is built"
+MISSING=libopenmpi-dev NOT_TO_BE_HAD=libopenmpi-dev bootstrap "" build
+grep -q 'could not be installed; going on without' "$temporary/output" || fail "what is missing is not told"
+grep -q -- '--build' "$CALLS" || fail "nothing is built without MPI"
+rm "$CALLS"
+MISSING=libopenmpi-dev GPU_LIST="" "$temporary/project/bootstrap" build >"$temporary/output" 2>&1 || fail "exit $?"
+! grep -q apt-get "$CALLS" || fail "an optional package is asked for again after configuring"

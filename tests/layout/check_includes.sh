@@ -62,7 +62,8 @@ awk '
     within["solvers/assembled"] = " "
     within["solvers/rolling"] = " assembled "
     within["dynamics/."] = " "
-    within["dynamics/rigid"] = " . "
+    within["dynamics/ranks"] = " . "
+    within["dynamics/rigid"] = " . ranks "
     within["dynamics/variational"] = " . rigid "
     within["dynamics/affine"] = " . rigid "
     within["host/."] = " "
@@ -73,16 +74,18 @@ awk '
     within["host/scene_reader"] = " . scene layouts "
     within["host/scene"] = " . scene_reader layouts io "
     within["host/io"] = " . scene problems "
+    within["host/ranks"] = " . io "
     within["host/engine"] = " . scene problems "
     within["host/solve"] = " . problems io plot "
     within["host/variational"] = " . "
 
     # What a folder of dynamics/ may include of host/, and one of host/ of dynamics/.
     across["dynamics/. host"] = " . render "
-    across["dynamics/rigid host"] = " . scene problems render "
+    across["dynamics/ranks host"] = across["dynamics/rigid host"] = " . scene problems render "
     across["dynamics/variational host"] = across["dynamics/affine host"] = " . scene render "
     across["host/scene dynamics"] = across["host/scene_reader dynamics"] = " . "
-    across["host/io dynamics"] = across["host/engine dynamics"] = " . "
+    across["host/io dynamics"] = " . "
+    across["host/engine dynamics"] = " . ranks "
     cuda = "^(cuda|cub/|thrust/|cusparse|cooperative_groups|nvtx3/|mma\\.h|math_constants\\.h)"
   }
   FNR == 1 {

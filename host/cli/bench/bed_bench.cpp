@@ -34,7 +34,8 @@ void tell(const std::string& text) {
 
 }  // namespace
 
-BedBench::BedBench(const BedOptions& options, const BedDefaults& defaults)
+BedBench::BedBench(const BedOptions& options, const BedDefaults& defaults,
+                   const std::shared_ptr<Ranks>& ranks)
     : benchmark_(defaults.benchmark),
       warmup_(options.warmup),
       steps_(options.steps > 0 ? options.steps : defaults.steps),
@@ -46,7 +47,9 @@ BedBench::BedBench(const BedOptions& options, const BedDefaults& defaults)
   sizes_ = whole_numbers("--sizes", options.sizes, kMostBodies, "numbers of bodies");
   layers_ = whole_numbers("--layers", options.layers, kMostLayers, "numbers of layers");
   std::string notice;
-  world_options_ = resolve_options(options.target, bed_scene({.count = 1}, settings_), &notice);
+  world_options_ =
+      resolve_options(options.target, bed_scene({.count = 1}, settings_), &notice, ranks);
+  world_options_.rank_calls = RankCalls::together;
   if (!notice.empty()) say(notice);
   if (sizes_.empty()) {
     sizes_ = world_options_.backend == BackendKind::cuda ? defaults.cuda_sizes : defaults.cpu_sizes;

@@ -1,6 +1,7 @@
 #pragma once
 // What the benchmarks on beds have in common: the checked options, and a bed brought to rest.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,7 +24,12 @@ struct BedDefaults {
 class BedBench {
  public:
   /// @throws InputError  an option that is not allowed, a backend that is not there
-  BedBench(const BedOptions& options, const BedDefaults& defaults);
+  /// @param ranks  that step beds together, or null
+  BedBench(const BedOptions& options, const BedDefaults& defaults,
+           const std::shared_ptr<Ranks>& ranks = nullptr);
+
+  /// Those that step the beds to come. @param ranks  null: this process alone
+  void set_ranks(const std::shared_ptr<Ranks>& ranks) { world_options_.ranks = ranks; }
 
   const WorldOptions& world_options() const { return world_options_; }
   const std::vector<int>& sizes() const { return sizes_; }

@@ -19,6 +19,9 @@ struct StepBenchOptions {
 /// Whole steps to `quality` and to `preview`, stage by stage.
 int bench_step(const StepBenchOptions& options);
 
+/// Whole steps of beds on one rank and on those of this launch: weak and strong scaling.
+int bench_scaling(const BedOptions& options);
+
 /// Time to equal residual, solver by solver, on one identical step.
 int bench_solvers(const SolverBenchOptions& options);
 

@@ -1,0 +1,37 @@
+#pragma once
+// Errors that all ranks have.
+
+#include <string>
+
+#include "host/error.h"
+#include "kernels/backend/ranks.h"
+
+namespace scree {
+
+/// A run that cannot go on, on every rank and for the same reason: they all got here, and may say so together.
+class CommonError : public RunError {
+ public:
+  using RunError::RunError;
+};
+
+/// When any rank failed, throws on all of them the message of the lowest that did.
+/// @param ranks  null: there are none  @param fail  throws a std::exception
+/// @throws CommonError
+template <class F>
+void throw_on_all(Ranks* ranks, bool has_failed, F&& fail) {
+  if (ranks == nullptr) {
+    if (has_failed) fail();
+    return;
+  }
+  if (!any(*ranks, has_failed)) return;
+  std::string message;
+  try {
+    if (has_failed) fail();
+  } catch (const std::exception& error) {
+    message = error.what();
+  }
+  for (const Bytes& text : gather_bytes(*ranks, Bytes(message.begin(), message.end())))
+    if (!text.empty()) throw CommonError(std::string(text.begin(), text.end()));
+}
+
+}  // namespace scree

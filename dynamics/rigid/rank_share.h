@@ -1,0 +1,306 @@
+#pragma once
+// This rank's share of a scene that several ranks simulate together: which bodies it owns, which it shows to others, and
+// how bodies and contacts go from one to another.
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "dynamics/ranks/decomposition.h"
+#include "dynamics/rigid/body_store.h"
+#include "host/world_state.h"
+#include "kernels/bodies/ghosts.h"
+#include "kernels/broad_phase/ghost_search.h"
+
+namespace scree {
+
+/// Rows of contacts by the ids of their bodies, as they go to another rank. @throws RunError
+Bytes packed_contacts(const WorldState& contacts, const std::vector<std::size_t>& rows);
+/// Appends them.
+void append_contacts(const Bytes& packed, WorldState& contacts);
+/// Leaves out contacts that are not among these bodies, and of those that are there twice the later ones.
+/// @param id  of all bodies, in storage order; -1 where none is  @param owned_count  of them at the front
+void keep_known_contacts(const std::vector<Index>& id, Index owned_count, WorldState& contacts);
+/// Arrays of contacts without rows.
+WorldState no_contacts();
+
+/// Calls that get a store are made by all ranks together.
+template <class B, class Real>
+class RankShare {
+ public:
+  /// @param slack  ghosts are chosen so much farther than a step needs, and serve until that is used up [m]
+  RankShare(B& b, Ranks& ranks, Decomposition decomposition, double slack)
+      : b_(&b),
+        ranks_(&ranks),
+        decomposition_(std::move(decomposition)),
+        slack_(slack),
+        ghosts_(b),
+        shown_(b),
+        extent_(b),
+        own_extent_(b, 1),
+        unseen_(b, 1),
+        cuts_(b) {}
+
+  const Ghosts<B>& ghosts() const { return ghosts_; }
+  void set_decomposition(Decomposition decomposition) { decomposition_ = std::move(decomposition); }
+  bool owns(const Vec3d& x) const { return decomposition_.owner(x) == ranks_->rank(); }
+
+  /// Bodies changed places: who is a ghost where is void. They stay in storage until renew().
+  void forget() { is_current_ = false; }
+
+  /// Brings ghosts up to date with their owners; chooses new ones where some are missing.
+  /// @param range   of the step
+  /// @return  whether there are other ghosts, or in other places: see new_places()
+  bool renew(BodyStore<B, Real>& store, const ContactRange& range) {
+    const BodyView<Real> bodies = store.view();
+    const ReachOfBody<Real> reach{{bodies, range, {}}};
+    reduce<BallExtent>(*b_, bodies.owned_count, MeasureReach<Real>{reach},
+                       StoreResult<BallExtent>{own_extent_.data()});
+    const std::vector<BallExtent> all =
+        gather(*ranks_, fetch(*b_, std::as_const(own_extent_).data()));
+    const bool serves = is_current_ && shows_all(reach, all);
+    if (!any(*ranks_, !serves)) {
+      store.for_each_state([&](auto& array) { ghosts_.update(*b_, array.view()); });
+      return false;
+    }
+    choose(store, reach, all);
+    return true;
+  }
+  /// New place of each old ghost, -1: it is none any more. @param first  place of the first ghost
+  std::vector<Index> new_places(Index first) const {
+    std::vector<std::pair<Index, Index>> now;
+    for (std::size_t k = 0; k < ids_.size(); ++k)
+      now.emplace_back(ids_[k], first + static_cast<Index>(k));
+    std::sort(now.begin(), now.end());
+    std::vector<Index> places;
+    for (const Index id : old_ids_) {
+      const auto found = std::lower_bound(now.begin(), now.end(), std::pair<Index, Index>{id, 0});
+      places.push_back(found != now.end() && found->first == id ? found->second : -1);
+    }
+    return places;
+  }
+
+  /// Work of the ranks, contacts included, the largest over the mean: 1 is even. The same everywhere.
+  double imbalance(double work) const {
+    double largest = 0, sum = 0;
+    for (const double of_rank : gather(*ranks_, work)) {
+      largest = std::max(largest, of_rank);
+      sum += of_rank;
+    }
+    return sum > 0 ? largest * ranks_->count() / sum : 1;
+  }
+
+  /// Whether it is time to move bodies: the work of ranks is uneven, many have left the space of their rank, or few have
+  /// gone so far that others are shown many more. Those that stay a while where they are do no harm, and moving takes the
+  /// contacts of all bodies through the host. The same everywhere.
+  /// @param patience_ends  any body that left is reason enough
+  bool has_work_to_move(BodyStore<B, Real>& store, double work, bool patience_ends) {
+    if (imbalance(work) > kMostImbalance) return true;
+    upload(*b_, decomposition_.cuts(), cuts_);
+    const auto cuts = static_cast<Offset>(decomposition_.cuts().size());
+    reduce<Sums<1>>(
+        *b_, store.owned_count(),
+        CountStrays{std::as_const(cuts_).view(cuts), store.view().position, ranks_->rank()},
+        StoreResult<Sums<1>>{unseen_.data()});
+    const double strays = fetch(*b_, std::as_const(unseen_).data()).value[0];
+    const bool are_many = strays > kMostStrays * store.owned_count();
+    const bool are_far = strays > 0 && ghosts_.count() > kMostGrowth * least_ghosts_;
+    return any(*ranks_, are_many || are_far || (patience_ends && strays > 0));
+  }
+
+  /// Gives bodies to the ranks that own the places of a state. @param id, x  of all bodies
+  void send_to_owners(BodyStore<B, Real>& store, const std::vector<std::int32_t>& id,
+                      const std::vector<Vec3d>& x) {
+    const Index id_end = id.empty() ? 0 : *std::max_element(id.begin(), id.end()) + 1;
+    std::vector<int> owner(static_cast<std::size_t>(id_end), -1);
+    for (std::size_t i = 0; i < id.size(); ++i) {
+      if (id[i] < 0) throw_unknown_body(id[i]);
+      owner[static_cast<std::size_t>(id[i])] = decomposition_.owner(x[i]);
+    }
+    move_to(store, store.owned_ids(), [&](std::size_t, Index body) {
+      const int of = body < id_end ? owner[static_cast<std::size_t>(body)] : -1;
+      if (of < 0) throw_unknown_body(body);
+      return of;
+    });
+  }
+
+  /// Rank 0 gets all bodies behind its own, as owned ones; the others send theirs and keep them.
+  void gather_bodies(BodyStore<B, Real>& store) {
+    std::vector<std::vector<Index>> to(static_cast<std::size_t>(ranks_->count()));
+    store.set_owned_count(store.owned_count());
+    if (ranks_->rank() != 0)
+      for (Index i = 0; i < store.owned_count(); ++i) to[0].push_back(i);
+    Index came = 0;
+    for (const Index count : store.send_bodies(*ranks_, to)) came += count;
+    store.set_owned_count(store.owned_count() + came);
+  }
+
+  /// Cuts space anew where the work of ranks is uneven, and gives bodies to the ranks in whose space they are. Contacts, by
+  /// ids, go with them. @param work  of this rank
+  void move_bodies(BodyStore<B, Real>& store, double work, WorldState& contacts) {
+    const std::vector<Vec3d> x = store.owned_positions();
+    if (imbalance(work) > kMostImbalance) cut_anew(x, work);
+    const std::vector<Index> id = store.owned_ids();
+    send_contacts(id, x, contacts);
+    move_to(store, id, [&](std::size_t i, Index) { return decomposition_.owner(x[i]); });
+  }
+
+ private:
+  static constexpr double kMostImbalance = 1.05;
+  static constexpr double kMostStrays = 0.005;   ///< of owned bodies
+  static constexpr double kMostGrowth = 1.25;    ///< of the number of ghosts
+  static constexpr std::size_t kSamples = 4096;  ///< of each rank, for new cuts
+
+  /// Owned bodies go where owner(place, id) says.
+  template <class F>
+  void move_to(BodyStore<B, Real>& store, const std::vector<Index>& id, F&& owner) {
+    std::vector<std::vector<Index>> leave(static_cast<std::size_t>(ranks_->count()));
+    std::vector<Index> stay;
+    for (std::size_t i = 0; i < id.size(); ++i) {
+      const int to = owner(i, id[i]);
+      (to == ranks_->rank() ? stay : leave[static_cast<std::size_t>(to)])
+          .push_back(static_cast<Index>(i));
+    }
+    Index next = store.owned_count();
+    for (const Index count : store.send_bodies(*ranks_, leave))
+      for (Index k = 0; k < count; ++k) stay.push_back(next++);
+    store.keep(stay);
+    store.clear_room();
+    forget();
+    least_ghosts_ = std::numeric_limits<Index>::max();
+  }
+
+  /// Contacts of bodies that leave go to their new owners; they stay here too, where the other body may be owned.
+  /// @param x  of owned bodies
+  void send_contacts(const std::vector<Index>& id, const std::vector<Vec3d>& x,
+                     WorldState& contacts) {
+    std::vector<std::pair<Index, int>> new_owner;  // by id, of those that leave
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (!owns(x[i])) new_owner.emplace_back(id[i], decomposition_.owner(x[i]));
+    std::sort(new_owner.begin(), new_owner.end());
+    const auto owner_of = [&](Index body) {
+      const auto found =
+          std::lower_bound(new_owner.begin(), new_owner.end(), std::pair<Index, int>{body, -1});
+      return found != new_owner.end() && found->first == body ? found->second : -1;
+    };
+    std::vector<std::vector<std::size_t>> rows(static_cast<std::size_t>(ranks_->count()));
+    const auto& a = contacts.at<std::int32_t>("contact/body_a");
+    const auto& b = contacts.at<std::int32_t>("contact/body_b");
+    for (std::size_t c = 0; c < a.size(); ++c) {
+      const int of_a = owner_of(a[c]), of_b = owner_of(b[c]);
+      if (of_a >= 0) rows[static_cast<std::size_t>(of_a)].push_back(c);
+      if (of_b >= 0 && of_b != of_a) rows[static_cast<std::size_t>(of_b)].push_back(c);
+    }
+    std::vector<Bytes> to;
+    for (const std::vector<std::size_t>& of_rank : rows)
+      to.push_back(packed_contacts(contacts, of_rank));
+    for (const Bytes& from : all_to_all(*ranks_, std::move(to))) append_contacts(from, contacts);
+  }
+
+  void cut_anew(const std::vector<Vec3d>& x, double work) {
+    const std::size_t stride = std::max<std::size_t>(1, x.size() / kSamples);
+    std::vector<Vec3d> chosen;
+    for (std::size_t i = 0; i < x.size(); i += stride) chosen.push_back(x[i]);
+    std::vector<WorkSample> own;
+    for (const Vec3d& place : chosen)
+      own.push_back({place, work / static_cast<double>(chosen.size())});
+    const auto* bytes = reinterpret_cast<const unsigned char*>(own.data());
+    std::vector<WorkSample> samples;
+    for (const Bytes& of_rank :
+         gather_bytes(*ranks_, Bytes(bytes, bytes + own.size() * sizeof(WorkSample)))) {
+      const auto* first = reinterpret_cast<const WorkSample*>(of_rank.data());
+      samples.insert(samples.end(), first, first + of_rank.size() / sizeof(WorkSample));
+    }
+    decomposition_ = Decomposition::of(std::move(samples), ranks_->count());
+  }
+
+  /// Whether all bodies that others have to know are shown to them.
+  bool shows_all(const ReachOfBody<Real>& reach, const std::vector<BallExtent>& all) {
+    const std::vector<int> near = near_ranks(all, reach.balls.range.period, 0);
+    if (!std::includes(peer_ranks_.begin(), peer_ranks_.end(), near.begin(), near.end()))
+      return false;
+    const Span<const BallExtent> extents = upload_extents(all);
+    reduce<Sums<1>>(*b_, reach.balls.bodies.owned_count,
+                    CountUnseen<Real>{{reach, extents, 0}, shown_.view(shown_.capacity())},
+                    StoreResult<Sums<1>>{unseen_.data()});
+    return fetch(*b_, std::as_const(unseen_).data()).value[0] == 0;
+  }
+
+  /// Ranks whose bodies may meet those of this one, rising.
+  std::vector<int> near_ranks(const std::vector<BallExtent>& all, const Vec3d& period,
+                              double slack) const {
+    const auto me = static_cast<std::size_t>(ranks_->rank());
+    std::vector<int> near;
+    for (std::size_t r = 0; r < all.size(); ++r)
+      if (r != me && !all[r].empty() && !all[me].empty() &&
+          squared_distance(all[me], all[r], period) <= slack * slack)
+        near.push_back(static_cast<int>(r));
+    return near;
+  }
+
+  /// Those of the peers. @return on the backend
+  Span<const BallExtent> upload_extents(const std::vector<BallExtent>& all) {
+    std::vector<BallExtent> of_peers;
+    for (const int r : peer_ranks_) of_peers.push_back(all[static_cast<std::size_t>(r)]);
+    upload(*b_, of_peers, extent_);
+    return std::as_const(extent_).view(static_cast<Offset>(of_peers.size()));
+  }
+
+  void choose(BodyStore<B, Real>& store, const ReachOfBody<Real>& reach,
+              const std::vector<BallExtent>& all) {
+    peer_ranks_ = near_ranks(all, reach.balls.range.period, slack_);
+    if (peer_ranks_.size() > 64) throw_too_many_peers(peer_ranks_.size());
+    const Index n = store.owned_count();
+    const Span<const BallExtent> extents = upload_extents(all);
+    const Span<std::uint64_t> shown = shown_.resize_discard(n);
+    for_each(*b_, n, ChooseShown<Real>{{reach, extents, slack_}, shown});
+    std::vector<std::vector<Index>> to(static_cast<std::size_t>(ranks_->count()));
+    Buffer<B, Index> flag(*b_, n), list(*b_, n);
+    Buffer<B, Offset> before(*b_, static_cast<Offset>(n) + 1);
+    for (std::size_t q = 0; q < peer_ranks_.size(); ++q) {
+      for_each(*b_, n, FlagShown{shown, static_cast<int>(q), flag.view()});
+      exclusive_scan(*b_, Span<const Index>(flag.view()), before.view());
+      const Offset count = fetch(*b_, std::as_const(before).data() + n);
+      for_each(*b_, n, ListShown{flag.view(), before.view(), list.view()});
+      to[static_cast<std::size_t>(peer_ranks_[q])] = download(*b_, list.view(count));
+    }
+    const std::vector<Index> came = store.send_bodies(*ranks_, to);
+    std::vector<GhostPeer> peers;
+    std::vector<Index> sent;
+    Index first = store.owned_count(), lower = 0, ghosts = 0;
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      if (to[r].empty() && came[r] == 0) continue;
+      peers.push_back({static_cast<int>(r), static_cast<Index>(sent.size()),
+                       static_cast<Index>(to[r].size()), first, came[r]});
+      sent.insert(sent.end(), to[r].begin(), to[r].end());
+      first += came[r];
+      ghosts += came[r];
+      if (static_cast<int>(r) < ranks_->rank()) lower += came[r];
+    }
+    ghosts_.set(*b_, std::move(peers), std::move(sent));
+    store.set_ghost_count(ghosts, lower);
+    store.clear_room();
+    old_ids_ = std::exchange(ids_, store.ghost_ids());
+    least_ghosts_ = std::min(least_ghosts_, ghosts);
+    is_current_ = true;
+  }
+
+  B* b_;
+  Ranks* ranks_;
+  Decomposition decomposition_;
+  double slack_;
+  Ghosts<B> ghosts_;
+  std::vector<int> peer_ranks_;  ///< that `shown_` has bits for
+  Buffer<B, std::uint64_t> shown_;
+  Buffer<B, BallExtent> extent_;  ///< of the peers
+  Buffer<B, BallExtent> own_extent_;
+  Buffer<B, Sums<1>> unseen_;  ///< a count
+  Buffer<B, SpaceCut> cuts_;
+  std::vector<Index> ids_, old_ids_;
+  Index least_ghosts_ = std::numeric_limits<Index>::max();  ///< since bodies moved
+  bool is_current_ = false;
+};
+
+}  // namespace scree

@@ -1,0 +1,98 @@
+#pragma once
+// Several processes, or threads, that simulate one scene together: who they are, and how data go from one to another. Data
+// are in host memory; what a device holds is copied there first.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "kernels/types.h"
+
+namespace scree {
+
+/// A group of ranks, as one of them sees it. Calls are collective: all ranks make the same ones in the same order, each
+/// from one thread.
+class Ranks {
+ public:
+  virtual ~Ranks() = default;
+
+  virtual int rank() const = 0;   ///< number of this one, from 0
+  virtual int count() const = 0;  ///< how many there are, >= 1
+
+  /// What every rank has, in the order of ranks. @param own  [bytes]  @param all  [bytes * count()] out
+  virtual void gather(const void* own, std::size_t bytes, void* all) = 0;
+
+  /// Bytes for one rank, or from one.
+  struct Message {
+    int rank = 0;
+    void* data = nullptr;
+    std::size_t bytes = 0;
+  };
+  /// Sends and receives; each message has its counterpart in the call of the other rank, with the same number of bytes, and
+  /// two ranks have at most one for each other. Returns when all are there.
+  virtual void exchange(const std::vector<Message>& send, const std::vector<Message>& receive) = 0;
+
+  /// Ends all ranks because this one cannot go on; the text names it and the reason. Ranks that wait for this one do not
+  /// wait on.
+  [[noreturn]] virtual void abort(const std::string& reason, int exit_code) = 0;
+
+  /// What connects them, for people: "MPI", "threads".
+  virtual const char* kind() const = 0;
+
+  /// Messages and bytes that this rank has sent so far, those of gather() to itself not counted.
+  struct Traffic {
+    std::int64_t messages = 0;
+    std::int64_t bytes = 0;
+  };
+  Traffic sent() const { return sent_; }
+
+ protected:
+  void count_sent(std::int64_t messages, std::size_t bytes) {
+    sent_.messages += messages;
+    sent_.bytes += static_cast<std::int64_t>(bytes);
+  }
+
+ private:
+  Traffic sent_;
+};
+
+/// One value of each rank, in their order.
+template <class T>
+std::vector<T> gather(Ranks& ranks, const T& own) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<T> all(static_cast<std::size_t>(ranks.count()));
+  ranks.gather(&own, sizeof(T), all.data());
+  return all;
+}
+
+/// Combines a record of each rank in their order: the same bits everywhere.
+template <class R>
+R combined(Ranks& ranks, const R& own) {
+  R total;
+  for (const R& record : gather(ranks, own)) total.combine(record);
+  return total;
+}
+
+/// Whether it holds on any rank.
+inline bool any(Ranks& ranks, bool own) {
+  for (const std::uint8_t other : gather(ranks, static_cast<std::uint8_t>(own)))
+    if (other != 0) return true;
+  return false;
+}
+
+using Bytes = std::vector<unsigned char>;
+
+/// Sends bytes to every rank and gets those that others have for this one, by rank; what a rank sends itself is moved.
+std::vector<Bytes> all_to_all(Ranks& ranks, std::vector<Bytes> to);
+
+/// The bytes of every rank at `root`, by rank; elsewhere empty.
+std::vector<Bytes> gather_bytes_at(Ranks& ranks, Bytes own, int root);
+/// The bytes of every rank, everywhere.
+std::vector<Bytes> gather_bytes(Ranks& ranks, const Bytes& own);
+
+/// The bytes that `root` has, everywhere.
+Bytes broadcast(Ranks& ranks, Bytes bytes, int root);
+
+}  // namespace scree

@@ -59,6 +59,7 @@ auto together(Ranks& ranks, bool takes_input, F&& work) {
     fault = error.what();
   }
   ranks.abort(fault, 1);
+  throw CommonError(fault);  // not reached, which compilers do not see
 }
 
 /// Makes a simulation on every rank, or on none. @throws what failed

@@ -93,24 +93,24 @@ def draw_folders():
     p.box(20, 112, 900, 218, "host", "host/", [])
     p.text(85, 133, "public headers (world.h, scene.h, scene_reader.h, ...) beside the folders; no CUDA in them", 12, SOFT)
     small = [
-        (40, 150, "engine", "World, devices"), (219, 150, "solve", "solvers compared"),
-        (398, 150, "io", "HDF5, VTKHDF, CSV"), (577, 150, "scene", "checks, meshes, motion"),
-        (756, 150, "layouts", "places of particles"),
-        (40, 238, "render", "pictures"), (219, 238, "problems", "stored problems"),
-        (398, 238, "plot", "charts of scree solve"), (577, 238, "scene_reader", "JSON to Scene"),
-        (756, 238, "variational", "impacts as unknowns"),
+        (40, 150, "engine", "World, devices"), (188, 150, "solve", "solvers compared"),
+        (336, 150, "io", "HDF5, VTKHDF, CSV"), (484, 150, "scene", "checks, motion"),
+        (632, 150, "layouts", "places of particles"), (780, 150, "ranks", "MPI, threads"),
+        (40, 238, "render", "pictures"), (188, 238, "problems", "stored problems"),
+        (336, 238, "plot", "charts of solve"), (484, 238, "scene_reader", "JSON to Scene"),
+        (632, 238, "variational", "impacts as unknowns"),
     ]
     for x, y, name, words in small:
-        p.parts.append(f'<rect x="{x}" y="{y}" width="164" height="62" rx="5" fill="#ffffff" stroke="{LINE}"/>')
+        p.parts.append(f'<rect x="{x}" y="{y}" width="138" height="62" rx="5" fill="#ffffff" stroke="{LINE}"/>')
         p.text(x + 10, y + 24, name, 13, weight="bold")
         p.text(x + 10, y + 45, words, 12, SOFT)
-    p.text(40, 320, "engine includes scene, problems; solve includes problems, io, plot; plot, render, problems, "
+    p.text(40, 320, "engine includes scene, problems; solve includes problems, io, plot; ranks io; plot, render, problems, "
            "layouts and variational include none.", 12, SOFT)
     p.arrow((470, 82), (470, 112))
     p.box(20, 370, 900, 84, "dynamics", "dynamics/", [])
     p.text(115, 391, "the interface of models, and a folder a model with what each includes; affine, in the making, includes nothing of host/", 12, SOFT)
     for x, name, words, indent in ((40, "dynamics.h", "public headers of host/", 90),
-                                   (330, "rigid", "render, scene, problems of host/", 48),
+                                   (330, "rigid, ranks", "host/: render, scene, problems", 92),
                                    (630, "variational", "scene of host/, and rigid", 88)):
         p.parts.append(f'<rect x="{x}" y="400" width="270" height="44" rx="5" fill="#ffffff" stroke="{LINE}"/>')
         p.text(x + 10, 427, name, 13, weight="bold")

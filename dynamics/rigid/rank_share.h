@@ -194,6 +194,7 @@ class RankShare {
       if (of_b >= 0 && of_b != of_a) rows[static_cast<std::size_t>(of_b)].push_back(c);
     }
     std::vector<Bytes> to;
+    to.reserve(rows.size());
     for (const std::vector<std::size_t>& of_rank : rows)
       to.push_back(packed_contacts(contacts, of_rank));
     for (const Bytes& from : all_to_all(*ranks_, std::move(to))) append_contacts(from, contacts);
@@ -204,6 +205,7 @@ class RankShare {
     std::vector<Vec3d> chosen;
     for (std::size_t i = 0; i < x.size(); i += stride) chosen.push_back(x[i]);
     std::vector<WorkSample> own;
+    own.reserve(chosen.size());
     for (const Vec3d& place : chosen)
       own.push_back({place, work / static_cast<double>(chosen.size())});
     const auto* bytes = reinterpret_cast<const unsigned char*>(own.data());
@@ -243,6 +245,7 @@ class RankShare {
   /// Those of the peers. @return on the backend
   Span<const BallExtent> upload_extents(const std::vector<BallExtent>& all) {
     std::vector<BallExtent> of_peers;
+    of_peers.reserve(peer_ranks_.size());
     for (const int r : peer_ranks_) of_peers.push_back(all[static_cast<std::size_t>(r)]);
     upload(*b_, of_peers, extent_);
     return std::as_const(extent_).view(static_cast<Offset>(of_peers.size()));

@@ -122,6 +122,7 @@ void run_thread_ranks(int count, const std::function<void(const std::shared_ptr<
     }
   };
   std::vector<std::thread> threads;
+  threads.reserve(static_cast<std::size_t>(count));
   for (int rank = 0; rank < count; ++rank) threads.emplace_back(run, rank);
   for (std::thread& thread : threads) thread.join();
   if (first != nullptr) std::rethrow_exception(first);

@@ -34,6 +34,8 @@ class CliRanks : public testing::Test {
     if (std::system("command -v mpirun >/dev/null 2>&1") != 0) GTEST_SKIP() << "there is no mpirun";
     if (!mpi_version().starts_with("Open MPI"))
       GTEST_SKIP() << "these tests know the launcher of Open MPI, this is " << mpi_version();
+    const Result trial = start(2, {"true"}).wait();
+    if (trial.code != 0) GTEST_SKIP() << "mpirun starts no two processes here: " << trial.err;
     put(scratch / "rank.sh",
         "#!/bin/sh\n"
         "echo $$ > pid.$OMPI_COMM_WORLD_RANK\n"

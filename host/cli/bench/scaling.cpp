@@ -140,8 +140,10 @@ int bench_scaling(const BedOptions& options) {
     return measure_scaling(options, ranks);
   } catch (const InputError& error) {  // maybe of this rank alone
     ranks->abort(error.what(), 2);
+    throw;  // not reached, which compilers do not see
   } catch (const std::exception& error) {
     ranks->abort(error.what(), 1);
+    throw;
   }
 }
 

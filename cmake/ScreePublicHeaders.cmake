@@ -7,7 +7,7 @@ set(SCREE_PUBLIC_HEADERS # these, and all that they include
   host/world.h host/scene_reader.h host/state_hash.h host/error.h host/version.h
   host/hulls.h host/compounds.h shapes/rounded.h host/collision_integrator.h host/collision_walls.h
   host/io/problem_file.h host/problems/assembled_form.h host/problems/matrix_form.h
-  host/solve/solve_problem.h)
+  host/solve/solve_problem.h host/ranks/mpi_ranks.h host/ranks/thread_ranks.h)
 
 # scree_public_name(<out> <path>): what a path from the root is called below scree/.
 function(scree_public_name out path)

@@ -18,7 +18,7 @@ cp -r "$here" "$temporary/project"
 
 # Only public headers, all of them below scree/, which need no others. (That each compiles on its own is tested in the source tree.)
 [ "$(ls "$prefix/include")" = scree ] || fail "include/ holds more than scree/: $(ls "$prefix/include")"
-for internal in kernels/backend kernels/solve collision cli engine; do
+for internal in kernels/backend/backend.h kernels/solve collision cli engine; do
   [ ! -e "$prefix/include/scree/$internal" ] || fail "include/scree/$internal is not public"
 done
 (cd "$prefix/include" && find scree -name '*.h' -printf '#include "%p"\n') >"$temporary/all.cpp"

@@ -30,8 +30,8 @@ void throw_on_all(Ranks* ranks, bool has_failed, F&& fail) {
   } catch (const std::exception& error) {
     message = error.what();
   }
-  for (const Bytes& text : gather_bytes(*ranks, Bytes(message.begin(), message.end())))
-    if (!text.empty()) throw CommonError(std::string(text.begin(), text.end()));
+  for (const std::string& text : gather_texts(*ranks, message))
+    if (!text.empty()) throw CommonError(text);
 }
 
 }  // namespace scree

@@ -1,11 +1,8 @@
 #include "dynamics/ranks/gather.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <variant>
-
-#include "host/error.h"
 
 namespace scree {
 namespace {
@@ -36,46 +33,6 @@ struct StateRow {
   Quatd orientation;
   Vec3d velocity, angular_velocity;
 };
-
-template <class T>
-std::vector<T> as_rows(const Bytes& bytes) {
-  std::vector<T> rows(bytes.size() / sizeof(T));
-  if (!rows.empty())
-    std::memcpy(static_cast<void*>(rows.data()), bytes.data(), rows.size() * sizeof(T));
-  return rows;
-}
-
-template <class T>
-Bytes as_bytes(const std::vector<T>& rows) {
-  const auto* first = reinterpret_cast<const unsigned char*>(rows.data());
-  return Bytes(first, first + rows.size() * sizeof(T));
-}
-
-/// The rows with these numbers, in groups of neighbors.
-template <class T>
-std::vector<T> chosen(const std::vector<T>& values, const std::vector<std::size_t>& rows,
-                      std::size_t group) {
-  std::vector<T> some;
-  if (values.empty()) return some;
-  some.reserve(rows.size() * group);
-  for (const std::size_t row : rows)
-    for (std::size_t v = 0; v < group; ++v) some.push_back(values[row * group + v]);
-  return some;
-}
-
-/// Adds the rows of every array whose name begins so to another state.
-void choose(const WorldState& from, const std::string& prefix, std::size_t count,
-            const std::vector<std::size_t>& rows, WorldState& to) {
-  for (const StateArray& array : from.arrays) {
-    if (!array.name.starts_with(prefix)) continue;
-    std::visit(
-        [&](const auto& values) {
-          const std::size_t group = count > 0 ? std::max<std::size_t>(values.size() / count, 1) : 1;
-          to.add(array.name, chosen(values, rows, group));
-        },
-        array.values);
-  }
-}
 
 }  // namespace
 
@@ -117,78 +74,17 @@ void gather_states(Ranks& ranks, const std::vector<std::int32_t>& owned, BodySta
 WorldState gather_arrays(Ranks& ranks, const WorldState& own) {
   WorldState all;
   for (const StateArray& array : own.arrays)
-    std::visit(
-        [&](const auto& values) {
-          using T = typename std::decay_t<decltype(values)>::value_type;
-          std::vector<T> rows;
-          for (const Bytes& of_rank : gather_bytes(ranks, as_bytes(values))) {
-            const std::vector<T> more = as_rows<T>(of_rank);
-            rows.insert(rows.end(), more.begin(), more.end());
-          }
-          all.add(array.name, std::move(rows));
-        },
-        array.values);
+    std::visit([&](const auto& values) { all.add(array.name, gather_values(ranks, values)); },
+               array.values);
   return all;
 }
 
 void add_array(Ranks& ranks, const char* name, WorldState& state) {
   std::vector<Vec3d>& sums = state.at<Vec3d>(name);
-  const std::vector<Bytes> all = gather_bytes(ranks, as_bytes(sums));
+  const std::vector<Vec3d> all = gather_values(ranks, sums);
+  const std::size_t n = sums.size();
   std::fill(sums.begin(), sums.end(), Vec3d{});
-  for (const Bytes& of_rank : all) {
-    const std::vector<Vec3d> rows = as_rows<Vec3d>(of_rank);
-    for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += rows[k];
-  }
-}
-
-WorldState shared_part(const WorldState& state, const std::function<bool(const Vec3d&)>& owns) {
-  const auto& id = state.at<std::int32_t>("body/id");
-  const auto& x = state.at<Vec3d>("body/position");
-  const std::int32_t id_end = id.empty() ? 0 : *std::max_element(id.begin(), id.end()) + 1;
-  std::vector<std::uint8_t> is_own(static_cast<std::size_t>(id_end), 0);
-  std::vector<std::size_t> bodies;
-  for (std::size_t i = 0; i < id.size(); ++i) {
-    if (!owns(x[i])) continue;
-    bodies.push_back(i);
-    is_own[static_cast<std::size_t>(id[i])] = 1;
-  }
-  const auto is_own_id = [&](std::int32_t body) {
-    return body >= 0 && body < id_end && is_own[static_cast<std::size_t>(body)] != 0;
-  };
-  const auto& a = state.at<std::int32_t>("contact/body_a");
-  const auto& b = state.at<std::int32_t>("contact/body_b");
-  std::vector<std::size_t> contacts;
-  for (std::size_t c = 0; c < std::min(a.size(), b.size()); ++c)
-    if (is_own_id(a[c]) || is_own_id(b[c])) contacts.push_back(c);
-  WorldState part;
-  choose(state, "body/", id.size(), bodies, part);
-  choose(state, "contact/", a.size(), contacts, part);
-  return part;
-}
-
-WorldState contacts_of(const WorldState& state) {
-  WorldState contacts;
-  for (const StateArray& array : state.arrays)
-    if (array.name.starts_with("contact/")) contacts.arrays.push_back(array);
-  return contacts;
-}
-
-void require_rows(const WorldState& state, std::size_t bodies, std::size_t vectors) {
-  const auto require = [](const char* name, std::size_t found, std::size_t expected) {
-    if (found != expected)
-      throw InputError(std::string("checkpoint: ") + name + " has " + std::to_string(found) +
-                       " rows, expected " + std::to_string(expected));
-  };
-  require("body/position", state.at<Vec3d>("body/position").size(), bodies);
-  require("body/orientation", state.at<Quatd>("body/orientation").size(), bodies);
-  require("body/velocity", state.at<Vec3d>("body/velocity").size(), bodies);
-  require("body/angular_velocity", state.at<Vec3d>("body/angular_velocity").size(), bodies);
-  const std::size_t contacts = state.at<std::int32_t>("contact/body_a").size();
-  require("contact/body_b", state.at<std::int32_t>("contact/body_b").size(), contacts);
-  require("contact/feature", state.at<std::uint64_t>("contact/feature").size(), contacts);
-  require("contact/impulse", state.at<Vec3d>("contact/impulse").size(), contacts * vectors);
-  const std::size_t marks = state.at<std::int32_t>("contact/mark").size();
-  if (marks > 0) require("contact/mark", marks, contacts);
+  for (std::size_t k = 0; k < all.size(); ++k) sums[k % n] += all[k];
 }
 
 ForceRecord added_over_ranks(Ranks& ranks, const ForceRecord& own) {

@@ -22,30 +22,16 @@ void gather_states(Ranks& ranks, const std::vector<std::int32_t>& owned, BodySta
 /// Rank 0 gets the rows of all ranks, in their order.
 template <class T>
 void gather_rows(Ranks& ranks, std::vector<T>& rows) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  const auto* bytes = reinterpret_cast<const unsigned char*>(rows.data());
-  const std::vector<Bytes> all =
-      gather_bytes_at(ranks, Bytes(bytes, bytes + rows.size() * sizeof(T)), 0);
+  const std::vector<Bytes> all = gather_bytes_at(ranks, bytes_of(rows), 0);
   if (ranks.rank() != 0) return;
   rows.clear();
-  for (const Bytes& of_rank : all) {
-    const auto* first = reinterpret_cast<const T*>(of_rank.data());
-    rows.insert(rows.end(), first, first + of_rank.size() / sizeof(T));
-  }
+  for (const Bytes& of_rank : all) append_values(of_rank, rows);
 }
 
 /// Every rank gets the rows of all ranks for each array, in their order.
 WorldState gather_arrays(Ranks& ranks, const WorldState& own);
 /// Sums of an array of vectors over ranks, everywhere.
 void add_array(Ranks& ranks, const char* name, WorldState& state);
-
-/// The part of a state of bodies and contacts that a rank needs: the bodies whose places it owns, and their contacts.
-WorldState shared_part(const WorldState& state, const std::function<bool(const Vec3d&)>& owns);
-/// Only the arrays of contacts.
-WorldState contacts_of(const WorldState& state);
-/// Checks that the arrays of a state have a row for each body and for each contact. @param vectors  of an impulse
-/// @throws InputError naming the array
-void require_rows(const WorldState& state, std::size_t bodies, std::size_t vectors);
 
 /// Sums over ranks, everywhere.
 void add_over_ranks(Ranks& ranks, MeanForces& means);

@@ -77,12 +77,12 @@ std::unique_ptr<Dynamics> make_together(Ranks& ranks, const MakeDynamics& make) 
   }
   if (!any(ranks, !fault.empty())) return made;
   made.reset();
-  std::vector<Bytes> faults = gather_bytes(ranks, Bytes(fault.begin(), fault.end()));
+  const std::vector<std::string> faults = gather_texts(ranks, fault);
   const bool all_alike = std::equal(faults.begin() + 1, faults.end(), faults.begin());
   const bool is_bad_input = any(ranks, is_input);
   for (std::size_t r = 0; r < faults.size(); ++r) {
     if (faults[r].empty()) continue;
-    std::string text(faults[r].begin(), faults[r].end());
+    std::string text = faults[r];
     if (!all_alike) text.insert(0, "rank " + std::to_string(r) + ": ");
     if (is_bad_input) throw InputError(text);
     throw CommonError(text);

@@ -4,27 +4,17 @@
 
 #include <algorithm>
 #include <limits>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "dynamics/ranks/decomposition.h"
+#include "dynamics/ranks/gather.h"
+#include "dynamics/ranks/state_parts.h"
 #include "dynamics/rigid/body_store.h"
-#include "host/world_state.h"
 #include "kernels/bodies/ghosts.h"
 #include "kernels/broad_phase/ghost_search.h"
 
 namespace scree {
-
-/// Rows of contacts by the ids of their bodies, as they go to another rank. @throws RunError
-Bytes packed_contacts(const WorldState& contacts, const std::vector<std::size_t>& rows);
-/// Appends them.
-void append_contacts(const Bytes& packed, WorldState& contacts);
-/// Leaves out contacts that are not among these bodies, and of those that are there twice the later ones.
-/// @param id  of all bodies, in storage order; -1 where none is  @param owned_count  of them at the front
-void keep_known_contacts(const std::vector<Index>& id, Index owned_count, WorldState& contacts);
-/// Arrays of contacts without rows.
-WorldState no_contacts();
 
 /// Calls that get a store are made by all ranks together.
 template <class B, class Real>
@@ -110,20 +100,15 @@ class RankShare {
     return any(*ranks_, are_many || are_far || (patience_ends && strays > 0));
   }
 
-  /// Gives bodies to the ranks that own the places of a state. @param id, x  of all bodies
+  /// Gives bodies to the ranks that own the places of a state. @param id, x  of all bodies, each once
   void send_to_owners(BodyStore<B, Real>& store, const std::vector<std::int32_t>& id,
                       const std::vector<Vec3d>& x) {
     const Index id_end = id.empty() ? 0 : *std::max_element(id.begin(), id.end()) + 1;
     std::vector<int> owner(static_cast<std::size_t>(id_end), -1);
-    for (std::size_t i = 0; i < id.size(); ++i) {
-      if (id[i] < 0) throw_unknown_body(id[i]);
+    for (std::size_t i = 0; i < id.size(); ++i)
       owner[static_cast<std::size_t>(id[i])] = decomposition_.owner(x[i]);
-    }
-    move_to(store, store.owned_ids(), [&](std::size_t, Index body) {
-      const int of = body < id_end ? owner[static_cast<std::size_t>(body)] : -1;
-      if (of < 0) throw_unknown_body(body);
-      return of;
-    });
+    move_to(store, store.owned_ids(),
+            [&](std::size_t, Index body) { return owner[static_cast<std::size_t>(body)]; });
   }
 
   /// Rank 0 gets all bodies behind its own, as owned ones; the others send theirs and keep them.
@@ -202,20 +187,10 @@ class RankShare {
 
   void cut_anew(const std::vector<Vec3d>& x, double work) {
     const std::size_t stride = std::max<std::size_t>(1, x.size() / kSamples);
-    std::vector<Vec3d> chosen;
-    for (std::size_t i = 0; i < x.size(); i += stride) chosen.push_back(x[i]);
     std::vector<WorkSample> own;
-    own.reserve(chosen.size());
-    for (const Vec3d& place : chosen)
-      own.push_back({place, work / static_cast<double>(chosen.size())});
-    const auto* bytes = reinterpret_cast<const unsigned char*>(own.data());
-    std::vector<WorkSample> samples;
-    for (const Bytes& of_rank :
-         gather_bytes(*ranks_, Bytes(bytes, bytes + own.size() * sizeof(WorkSample)))) {
-      const auto* first = reinterpret_cast<const WorkSample*>(of_rank.data());
-      samples.insert(samples.end(), first, first + of_rank.size() / sizeof(WorkSample));
-    }
-    decomposition_ = Decomposition::of(std::move(samples), ranks_->count());
+    for (std::size_t i = 0; i < x.size(); i += stride) own.push_back({x[i]});
+    for (WorkSample& sample : own) sample.weight = work / static_cast<double>(own.size());
+    decomposition_ = Decomposition::of(gather_values(*ranks_, own), ranks_->count());
   }
 
   /// Whether all bodies that others have to know are shown to them.

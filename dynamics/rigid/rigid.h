@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
 #include "collision/body_order.h"
 #include "collision/contact_detector.h"
@@ -25,9 +24,9 @@
 #include "dynamics/rigid/part_store.h"
 #include "dynamics/rigid/prescribed_motion.h"
 #include "dynamics/rigid/problem_assembly.h"
-#include "dynamics/rigid/rank_share.h"
 #include "dynamics/rigid/rigid_card.h"
 #include "dynamics/rigid/saved_state.h"
+#include "dynamics/rigid/shared_state.h"
 #include "dynamics/rigid/step_report.h"
 #include "dynamics/rigid/tolerance.h"
 #include "host/problems/download_problem.h"
@@ -66,17 +65,17 @@ class RigidDynamics final : public ModelOn<B, Real> {
         integration_(backend()),
         forces_(scene_),
         solver_(make_step_solver()),
-        share_(ranks_ ? std::make_unique<RankShare<B, Real>>(backend(), *ranks_,
-                                                             first_cut(scene_, ranks_->count()),
-                                                             kSlack * summary_.median_diameter)
-                      : nullptr),
+        shared_(ranks_ ? std::make_unique<SharedState<B, Real>>(backend(), *ranks_, scene_,
+                                                                summary_.median_diameter, store_,
+                                                                detector_, *solver_, vectors())
+                       : nullptr),
         loading_(scene_, store_, obstacles_, owned_here()) {
-    if (share_) {
+    if (shared_) {
       backend().set_ranks(ranks_.get());
-      solver_->set_ghosts(&share_->ghosts());
-      detector_.set_ghosts(&share_->ghosts());
-      assembly_.set_ghosts(&share_->ghosts());
-      impacts_.set_ghosts(&share_->ghosts());
+      solver_->set_ghosts(&shared_->ghosts());
+      detector_.set_ghosts(&shared_->ghosts());
+      assembly_.set_ghosts(&shared_->ghosts());
+      impacts_.set_ghosts(&shared_->ghosts());
     }
     loading_.load_first();
     motion_.set(store_, 0, 1);
@@ -94,14 +93,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
     StepReport report;
     forget_solved_contacts();  // a step that fails leaves none
 
-    if (share_) {
-      move_bodies();
+    if (shared_) {
+      shared_->move_bodies(steps_done(), loading_.is_due(time()), [&] { insert_due(time()); });
     } else {
       insert_due(time());
     }
     motion_.set(store_, time(), steps_done() + 1);
     if (steps_done() % kReorderEvery == 0) reorder();
-    if (share_) renew_ghosts(detector_.range_of(store_.view(), h, Vec3d(gravity_step()), 0));
+    if (shared_)
+      shared_->renew_ghosts(detector_.range_of(store_.view(), h, Vec3d(gravity_step()), 0));
     const BodyView<Real> bodies = store_.view();
     const LoadSums loads = start_loads(bodies);
     BodyView<Real> loaded = loads_.loaded(b, bodies);
@@ -164,7 +164,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     stats.applications += impacts.applications;
     stats.converged = stats.converged && impacts.converged;
     if (stats.residual.bad_contact >= 0) {
-      const Index here = share_ ? stats.residual.own_bad_contact : stats.residual.bad_contact;
+      const Index here = shared_ ? stats.residual.own_bad_contact : stats.residual.bad_contact;
       throw_on_all(ranks_.get(), here >= 0, [&] { report_bad_contact(problem, here); });
     }
     report.ms.solve = impact_ms + clock.lap();
@@ -187,10 +187,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
     report.step = steps_done();
     report.time = time();
-    report.contact_count = share_ ? number_of(problem.all_contacts) : contacts.count;
-    if (share_) stats.residual.max_contact = stats.residual.own_max_contact;
+    report.contact_count = shared_ ? number_of(problem.all_contacts) : contacts.count;
+    if (shared_) stats.residual.max_contact = stats.residual.own_max_contact;
     fill_report(report, stats, sums, problem, b, store_);
-    if (share_) add_report(*ranks_, share_->ghosts().count(), stats.residual.own_max, report);
+    if (shared_) add_report(*ranks_, shared_->ghosts().count(), stats.residual.own_max, report);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
     report.stopped = moved.stopped;
@@ -199,15 +199,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   int body_count() const override {
-    return share_ ? loading_.id_end() : store_.ranges().without_ghosts().present_count();
+    return shared_ ? loading_.id_end() : store_.ranges().without_ghosts().present_count();
   }
   BodyStates states() override {
     BodyStates own = store_.states(loading_.id_end());
-    if (share_) gather_states(*ranks_, store_.owned_ids(), own);
+    if (shared_) gather_states(*ranks_, store_.owned_ids(), own);
     return own;
   }
 
-  bool bodies_may_change() const override { return !share_; }
+  bool bodies_may_change() const override { return !shared_; }
   bool has_body(int id) const override {
     return loading_.has_come(id) && !std::binary_search(removed_.begin(), removed_.end(), id);
   }
@@ -248,7 +248,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (!has_solved_contacts_) return kept_records_;  // on all ranks
     std::vector<ContactRecord> out = records(download(backend(), solved_impulses()));
     add_impacts(backend(), impacts_.impulses(), vectors(), out);
-    if (share_) gather_counted(out);
+    if (shared_) gather_counted(out);
     return out;
   }
 
@@ -258,7 +258,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   MeanForces take_forces() override {
     if (!tracks_forces_) throw_untracked_forces("take_forces()");
     MeanForces means = forces_.take(scene_.stepping.time_step);
-    if (share_) add_over_ranks(*ranks_, means);
+    if (shared_) add_over_ranks(*ranks_, means);
     return means;
   }
   ForceRecord force_on_body(int body) override {
@@ -286,23 +286,23 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
   void apply_force(int body, const Vec3d& force, const Vec3d& torque) override {
     require_load(body, force, torque);
-    if (share_) throw_not_over_ranks("apply_force()");
+    if (shared_) throw_not_over_ranks("apply_force()");
     loads_.apply(backend(), body, force, torque);
   }
 
   std::vector<ContactRecord> overlaps() override {
     forget_solved_contacts();
-    if (share_) renew_ghosts(detector_.range_of(store_.view(), 0, {}, 0));
+    if (shared_) shared_->renew_ghosts(detector_.range_of(store_.view(), 0, {}, 0));
     const BodyView<Real> bodies = store_.view();
     detector_.detect(backend(), parts_.place(bodies), 0, {}, 0, parts_.of(bodies));
     std::vector<ContactRecord> found = records({});
-    if (share_) gather_counted(found);
+    if (shared_) gather_counted(found);
     std::erase_if(found, [](const ContactRecord& contact) { return !(contact.gap < 0); });
     return found;
   }
 
   void arrays_changed(Written what) override {
-    if (share_) throw_not_over_ranks("arrays_changed()");
+    if (shared_) throw_not_over_ranks("arrays_changed()");
     B& b = backend();
     const bool poses = what == Written::poses;
     const BodyView<Real> bodies = store_.view();
@@ -340,14 +340,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   void save_arrays(WorldState& s) override {
     s.insertions_done = loading_.insertions_done();
-    if (share_) {
-      save_shared(s);
+    if (shared_) {
+      put_contacts_aside();
+      shared_->save(loading_.id_end(), s);
     } else {
       save_state(backend(), store_, parts_, detector_, *solver_, s);
     }
     joints_.save(backend(), s);
     if (tracks_forces_) forces_.save(s);
-    if (tracks_forces_ && share_) add_array(*ranks_, "force/sum", s);
+    if (tracks_forces_ && shared_) add_array(*ranks_, "force/sum", s);
     motion_.save(s);
     if (!(gravity_ == scene_.gravity)) s.add("world/gravity", std::vector<Vec3d>{gravity_});
   }
@@ -357,8 +358,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     store_.drop(removed_);
     forget_solved_contacts();
     joints_.check(s);
-    if (share_) {
-      restore_shared(s);
+    if (shared_) {
+      shared_->restore(s);
     } else {
       restore_state(backend(), s, vectors(), store_, parts_, detector_, *solver_);
     }
@@ -372,20 +373,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   /// With several ranks rank 0 has all bodies for the moment, and the others have none to draw.
   Image render(const PictureSettings& settings) override {
-    if (!share_) return ModelOn<B, Real>::render(settings);
+    if (!shared_) return ModelOn<B, Real>::render(settings);
     put_contacts_aside();
-    const Index own = store_.owned_count();
-    share_->gather_bodies(store_);
     Image image;
-    std::string fault;
-    try {
-      if (ranks_->rank() == 0) image = ModelOn<B, Real>::render(settings);
-    } catch (const std::exception& error) {
-      fault = error.what();
-    }
-    store_.set_owned_count(own);
-    share_->forget();
-    throw_on_all(ranks_.get(), !fault.empty(), [&] { throw RunError(fault); });
+    shared_->with_all_bodies([&] { image = ModelOn<B, Real>::render(settings); });
     return image;
   }
 
@@ -394,7 +385,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   void for_each_array(const typename ModelOn<B, Real>::VisitArray& visit) override {
-    if (share_) throw_not_over_ranks("array()");
+    if (shared_) throw_not_over_ranks("array()");
     for_each_named_array(backend(), store_, loads_, detector_.contacts(), solved_impulses(),
                          vectors(), visit);
   }
@@ -411,127 +402,28 @@ class RigidDynamics final : public ModelOn<B, Real> {
     forces_.count_step();
   }
 
-  // --- several ranks
-
   /// For reports, which count in 32 bits.
   static int number_of(Offset count) {
     return static_cast<int>(std::min<Offset>(count, std::numeric_limits<int>::max()));
   }
 
-  /// @param scene  that is still to be loaded
-  static Decomposition first_cut(const Scene& scene, int ranks) {
-    return Decomposition::of(work_samples(scene), ranks);
-  }
   std::function<bool(const Vec3d&)> owned_here() const {
-    if (!share_) return {};
-    return [share = share_.get()](const Vec3d& x) { return share->owns(x); };
+    if (!shared_) return {};
+    return [shared = shared_.get()](const Vec3d& x) { return shared->owns(x); };
   }
 
-  /// Inserts bodies that are due, and gives those that left the space of this rank to the ones where they are.
-  void move_bodies() {
-    const bool inserts = loading_.is_due(time());
-    if (!inserts && steps_done() % kMoveEvery != 0) return;
-    const double work = store_.owned_count() + 2.0 * detector_.impulses().size / vectors();
-    const bool patience_ends = steps_done() % kPatience == 0;
-    if (!inserts && !share_->has_work_to_move(store_, work, patience_ends)) return;
-    remember_contacts();
-    store_.set_owned_count(store_.owned_count());  // no ghosts until renew_ghosts()
-    insert_due(time());
-    share_->move_bodies(store_, work, *remembered_);
-    share_->forget();
-  }
-
-  /// Before bodies go elsewhere than a step brings them.
+  /// Contact frames show the last step, whatever a picture or a checkpoint does to bodies before.
   void put_contacts_aside() {
-    if (has_solved_contacts_ && scene_.output.contact_frames) {
-      std::vector<ContactRecord> records = contacts();
-      forget_solved_contacts();
-      kept_records_ = std::move(records);
-    } else if (has_solved_contacts_) {
-      forget_solved_contacts();
-    }
-    remember_contacts();
-  }
-
-  /// Contacts of the last step by the ids of their bodies, until there are ghosts again.
-  void remember_contacts() {
-    if (remembered_) return;
-    remembered_ = no_contacts();
-    std::vector<std::uint64_t> key;
-    detector_.save(backend(), key, remembered_->at<Vec3d>("contact/impulse"));
-    NamedContacts names = names_of(key, detector_.keys(), store_.ids());
-    remembered_->at<std::int32_t>("contact/body_a") = std::move(names.body_a);
-    remembered_->at<std::int32_t>("contact/body_b") = std::move(names.body_b);
-    remembered_->at<std::uint64_t>("contact/feature") = std::move(names.feature);
-  }
-
-  void renew_ghosts(const ContactRange& range) {
-    if (!share_->renew(store_, range)) return;
-    const Index owned = store_.owned_count();
-    if (!remembered_) {
-      detector_.rename_ghosts(backend(), owned, share_->new_places(owned));
-      return;
-    }
-    const std::vector<Index> ids = store_.ids();
-    keep_known_contacts(ids, owned, *remembered_);
-    const RememberedContacts known =
-        remembered_contacts(*remembered_, detector_.name_elements(store_.view()), ids, owned,
-                            static_cast<std::size_t>(vectors()));
-    detector_.restore(backend(), known.key, known.impulse);
-    remembered_.reset();
-  }
-
-  /// The whole state, on every rank; each then goes on as one that was restored from it.
-  void save_shared(WorldState& s) {
-    put_contacts_aside();
-    WorldState own = *remembered_;
-    store_.save_owned(own);
-    s.arrays = gather_arrays(*ranks_, own).arrays;
-    std::vector<Index> all(static_cast<std::size_t>(loading_.id_end()));
-    std::iota(all.begin(), all.end(), Index(0));
-    keep_known_contacts(all, loading_.id_end(), s);  // once, where two ranks have them
-    s.add("solver/memory", solver_->memory());
-    restore_shared(s);
-  }
-
-  /// All ranks have the whole state, so all refuse it or none. @throws InputError
-  void require_whole_state(const WorldState& s, const std::vector<std::int32_t>& id) {
-    std::size_t all = 0;
-    for (const Index count : gather(*ranks_, store_.owned_count()))
-      all += static_cast<std::size_t>(count);
-    require_rows(s, id.size(), static_cast<std::size_t>(vectors()));
-    if (id.size() != all) throw_wrong_body_count(id.size(), all);
-    std::vector<std::int32_t> sorted = id;
-    std::sort(sorted.begin(), sorted.end());
-    const auto again = std::adjacent_find(sorted.begin(), sorted.end());
-    if (again != sorted.end()) throw_unknown_body(*again);
-    std::int32_t unknown = -1;
-    for (const Index own : store_.owned_ids())
-      if (!std::binary_search(sorted.begin(), sorted.end(), own)) unknown = own;
-    for (const std::int32_t of_rank : gather(*ranks_, unknown))
-      if (of_rank >= 0) throw_unknown_body(of_rank);
-  }
-
-  void restore_shared(const WorldState& s) {
-    const std::vector<std::int32_t>& id = s.at<std::int32_t>("body/id");
-    const std::vector<Vec3d>& x = s.at<Vec3d>("body/position");
-    require_whole_state(s, id);
-    share_->set_decomposition(Decomposition::of(work_samples(x), ranks_->count()));
-    store_.set_owned_count(store_.owned_count());
-    share_->send_to_owners(store_, id, x);
-    WorldState own = shared_part(s, [&](const Vec3d& place) { return share_->owns(place); });
-    store_.arrange(own.at<std::int32_t>("body/id"));
-    store_.restore_owned(own);
-    parts_.forget();
-    detector_.restore(backend(), {}, {});
-    remembered_ = contacts_of(own);
-    solver_->restore_memory(s.at<double>("solver/memory"));
-    share_->forget();
+    if (!has_solved_contacts_) return;
+    std::vector<ContactRecord> records;
+    if (scene_.output.contact_frames) records = contacts();
+    forget_solved_contacts();
+    kept_records_ = std::move(records);
   }
 
   /// Sums of all ranks go on at rank 0.
   void restore_forces(const WorldState& s) {
-    if (!share_ || ranks_->rank() == 0 || !s.has("force/sum")) return forces_.restore(s);
+    if (!shared_ || ranks_->rank() == 0 || !s.has("force/sum")) return forces_.restore(s);
     WorldState own;
     own.add("force/sum", std::vector<Vec3d>(s.at<Vec3d>("force/sum").size()));
     own.add("force/steps", s.at<double>("force/steps"));
@@ -545,7 +437,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   ForceRecord sum_over_ranks(const ForceRecord& own) const {
-    return share_ ? added_over_ranks(*ranks_, own) : own;
+    return shared_ ? added_over_ranks(*ranks_, own) : own;
   }
 
   ContactNaming naming() const { return {loading_.id_count(), summary_.layout}; }
@@ -656,7 +548,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     Buffer<B, Index> place(b);
     const Span<const Index> new_of_old = parts_.follow(store_.view(), order.new_of_old(), place);
     detector_.remap(b, parts_.place(store_.view()), new_of_old);
-    if (share_) share_->forget();
+    if (shared_) shared_->forget_ghosts();
   }
 
   [[noreturn]] void report_bad_body(Index storage) {
@@ -688,10 +580,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
   ForceTotals forces_;
   bool tracks_forces_ = false;
   std::unique_ptr<Solver<B, Real>> solver_;
-  std::unique_ptr<RankShare<B, Real>> share_;  ///< null without ranks
-  /// With ranks: contacts of the last step by ids, while places of ghosts are not known.
-  std::optional<WorldState> remembered_;
-  std::vector<int> removed_;  ///< ids of bodies that are no more, rising
+  std::unique_ptr<SharedState<B, Real>> shared_;  ///< null without ranks
+  std::vector<int> removed_;                      ///< ids of bodies that are no more, rising
   BodyLoading<B, Real> loading_;
   std::vector<ContactRecord> kept_records_;  ///< of the last step, see put_contacts_aside()
   bool has_solved_contacts_ = false;         ///< the detector has those of the last step

@@ -312,6 +312,7 @@ class Run {
       const StepReport report = advance(world, writer, progress);
       if (report.step == 1) warn_of_overlaps(world, report, progress);
       steps.append(report);
+      largest_share_ = std::max(largest_share_, report.largest_share);
       record_.totals.add(judged(report, scene_.solver));
       progress.update(judged(report, scene_.solver));
       writer.check();
@@ -333,6 +334,9 @@ class Run {
     if (signals.received() != 0)
       progress.note("interrupted: checkpoint written, continue with --resume");
     if (!options_.quiet) progress.note(summary());
+    if (!options_.quiet && record_.ranks > 1)
+      progress.note(fmt::format("{} ranks; at most {:.3g} times the mean of bodies on one",
+                                record_.ranks, largest_share_));
     if (record_.totals.stopped() > 0) {
       progress.note(fmt::format(
           "warning: spheres were stopped {} times at a box or mesh wall that their contacts of the "
@@ -431,6 +435,7 @@ class Run {
   std::int64_t target_;
   DynamicsCard card_;  ///< of the model
   RunRecord record_;
+  double largest_share_ = 1;  ///< see StepReport
   std::chrono::steady_clock::time_point start_clock_;
 };
 

@@ -9,13 +9,6 @@ namespace {
 
 constexpr int kBadInput = 2;
 
-std::vector<std::string> gather_text(Ranks& ranks, const std::string& own) {
-  std::vector<std::string> texts;
-  for (const Bytes& bytes : gather_bytes(ranks, {own.begin(), own.end()}))
-    texts.emplace_back(bytes.begin(), bytes.end());
-  return texts;
-}
-
 /// The first rank that has another value than rank 0; 0: none.
 template <class T>
 std::size_t first_other(const std::vector<T>& values) {
@@ -60,11 +53,11 @@ Agreement agree(Ranks& ranks, const RankReport& own) {
   Checksum scene;
   scene.add(own.scene);
   Reports all;
-  all.programs = gather_text(ranks, own.program);
+  all.programs = gather_texts(ranks, own.program);
   all.codes = gather(ranks, own.code);
-  all.errors = gather_text(ranks, own.error);
+  all.errors = gather_texts(ranks, own.error);
   all.scenes = gather(ranks, scene.value());
-  all.arithmetic = gather_text(ranks, own.arithmetic);
+  all.arithmetic = gather_texts(ranks, own.arithmetic);
   return agreement_of(all);
 }
 

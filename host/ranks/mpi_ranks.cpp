@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 #include <utility>
 
 #include "host/error.h"
@@ -116,7 +117,6 @@ class MpiRanks final : public Ranks {
 
   int rank() const override { return rank_; }
   int count() const override { return count_; }
-  const char* kind() const override { return "MPI"; }
   LocalRank local() const { return local_; }
   bool is_own_session() const { return session_.is_own(); }
 
@@ -250,16 +250,15 @@ std::string mpi_version() {
   int length = 0;
   if (MPI_Get_library_version(text, &length) != MPI_SUCCESS) return "unknown";
   // "Open MPI v4.1.4, package: ..." or "MPICH Version:      4.0.2\nMPICH Release date: ..."
+  const std::string whole(text, static_cast<std::size_t>(length));
+  std::istringstream words(whole.substr(0, whole.find_first_of(",\n")));
   std::string version;
-  for (const char c : std::string(text, static_cast<std::size_t>(length))) {
-    if (c == ',' || c == '\n') break;
-    const bool is_blank = c == ' ' || c == '\t';
-    if (!is_blank) version += c;
-    if (is_blank && !version.ends_with(' ')) version += ' ';
+  for (std::string word; words >> word;) {
+    if (word == "Version:") continue;
+    const bool has_v = word.size() > 1 && word[0] == 'v' && word[1] >= '0' && word[1] <= '9';
+    if (!version.empty()) version += ' ';
+    version += has_v ? word.substr(1) : word;
   }
-  for (const std::string word : {" Version:", " v"})
-    if (const std::size_t at = version.find(word); at != std::string::npos)
-      version.replace(at, word.size(), word == " v" ? " " : "");
   return version;
 }
 

@@ -63,7 +63,6 @@ class ThreadRanks final : public Ranks {
 
   int rank() const override { return rank_; }
   int count() const override { return meeting_->count(); }
-  const char* kind() const override { return "threads"; }
 
   void gather(const void* own, std::size_t bytes, void* all) override {
     meeting_->gathered(rank_) = own;

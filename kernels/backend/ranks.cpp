@@ -42,6 +42,13 @@ std::vector<Bytes> gather_bytes(Ranks& ranks, const Bytes& own) {
   return all_to_all(ranks, std::vector<Bytes>(static_cast<std::size_t>(ranks.count()), own));
 }
 
+std::vector<std::string> gather_texts(Ranks& ranks, const std::string& own) {
+  std::vector<std::string> texts;
+  for (const Bytes& text : gather_bytes(ranks, {own.begin(), own.end()}))
+    texts.emplace_back(text.begin(), text.end());
+  return texts;
+}
+
 Bytes broadcast(Ranks& ranks, Bytes bytes, int root) {
   const auto n = static_cast<std::size_t>(ranks.count());
   const auto size =

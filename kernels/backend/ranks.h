@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -37,9 +38,6 @@ class Ranks {
   /// Ends all ranks because this one cannot go on; the text names it and the reason. Ranks that wait for this one do not
   /// wait on.
   [[noreturn]] virtual void abort(const std::string& reason, int exit_code) = 0;
-
-  /// What connects them, for people: "MPI", "threads".
-  virtual const char* kind() const = 0;
 
   /// Messages and bytes that this rank has sent so far, those of gather() to itself not counted.
   struct Traffic {
@@ -84,6 +82,21 @@ inline bool any(Ranks& ranks, bool own) {
 
 using Bytes = std::vector<unsigned char>;
 
+/// Values as they go to another rank, and back.
+template <class T>
+Bytes bytes_of(const std::vector<T>& values) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const auto* first = reinterpret_cast<const unsigned char*>(values.data());
+  return Bytes(first, first + values.size() * sizeof(T));
+}
+template <class T>
+void append_values(const Bytes& bytes, std::vector<T>& values) {
+  const std::size_t before = values.size();
+  values.resize(before + bytes.size() / sizeof(T));
+  if (!bytes.empty())
+    std::memcpy(static_cast<void*>(values.data() + before), bytes.data(), bytes.size());
+}
+
 /// Sends bytes to every rank and gets those that others have for this one, by rank; what a rank sends itself is moved.
 std::vector<Bytes> all_to_all(Ranks& ranks, std::vector<Bytes> to);
 
@@ -91,6 +104,16 @@ std::vector<Bytes> all_to_all(Ranks& ranks, std::vector<Bytes> to);
 std::vector<Bytes> gather_bytes_at(Ranks& ranks, Bytes own, int root);
 /// The bytes of every rank, everywhere.
 std::vector<Bytes> gather_bytes(Ranks& ranks, const Bytes& own);
+
+/// The values of every rank in the order of ranks, everywhere.
+template <class T>
+std::vector<T> gather_values(Ranks& ranks, const std::vector<T>& own) {
+  std::vector<T> all;
+  for (const Bytes& of_rank : gather_bytes(ranks, bytes_of(own))) append_values(of_rank, all);
+  return all;
+}
+/// The text of every rank, everywhere.
+std::vector<std::string> gather_texts(Ranks& ranks, const std::string& own);
 
 /// The bytes that `root` has, everywhere.
 Bytes broadcast(Ranks& ranks, Bytes bytes, int root);

@@ -2,8 +2,10 @@
 // Scenes in code, for tests with closed-form answers. They are solved to a residual
 // of 1e-8 m/s where their digits ask for it; most closed forms here need less to show their own digits.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -92,6 +94,18 @@ inline BodyDescription& add_box(Scene& scene, const Vec3d& position, const Vec3d
   return scene.bodies.back();
 }
 
+/// Boxes that turn, every third body a sphere, on a lattice of nx by ny sites a layer.
+inline void add_boxes_and_spheres(Scene& scene, int count, int nx, int ny) {
+  for (int k = 0; k < count; ++k) {
+    const Vec3d at{0.024 * (k % nx), 0.024 * (k / nx % ny), 0.012 + 0.024 * (k / (nx * ny))};
+    if (k % 3 == 0) {
+      add_sphere(scene, at, 0.01, 0.01);
+    } else {
+      add_box(scene, at, {0.01, 0.008, 0.009}, 0.01).angular_velocity = {3, 1.0 * (k % 4), 2};
+    }
+  }
+}
+
 /// A fixed or kinematic box.
 inline BodyDescription& add_wall_box(Scene& scene, const Vec3d& position, const Vec3d& half_extents,
                                      BodyKind kind = BodyKind::fixed) {
@@ -177,6 +191,14 @@ inline StepReport run_for(World& world, const Scene& scene, double duration) {
 /// Angle by which an orientation differs from the identity [rad].
 inline double rotation_angle(const Quatd& q) {
   return 2 * std::atan2(norm(q.vec()), std::abs(q.w));
+}
+
+/// Of two sets of vectors, row by row; infinite where their numbers differ.
+inline double largest_difference(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
+  double largest = a.size() == b.size() ? 0 : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    largest = std::max(largest, norm(a[i] - b[i]));
+  return largest;
 }
 
 /// Normal impulse of all contacts of a body with others in the last step [N s].

@@ -73,10 +73,7 @@ int measure_scaling(const BedOptions& options, const std::shared_ptr<Ranks>& ran
   const BedBench bench(
       options,
       {.benchmark = "scaling", .cuda_sizes = {1'000'000, 4'000'000}, .cpu_sizes = {20'000}}, ranks);
-  BedOptions silent = options;
-  silent.json.clear();
-  BenchRecord record = leads ? bench.record({{"ranks", count}})
-                             : BedBench(silent, {.benchmark = "scaling"}, ranks).record();
+  BenchRecord record = leads ? bench.record({{"ranks", count}}) : BenchRecord({}, {});
   if (leads) {
     bench.print_title();
     fmt::print(
@@ -113,7 +110,7 @@ int measure_scaling(const BedOptions& options, const std::shared_ptr<Ranks>& ran
             fmt::format("--sizes {}: {} ranks make {} bodies, 2e9 are possible", size, count, all));
       const Scaled many = measure(bench, bench.bed(is_weak ? static_cast<int>(all) : size), ranks);
       if (!leads) continue;
-      // Time an application and a body, so that ranks that need other numbers of iterations compare.
+      // Beds of other sizes need other numbers of iterations.
       const auto per_application = [](const Scaled& s) {
         return s.figures.ms("total").median / std::max(s.figures.applications, 1.0);
       };

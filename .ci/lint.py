@@ -48,13 +48,24 @@ def dependencies(build):
     return headers
 
 
+def one_by_one(entries):
+    """The same commands with a command of its own for each source that CMake has compiled in a batch."""
+    for entry in entries:
+        path = pathlib.Path(entry["directory"], entry["file"])
+        if path.parent.name != "Unity":
+            yield entry
+            continue
+        for source in re.findall(r'^#include "(.+)"', path.read_text(), re.MULTILINE):
+            yield entry | {"file": source, "command": entry["command"].replace(entry["file"], source)}
+
+
 def main():
     build = (ROOT / sys.argv[1]).resolve()
     tidy = sys.argv[2]
     deadline = time.monotonic() + float(sys.argv[3] if len(sys.argv) > 3 else 120)
     stamps = ROOT / "build" / "lint"
     stamps.mkdir(parents=True, exist_ok=True)
-    entries = json.loads((build / "compile_commands.json").read_text())
+    entries = list(one_by_one(json.loads((build / "compile_commands.json").read_text())))
     for entry in entries:  # precompiled headers are those of another compiler
         entry["command"] = re.sub(r" -include \S+/cmake_pch\.hxx| -Winvalid-pch", "", entry["command"])
     (stamps / "compile_commands.json").write_text(json.dumps(entries))

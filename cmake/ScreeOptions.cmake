@@ -12,8 +12,8 @@ set(SCREE_EXTRA_PAIRS "" CACHE STRING "Headers of their pair functions (a list)"
 set(SCREE_EXTRA_DYNAMICS "" CACHE STRING "Headers of further models of dynamics (a list), as CONTRIBUTING.md describes them")
 set(SCREE_SANITIZE "" CACHE STRING "Host sanitizers, for instance address;undefined")
 set(SCREE_TEST_LAUNCHER "" CACHE STRING "Command (a list) put before the CUDA test program")
-set(SCREE_TEST_BATCH 8 CACHE STRING
-  "Sources of tests compiled together, which halves the time for all of them; with 1 a changed one is compiled sooner")
+set(SCREE_BATCH 8 CACHE STRING
+  "Sources compiled together, of tests and of what runs once, which halves the time for all of them; with 1 a changed one is compiled sooner")
 option(SCREE_NATIVE "Build for the processor of this machine" ON)
 option(SCREE_WERROR "Treat warnings as errors" OFF)
 option(SCREE_CHECK_SYNC "Synchronize after each kernel launch, so that a fault names its kernel" OFF)

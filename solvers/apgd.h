@@ -165,13 +165,13 @@ class Apgd final : public Solver<B, Real> {
     // Bodies that do not move keep this velocity through the whole solve.
     const auto start_from_guess = [&] {
       copy(b, Span<const Vec3<Real>>(gamma), impulses.buffer[1]);
-      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
       this->update_ghosts(b, velocity);
       for (const Span<Twist<Real>>& view : {velocities.of_iterate[1], velocities.of_extrapolated}) {
         if (!view.empty()) copy(b, Span<const Twist<Real>>(velocity), view);
       }
     };
-    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
+    ContactPasses<R, B, Real>::project_impulses(b, p, gamma);
     start_from_guess();
     if (apgd_metric(params_.own) == ApgdMetricKind::diagonal) {
       const Offset values =
@@ -292,7 +292,7 @@ class Apgd final : public Solver<B, Real> {
       stats.residual.objective -= w.residual.template impulse_energy<R>(b, p, velocity);
     } else {
       copy(b, Span<const Vec3<Real>>(w.best.view()), gamma);
-      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
       this->update_ghosts(b, velocity);
       stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     }

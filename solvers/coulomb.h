@@ -164,8 +164,8 @@ class CoulombFixedPoint final : public Solver<B, Real> {
       return std::sqrt(sums.change_squares / p.contact_count);
     };
 
-    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
-    for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+    ContactPasses<R, B, Real>::project_impulses(b, p, gamma);
+    ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
     fill(b, shift, Real(0));
     fill(b, change, Real(0));
     // A contact with a guessed impulse probably goes on sliding as it does; any other starts from
@@ -205,7 +205,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   template <class R>
   Residual result_of(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
-    for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+    ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
     ResidualEvaluator<B, Real> residual(b);
     return residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
   }

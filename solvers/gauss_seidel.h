@@ -34,9 +34,7 @@ class GaussSeidel final : public RelaxationSolver<B, Real> {
     for_each(b, p.contact_count, StoreBlockMetric<R, Real>{p, metric});
 
     const GaussSeidelPass<R, Real> pass{p, metric, velocity, gamma, this->relaxation()};
-    const auto sweep = [&] {
-      for (Index c = 0; c < p.contact_count; ++c) pass(c);
-    };
+    const auto sweep = [&] { run_elements(pass, 0, p.contact_count); };
     return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, [] {});
   }
 };

@@ -45,7 +45,7 @@ class Jacobi final : public RelaxationSolver<B, Real> {
     bool is_current = false;  // V belongs to gamma
     const auto sweep = [&] {
       if (!is_current) {
-        for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+        ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
         this->update_ghosts(b, velocity);
       }
       for_each(b, p.contact_count,

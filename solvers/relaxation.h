@@ -37,7 +37,7 @@ class RelaxationSolver : public Solver<B, Real> {
   /// @return V, valid for bodies that do not move; iterate() computes it for the others
   template <class R>
   Span<Twist<Real>> begin(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma) {
-    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
+    ContactPasses<R, B, Real>::project_impulses(b, p, gamma);
     return this->start_velocity(b, p);
   }
 
@@ -50,7 +50,7 @@ class RelaxationSolver : public Solver<B, Real> {
     SolveStats stats;
     for (;;) {
       collect();
-      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, gamma, velocity});
+      ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
       this->update_ghosts(b, velocity);
       stats.residual = residual.template evaluate<R>(b, p, gamma, velocity);
       this->add_to_curve(stats.iterations, stats.applications, stats.residual.rms);

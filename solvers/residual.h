@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "kernels/contact/contact_operator.h"
+#include "solvers/contact_passes.h"
 #include "solvers/solver.h"
 
 namespace scree {
@@ -19,8 +19,7 @@ class ResidualEvaluator {
   Residual evaluate(B& b, const ContactProblem<Real>& p, Span<const Vec3<Real>> gamma,
                     Span<const Twist<Real>> velocity) {
     if (p.contacts_in_all() == 0) return {};
-    reduce_contacts<ResidualSums>(b, p, ContactResidual<R, Real>{p, gamma, velocity},
-                                  StoreResult<ResidualSums>{contact_sums_.data()});
+    ContactPasses<R, B, Real>::sum_residuals(b, p, gamma, velocity, contact_sums_.data());
     return from_sums(fetch(b, contact_sums_.data()), p.contacts_in_all());
   }
 
@@ -50,8 +49,7 @@ class ResidualEvaluator {
   /// @param velocity  V = v* + M^-1 J^T gamma
   template <class R>
   double impulse_energy(B& b, const ContactProblem<Real>& p, Span<const Twist<Real>> velocity) {
-    reduce_over_ranks<Sums<1>>(b, p.bodies.owned_count, ImpulseEnergy<R, Real>{p, velocity},
-                               StoreResult<Sums<1>>{body_sums_.data()});
+    ContactPasses<R, B, Real>::sum_impulse_energy(b, p, velocity, body_sums_.data());
     return fetch(b, body_sums_.data()).value[0];
   }
 

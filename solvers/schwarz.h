@@ -56,7 +56,7 @@ class Schwarz final : public Solver<B, Real> {
 
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
-    for_each(b, p.contact_count, ProjectImpulses<R, Real>{p, gamma});
+    ContactPasses<R, B, Real>::project_impulses(b, p, gamma);
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contact_count == 0) return {0, 0, true, {}};
 
@@ -117,7 +117,7 @@ class Schwarz final : public Solver<B, Real> {
     const Iterates<Vec3<Real>> impulses = passes.impulses(k);
     const Iterates<Twist<Real>> velocities = passes.velocities(k);
     const auto gather = [&](Span<const Vec3<Real>> from, Span<Twist<Real>> to) {
-      for_each(b, p.bodies.owned_count, BodyVelocity<R, Real>{p, from, to});
+      ContactPasses<R, B, Real>::gather_velocities(b, p, from, to);
     };
     gather(impulses.current, passes.velocity[k % 2]);
     if (k == 0) {  // fixed bodies have their velocity in both

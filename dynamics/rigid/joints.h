@@ -15,6 +15,7 @@
 #include "host/world_state.h"
 #include "kernels/step/joint_correction.h"
 #include "solvers/body_contacts.h"
+#include "solvers/contact_passes.h"
 
 namespace scree {
 
@@ -184,7 +185,7 @@ class Joints {
       using R = JointedRows<Real>;
       const Index owned = problem.bodies.owned_count;
       Buffer<B, Twist<Real>> velocity(b, owned);  // under the impulses that there are
-      for_each(b, owned, BodyVelocity<R, Real>{problem, gamma, velocity.view()});
+      ContactPasses<R, B, Real>::gather_velocities(b, problem, gamma, velocity.view());
       held_.improve(problem, velocity.view(), gamma);
     }
   }

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const fs::path& path, const std::string& what) {
+[[noreturn]] void refuse_folder(const fs::path& path, const std::string& what) {
   throw InputError(fmt::format("output directory {}: {}", path.string(), what));
 }
 
@@ -93,8 +93,8 @@ OutputDirectory::OutputDirectory(fs::path path, ExistingOutput existing,
   std::error_code error;
   const bool is_new = fs::status(path_, error).type() == fs::file_type::not_found;
   if (is_new && resuming())
-    refuse(path_, "it does not exist, so there is no checkpoint.h5 to resume from");
-  if (const std::string why = why_not_writable(path_); !why.empty()) refuse(path_, why);
+    refuse_folder(path_, "it does not exist, so there is no checkpoint.h5 to resume from");
+  if (const std::string why = why_not_writable(path_); !why.empty()) refuse_folder(path_, why);
   if (is_new) return;
   check_directory();
   try {
@@ -120,12 +120,14 @@ fs::path OutputDirectory::problem(std::int64_t step) const {
 
 void OutputDirectory::check_directory() const {
   if (existing_ == ExistingOutput::refuse && !fs::is_empty(path_))
-    refuse(path_,
-           "it is not empty; give another name, --resume to continue the run in it, or --force "
-           "to replace the files of that run");
+    refuse_folder(
+        path_,
+        "it is not empty; give another name, --resume to continue the run in it, or --force "
+        "to replace the files of that run");
   for (const fs::path& file : own_files())
     if (fs::is_directory(fs::symlink_status(file)))
-      refuse(path_, fmt::format("{} is a directory and in the way of a file", file.string()));
+      refuse_folder(path_,
+                    fmt::format("{} is a directory and in the way of a file", file.string()));
 }
 
 std::vector<fs::path> OutputDirectory::own_files() const {
@@ -139,20 +141,20 @@ std::vector<fs::path> OutputDirectory::own_files() const {
 void OutputDirectory::lock() {
   if (lock_ >= 0) return;
   lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) refuse(path_, reason(errno));
+  if (lock_ < 0) refuse_folder(path_, reason(errno));
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    refuse(path_, "another run is writing there now");
+    refuse_folder(path_, "another run is writing there now");
   // Other errors mean a file system without locks, which is no reason not to run.
 }
 
 void OutputDirectory::load_checkpoint(const std::string& scene_text,
                                       const std::vector<std::string>& may_differ) {
   if (!fs::exists(checkpoint_file()))
-    refuse(path_, "it holds no checkpoint.h5 to resume from; start again with --force");
+    refuse_folder(path_, "it holds no checkpoint.h5 to resume from; start again with --force");
   checkpoint_ = read_checkpoint(checkpoint_file());
   const std::string found = difference(checkpoint_->scene_text, scene_text, may_differ);
   if (!found.empty())
-    refuse(path_, fmt::format("its checkpoint.h5 is of another scene: {}", found));
+    refuse_folder(path_, fmt::format("its checkpoint.h5 is of another scene: {}", found));
 }
 
 void OutputDirectory::require_present() const {
@@ -171,7 +173,7 @@ void OutputDirectory::prepare() {
   if (error) throw RunError(io_message("cannot create output directory", path_, error.value()));
   lock();
   if (existing_ == ExistingOutput::refuse && !fs::is_empty(path_))
-    refuse(path_, "it is not empty any more");
+    refuse_folder(path_, "it is not empty any more");
   if (existing_ != ExistingOutput::replace) return;
   for (const fs::path& file : own_files()) {
     fs::remove(file, error);

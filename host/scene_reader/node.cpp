@@ -79,6 +79,11 @@ void Node::fail(const std::string& text) const {
   throw InputError(fmt::format("{}: {}", place(), text));
 }
 
+void Node::refuse_keys(const std::vector<std::string>& keys, const std::string& why) const {
+  for (const std::string& key : keys)
+    if (const auto found = find(key)) found->fail(why);
+}
+
 void Node::fail_missing(const std::string& key, const std::string& expected) const {
   throw InputError(fmt::format("{}: {}{}{}: missing: {}", source_->file_name, path_,
                                path_.empty() ? "" : ".", key, expected));

@@ -55,6 +55,9 @@ class Node {
   /// "<file>: <path>.<key>: missing: <expected>"
   [[noreturn]] void fail_missing(const std::string& key, const std::string& expected) const;
 
+  /// fail(why) at the first of the keys that the object has.
+  void refuse_keys(const std::vector<std::string>& keys, const std::string& why) const;
+
   /// The value must be an object holding known keys only.
   void check_keys(const KeyTable& table) const;
 

@@ -19,17 +19,11 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-/// Refuses keys that exist but mean nothing here, such as a radius of a box.
-void refuse_keys(const Node& node, const std::vector<std::string>& keys, const std::string& why) {
-  for (const std::string& key : keys)
-    if (const auto found = node.find(key)) found->fail(why);
-}
-
 /// Points of a hull, and what tells them apart from those of others.
 std::vector<Vec3d> read_points(const Node& node, std::string& key) {
   std::vector<Vec3d> points;
   if (const auto list = node.find("points")) {
-    refuse_keys(node, {"file", "scale"}, "give either points or a file");
+    node.refuse_keys({"file", "scale"}, "give either points or a file");
     for (const Node& point : list->elements()) points.push_back(point.vector("m"));
     key = list->json().dump();
     return points;
@@ -139,7 +133,7 @@ class NodeSource final : public ShapeSource {
     reader::read_compound(node_, is_free_, shape, draft_);
   }
   void exclude(std::span<const char* const> keys, const char* why) const override {
-    refuse_keys(node_, {keys.begin(), keys.end()}, why);
+    node_.refuse_keys({keys.begin(), keys.end()}, why);
   }
   [[noreturn]] void refuse(const char* key, const char* expected) const override {
     node_.at(key, expected).refuse(expected);
@@ -155,7 +149,7 @@ void refuse_keys_of_other_shapes(const Node& node, const ShapeCard& own) {
   for (const std::string& key : shape_keys()) {
     const bool is_own = std::any_of(own.keys.begin(), own.keys.end(),
                                     [&](const ShapeKey& k) { return key == k.key; });
-    if (!is_own) refuse_keys(node, {key}, fmt::format("a {} has no such key", own.name));
+    if (!is_own) node.refuse_keys({key}, fmt::format("a {} has no such key", own.name));
   }
 }
 
@@ -192,10 +186,10 @@ void read_kind(const Node& node, const Draft& draft, BodyDescription& body) {
           fmt::format("only {} bodies can be free", shape_names(&ShapeCard::may_be_free, " or ")));
   }
   if (body.kind != BodyKind::free)
-    refuse_keys(node,
-                {"velocity", "angular_velocity", "mass", "density", "inertia", "lock", "insert_at",
-                 "force", "torque", "elastic"},
-                "only free bodies have this key (a moving wall is \"kinematic\" and has a motion)");
+    node.refuse_keys(
+        {"velocity", "angular_velocity", "mass", "density", "inertia", "lock", "insert_at", "force",
+         "torque", "elastic"},
+        "only free bodies have this key (a moving wall is \"kinematic\" and has a motion)");
 }
 
 void read_pose(const Node& node, BodyDescription& body) {
@@ -268,7 +262,7 @@ void read_shape(const Node& node, Named named, Shape& shape, Vec3d& position, Dr
 
 void read_orientation(const Node& node, Quatd& orientation) {
   if (const auto key = node.find("orientation")) {
-    refuse_keys(node, {"rotation_deg"}, "give either orientation or rotation_deg");
+    node.refuse_keys({"rotation_deg"}, "give either orientation or rotation_deg");
     orientation = key->orientation();
   }
   if (const auto rotation = node.find("rotation_deg")) {
@@ -300,7 +294,7 @@ void read_body(const Node& node, std::size_t index, Draft& draft) {
     node.read("torque", load.torque, "N m");
     if (norm2(load.force) > 0 || norm2(load.torque) > 0) body.load = load;
     if (const auto elastic = node.find("elastic")) {
-      refuse_keys(node, {"inertia"}, "an elastic body has the moments of its tetrahedra");
+      node.refuse_keys({"inertia"}, "an elastic body has the moments of its tetrahedra");
       body.elastic = read_elasticity(*elastic);
     }
   }
@@ -354,7 +348,7 @@ void read_motion(const Node& node, Motion& motion) {
       {"file", {MotionKind::sampled}}};
   for (const auto& [key, kinds] : motion_keys)
     if (std::find(kinds.begin(), kinds.end(), motion.kind) == kinds.end())
-      refuse_keys(node, {key}, "a motion of type \"" + type.text() + "\" has no such key");
+      node.refuse_keys({key}, "a motion of type \"" + type.text() + "\" has no such key");
 
   node.read("start", motion.start, kFinite, "s");
   if (const auto stop = node.find("stop")) {
@@ -380,8 +374,8 @@ void read_motion(const Node& node, Motion& motion) {
       break;
     case MotionKind::sampled:
       if (const auto file = node.find("file")) {
-        refuse_keys(node, {"times", "positions", "orientations"},
-                    "give either a file or times and positions");
+        node.refuse_keys({"times", "positions", "orientations"},
+                         "give either a file or times and positions");
         read_motion_csv(file->file(), motion);
         break;
       }

@@ -82,11 +82,6 @@ std::vector<std::string> keys_of_shapes_alone() {
   return keys;
 }
 
-void refuse_keys(const Node& node, const std::vector<std::string>& keys, const std::string& why) {
-  for (const std::string& key : keys)
-    if (const auto found = node.find(key)) found->fail(why);
-}
-
 void add_shape(const Node& node, Draft& draft, ParticleShapes& read) {
   Shape shape;
   Vec3d position;
@@ -156,7 +151,7 @@ ParticleShapes read_particle_shapes(const Node& node, Draft& draft) {
   if (one && several) several->fail("give either shape or shapes");
   if (!one && !several) {
     const std::string why = "this key goes with a shape, and none is given; spheres have a radius";
-    refuse_keys(node, keys_of_shapes_alone(), why);
+    node.refuse_keys(keys_of_shapes_alone(), why);
     if (scale) scale->fail(why);
     return {{}, {}, read_law(node.at("radius", "must be positive [m]"), "radius", "m")};
   }
@@ -167,8 +162,8 @@ ParticleShapes read_particle_shapes(const Node& node, Draft& draft) {
     add_only_shape(node, draft, read);
   } else {
     const std::string why = "give it in the entries of shapes; here, a scale is for all of them";
-    refuse_keys(node, keys_of_shapes_alone(), why);
-    refuse_keys(node, {"radius", "file"}, why);
+    node.refuse_keys(keys_of_shapes_alone(), why);
+    node.refuse_keys({"radius", "file"}, why);
     add_shapes(*several, draft, read);
   }
   if (scale) check_scale(*scale, read);
@@ -176,8 +171,8 @@ ParticleShapes read_particle_shapes(const Node& node, Draft& draft) {
 }
 
 void refuse_particle_shapes(const Node& node, const std::string& why) {
-  refuse_keys(node, {"shape", "shapes", "scale"}, why);
-  refuse_keys(node, keys_of_shapes_alone(), why);
+  node.refuse_keys({"shape", "shapes", "scale"}, why);
+  node.refuse_keys(keys_of_shapes_alone(), why);
 }
 
 void set_placed(const ParticleShapes& from, PlacedSpheres placed, const Scene& scene,

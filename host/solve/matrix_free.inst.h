@@ -5,7 +5,7 @@
 
 #include "host/problems/upload_problem.h"
 #include "host/solve/matrix_free.h"
-#include "solvers/coulomb.h"
+#include "solvers/compiled_parts.inst.h"
 
 namespace scree {
 namespace {

@@ -22,10 +22,6 @@ namespace fs = std::filesystem;
 constexpr const char* format_name = "scree contact solution";
 constexpr int format_version = 1;
 
-const char* name_of(AssembledModel model) {
-  return model == AssembledModel::exact ? "exact" : "convex";
-}
-
 std::vector<double> read_rows(const h5::Group& group, const char* name) {
   std::vector<double> rows =
       group.has(name) ? group.read_converted<double>(name) : std::vector<double>{};

@@ -83,10 +83,6 @@ nlohmann::json json_of(const SolverRun& run) {
           {"note", r.note}};
 }
 
-const char* name_of(AssembledModel model) {
-  return model == AssembledModel::exact ? "exact" : "convex";
-}
-
 }  // namespace
 
 double least_objective(const ProblemReport& report) {

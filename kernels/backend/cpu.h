@@ -71,14 +71,36 @@ constexpr Index serial_below() {
   }
 }
 
+/// Libraries whose programs are chains of small functions ask for all of them in one.
+#ifdef SCREE_FLATTEN_PROGRAMS
+#define SCREE_COMPILED_ONCE [[gnu::noinline, gnu::flatten]]
+#else
+#define SCREE_COMPILED_ONCE [[gnu::noinline]]
+#endif
+
+/// Elements [begin, end), in order. Programs are large functions: called here only, each is compiled once, and not once for
+/// the serial and once for the parallel loop. @param f  by value, so that what it writes cannot be one of its own fields
+template <class F>
+SCREE_COMPILED_ONCE void run_elements(F f, Index begin, Index end) {
+  for (Index i = begin; i < end; ++i) f(i);
+}
+
+/// run(begin, end) for [0, n) in as many ranges as there are threads.
+template <class F>
+void run_ranges(Cpu& cpu, Index n, F&& run) {
+#pragma omp parallel num_threads(cpu.threads())
+  {
+    const Offset thread = omp_get_thread_num(), threads = omp_get_num_threads();
+    run(static_cast<Index>(n * thread / threads), static_cast<Index>(n * (thread + 1) / threads));
+  }
+}
+
 template <class F>
 void for_each(Cpu& cpu, Index n, F f) {
-  if (n < serial_below<F>() || cpu.threads() == 1) {
-    for (Index i = 0; i < n; ++i) f(i);
-    return;
-  }
-#pragma omp parallel for num_threads(cpu.threads()) schedule(static)
-  for (Index i = 0; i < n; ++i) f(i);
+  if (n < serial_below<F>() || cpu.threads() == 1)
+    run_elements(f, 0, n);
+  else
+    run_ranges(cpu, n, [&](Index begin, Index end) { run_elements(f, begin, end); });
 }
 
 /// Elements in one piece of a sum; programs whose elements are large name their own number.
@@ -91,24 +113,27 @@ constexpr Index chunk_size() {
   }
 }
 
+/// Sums of the chunks [begin, end) of the elements [0, n); see run_elements().
+template <class R, class F>
+SCREE_COMPILED_ONCE void sum_chunks(F f, Index n, Index begin, Index end, R* partial) {
+  for (Index chunk = begin; chunk < end; ++chunk) {
+    R sum;
+    const Index first = chunk * chunk_size<F>(), last = std::min(n, first + chunk_size<F>());
+    for (Index i = first; i < last; ++i) sum.combine(f(i));
+    partial[chunk] = sum;
+  }
+}
+
 /// Chunks have a fixed size, so partial sums do not depend on the thread count.
 template <class R, class F, class G = NoFinish>
 void reduce(Cpu& cpu, Index n, F f, G finish = {}) {
-  constexpr Index kChunk = chunk_size<F>();
-  const Index chunk_count = (n + kChunk - 1) / kChunk;
+  const Index chunk_count = (n + chunk_size<F>() - 1) / chunk_size<F>();
   R* partial = static_cast<R*>(cpu.scratch(sizeof(R) * static_cast<std::size_t>(chunk_count)));
-  const auto run_chunk = [&](Index chunk) {
-    R sum;
-    const Index end = std::min(n, (chunk + 1) * kChunk);
-    for (Index i = chunk * kChunk; i < end; ++i) sum.combine(f(i));
-    partial[chunk] = sum;
-  };
-  if (chunk_count < 2 || cpu.threads() == 1) {
-    for (Index chunk = 0; chunk < chunk_count; ++chunk) run_chunk(chunk);
-  } else {
-#pragma omp parallel for num_threads(cpu.threads()) schedule(static)
-    for (Index chunk = 0; chunk < chunk_count; ++chunk) run_chunk(chunk);
-  }
+  if (chunk_count < 2 || cpu.threads() == 1)
+    sum_chunks(f, n, 0, chunk_count, partial);
+  else
+    run_ranges(cpu, chunk_count,
+               [&](Index begin, Index end) { sum_chunks(f, n, begin, end, partial); });
   R total;
   for (Index chunk = 0; chunk < chunk_count; ++chunk) total.combine(partial[chunk]);
   finish(total);

@@ -138,11 +138,7 @@ struct ContactsOfBodies {
 /// reduce() over the contacts of all ranks, each counted once.
 template <class R, class B, class Real, class F, class G>
 void reduce_contacts(B& b, const ContactProblem<Real>& p, F f, G finish) {
-  if (b.ranks() == nullptr) {
-    reduce<R>(b, p.contact_count, f, finish);
-  } else {
-    reduce_on_ranks<R>(b, p.contact_count, CountedOnce<F>{f, p.body_b, p.bodies}, finish);
-  }
+  reduce_over_ranks<R>(b, p.contact_count, CountedOnce<F>{f, p.body_b, p.bodies}, finish);
 }
 
 /// Natural-map residual of one contact: e = (gamma - P_K(gamma - rho u)) / rho,

@@ -16,6 +16,11 @@ enum class AssembledModel {
   exact    ///< Coulomb: the same for u + mu |u_t| e_n
 };
 
+/// As files and reports say it.
+inline const char* name_of(AssembledModel model) {
+  return model == AssembledModel::exact ? "exact" : "convex";
+}
+
 /// What a contact does, by where r - v / d lies: below the polar cone, within the cone, between.
 enum class ContactState : unsigned char { open, stick, slip };
 

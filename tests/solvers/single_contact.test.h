@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "solvers/coulomb.h"
 #include "solvers/solver.h"
 #include "tests/backend_fixture.h"
 #include "tests/problem_builder.h"
+#include "tests/solvers/exact_friction.h"
 
 namespace scree {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "kernels/solve/apgd_passes.h"
-#include "solvers/coulomb.h"
 #include "solvers/solver.h"
 #include "tests/backend_fixture.h"
 #include "tests/problem_builder.h"
+#include "tests/solvers/exact_friction.h"
 
 namespace scree {
 namespace {

@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # Everything a GPU machine has to show, in one call: build, GPU tests, sanitizers, benchmarks.
-#   bench/device.sh OUTPUT_DIR [stage...]     stages: build ctest tests sanitize micro scenes record
-# `record` writes OUTPUT_DIR/record.json, all results of scree bench that figures.py draws. A copy of the sources without
-# its history is told its commit by the environment variable SCREE_COMMIT.
+#   bench/device.sh OUTPUT_DIR [stage...]     stages: build ctest tests sanitize micro scenes record ranks
+# `record` writes OUTPUT_DIR/record.json, all results of scree bench that figures.py draws. `ranks` is for machines with
+# two GPUs or four: the tests of ranks, a scene and `bench scaling` on each number of them, a sanitizer; figures.py draws
+# OUTPUT_DIR/scaling.json. A copy of the sources without its history is told its commit by the environment variable
+# SCREE_COMMIT.
 # Each stage has its own log in OUTPUT_DIR and a time limit; a summary is printed last.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -81,6 +83,34 @@ if wants record; then
   bench solvers solvers --sizes 1e6 --layers 20 --levels 1e-1,3e-2,1e-2,1e-3,1e-4 --limit 1 \
     --solvers apgd,schwarz,gauss_seidel_colored,jacobi
   python3 - "$parts" >"$out/record.json" <<'END'
+import json, pathlib, sys
+print(json.dumps([json.loads(p.read_text()) for p in sorted(pathlib.Path(sys.argv[1]).glob("*.json"))], indent=1))
+END
+fi
+if wants ranks; then
+  gpus=$(nvidia-smi -L | grep -c '^GPU ')
+  launch=(mpirun --oversubscribe)
+  [ "$(id -u)" -ne 0 ] || launch+=(--allow-run-as-root)
+  stage ranks_tests 120 $bin/scree_tests_parity --gtest_filter='ParityRanks*'
+  grep -E "^\[  (PASSED|FAILED|SKIPPED)|tests ran" "$out/ranks_tests.log" | tail -n 20
+  parts=$(mktemp -d)
+  for n in 2 4; do
+    if [ "$gpus" -lt $n ]; then
+      note "ranks on $n GPUs: skipped, this machine has $gpus"
+      continue
+    fi
+    stage "ranks_run_$n" 60 "${launch[@]}" -n $n $bin/scree run pile --steps 300 --backend cuda --out "$parts/pile_$n"
+    tail -n 2 "$out/ranks_run_$n.log"
+    stage "ranks_scaling_$n" 150 "${launch[@]}" -n $n $bin/scree bench scaling --backend cuda --sizes 1e6,4e6 --warmup 100 \
+      --steps 10 --json "$parts/scaling_$n.json"
+    tail -n 8 "$out/ranks_scaling_$n.log"
+  done
+  if [ "$gpus" -ge 2 ]; then
+    stage ranks_memcheck 120 "${launch[@]}" -n 2 compute-sanitizer --tool memcheck --error-exitcode 9 \
+      $bin/scree run pile --steps 6 --set particles.0.count=300 --backend cuda --quiet --out "$parts/checked"
+    tail -n 2 "$out/ranks_memcheck.log"
+  fi
+  python3 - "$parts" >"$out/scaling.json" <<'END'
 import json, pathlib, sys
 print(json.dumps([json.loads(p.read_text()) for p in sorted(pathlib.Path(sys.argv[1]).glob("*.json"))], indent=1))
 END

@@ -11,6 +11,7 @@ DIR, by default docs/:
     bench_steps.png       milliseconds a step over bodies                   (collision, step)
     bench_solvers.png     time to residual, solver by solver                (solvers)
     bench_memory.png      bytes a body over bodies                          (capacity)
+    bench_scaling.png     efficiency over ranks                             (scaling)
 
 With --readme the table between the two comments "measured" of that file is replaced (step, iteration, solvers).
 Needs matplotlib, and nothing else beside Python 3.8.
@@ -134,10 +135,33 @@ def draw_memory(documents):
     return figure
 
 
+def draw_scaling(documents):
+    """Weak scaling has so many bodies on each rank, strong scaling on all."""
+    figure, columns = new_axes("", "ranks", "efficiency", 2)
+    for axes, kind in zip(columns, ("weak", "strong")):
+        axes.set_title(f"{kind} scaling")
+        groups = defaultdict(lambda: [(1, 1.0)])
+        for d in documents:
+            for r in d["results"]:
+                if r["kind"] == kind:
+                    bodies = r["bodies"] // (r["ranks"] if kind == "weak" else 1)
+                    each = " on each rank" if kind == "weak" else ""
+                    groups[f"{short(bodies)} bodies{each}; {machine(d)}"].append((r["ranks"], r["efficiency"]))
+        for label, points in groups.items():
+            curve(axes, points, label)
+        ranks = sorted({n for points in groups.values() for n, _ in points})
+        axes.set_xscale("log", base=2)
+        axes.set_xticks(ranks, labels=[str(n) for n in ranks])
+        axes.set_yscale("linear")
+        axes.set_ylim(0, 1.1)
+    return figure
+
+
 PICTURES = [("bench_iteration.png", ("iteration",), draw_iteration),
             ("bench_steps.png", ("collision", "step"), draw_steps),
             ("bench_solvers.png", ("solvers",), draw_solvers),
-            ("bench_memory.png", ("capacity",), draw_memory)]
+            ("bench_memory.png", ("capacity",), draw_memory),
+            ("bench_scaling.png", ("scaling",), draw_scaling)]
 
 
 def short(value):
@@ -212,7 +236,7 @@ def main():
         print(options.out / name)
         written += 1
     if written == 0:
-        sys.exit("nothing to draw: expected results of iteration, collision, step, solvers or capacity")
+        sys.exit("nothing to draw: expected results of iteration, collision, step, solvers, capacity or scaling")
     if options.readme:
         write_table(options.readme, documents, commits[0])
         print(options.readme)

@@ -96,13 +96,13 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 endif()
 
 # scree_batch(<target> [<file>...]): compiles SCREE_BATCH sources of a target together, with few optimizations: half of the time
-# goes into headers that all of them read. Names of a source are those of its batch too. Not so the files, and what was written
-# for a backend: they are optimized, each for itself.
+# goes into headers that all of them read. Names of a source are those of its batch too. Not so the files, and what CMake wrote:
+# they are optimized, each for itself. Programs may have lists of their own in place of those in the library.
 function(scree_batch target)
   target_compile_options(${target} PRIVATE "$<$<AND:$<CONFIG:Release>,$<COMPILE_LANGUAGE:CXX>>:-O1>")
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SCREE_BATCH})
   get_target_property(sources ${target} SOURCES)
-  list(FILTER sources INCLUDE REGEX "_cpu[.]cpp$|[.]cu$")
+  list(FILTER sources INCLUDE REGEX "^${SCREE_GENERATED_DIR}/|[.]cu$")
   # A header that was compiled with fewer optimizations would turn these off.
   set_source_files_properties(${sources} ${ARGN} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
     SKIP_PRECOMPILE_HEADERS ON COMPILE_OPTIONS "$<$<AND:$<CONFIG:Release>,$<COMPILE_LANGUAGE:CXX>>:-O3>")

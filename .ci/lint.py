@@ -66,8 +66,9 @@ def main():
     stamps = ROOT / "build" / "lint"
     stamps.mkdir(parents=True, exist_ok=True)
     entries = list(one_by_one(json.loads((build / "compile_commands.json").read_text())))
-    for entry in entries:  # precompiled headers are those of another compiler
-        entry["command"] = re.sub(r" -include \S+/cmake_pch\.hxx| -Winvalid-pch", "", entry["command"])
+    for entry in entries:  # precompiled headers, and rules of the optimizer, are those of another compiler
+        entry["command"] = re.sub(r" -include \S+/cmake_pch\.hxx| -Winvalid-pch| -fvect-cost-model=\S+", "",
+                                  entry["command"])
     (stamps / "compile_commands.json").write_text(json.dumps(entries))
     # omp.h comes from GCC, whose other headers must stay behind those of clang.
     gcc_include = os.path.dirname(output("g++", "-print-file-name=include/omp.h").strip())

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dynamics/affine/solid_setup.h"
+#include "host/world.h"
 
 namespace scree::affine {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "dynamics/rigid/step_parts.h"
+#include "kernels/bodies/ghosts.h"
 #include "kernels/contact/contact_operator.h"
 #include "kernels/contact/field_buffers.h"
 #include "kernels/step/step_setup.h"

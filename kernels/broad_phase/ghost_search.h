@@ -2,6 +2,7 @@
 // Element programs that find the bodies which other ranks have to know: those whose balls reach the extent of the balls
 // of another rank's bodies. See BodyBalls: no other body can have a contact with one of theirs in the step.
 
+#include "kernels/backend/backend.h"
 #include "kernels/broad_phase/binning.h"
 
 namespace scree {

@@ -26,6 +26,12 @@ stage() { # stage NAME SECONDS COMMAND...: runs it with a limit and notes how it
   note "$name: exit $status, $((SECONDS - start)) s"
   return $status
 }
+list_of() { # list_of FOLDER: its JSON files as one list
+  python3 - "$1" <<'END'
+import json, pathlib, sys
+print(json.dumps([json.loads(p.read_text()) for p in sorted(pathlib.Path(sys.argv[1]).glob("*.json"))], indent=1))
+END
+}
 wants() { [[ " $stages " == *" $1 "* ]]; }
 
 note "commit ${SCREE_COMMIT:-$(git rev-parse --short HEAD 2>/dev/null || echo unknown)}, $(nvidia-smi --query-gpu=name,driver_version --format=csv,noheader)"
@@ -82,10 +88,7 @@ if wants record; then
   bench capacity capacity --sizes 1e6,1e7
   bench solvers solvers --sizes 1e6 --layers 20 --levels 1e-1,3e-2,1e-2,1e-3,1e-4 --limit 1 \
     --solvers apgd,schwarz,gauss_seidel_colored,jacobi
-  python3 - "$parts" >"$out/record.json" <<'END'
-import json, pathlib, sys
-print(json.dumps([json.loads(p.read_text()) for p in sorted(pathlib.Path(sys.argv[1]).glob("*.json"))], indent=1))
-END
+  list_of "$parts" >"$out/record.json"
 fi
 if wants ranks; then
   gpus=$(nvidia-smi -L | grep -c '^GPU ')
@@ -110,10 +113,7 @@ if wants ranks; then
       $bin/scree run pile --steps 6 --set particles.0.count=300 --backend cuda --quiet --out "$parts/checked"
     tail -n 2 "$out/ranks_memcheck.log"
   fi
-  python3 - "$parts" >"$out/scaling.json" <<'END'
-import json, pathlib, sys
-print(json.dumps([json.loads(p.read_text()) for p in sorted(pathlib.Path(sys.argv[1]).glob("*.json"))], indent=1))
-END
+  list_of "$parts" >"$out/scaling.json"
 fi
 logs=$(mktemp) # one archive instead of many files
 (cd "$out" && tar -czf "$logs" ./*.log && rm ./*.log && cp "$logs" logs.tar.gz)

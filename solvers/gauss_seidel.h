@@ -34,6 +34,7 @@ class GaussSeidel final : public RelaxationSolver<B, Real> {
     for_each(b, p.contact_count, StoreBlockMetric<R, Real>{p, metric});
 
     const GaussSeidelPass<R, Real> pass{p, metric, velocity, gamma, this->relaxation()};
+    // In order, which for_each() does not promise: this solver is for the CPU alone.
     const auto sweep = [&] { run_elements(pass, 0, p.contact_count); };
     return this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, [] {});
   }

@@ -173,7 +173,8 @@ class Apgd final : public Solver<B, Real> {
     };
     ContactPasses<R, B, Real>::project_impulses(b, p, gamma);
     start_from_guess();
-    if (apgd_metric(params_.own) == ApgdMetricKind::diagonal) {
+    const bool is_diagonal = apgd_metric(params_.own) == ApgdMetricKind::diagonal;
+    if (is_diagonal) {
       const Offset values =
           static_cast<Offset>(p.contact_count) * StoredMetric<R, Real>::per_contact(p);
       w.metric.reserve_discard(values);
@@ -189,7 +190,7 @@ class Apgd final : public Solver<B, Real> {
       is_unlifted = false;
     };
     if (is_lifted) follow_lift();
-    w.iteration.start(b, passes);
+    w.iteration.start(b, passes, is_diagonal ? this->ghosts() : nullptr);
     gauge_.start_solve();
 
     SolveStats stats;
@@ -273,7 +274,7 @@ class Apgd final : public Solver<B, Real> {
         most = std::min(most, to_half);
       }
       most = std::min(most, left);
-      if (this->is_over_ranks()) {
+      if (this->is_over_ranks() && !w.iteration.meets_ranks()) {
         run_over_ranks(b, w.iteration, passes, most, enough);
         continue;
       }

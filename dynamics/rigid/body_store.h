@@ -227,10 +227,10 @@ class BodyStore {
          Index(-1));
   }
 
-  /// Rows of state that change from step to step, for ghosts.
+  /// Calls f with all arrays of what changes from step to step.
   template <class F>
-  void for_each_state(F&& f) {
-    f(position_), f(orientation_), f(velocity_), f(angular_velocity_);
+  void with_states(F&& f) {
+    f(position_, orientation_, velocity_, angular_velocity_);
   }
 
   /// Rewrites pose and velocity of body `fixed_begin + k` for each k.

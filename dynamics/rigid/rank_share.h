@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/body_order.h"
 #include "dynamics/ranks/decomposition.h"
 #include "dynamics/ranks/gather.h"
 #include "dynamics/ranks/state_parts.h"
@@ -40,6 +41,13 @@ class RankShare {
   /// Bodies changed places: who is a ghost where is void. They stay in storage until renew().
   void forget() { is_current_ = false; }
 
+  /// Follows a reordering of the owned bodies; ghosts stay where they are.
+  void follow(BodyOrder<B>& order) {
+    if (!is_current_) return;
+    order.apply(*b_, shown_.view(order.new_of_old().size));
+    ghosts_.follow(*b_, order.new_of_old());
+  }
+
   /// Brings ghosts up to date with their owners; chooses new ones where some are missing.
   /// @param range   of the step
   /// @return  whether there are other ghosts, or in other places: see new_places()
@@ -52,7 +60,7 @@ class RankShare {
         gather(*ranks_, fetch(*b_, std::as_const(own_extent_).data()));
     const bool serves = is_current_ && shows_all(reach, all);
     if (!any(*ranks_, !serves)) {
-      store.for_each_state([&](auto& array) { ghosts_.update(*b_, array.view()); });
+      store.with_states([&](auto&... arrays) { ghosts_.update(*b_, arrays.view()...); });
       return false;
     }
     choose(store, reach, all);

@@ -548,7 +548,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     Buffer<B, Index> place(b);
     const Span<const Index> new_of_old = parts_.follow(store_.view(), order.new_of_old(), place);
     detector_.remap(b, parts_.place(store_.view()), new_of_old);
-    if (shared_) shared_->forget_ghosts();
+    if (shared_) shared_->follow(order);
   }
 
   [[noreturn]] void report_bad_body(Index storage) {

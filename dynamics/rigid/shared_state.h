@@ -32,8 +32,8 @@ class SharedState {
   const Ghosts<B>& ghosts() const { return share_.ghosts(); }
   /// Whether a body at this place belongs to this rank.
   bool owns(const Vec3d& x) const { return share_.owns(x); }
-  /// Owned bodies changed places, and contacts have their new names: ghosts come again with the next step.
-  void forget_ghosts() { share_.forget(); }
+  /// Owned bodies changed places, and contacts have their new names.
+  void follow(BodyOrder<B>& order) { share_.follow(order); }
 
   /// Before a step: inserts bodies, and gives those that left the space of this rank to the ones where they are.
   /// @param step     number of steps done  @param inserts  whether bodies are due  @param insert  puts them behind the others

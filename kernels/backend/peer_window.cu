@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstring>
 #include <random>
 
 #include "kernels/backend/over_ranks.h"
@@ -10,6 +11,7 @@ namespace {
 /// How the others reach the memory of a rank.
 struct Offer {
   cudaIpcMemHandle_t handle{};
+  cudaUUID_t card{};
   unsigned char* address = nullptr;
   int device = 0;
   std::uint64_t process = 0;
@@ -37,6 +39,19 @@ bool can_reach(int from, int device) {
   const cudaError_t error = cudaDeviceEnablePeerAccess(device, 0);
   if (error == cudaErrorPeerAccessAlreadyEnabled) cudaGetLastError();
   return error == cudaErrorPeerAccessAlreadyEnabled || done(error);
+}
+
+/// Whether each rank has a device of its own.
+bool have_own_devices(const std::vector<Offer>& offers) {
+  for (std::size_t r = 0; r < offers.size(); ++r)
+    for (std::size_t q = 0; q < r; ++q)
+      if (std::memcmp(&offers[r].card, &offers[q].card, sizeof(cudaUUID_t)) == 0) return false;
+  return true;
+}
+
+bool have_one_process(const std::vector<Offer>& offers) {
+  return std::any_of(offers.begin() + 1, offers.end(),
+                     [&](const Offer& o) { return o.process == offers.front().process; });
 }
 
 }  // namespace
@@ -69,13 +84,19 @@ void PeerWindow<Cuda>::open(Ranks& ranks, std::size_t size) {
   Offer own;
   own.process = this_process();
   bool works = done(cudaGetDevice(&own.device));
+  cudaDeviceProp properties{};
+  works = works && done(cudaGetDeviceProperties(&properties, own.device));
+  own.card = properties.uuid;
   void* memory = nullptr;
-  works = works && done(cudaMalloc(&memory, 2 * size));
+  works = works && done(cudaMalloc(&memory, kBoardBytes + kRooms * size));
+  works = works && done(cudaMemset(memory, 0, kBoardBytes)) && done(cudaDeviceSynchronize());
   own.address = static_cast<unsigned char*>(memory);
   works = works && done(cudaIpcGetMemHandle(&own.handle, memory));
   const std::vector<Offer> offers = gather(ranks, own);
   memory_.assign(offers.size(), nullptr);
   is_opened_.assign(offers.size(), false);
+  has_threads_ = have_one_process(offers);
+  can_meet_ = offers.size() <= PeerBoard::kMostRanks && have_own_devices(offers);
   memory_[me] = own.address;
   size_ = size;
   for (std::size_t r = 0; works && r < offers.size(); ++r) {

@@ -1,6 +1,7 @@
 #pragma once
 // Windows between GPUs of one host: memory that other processes open by CUDA's interprocess handles, or that threads of one
-// process reach as it is. What is written there crosses NVLink, and is there when the writer's stream has been waited for.
+// process reach as it is. What is written there crosses NVLink, and is there when the writer's stream has been waited for,
+// or when a kernel tells so (kernels/solve/rank_meeting.cuh).
 
 #include <exception>
 #include <vector>
@@ -13,18 +14,28 @@ namespace scree {
 template <>
 class PeerWindow<Cuda> {
  public:
+  static constexpr int kRooms = 4;
+
   explicit PeerWindow(Cuda&) {}
   ~PeerWindow();
   PeerWindow(const PeerWindow&) = delete;
   PeerWindow& operator=(const PeerWindow&) = delete;
 
   bool reserve(Ranks& ranks, std::size_t bytes);
-  unsigned char* at(int rank) const {
-    return memory_[static_cast<std::size_t>(rank)] + static_cast<std::size_t>(turn_) * size_;
+  unsigned char* rooms(int rank) const {
+    return memory_[static_cast<std::size_t>(rank)] + kBoardBytes;
   }
-  void turn() { turn_ = 1 - turn_; }
+  std::size_t room_bytes() const { return size_; }
+  PeerBoard* board(int rank) const {
+    return reinterpret_cast<PeerBoard*>(memory_[static_cast<std::size_t>(rank)]);
+  }
+  bool can_meet() const { return can_meet_; }
+  bool has_threads() const { return has_threads_; }
 
  private:
+  static constexpr std::size_t kBoardBytes = 4096;
+  static_assert(sizeof(PeerBoard) <= kBoardBytes);
+
   void open(Ranks& ranks, std::size_t size);
   /// Memory goes when no other rank has it open. A call that all make together.
   void close();
@@ -32,8 +43,9 @@ class PeerWindow<Cuda> {
   Ranks* ranks_ = nullptr;
   std::vector<unsigned char*> memory_;  ///< of each rank, as this one reaches it
   std::vector<bool> is_opened_;         ///< by a handle, to be closed
-  std::size_t size_ = 0;                ///< of one of two halves [bytes]
-  int turn_ = 0;
+  std::size_t size_ = 0;                ///< of a room [bytes]
+  bool can_meet_ = false;
+  bool has_threads_ = false;
   bool fails_ = false;
   int exceptions_ = std::uncaught_exceptions();  ///< in flight when this was made
 };

@@ -7,17 +7,33 @@
 
 namespace scree {
 
+/// Where ranks meet from within their kernels: what the others tell a rank lies on its own board. It starts at zero.
+struct PeerBoard {
+  static constexpr int kMostRanks = 16;
+
+  unsigned came[kMostRanks];      ///< by rank: number of the last meeting that it came to
+  double sums[2][kMostRanks][3];  ///< what it brought, by turns
+  unsigned meetings;              ///< so far; the rank's own
+};
+
 /// Each backend may have its own class; this one has no such memory.
 template <class B>
 class PeerWindow {
  public:
+  static constexpr int kRooms = 4;
+
   explicit PeerWindow(B&) {}
   /// Makes room for so many bytes from all others together. A call that all ranks make together.
   /// @return  whether ranks can write into each other's memory, which is the same on all of them
   bool reserve(Ranks&, std::size_t /*bytes*/) { return false; }
-  /// Room for what comes next, in turn one of two: its first byte at a rank, this one included.
-  unsigned char* at(int /*rank*/) const { return nullptr; }
-  void turn() {}
+  /// The first of the rooms at a rank, this one included; they follow each other.
+  unsigned char* rooms(int /*rank*/) const { return nullptr; }
+  std::size_t room_bytes() const { return 0; }
+  PeerBoard* board(int /*rank*/) const { return nullptr; }
+  /// Whether kernels of the ranks may wait for each other: each rank has a device of its own.
+  bool can_meet() const { return false; }
+  /// Whether ranks are threads of one process.
+  bool has_threads() const { return false; }
 };
 
 }  // namespace scree

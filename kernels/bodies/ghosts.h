@@ -1,12 +1,14 @@
 #pragma once
 // Which owned bodies this rank shows to others, and where in storage it keeps copies of theirs.
 
+#include <cstring>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "kernels/backend/over_ranks.h"
 #include "kernels/backend/peer_window.h"
 #include "kernels/bodies/body_ranges.h"
-#include "kernels/bodies/permute.h"
 
 namespace scree {
 
@@ -20,14 +22,111 @@ struct GhostPeer {
   Index there = 0;  ///< place of the bodies that are sent, among all that the other rank gets
 };
 
-/// Rows of bodies that go to one rank.
-template <class T>
+/// Arrays whose rows go together, in this order.
+template <class... T>
+struct RowArrays;
+template <>
+struct RowArrays<> {
+  static constexpr Index kBytes = 0;
+  SCREE_HD void store(Index, unsigned char*) const {}
+  SCREE_HD void load(Index, const unsigned char*) const {}
+};
+template <class T, class... Others>
+struct RowArrays<T, Others...> {
+  static constexpr std::size_t kWord = 4;
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % kWord == 0);
+  static constexpr Index kBytes = sizeof(T) + RowArrays<Others...>::kBytes;
+
+  Span<T> rows;
+  RowArrays<Others...> others;
+
+  explicit RowArrays(Span<T> first, Span<Others>... next) : rows(first), others(next...) {}
+
+  SCREE_HD void store(Index i, unsigned char* to) const {
+    copy_row(rows.data + i, to);
+    others.store(i, to + sizeof(T));
+  }
+  SCREE_HD void load(Index i, const unsigned char* from) const {
+    copy_row(from, rows.data + i);
+    others.load(i, from + sizeof(T));
+  }
+
+ private:
+  /// In words of 4 bytes, as rows of one kind after those of another are placed.
+  static SCREE_HD void copy_row(const void* from, void* to) {
+    std::memcpy(__builtin_assume_aligned(to, kWord), __builtin_assume_aligned(from, kWord),
+                sizeof(T));
+  }
+};
+
+/// Rows of bodies, one after the other.
+template <class Arrays>
+struct PackRows {
+  static constexpr const char* name = "pack_rows";
+  Span<const Index> body;
+  Arrays arrays;
+  unsigned char* to;
+  SCREE_HD void operator()(Index k) const {
+    arrays.store(body[k], to + static_cast<Offset>(k) * Arrays::kBytes);
+  }
+};
+
+template <class Arrays>
+struct UnpackRows {
+  static constexpr const char* name = "unpack_rows";
+  const unsigned char* from;
+  Index first;  ///< ghost
+  Arrays arrays;
+  SCREE_HD void operator()(Index k) const {
+    arrays.load(first + k, from + static_cast<Offset>(k) * Arrays::kBytes);
+  }
+};
+
+/// How this rank reaches the others in their windows. Programs on the device have it by value.
+struct GhostLinks {
+  /// Where bodies go that are sent.
+  struct Target {
+    Index begin = 0, end = 0;        ///< of them
+    Index there = 0;                 ///< place of the first in a room
+    unsigned char* rooms = nullptr;  ///< see PeerWindow
+  };
+
+  int rank = 0, ranks = 0;
+  int targets = 0;
+  Target target[PeerBoard::kMostRanks];
+  PeerBoard* board[PeerBoard::kMostRanks];  ///< of each rank
+  Span<const Index> sent;                   ///< bodies
+  const unsigned char* rooms = nullptr;     ///< of this rank
+  Offset room_bytes = 0;
+  Index first = 0, count = 0;  ///< ghosts
+
+  /// Where a row of a body that is sent has its place. @param k  in `sent`
+  SCREE_HD unsigned char* place(Index k, int room, Index row_bytes) const {
+    int q = 0;
+    while (k >= target[q].end) ++q;
+    const Offset row = target[q].there + (k - target[q].begin);
+    return target[q].rooms + room * room_bytes + row * row_bytes;
+  }
+};
+
+/// Writes rows of bodies where other ranks look for them.
+template <class Arrays>
 struct PushRows {
   static constexpr const char* name = "push_rows";
-  Span<const Index> body;
-  Span<const T> rows;
-  T* to;
-  SCREE_HD void operator()(Index k) const { to[k] = rows[body[k]]; }
+  GhostLinks links;
+  Arrays arrays;
+  int room;
+  SCREE_HD void operator()(Index k) const {
+    arrays.store(links.sent[k], links.place(k, room, Arrays::kBytes));
+  }
+};
+
+/// Places of bodies that are sent, after owned bodies have moved in storage.
+struct RenumberSent {
+  static constexpr const char* name = "renumber_sent";
+  Span<const Index> new_of_old;
+  Span<Index> sent;  ///< in and out
+  SCREE_HD void operator()(Index k) const { sent[k] = new_of_old[sent[k]]; }
 };
 
 /// The plan of what ranks show each other, and the exchange by it.
@@ -42,73 +141,93 @@ class Ghosts {
   /// @param peers  by rank, rising, those without bodies left out  @param sent  places of the bodies to send
   void set(B& b, std::vector<GhostPeer> peers, std::vector<Index> sent) {
     peers_ = std::move(peers);
-    sent_bodies_ = std::move(sent);
-    upload(b, sent_bodies_, sent_);
+    sent_count_ = static_cast<Index>(sent.size());
+    upload(b, sent, sent_);
     count_ = 0;
     for (const GhostPeer& peer : peers_) count_ += peer.count;
     Ranks& ranks = *b.ranks();
-    is_direct_ = window_.reserve(ranks, static_cast<std::size_t>(count_) * kMostRow);
-    if (is_direct_) tell_places(ranks);
+    is_direct_ = ranks.count() <= PeerBoard::kMostRanks &&
+                 window_.reserve(ranks, static_cast<std::size_t>(count_) * kMostRow);
+    if (!is_direct_) return;
+    tell_places(ranks);
+    link(ranks);
+  }
+
+  /// Follows a reordering of the owned bodies. @param new_of_old  new storage index of each
+  void follow(B& b, Span<const Index> new_of_old) {
+    for_each(b, sent_count_, RenumberSent{new_of_old, sent_.view(sent_count_)});
   }
 
   /// Gives the ghosts the rows that their owners have. A call that all ranks make together.
-  /// @param rows  [moving_count at least], a row for each body
-  template <class T>
-  void update(B& b, Span<T> rows) const {
-    send(b, rows);
+  /// @param rows  arrays with a row for each body [moving_count at least]; their rows go in one message
+  template <class... T>
+  void update(B& b, Span<T>... rows) const {
+    send(b, rows...);
     if (is_direct_) {
       b.synchronize();
       any(*b.ranks(), false);  // all have sent
     }
-    receive(b, rows);
+    receive(b, rows...);
   }
 
   /// The two halves of update(), for callers that wait for the backend and exchange something else between them.
-  template <class T>
-  void send(B& b, Span<T> rows) const {
-    static_assert(sizeof(T) <= kMostRow);
+  template <class... T>
+  void send(B& b, Span<T>... rows) const {
+    using Arrays = RowArrays<T...>;
+    static_assert(Arrays::kBytes <= kMostRow);
     if constexpr (B::kIsDevice) {
       if (!is_direct_) return;
-      window_.turn();
-      for (const GhostPeer& peer : peers_)
-        for_each(b, peer.send_count,
-                 PushRows<T>{{sent_.data() + peer.send_begin, peer.send_count},
-                             rows,
-                             reinterpret_cast<T*>(window_.at(peer.rank)) + peer.there});
+      turn_ = 1 - turn_;
+      for_each(b, sent_count_, PushRows<Arrays>{links_, Arrays(rows...), turn_});
     }
   }
-  template <class T>
-  void receive(B& b, Span<T> rows) const {
+  template <class... T>
+  void receive(B& b, Span<T>... rows) const {
+    using Arrays = RowArrays<T...>;
     if constexpr (B::kIsDevice) {
       if (is_direct_) {
-        const auto* came = reinterpret_cast<const T*>(window_.at(b.ranks()->rank()));
-        if (count_ > 0) copy(b, Span<const T>{came, count_}, Span<T>{rows.data + first(), count_});
+        unpack(b, links_.rooms + turn_ * links_.room_bytes, Arrays(rows...));
         return;
       }
     }
-    exchange_on_hosts(b, rows);
+    exchange_on_hosts(b, Arrays(rows...));
   }
 
- private:
-  static constexpr std::size_t kMostRow = 64;  ///< bytes
+  /// For programs that exchange velocities themselves, in the rooms from kFirstOfPrograms on; null where they cannot.
+  const GhostLinks* links() const { return is_direct_ && window_.can_meet() ? &links_ : nullptr; }
+  static constexpr int kFirstOfPrograms = 2;
+  /// Whether ranks are threads of one process.
+  bool has_threads() const { return window_.has_threads(); }
 
-  template <class T>
-  void exchange_on_hosts(B& b, Span<T> rows) const {
-    const auto n = static_cast<Index>(sent_bodies_.size());
-    Buffer<B, T> gathered(b, n);
-    for_each(b, n, Gather<T>{sent_.view(n), rows, gathered.view(n)});
-    std::vector<T> out = download(b, gathered.view(n));
-    std::vector<T> in(static_cast<std::size_t>(count_));
+ private:
+  static constexpr Index kMostRow = 104;  ///< bytes: the state of a body in double
+
+  template <class Arrays>
+  void unpack(B& b, const unsigned char* from, const Arrays& arrays) const {
+    if (count_ > 0) for_each(b, count_, UnpackRows<Arrays>{from, first(), arrays});
+  }
+
+  template <class Arrays>
+  void exchange_on_hosts(B& b, const Arrays& arrays) const {
+    Buffer<B, unsigned char> bytes(b, static_cast<Offset>(sent_count_) * Arrays::kBytes);
+    for_each(b, sent_count_,
+             PackRows<Arrays>{std::as_const(sent_).view(sent_count_), arrays, bytes.data()});
+    std::vector<unsigned char> out = download(b, bytes.view());
+    std::vector<unsigned char> in(bytes_of<Arrays>(count_));
     std::vector<Ranks::Message> send, receive;
     Index arrived = 0;
     for (const GhostPeer& peer : peers_) {
       if (peer.send_count > 0)
-        send.push_back({peer.rank, out.data() + peer.send_begin, bytes<T>(peer.send_count)});
-      if (peer.count > 0) receive.push_back({peer.rank, in.data() + arrived, bytes<T>(peer.count)});
+        send.push_back({peer.rank, out.data() + bytes_of<Arrays>(peer.send_begin),
+                        bytes_of<Arrays>(peer.send_count)});
+      if (peer.count > 0)
+        receive.push_back(
+            {peer.rank, in.data() + bytes_of<Arrays>(arrived), bytes_of<Arrays>(peer.count)});
       arrived += peer.count;
     }
     b.ranks()->exchange(send, receive);
-    if (count_ > 0) upload(b, in.data(), Span<T>{rows.data + first(), count_});
+    upload(b, in, bytes);
+    unpack(b, bytes.data(), arrays);
   }
 
   /// Each rank tells the others where their rows come among those it gets.
@@ -128,19 +247,38 @@ class Ghosts {
     ranks.exchange(send, receive);
   }
 
-  template <class T>
-  static std::size_t bytes(Index n) {
-    return static_cast<std::size_t>(n) * sizeof(T);
+  void link(const Ranks& ranks) {
+    links_ = {};
+    links_.rank = ranks.rank();
+    links_.ranks = ranks.count();
+    for (const GhostPeer& peer : peers_) {
+      if (peer.send_count == 0) continue;
+      links_.target[links_.targets++] = {peer.send_begin, peer.send_begin + peer.send_count,
+                                         peer.there, window_.rooms(peer.rank)};
+    }
+    for (int r = 0; r < ranks.count(); ++r) links_.board[r] = window_.board(r);
+    links_.sent = std::as_const(sent_).view(sent_count_);
+    links_.rooms = window_.rooms(ranks.rank());
+    links_.room_bytes = static_cast<Offset>(window_.room_bytes());
+    links_.first = count_ > 0 ? first() : 0;
+    links_.count = count_;
+  }
+
+  template <class Arrays>
+  static std::size_t bytes_of(Index n) {
+    return static_cast<std::size_t>(n) * Arrays::kBytes;
   }
   /// Ghosts of all peers are one range.
   Index first() const { return peers_.front().first; }
 
   std::vector<GhostPeer> peers_;
-  std::vector<Index> sent_bodies_;
   Buffer<B, Index> sent_;
-  mutable PeerWindow<B> window_;
+  PeerWindow<B> window_;
+  GhostLinks links_;  ///< when is_direct_
+  Index sent_count_ = 0;
   Index count_ = 0;
   bool is_direct_ = false;  ///< through the window, not through hosts
+  mutable int turn_ = 0;    ///< room of the last exchange
 };
 
 }  // namespace scree

@@ -137,7 +137,8 @@ class ApgdIteration<Cpu> {
  public:
   explicit ApgdIteration(Cpu& cpu) : sums_(cpu) {}
   template <class R, class Real>
-  void start(Cpu&, const ApgdPasses<R, Real>&) {}
+  void start(Cpu&, const ApgdPasses<R, Real>&, const Ghosts<Cpu>* = nullptr) {}
+  bool meets_ranks() const { return false; }
 
   /// Those that a GPU can end early, so that solves on both backends end at the same iterate.
   template <class R, class Real>

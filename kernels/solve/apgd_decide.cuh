@@ -37,13 +37,13 @@ __device__ inline Sums<3> block_sum(Sums<3> mine) {
   return mine;
 }
 
-/// Ends a trial: adds up the sums of all blocks and decides. Each block does so by itself, sooner
-/// than the word of one would reach it, and finds the same bits.
+/// Ends a trial on this device: adds up the sums of all blocks, which have written their velocities by then. Each block
+/// does so by itself, sooner than the word of one would reach it, and finds the same bits.
 /// @param meanwhile  to be done while other blocks finish
-/// @param exact      as of ApgdPasses
+/// @return           in thread 0
 template <class Meanwhile>
-__device__ void decide(const ApgdMeeting& meeting, unsigned trial, const Sums<3>& sums,
-                       ApgdState& state, bool exact, const Meanwhile& meanwhile) {
+__device__ Sums<3> meet_blocks(const ApgdMeeting& meeting, unsigned trial, const Sums<3>& sums,
+                               const Meanwhile& meanwhile) {
   const Sums<3> mine = block_sum(sums);
   if (threadIdx.x == 0) {
     meeting.partial[blockIdx.x] = mine;
@@ -55,7 +55,13 @@ __device__ void decide(const ApgdMeeting& meeting, unsigned trial, const Sums<3>
   // A block writes its next sums when all have read these: before, it waits for their contact steps.
   Sums<3> all;
   for (unsigned k = threadIdx.x; k < gridDim.x; k += kApgdThreads) all.combine(meeting.partial[k]);
-  all = block_sum(all);
+  return block_sum(all);
+}
+
+/// Decides by the sums of all contacts and bodies.
+/// @param all    in thread 0
+/// @param exact  as of ApgdPasses
+__device__ inline void decide(const Sums<3>& all, ApgdState& state, bool exact) {
   if (threadIdx.x == 0) {
     ApgdContactFinish{&state}({{all.value[0], all.value[1]}});
     ApgdBodyFinish{&state, exact}({{all.value[2]}});

@@ -29,6 +29,8 @@
 // and shared memory is dear too.
 // Few bodies make smaller tiles, one for each multiprocessor: what a tile does one after the other is what a pass takes then.
 // That is another program, since the size of whole tiles, when it is not a constant, costs 1.5 % of the time.
+// Where ranks share a problem, each on a GPU of its own, the blocks of all of them meet (rank_meeting.cuh); that is one more
+// program.
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
 
@@ -39,6 +41,7 @@
 #include "kernels/solve/apgd_general.cuh"
 #include "kernels/solve/apgd_tile.cuh"
 #include "kernels/solve/apgd_wide.cuh"
+#include "kernels/solve/rank_meeting.cuh"
 
 namespace scree {
 namespace apgd_sweep {
@@ -49,6 +52,7 @@ inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
 struct Shared {
   unsigned* round_done;         ///< [rounds] contact steps done, over all trials
   ApgdMeeting meeting;          ///< at the end of a trial
+  RankMeeting ranks;            ///< the same of ranks
   const PackedContact* packed;  ///< [contacts]
   Index tile_bodies;            ///< see bodies_of_tile()
 };
@@ -99,11 +103,16 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
   sums.value[2] += static_cast<double>(energy);
 }
 
+/// In place of GhostLinks, where one rank has all bodies.
+struct NoLinks {};
+
 /// @tparam kIsWhole  tiles of kBodies, whose number the compiler knows
-template <int kWeights, Law kLaw, bool kIsMixed, bool kIsWhole, class Real>
+/// @tparam Links     GhostLinks, or NoLinks
+template <int kWeights, Law kLaw, bool kIsMixed, bool kIsWhole, class Links, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
-               int count, double enough) {
+               int count, double enough, const __grid_constant__ Links links) {
+  constexpr bool kIsOverRanks = std::is_same_v<Links, GhostLinks>;
   extern __shared__ __align__(16) unsigned char bytes[];
   TileMemory<Real>& memory = *reinterpret_cast<TileMemory<Real>*>(bytes);
   __shared__ SplitBarrier ready;  // V_y of a tile is there, the pulls of the one before are summed
@@ -111,6 +120,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   __shared__ SplitBarrier reached;  // other blocks are done with the round before
   __shared__ ApgdState state;       // the same in all blocks
   __shared__ unsigned trials;       // before this launch: no block arrives before all know
+  __shared__ unsigned meetings;     // of ranks, before this launch
   const auto blocks = static_cast<Index>(gridDim.x);
   const auto local = static_cast<Index>(threadIdx.x);
   const Index tile_bodies = kIsWhole ? Index{kBodies} : shared.tile_bodies;
@@ -121,6 +131,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     reached.init(1);
     state = *a.state;
     trials = *shared.meeting.arrived / gridDim.x;
+    if constexpr (kIsOverRanks) meetings = links.board[links.rank]->meetings;
   }
   __syncthreads();
   const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x), tile_bodies);
@@ -129,7 +140,8 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     first.start(trial.velocity, trial.previous_velocity, memory.bodies);
   }
   unsigned turn = 0;  // tiles so far: phases of `stepped`
-  for (unsigned k = 0; k < static_cast<unsigned>(count); ++k) {
+  unsigned k = 0;
+  for (; k < static_cast<unsigned>(count); ++k) {
     if (k > 0 && !(state.measure > enough)) break;
     const Trial<Real> trial(a, state, shared.packed);
     const unsigned number = trials + k;
@@ -190,12 +202,27 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       ready.arrive();
     }
     // Nearly all trials are accepted.
-    decide(shared.meeting, number, sums, state, kLaw == Law::coulomb,
-           [&] { first.start(trial.next_velocity, trial.velocity, memory.bodies); });
-    if (state.accepted == accepted) first.restart(trial.velocity, trial.velocity, memory.bodies);
+    Sums<3> all = meet_blocks(shared.meeting, number, sums, [&] {
+      first.start(trial.next_velocity, trial.velocity, memory.bodies);
+    });
+    if constexpr (kIsOverRanks) {
+      __shared__ Sums<3> of_ranks;
+      if (local == 0) of_ranks = all;
+      meet_ranks(&links, shared.ranks, meetings + k + 1, number + 1, &of_ranks,
+                 a.velocity.iterate(state.accepted + 1).data);
+      all = of_ranks;
+    }
+    decide(all, state, kLaw == Law::coulomb);
+    if (state.accepted == accepted) {
+      const Span<const Twist<Real>> same = a.velocity.iterate(state.accepted);
+      first.restart(same, same, memory.bodies);
+    }
   }
   __pipeline_wait_prior(0);
-  if (blockIdx.x == 0 && local == 0) *a.state = state;
+  if (blockIdx.x == 0 && local == 0) {
+    *a.state = state;
+    if constexpr (kIsOverRanks) links.board[links.rank]->meetings = meetings + k;
+  }
 }
 
 /// The sums of one block.
@@ -223,16 +250,25 @@ class ApgdIteration<Cuda> {
       : counters_(cuda), partial_(cuda), packed_(cuda), wide_(cuda), sums_(cuda) {}
 
   template <class R, class Real>
-  void start(Cuda& cuda, const ApgdPasses<R, Real>& a) {
+  void start(Cuda& cuda, const ApgdPasses<R, Real>& a, const Ghosts<Cuda>* ghosts = nullptr) {
+    ghosts_ = nullptr;
     if constexpr (kIsSwept<R, Real>) {
       tiles_ = 0;
-      if (a.p.bodies.owned_count == 0) return;  // of one of several ranks
-      kernel_ = kernel_of<true>(a);
-      const Index size = apgd_sweep::bodies_of_tile(a.p.bodies.owned_count, resident_blocks(cuda));
-      if (size < apgd_sweep::kBodies) kernel_ = kernel_of<false>(a);
+      kernel_ = nullptr;
+      if (ghosts != nullptr && ghosts->links() != nullptr) kernel_ = kernel_over_ranks(a);
+      Index size = apgd_sweep::kBodies;
+      if (kernel_ != nullptr) {
+        ghosts_ = ghosts;
+      } else {
+        if (a.p.bodies.owned_count == 0) return;  // of one of several ranks
+        kernel_ = kernel_of<true>(a);
+        size = apgd_sweep::bodies_of_tile(a.p.bodies.owned_count, resident_blocks(cuda));
+        if (size < apgd_sweep::kBodies) kernel_ = kernel_of<false>(a);
+      }
       tiles_ = (a.p.bodies.owned_count + size - 1) / size;
-      blocks_ = std::min<unsigned>(resident_blocks(cuda), tiles_);
-      const Offset counters = Offset{tiles_} / blocks_ + 2;
+      blocks_ = std::clamp<unsigned>(tiles_, 1, resident_blocks(cuda));
+      constexpr int kMeetings = 3;
+      const Offset counters = kMeetings + Offset{tiles_} / blocks_ + 1;
       counters_.reserve_discard(counters);
       partial_.reserve_discard(blocks_);
       fill(cuda, counters_.view(counters), 0u);
@@ -240,7 +276,12 @@ class ApgdIteration<Cuda> {
       packed_.reserve_discard(radial);
       for_each(cuda, radial,
                apgd_sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
-      shared_ = {counters_.data() + 1, {counters_.data(), partial_.data()}, packed_.data(), size};
+      unsigned* counter = counters_.data();
+      shared_ = {counter + kMeetings,
+                 {counter, partial_.data()},
+                 {counter + 1, counter + 2},
+                 packed_.data(),
+                 size};
     }
     if constexpr (kIsWide<R>) {
       if (cuda.ranks() == nullptr) wide_.start(cuda, a);
@@ -256,16 +297,17 @@ class ApgdIteration<Cuda> {
     return !kIsSwept<R, Real>;
   }
 
+  bool meets_ranks() const { return ghosts_ != nullptr; }
+
   template <class R, class Real>
   void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double enough) {
     if constexpr (kIsSwept<R, Real>) {
+      // A thread whose call waits for its GPU must not keep another one from launching what that GPU waits for.
+      const bool has_threads = ghosts_ != nullptr && ghosts_->has_threads();
+      if (has_threads) any(*cuda.ranks(), false);
       // The law of the sweep tells impacts from other contacts.
-      apgd_sweep::RadialPasses<Real> passes = passes_on<RadialRows<Real>>(a);
-      void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough};
-      check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, apgd_sweep::kThreads, arguments,
-                                             kBytes, cuda.stream()),
-                 "apgd_sweep");
-      cuda.check_launch("apgd_sweep");
+      sweep(cuda, passes_on<RadialRows<Real>>(a), count, enough);
+      if (has_threads) any(*cuda.ranks(), false);
     } else if constexpr (kIsWide<R>) {
       wide_.run(cuda, a, count, enough);
     } else {
@@ -277,7 +319,7 @@ class ApgdIteration<Cuda> {
   template <class R, class Real>
   void queue_trial(Cuda& cuda, const ApgdPasses<R, Real>& a) {
     if constexpr (kIsSwept<R, Real>) {
-      if (tiles_ > 0) run(cuda, a, 1, -1);
+      if (tiles_ > 0) sweep(cuda, passes_on<RadialRows<Real>>(a), 1, -1);
     } else {
       apgd_shared_trial(cuda, a, sums_.resize_discard(1).data);
     }
@@ -298,6 +340,18 @@ class ApgdIteration<Cuda> {
   }
 
  private:
+  void sweep(Cuda& cuda, apgd_sweep::RadialPasses<float> passes, int count, double enough) {
+    apgd_sweep::NoLinks none;
+    GhostLinks links;
+    if (ghosts_ != nullptr) links = *ghosts_->links();
+    void* to_links = ghosts_ != nullptr ? static_cast<void*>(&links) : &none;
+    void* arguments[] = {&passes, &shared_, &tiles_, &count, &enough, to_links};
+    check_cuda(cudaLaunchCooperativeKernel(kernel_, blocks_, apgd_sweep::kThreads, arguments,
+                                           kBytes, cuda.stream()),
+               "apgd_sweep");
+    cuda.check_launch("apgd_sweep");
+  }
+
   /// Doubles take the plain passes, which are faster for them.
   template <class R, class Real>
   static constexpr bool kIsSwept = std::is_same_v<Real, float> &&
@@ -308,6 +362,24 @@ class ApgdIteration<Cuda> {
   static constexpr bool kIsWide = std::is_same_v<R, wide::Rows>;
   static constexpr int kBytes = sizeof(apgd_sweep::TileMemory<float>);
 
+  template <int kWeights, apgd_sweep::Law kLaw, bool kIsMixed, bool kIsWhole,
+            class Links = apgd_sweep::NoLinks>
+  static const void* program() {
+    return reinterpret_cast<const void*>(
+        &apgd_sweep::run_trials<kWeights, kLaw, kIsMixed, kIsWhole, Links, float>);
+  }
+  /// The program of ranks that meet in it; null where there is none: impacts, which are few, take a trial at a time.
+  template <class R>
+  static const void* kernel_over_ranks(const ApgdPasses<R, float>& a) {
+    if constexpr (apgd_sweep::kIsImpact<R, float>) {
+      return nullptr;
+    } else {
+      constexpr bool kIsMixed = apgd_sweep::kIsMixed<R, float>;
+      if (a.exact) return nullptr;
+      return a.metric.one_each ? program<1, apgd_sweep::Law::convex, kIsMixed, true, GhostLinks>()
+                               : program<2, apgd_sweep::Law::convex, kIsMixed, true, GhostLinks>();
+    }
+  }
   template <bool kIsWhole, class R>
   static const void* kernel_of(const ApgdPasses<R, float>& a) {
     if constexpr (apgd_sweep::kIsImpact<R, float>) {
@@ -320,12 +392,10 @@ class ApgdIteration<Cuda> {
   /// Loads behind a branch would start late, so there is a program for each way to store weights.
   template <bool kIsWhole, apgd_sweep::Law kLaw, class R>
   static const void* kernel_of(const StoredMetric<R, float>& metric) {
-    const auto of = [](auto* program) { return reinterpret_cast<const void*>(program); };
     constexpr bool kIsMixed = apgd_sweep::kIsMixed<R, float>;
-    if (metric.values.empty())
-      return of(&apgd_sweep::run_trials<0, kLaw, kIsMixed, kIsWhole, float>);
-    return metric.one_each ? of(&apgd_sweep::run_trials<1, kLaw, kIsMixed, kIsWhole, float>)
-                           : of(&apgd_sweep::run_trials<2, kLaw, kIsMixed, kIsWhole, float>);
+    if (metric.values.empty()) return program<0, kLaw, kIsMixed, kIsWhole>();
+    return metric.one_each ? program<1, kLaw, kIsMixed, kIsWhole>()
+                           : program<2, kLaw, kIsMixed, kIsWhole>();
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {
@@ -334,13 +404,14 @@ class ApgdIteration<Cuda> {
     return cuda.resident_blocks(kernel_, "occupancy of apgd_sweep", kBytes);
   }
 
-  Buffer<Cuda, unsigned> counters_;  ///< arrived, round_done
+  Buffer<Cuda, unsigned> counters_;  ///< arrived, those of RankMeeting, round_done
   Buffer<Cuda, Sums<3>> partial_;
   Buffer<Cuda, PackedContact> packed_;
   wide::Iteration wide_;
   Buffer<Cuda, ApgdSums> sums_;  ///< of one of several ranks, by the plain passes
   apgd_sweep::Shared shared_{};
   const void* kernel_ = nullptr;
+  const Ghosts<Cuda>* ghosts_ = nullptr;  ///< of ranks that meet in the program
   Index tiles_ = 0;
   unsigned blocks_ = 0;
 };

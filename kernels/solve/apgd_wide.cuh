@@ -168,7 +168,7 @@ inline __global__ void __launch_bounds__(kApgdThreads, 4)
     __syncthreads();
     for (Index i = first; i < a.p.bodies.owned_count; i += stride)
       sums.value[2] += body(i).value[0];
-    decide(shared.meeting, trials + k, sums, state, a.exact, [] {});
+    decide(meet_blocks(shared.meeting, trials + k, sums, [] {}), state, a.exact);
   }
   if (blockIdx.x == 0 && threadIdx.x == 0) *a.state = state;
 }

@@ -84,6 +84,18 @@ TEST_F(ParityRanks, FewBodiesConvergeInEveryStep) {
   });
 }
 
+/// A rank without bodies, and without contacts, takes part in all that the others do.
+TEST_F(ParityRanks, OneBodyOnTwoRanks) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  scene.solver = SolverSettings{};
+  add_plane(scene);
+  add_lattice(scene, 1, 1, 1, {0, 0, 0.0055}, 0.0105, 0.005, 2500, 7);
+  const RankedOutcome two = on_gpus(2, scene, nullptr, 100, Precision::single_precision);
+  EXPECT_TRUE(two.report.converged);
+  EXPECT_EQ(two.report.contact_count, 1);
+  EXPECT_NEAR(two.states.position.back().z, 0.005, 2e-5);
+}
+
 TEST_F(ParityRanks, RunsRepeatTheirBits) {
   const Scene scene = bed_scene({.count = 4000}, {});
   const RankedOutcome first = on_gpus(2, scene, nullptr, 80, Precision::single_precision);

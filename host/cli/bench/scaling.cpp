@@ -53,8 +53,8 @@ void tell(Table& table, BenchRecord& record, const char* kind, int ranks, const 
   table.row({kind, std::to_string(ranks), std::to_string(f.bodies), fixed(f.contacts, 0),
              fixed(f.applications, 1), digits(f.residual_relative),
              fmt::format("{}/{}", f.steps - f.not_converged, f.steps),
-             fixed(f.ms("collision").median, 3), fixed(f.ms("solve").median, 3),
-             fixed(f.ms("total").median, 3), efficiency ? fixed(*efficiency, 3) : "-",
+             fixed(f.ms("collision").mean, 3), fixed(f.ms("solve").mean, 3),
+             fixed(f.ms("total").mean, 3), efficiency ? fixed(*efficiency, 3) : "-",
              fixed(s.largest_share, 3), fixed(s.ghost_share, 4),
              ranks > 1 ? fixed(s.messages / applications, 1) : "-",
              ranks > 1 ? fixed(s.bytes / applications / 1024, 1) : "-"});
@@ -77,7 +77,7 @@ int measure_scaling(const BedOptions& options, const std::shared_ptr<Ranks>& ran
   if (leads) {
     bench.print_title();
     fmt::print(
-        "settled bed, warm steps to quality; median ms; one rank alone, then {} together\n"
+        "settled bed, warm steps to quality; mean ms; one rank alone, then {} together\n"
         "messages and KiB: that rank 0 sends in an application of the operator\n",
         count);
   }
@@ -110,9 +110,9 @@ int measure_scaling(const BedOptions& options, const std::shared_ptr<Ranks>& ran
             fmt::format("--sizes {}: {} ranks make {} bodies, 2e9 are possible", size, count, all));
       const Scaled many = measure(bench, bench.bed(is_weak ? static_cast<int>(all) : size), ranks);
       if (!leads) continue;
-      // Beds of other sizes need other numbers of iterations.
+      // Beds of other sizes need other numbers of iterations. Means, since steps that need many alternate with others.
       const auto per_application = [](const Scaled& s) {
-        return s.figures.ms("total").median / std::max(s.figures.applications, 1.0);
+        return s.figures.ms("total").mean / std::max(s.figures.applications, 1.0);
       };
       const double speedup = per_application(*one) / per_application(many);
       tell(table, record, is_weak ? "weak" : "strong", count, many,

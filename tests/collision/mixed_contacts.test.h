@@ -19,6 +19,43 @@ namespace {
 
 enum class Form { sphere, box, capsule, cylinder, cone, ellipsoid, hull };
 
+using Expected = std::tuple<Index, Index, std::uint32_t, ContactGeometry>;  ///< bodies, feature
+
+/// All contacts of two bodies, by bodies and features, that close to the envelope within a step of h. Pair functions are many,
+/// so they are compiled once for both precisions.
+std::vector<Expected> contacts_of(const std::vector<BodySample>& bodies, double h,
+                                  double envelope) {
+  std::vector<Expected> out;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    for (std::size_t j = i + 1; j < bodies.size(); ++j) {
+      const BodySample &a = bodies[i], &b = bodies[j];
+      const auto listed = [&](const ContactGeometry& g, bool is_swapped) {
+        const ContactGeometry x = is_swapped ? swapped(g) : g;
+        return x.gap + h * std::min(0.0, separation_speed(x, a.motion, b.motion)) <= envelope;
+      };
+      PairList::for_each_body_pair([&]<class P>(P, int) {
+        const bool is_reversed = a.kind != P::A::kind;
+        if (is_reversed ? b.kind != P::A::kind || a.kind != P::B::kind : b.kind != P::B::kind)
+          return;
+        const OrderedPair<P> p(a, b, b.position - a.position, is_reversed);
+        const auto is_wanted = [&](const ContactGeometry& g) { return listed(g, p.is_swapped); };
+        const auto add = [&](std::uint32_t feature, const ContactGeometry& g) {
+          out.emplace_back(static_cast<Index>(i), static_cast<Index>(j), feature,
+                           p.is_swapped ? swapped(g) : g);
+        };
+        if constexpr (P::kFeatureBits == 0) {
+          const ContactGeometry g = P::contact(p.a, p.b, p.d, 0);
+          if (is_wanted(g)) add(0, g);
+        } else {
+          const Manifold m = P::manifold(p.a, p.b, p.d, 1e3, is_wanted);
+          for (int k = 0; k < m.count; ++k) add(m.feature[k], m.contact[k]);
+        }
+      });
+    }
+  }
+  return out;
+}
+
 template <class Real>
 class MixedContactsTest : public BackendTest<Real> {
  protected:
@@ -82,10 +119,6 @@ class MixedContactsTest : public BackendTest<Real> {
     }
   }
 
-  static Hull hull(const HullTables& tables, Index k, double half_x) {
-    return view_of(tables).hull(k, half_x);
-  }
-
   static BodySample sample(const Scene& s, const HullTables& hulls, std::size_t i) {
     BodySample b;
     b.kind = shapes::Sphere::kind;
@@ -98,46 +131,17 @@ class MixedContactsTest : public BackendTest<Real> {
     b.kind = record.kind;
     b.half_extents = Vec3d(record.half_extents);
     b.orientation = normalized(Quatd(s.orientation[i]));
-    if (b.kind == shapes::Hull::kind) b.hull = hull(hulls, record.mesh, b.half_extents.x);
+    if (b.kind == shapes::Hull::kind) b.hull = view_of(hulls).hull(record.mesh, b.half_extents.x);
     return b;
   }
 
-  using Expected = std::tuple<Index, Index, std::uint32_t, ContactGeometry>;  ///< bodies, feature
-
   /// All contacts of two bodies, by bodies and features.
   static std::vector<Expected> expected(const Scene& s) {
-    std::vector<Expected> out;
     const HullTables hulls = build_hull_tables(s.obstacles.hulls);
-    const auto n = static_cast<std::size_t>(s.owned_count);
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = i + 1; j < n; ++j) {
-        const BodySample a = sample(s, hulls, i), b = sample(s, hulls, j);
-        const auto listed = [&](const ContactGeometry& g, bool is_swapped) {
-          const ContactGeometry x = is_swapped ? swapped(g) : g;
-          return x.gap + s.h * std::min(0.0, separation_speed(x, a.motion, b.motion)) <=
-                 s.settings.envelope;
-        };
-        PairList::for_each_body_pair([&]<class P>(P, int) {
-          const bool is_reversed = a.kind != P::A::kind;
-          if (is_reversed ? b.kind != P::A::kind || a.kind != P::B::kind : b.kind != P::B::kind)
-            return;
-          const OrderedPair<P> p(a, b, b.position - a.position, is_reversed);
-          const auto is_wanted = [&](const ContactGeometry& g) { return listed(g, p.is_swapped); };
-          const auto add = [&](std::uint32_t feature, const ContactGeometry& g) {
-            out.emplace_back(static_cast<Index>(i), static_cast<Index>(j), feature,
-                             p.is_swapped ? swapped(g) : g);
-          };
-          if constexpr (P::kFeatureBits == 0) {
-            const ContactGeometry g = P::contact(p.a, p.b, p.d, 0);
-            if (is_wanted(g)) add(0, g);
-          } else {
-            const Manifold m = P::manifold(p.a, p.b, p.d, 1e3, is_wanted);
-            for (int k = 0; k < m.count; ++k) add(m.feature[k], m.contact[k]);
-          }
-        });
-      }
-    }
-    return out;
+    std::vector<BodySample> bodies;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(s.owned_count); ++i)
+      bodies.push_back(sample(s, hulls, i));
+    return contacts_of(bodies, s.h, s.settings.envelope);
   }
 
   /// How far apart normals and arms of two devices may be: depths are found to 1e-10 of the size of

@@ -136,7 +136,7 @@ TEST_P(Determinism, ARestoredRunContinuesBitForBit) {
     World whole(scene, cpu_options(2, GetParam()));
     std::vector<std::pair<StepReport, std::uint64_t>> steps;
     std::map<int, WorldState> saved;
-    for (int k = 1; k <= 128; ++k) {
+    for (int k = 1; k <= 90; ++k) {
       const StepReport report = whole.step();
       steps.emplace_back(report, state_hash(whole.states()));
       // Between and after insertions, and where the bodies are sorted.
@@ -148,7 +148,9 @@ TEST_P(Determinism, ARestoredRunContinuesBitForBit) {
       EXPECT_EQ(resumed.steps_done(), half);
       EXPECT_EQ(resumed.time(), steps[static_cast<std::size_t>(half) - 1].first.time);
       EXPECT_EQ(state_hash(resumed.states()), steps[static_cast<std::size_t>(half) - 1].second);
-      for (int k = half; k < 2 * half; ++k) {
+      // What is not saved shows within few steps; the last insertion is in step 62, the sort in 64.
+      const int end = std::max(half + 26, 66);
+      for (int k = half; k < end; ++k) {
         const auto& [a, hash] = steps[static_cast<std::size_t>(k)];
         const StepReport b = resumed.step();
         ASSERT_EQ(a.iterations, b.iterations) << "step " << a.step;

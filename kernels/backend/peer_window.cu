@@ -67,7 +67,7 @@ PeerWindow<Cuda>::~PeerWindow() {
 
 bool PeerWindow<Cuda>::reserve(Ranks& ranks, std::size_t bytes) {
   if (fails_) return false;
-  if (!any(ranks, bytes > size_)) return true;
+  if (!any(ranks, memory_.empty() || bytes > size_)) return true;
   constexpr std::size_t kLeast = std::size_t{1} << 20;
   constexpr std::size_t kUnit = 256;
   const std::size_t wanted = std::max(bytes + bytes / 2, kLeast);

@@ -46,8 +46,6 @@
 namespace scree {
 namespace apgd_sweep {
 
-inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
-
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
   unsigned* round_done;         ///< [rounds] contact steps done, over all trials
@@ -206,11 +204,13 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       first.start(trial.next_velocity, trial.velocity, memory.bodies);
     });
     if constexpr (kIsOverRanks) {
-      __shared__ Sums<3> of_ranks;
-      if (local == 0) of_ranks = all;
-      meet_ranks(&links, shared.ranks, meetings + k + 1, number + 1, &of_ranks,
+      // Pulls are summed up by now.
+      static_assert(sizeof(RankNotes) <= sizeof(memory.pull));
+      auto* notes = reinterpret_cast<RankNotes*>(memory.pull);
+      if (local == 0) notes->sums = all;
+      meet_ranks(&links, shared.ranks, meetings + k + 1, number + 1, notes,
                  a.velocity.iterate(state.accepted + 1).data);
-      all = of_ranks;
+      all = notes->sums;
     }
     decide(all, state, kLaw == Law::coulomb);
     if (state.accepted == accepted) {

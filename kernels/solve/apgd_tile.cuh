@@ -102,6 +102,12 @@ struct TileMemory {
   Pull<Real> pull[kStaged];
 };
 
+inline constexpr int kBlocks = 4;  ///< wanted on a multiprocessor
+inline constexpr int kStaticBytes =
+    480;  ///< of shared memory that a program declares itself, at most: ptxas tells
+/// With more the next larger share of the 256 KB would be taken, which leaves 28 KB: a trial then takes a quarter longer.
+static_assert(kBlocks * (sizeof(TileMemory<float>) + kStaticBytes + 1024) <= 196 * 1024);
+
 /// Bodies [begin, begin + count) and their contacts as A [first, last).
 struct TileRange {
   Index begin, count;

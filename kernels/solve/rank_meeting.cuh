@@ -18,6 +18,13 @@ struct RankMeeting {
   unsigned* taken;  ///< blocks that have taken what came
 };
 
+/// What a block notes at a meeting, in shared memory.
+struct RankNotes {
+  double of_rank[PeerBoard::kMostRanks][3];  ///< sums
+  Sums<3> sums;
+  bool is_last;  ///< to have sent
+};
+
 namespace rank_meeting {
 
 inline constexpr Index kThreads = kApgdThreads;  ///< of a block
@@ -77,18 +84,16 @@ __device__ inline void wait_for_rank(PeerBoard& board, int rank, unsigned meetin
 /// Rooms and sums alternate between two places: a rank that comes to a meeting has taken all of the meeting before, so what
 /// was there one meeting earlier is no longer needed.
 ///
-/// It is a function of its own, and what it gets and gives is in shared memory: written into the sweep it would make that
-/// spill registers, and each trial took a fourth longer (bench/results/h100).
+/// It is a function of its own, which gets and gives sums in shared memory: as a part of the sweep it would make that spill
+/// registers.
 /// @param meeting   its number over the life of the window, from 1  @param of_solve  the same, of this solve
-/// @param sums      shared memory: of this rank, written by thread 0; then of all ranks, added in their order, so that each
-///                  has the same bits
+/// @param notes     with the sums of this rank, written by thread 0; then with those of all ranks, added in their order, so
+///                  that each has the same bits
 /// @param velocity  of all bodies
 static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, RankMeeting here,
-                                               unsigned meeting, unsigned of_solve, Sums<3>* sums,
-                                               Twist<float>* velocity) {
+                                               unsigned meeting, unsigned of_solve,
+                                               RankNotes* notes, Twist<float>* velocity) {
   using namespace rank_meeting;
-  __shared__ double of_rank[PeerBoard::kMostRanks][3];
-  __shared__ bool is_last;
   const GhostLinks& links = *all_links;
   PeerBoard& board = *links.board[links.rank];
   const auto thread = static_cast<int>(threadIdx.x), block = static_cast<int>(blockIdx.x);
@@ -103,19 +108,19 @@ static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, Rank
     if (thread == 0) {
       system_fence();
       const unsigned before = DeviceCounter(*here.sent).fetch_add(1, cuda::memory_order_acq_rel);
-      is_last = before + 1 == of_solve * static_cast<unsigned>(senders);
+      notes->is_last = before + 1 == of_solve * static_cast<unsigned>(senders);
       system_fence();
     }
     __syncthreads();
-    if (is_last && is_other) {  // it speaks for its rank
+    if (notes->is_last && is_other) {  // it speaks for its rank
       PeerBoard& there = *links.board[thread];
-      for (int v = 0; v < 3; ++v) there.sums[turn][links.rank][v] = sums->value[v];
+      for (int v = 0; v < 3; ++v) there.sums[turn][links.rank][v] = notes->sums.value[v];
       SystemFlag(there.came[links.rank]).store(meeting, cuda::memory_order_release);
     }
   }
   if (is_other) {
     wait_for_rank(board, thread, meeting);
-    for (int v = 0; v < 3; ++v) of_rank[thread][v] = board.sums[turn][thread][v];
+    for (int v = 0; v < 3; ++v) notes->of_rank[thread][v] = board.sums[turn][thread][v];
   }
   __syncthreads();
   const Index takers = blocks_that_move(links.count);
@@ -125,11 +130,11 @@ static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, Rank
     if (thread == 0) DeviceCounter(*here.taken).fetch_add(1, cuda::memory_order_release);
   }
   if (thread == 0) {
-    for (int v = 0; v < 3; ++v) of_rank[links.rank][v] = sums->value[v];
+    for (int v = 0; v < 3; ++v) notes->of_rank[links.rank][v] = notes->sums.value[v];
     Sums<3> all;
     for (int r = 0; r < links.ranks; ++r)
-      for (int v = 0; v < 3; ++v) all.value[v] += of_rank[r][v];
-    *sums = all;
+      for (int v = 0; v < 3; ++v) all.value[v] += notes->of_rank[r][v];
+    notes->sums = all;
     wait_for(*here.taken, of_solve * static_cast<unsigned>(takers));
   }
   __syncthreads();

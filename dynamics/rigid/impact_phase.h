@@ -165,8 +165,7 @@ class ImpactPhase {
     });
     for_each(b, test.bodies.owned_count, TakeVelocities<Real>{p, solver_->velocity(), test.bodies});
     solver_->forget_velocity();
-    if (ghosts_ != nullptr)
-      ghosts_->update(b, test.bodies.velocity, test.bodies.angular_velocity);
+    if (ghosts_ != nullptr) ghosts_->update(b, test.bodies.velocity, test.bodies.angular_velocity);
     impulses_.push_back(std::move(found));
     return true;
   }

@@ -14,8 +14,6 @@ namespace scree {
 template <>
 class PeerWindow<Cuda> {
  public:
-  static constexpr int kRooms = 4;
-
   explicit PeerWindow(Cuda&) {}
   ~PeerWindow();
   PeerWindow(const PeerWindow&) = delete;
@@ -33,6 +31,7 @@ class PeerWindow<Cuda> {
   bool has_threads() const { return has_threads_; }
 
  private:
+  static constexpr int kRooms = 4;  ///< two by turns for exchanges of the hosts, two for programs
   static constexpr std::size_t kBoardBytes = 4096;
   static_assert(sizeof(PeerBoard) <= kBoardBytes);
 

@@ -20,8 +20,6 @@ struct PeerBoard {
 template <class B>
 class PeerWindow {
  public:
-  static constexpr int kRooms = 4;
-
   explicit PeerWindow(B&) {}
   /// Makes room for so many bytes from all others together. A call that all ranks make together.
   /// @return  whether ranks can write into each other's memory, which is the same on all of them

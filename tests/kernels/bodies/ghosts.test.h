@@ -1,6 +1,6 @@
-#pragma once
 // Rows of bodies on their way to other ranks: packed and taken out again, and where each has its place.
 
+#include <utility>
 #include <vector>
 
 #include "kernels/bodies/ghosts.h"

@@ -88,8 +88,10 @@ void PeerWindow<Cuda>::open(Ranks& ranks, std::size_t size) {
   works = works && done(cudaGetDeviceProperties(&properties, own.device));
   own.card = properties.uuid;
   void* memory = nullptr;
-  works = works && done(cudaMalloc(&memory, kBoardBytes + kRooms * size));
-  works = works && done(cudaMemset(memory, 0, kBoardBytes)) && done(cudaDeviceSynchronize());
+  // Zeros, because a program knows by the number of a meeting what has come: none is the 0th.
+  const std::size_t all = kBoardBytes + kRooms * size;
+  works = works && done(cudaMalloc(&memory, all));
+  works = works && done(cudaMemset(memory, 0, all)) && done(cudaDeviceSynchronize());
   own.address = static_cast<unsigned char*>(memory);
   works = works && done(cudaIpcGetMemHandle(&own.handle, memory));
   const std::vector<Offer> offers = gather(ranks, own);

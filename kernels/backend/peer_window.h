@@ -2,18 +2,22 @@
 // Memory of each rank that the others write into, so that data need not go through the host.
 
 #include <cstddef>
+#include <cstdint>
 
 #include "kernels/backend/ranks.h"
 
 namespace scree {
 
+/// What a rank writes from within a kernel: 4 bytes of data, and in its upper half the number of the meeting they belong to.
+using PeerWord = std::uint64_t;
+
 /// Where ranks meet from within their kernels: what the others tell a rank lies on its own board. It starts at zero.
 struct PeerBoard {
   static constexpr int kMostRanks = 16;
+  static constexpr int kSumWords = 6;  ///< three sums in double
 
-  unsigned came[kMostRanks];      ///< by rank: number of the last meeting that it came to
-  double sums[2][kMostRanks][3];  ///< what it brought, by turns
-  unsigned meetings;              ///< so far; the rank's own
+  PeerWord sums[2][kMostRanks][kSumWords];  ///< what each rank brought, by turns
+  unsigned meetings;                        ///< so far; the rank's own
 };
 
 /// Each backend may have its own class; this one has no such memory.

@@ -96,7 +96,7 @@ struct GhostLinks {
   Target target[PeerBoard::kMostRanks];
   PeerBoard* board[PeerBoard::kMostRanks];  ///< of each rank
   Span<const Index> sent;                   ///< bodies
-  const unsigned char* rooms = nullptr;     ///< of this rank
+  unsigned char* rooms = nullptr;           ///< of this rank
   Offset room_bytes = 0;
   Index first = 0, count = 0;  ///< ghosts
 

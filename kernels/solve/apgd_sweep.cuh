@@ -50,7 +50,7 @@ namespace apgd_sweep {
 struct Shared {
   unsigned* round_done;         ///< [rounds] contact steps done, over all trials
   ApgdMeeting meeting;          ///< at the end of a trial
-  RankMeeting ranks;            ///< the same of ranks
+  unsigned* taken;              ///< the same of ranks, see meet_ranks()
   const PackedContact* packed;  ///< [contacts]
   Index tile_bodies;            ///< see bodies_of_tile()
 };
@@ -208,7 +208,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       static_assert(sizeof(RankNotes) <= sizeof(memory.pull));
       auto* notes = reinterpret_cast<RankNotes*>(memory.pull);
       if (local == 0) notes->sums = all;
-      meet_ranks(&links, shared.ranks, meetings + k + 1, number + 1, notes,
+      meet_ranks(&links, shared.taken, meetings + k + 1, number + 1, notes,
                  a.velocity.iterate(state.accepted + 1).data);
       all = notes->sums;
     }
@@ -267,7 +267,7 @@ class ApgdIteration<Cuda> {
       }
       tiles_ = (a.p.bodies.owned_count + size - 1) / size;
       blocks_ = std::clamp<unsigned>(tiles_, 1, resident_blocks(cuda));
-      constexpr int kMeetings = 3;
+      constexpr int kMeetings = 2;
       const Offset counters = kMeetings + Offset{tiles_} / blocks_ + 1;
       counters_.reserve_discard(counters);
       partial_.reserve_discard(blocks_);
@@ -277,11 +277,8 @@ class ApgdIteration<Cuda> {
       for_each(cuda, radial,
                apgd_sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
       unsigned* counter = counters_.data();
-      shared_ = {counter + kMeetings,
-                 {counter, partial_.data()},
-                 {counter + 1, counter + 2},
-                 packed_.data(),
-                 size};
+      shared_ = {
+          counter + kMeetings, {counter, partial_.data()}, counter + 1, packed_.data(), size};
     }
     if constexpr (kIsWide<R>) {
       if (cuda.ranks() == nullptr) wide_.start(cuda, a);
@@ -404,7 +401,7 @@ class ApgdIteration<Cuda> {
     return cuda.resident_blocks(kernel_, "occupancy of apgd_sweep", kBytes);
   }
 
-  Buffer<Cuda, unsigned> counters_;  ///< arrived, those of RankMeeting, round_done
+  Buffer<Cuda, unsigned> counters_;  ///< arrived, taken, round_done
   Buffer<Cuda, Sums<3>> partial_;
   Buffer<Cuda, PackedContact> packed_;
   wide::Iteration wide_;

@@ -141,6 +141,13 @@ class ContactDetector {
     contact_count_ = radial_count_ = 0;
   }
 
+  /// Fixed bodies move back in storage by so many places: what is remembered of the last step is void, and so are its contacts.
+  void follow_fixed_bodies(B& b, Index shift) {
+    forget_places();
+    contact_count_ = radial_count_ = 0;
+    obstacles_.follow_fixed_bodies(b, shift);
+  }
+
   /// Bodies were put elsewhere: what is remembered of the last step and of near pairs is void.
   void forget_places() {
     memory_.forget();

@@ -25,8 +25,11 @@ class ImpactMargins {
         b, graph.contacts.count,
         StartMargins<Real>{graph, margin, room_.resize_discard(graph.contacts.count)},
         StoreResult<Largest<double>>{largest_.data()});
-    if (ghosts != nullptr) ghosts->update(b, margin);
-    return largest_over_ranks(b, fetch(b, largest_.data()).value);
+    if (ghosts != nullptr) ghosts->send(b, margin);
+    // When all have told theirs, all have sent.
+    const double largest = largest_over_ranks(b, fetch(b, largest_.data()).value);
+    if (ghosts != nullptr) ghosts->receive(b, margin);
+    return largest;
   }
 
   /// Passes the margins on through the contacts.

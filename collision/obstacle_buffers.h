@@ -84,6 +84,13 @@ class ObstacleBuffers {
   std::uint64_t solid_elements() const { return solid_elements_; }
   ShapeSet<Real> shapes() const { return {whole(shapes_), hulls_.view()}; }
 
+  /// Fixed bodies move back in storage by so many places.
+  void follow_fixed_bodies(B& b, Index shift) {
+    const auto shapes = static_cast<Index>(shapes_.capacity());
+    for_each(b, shapes, FollowFixedBodies<ShapeRecord<Real>>{shapes_.view(), shift});
+    for_each(b, solid_count_, FollowFixedBodies<WallSolid>{solids_.view(solid_count_), shift});
+  }
+
   /// Takes over the poses and motions of the wall bodies.
   void refresh(B& b, const BodyView<Real>& bodies, const ContactRange& range,
                const ContactKeys& keys) {

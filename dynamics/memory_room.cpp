@@ -2,12 +2,16 @@
 
 #include <algorithm>
 
+#include "kernels/backend/ranks.h"
+
 namespace scree {
 
 MemoryRoom::MemoryRoom(const WorldOptions& options) {
   const DeviceInfo device = device_info(options.backend, options.device);
   all = static_cast<double>(device.memory_bytes);
   free = static_cast<double>(device.free_bytes);
+  if (options.ranks != nullptr && options.backend == BackendKind::cuda)
+    devices = options.ranks->count();
   if (options.memory_limit == 0) return;
   const auto limit = static_cast<double>(options.memory_limit);
   all = std::min(all, limit);

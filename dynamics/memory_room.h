@@ -11,6 +11,8 @@ struct MemoryRoom {
   double all = 0;           ///< [bytes]
   double free = 0;          ///< [bytes]
   bool is_limited = false;  ///< free is the limit of the options
+  /// That divide the bodies of a scene, one to a rank. Ranks without a GPU share the memory of their host.
+  int devices = 1;
 };
 
 }  // namespace scree

@@ -140,8 +140,6 @@ class Apgd final : public Solver<B, Real> {
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contacts_in_all() == 0) return {0, 0, true, {}};
-    if (this->is_over_ranks() && params_.law != ApgdLaw::convex)
-      throw std::logic_error("exact friction does not know ranks");
     if (R::kHasJoints && params_.law != ApgdLaw::convex)
       throw std::logic_error("exact friction does not know joints");
 
@@ -265,7 +263,7 @@ class Apgd final : public Solver<B, Real> {
       // Where trials cannot end or their level is not known yet, checks are frequent.
       const double aim =
           is_late && !this->is_recorded() ? std::max(tolerance, kWorth * best) : tolerance;
-      const bool stops = this->is_over_ranks() || (!is_lifted && w.iteration.stops(passes));
+      const bool stops = !is_lifted && (this->is_over_ranks() || w.iteration.stops(passes));
       const double enough = stops ? root_count * gauge_.level(aim) : -1;
       int most = wait + wait / 4 + 1;
       if (this->is_recorded() || !stops || (enough < 0 && aim > 0)) {
@@ -274,17 +272,20 @@ class Apgd final : public Solver<B, Real> {
         most = std::min(most, to_half);
       }
       most = std::min(most, left);
-      if (this->is_over_ranks() && !w.iteration.meets_ranks()) {
-        run_over_ranks(b, w.iteration, passes, most, enough);
-        continue;
-      }
+      const auto run_trials = [&](int count, double down_to) {
+        if (this->is_over_ranks() && !w.iteration.meets_ranks()) {
+          run_over_ranks(b, w.iteration, passes, count, down_to);
+        } else {
+          w.iteration.run(b, passes, count, down_to);
+        }
+      };
       if (!is_lifted) {
-        w.iteration.run(b, passes, most, enough);
+        run_trials(most, enough);
         continue;
       }
       for (int done = 0; done < most; done += kLiftEvery) {
         follow_lift();
-        w.iteration.run(b, passes, std::min(kLiftEvery, most - done), -1);
+        run_trials(std::min(kLiftEvery, most - done), -1);
       }
     }
     if (is_best) {  // the last iterate, whose velocities and residual are at hand

@@ -89,6 +89,10 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     }
   }
   bool keeps_marks() const override { return inner_->keeps_marks(); }
+  void set_ghosts(const Ghosts<B>* ghosts) override {
+    Solver<B, Real>::set_ghosts(ghosts);
+    for (Solver<B, Real>* solver : solvers()) solver->set_ghosts(ghosts);
+  }
 
  private:
   struct Workspace {
@@ -147,7 +151,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance,
                  const SolveStats& first) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
-    if (p.contact_count == 0) return {0, 0, true, {}};
+    if (p.contacts_in_all() == 0) return {0, 0, true, {}};
     Workspace w(b, p.contact_count);
     const Span<Real> shift = w.shift.view(), change = w.change.view(), bias = w.bias.view();
     ContactProblem<Real> shifted = p;
@@ -155,17 +159,19 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     double relaxation = 1;
     // Moves the shift towards what the present velocities ask for; returns the RMS distance to it.
     const auto update_bias = [&](Span<const Vec3<Real>> guess) {
-      reduce<ShiftSums>(b, p.contact_count, ShiftChange<R, Real>{p, velocity, shift, change, guess},
-                        StoreResult<ShiftSums>{w.sums.data()});
+      // Both ranks of a contact across a border move its shift, and one counts it.
+      reduce_contacts<ShiftSums>(b, p, ShiftChange<R, Real>{p, velocity, shift, change, guess},
+                                 StoreResult<ShiftSums>{w.sums.data()});
       const ShiftSums sums = fetch(b, w.sums.data());
       relaxation = next_relaxation(relaxation, sums);
       for_each(b, p.contact_count,
                ShiftBias<Real>{static_cast<Real>(relaxation), p.bias, change, shift, bias});
-      return std::sqrt(sums.change_squares / p.contact_count);
+      return std::sqrt(sums.change_squares / p.contacts_in_all());
     };
 
     ContactPasses<R, B, Real>::project_impulses(b, p, gamma);
     ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
+    this->update_ghosts(b, velocity);
     fill(b, shift, Real(0));
     fill(b, change, Real(0));
     // A contact with a guessed impulse probably goes on sliding as it does; any other starts from
@@ -198,6 +204,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
     }
     stats.converged = stats.residual.exact_rms <= tolerance;
     stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
+    w.residual.template add_own<R>(b, p, gamma, velocity, stats.residual);
     return stats;
   }
 
@@ -206,8 +213,11 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   Residual result_of(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
-    ResidualEvaluator<B, Real> residual(b);
-    return residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
+    this->update_ghosts(b, velocity);
+    ResidualEvaluator<B, Real> evaluator(b);
+    Residual residual = evaluator.template evaluate_with_objective<R>(b, p, gamma, velocity);
+    evaluator.template add_own<R>(b, p, gamma, velocity, residual);
+    return residual;
   }
 
   /// Aitken's rule: the step that a secant through the last two changes would take. Between a

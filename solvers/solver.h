@@ -112,7 +112,7 @@ class Solver {
   virtual bool keeps_marks() const { return false; }
 
   /// With several ranks: solve() is then a call that all make together. Those that can say so on their card.
-  void set_ghosts(const Ghosts<B>* ghosts) { ghosts_ = ghosts; }
+  virtual void set_ghosts(const Ghosts<B>* ghosts) { ghosts_ = ghosts; }
 
   /// When set, every residual check of a solve is appended here.
   void record_curve(std::vector<CurvePoint>* curve) { curve_ = curve; }

@@ -9,21 +9,30 @@ namespace {
 
 constexpr std::size_t kMostSamples = 200'000;
 
-/// Every stride-th place, so that there are not too many.
-std::vector<WorkSample> sampled(std::vector<WorkSample> all) {
-  const std::size_t stride = all.size() / kMostSamples + 1;
-  if (stride == 1) return all;
-  std::vector<WorkSample> some;
-  for (std::size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
-  return some;
+/// Calls f with the place of every free body.
+template <class F>
+void for_each_place(const std::vector<BodyDescription>& bodies,
+                    const std::vector<ParticleSet>& sets, const F& f) {
+  for (const BodyDescription& body : bodies)
+    if (body.kind == BodyKind::free) f(body.position);
+  for (const ParticleSet& set : sets)
+    for (const Vec3d& x : set.position) f(x);
 }
 
-void add_samples(const std::vector<BodyDescription>& bodies, const std::vector<ParticleSet>& sets,
-                 std::vector<WorkSample>& samples) {
-  for (const BodyDescription& body : bodies)
-    if (body.kind == BodyKind::free) samples.push_back({body.position});
-  for (const ParticleSet& set : sets)
-    for (const Vec3d& x : set.position) samples.push_back({x});
+/// Every stride-th place, so that there are not too many, and never a copy of all.
+/// @param visit  visit(f) calls f with each place
+template <class Visit>
+std::vector<WorkSample> sampled(const Visit& visit) {
+  std::size_t all = 0;
+  visit([&](const Vec3d&) { ++all; });
+  const std::size_t stride = all / kMostSamples + 1;
+  std::vector<WorkSample> samples;
+  samples.reserve(all / stride + 1);
+  std::size_t i = 0;
+  visit([&](const Vec3d& x) {
+    if (i++ % stride == 0) samples.push_back({x});
+  });
+  return samples;
 }
 
 /// State of a body on its way.
@@ -37,19 +46,27 @@ struct StateRow {
 }  // namespace
 
 std::vector<WorkSample> work_samples(const Scene& scene) {
-  std::vector<WorkSample> samples;
-  add_samples(scene.bodies, scene.particles, samples);
-  if (samples.empty())
+  std::vector<WorkSample> samples =
+      sampled([&](const auto& f) { for_each_place(scene.bodies, scene.particles, f); });
+  if (!samples.empty()) return samples;
+  return sampled([&](const auto& f) {
     for (const Insertion& insertion : scene.insertions)
-      add_samples(insertion.bodies, insertion.particles, samples);
-  return sampled(std::move(samples));
+      for_each_place(insertion.bodies, insertion.particles, f);
+  });
 }
 
 std::vector<WorkSample> work_samples(const std::vector<Vec3d>& positions) {
-  std::vector<WorkSample> samples;
-  samples.reserve(positions.size());
-  for (const Vec3d& x : positions) samples.push_back({x});
-  return sampled(std::move(samples));
+  return sampled([&](const auto& f) {
+    for (const Vec3d& x : positions) f(x);
+  });
+}
+
+std::int64_t count_free_bodies(const std::vector<BodyDescription>& bodies,
+                               const std::vector<ParticleSet>& sets,
+                               const std::function<bool(const Vec3d&)>& here) {
+  std::int64_t count = 0;
+  for_each_place(bodies, sets, [&](const Vec3d& x) { count += here(x) ? 1 : 0; });
+  return count;
 }
 
 void gather_states(Ranks& ranks, const std::vector<std::int32_t>& owned, BodyStates& states) {

@@ -16,6 +16,11 @@ std::vector<WorkSample> work_samples(const Scene& scene);
 /// Places of bodies, all of the same weight.
 std::vector<WorkSample> work_samples(const std::vector<Vec3d>& positions);
 
+/// Free bodies whose place is one of those that `here` names.
+std::int64_t count_free_bodies(const std::vector<BodyDescription>& bodies,
+                               const std::vector<ParticleSet>& sets,
+                               const std::function<bool(const Vec3d&)>& here);
+
 /// Rank 0 gets the rows of all owned bodies. @param owned  ids of those here  @param states  of all bodies, by id
 void gather_states(Ranks& ranks, const std::vector<std::int32_t>& owned, BodyStates& states);
 

@@ -35,7 +35,6 @@ bool has_compounds(const Scene& scene) {
 void require_shareable(const Scene& scene) {
   if (!scene.joints.empty()) refuse("joints are simulated");
   if (has_compounds(scene)) refuse("compounds are simulated");
-  if (scene.solver.exact_coulomb) refuse("solver.coulomb \"exact\" runs");
   const SolverCard& solver = solver_card(scene.solver.name);
   if (!solver.over_ranks) {
     std::string known;

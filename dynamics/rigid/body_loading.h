@@ -4,6 +4,7 @@
 #include <functional>
 #include <utility>
 
+#include "dynamics/ranks/gather.h"
 #include "dynamics/rigid/body_store.h"
 #include "dynamics/rigid/obstacles.h"
 #include "host/scene/added_bodies.h"
@@ -79,6 +80,7 @@ class BodyLoading {
  private:
   /// Uploads bodies, which get the next ids, and frees the host's memory of them as it goes.
   void load(std::vector<BodyDescription>& bodies, std::vector<ParticleSet>& sets) {
+    store_->make_room(store_->owned_count() + free_bodies_here(bodies, sets));
     typename BodyStore<B, Real>::Loader free(*store_, store_->owned_count());
     typename BodyStore<B, Real>::Loader fixed(*store_, store_->fixed_begin());
     for (const BodyDescription& body : bodies) {
@@ -103,6 +105,11 @@ class BodyLoading {
   }
 
   bool owns(const Vec3d& position) const { return !owns_ || owns_(position); }
+  /// Those of this rank; a run of one has room for all.
+  Offset free_bodies_here(const std::vector<BodyDescription>& bodies,
+                          const std::vector<ParticleSet>& sets) const {
+    return owns_ ? count_free_bodies(bodies, sets, owns_) : 0;
+  }
 
   void insert_next() {
     Insertion& insertion = scene_->insertions[insertions_done_];

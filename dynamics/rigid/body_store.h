@@ -2,6 +2,7 @@
 // The bodies of a running simulation in backend memory, and the maps between storage order and ids.
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -26,7 +27,7 @@ inline constexpr Index kTransferChunk = 65536;
 template <class B, class Real>
 class BodyStore {
  public:
-  /// @param capacity       free bodies ever in the simulation, insertions included
+  /// @param capacity       places for free bodies and ghosts, see make_room()
   /// @param solid_spheres  see SceneSummary: their moments are not stored
   BodyStore(B& backend, Index capacity, Index fixed_count, const SharedConstants& shared,
             bool solid_spheres)
@@ -159,9 +160,33 @@ class BodyStore {
   /// Places for free bodies, ghosts included.
   Index capacity() const { return ranges_.fixed_begin; }
 
+  /// Called with a number of places, before fixed bodies move back in storage by so many.
+  void before_growth(std::function<void(Index)> act) { before_growth_ = std::move(act); }
+  /// Makes room for so many free bodies and ghosts. It may move fixed bodies in storage.
+  /// @throws RunError when storage cannot be numbered
+  void make_room(Offset places) {
+    if (places <= capacity()) return;
+    constexpr Offset kMost = std::numeric_limits<Index>::max();
+    const Offset most = kMost - ranges_.fixed_count();
+    if (places > most) throw_no_room_for_bodies(places, most);
+    const auto shift =
+        static_cast<Index>(std::min(most, places + places / kSpareShare + kSpare) - capacity());
+    if (before_growth_) before_growth_(shift);
+    const Index at = ranges_.fixed_begin;
+    open_gap(*b_, position_, at, shift, Vec3<double>{});
+    open_gap(*b_, orientation_, at, shift, Quat<Real>{});
+    open_gap(*b_, velocity_, at, shift, Vec3<Real>{});
+    open_gap(*b_, angular_velocity_, at, shift, Vec3<Real>{});
+    open_gap(*b_, id_, at, shift, Index(-1));
+    if (inertia_.capacity() > 0) open_gap(*b_, inertia_, at, shift, Vec3<Real>{});
+    inv_mass_.grow(*b_, at, shift), radius_.grow(*b_, at, shift), shape_.grow(*b_, at, shift);
+    locks_.grow(*b_, at, shift), material_.grow(*b_, at, shift), group_.grow(*b_, at, shift);
+    ranges_.fixed_begin += shift;
+    ranges_.count += shift;
+  }
+
   /// Sends rows of owned bodies to other ranks and stores those that come behind the owned bodies, by rank.
   /// @param to  places, for each rank  @return how many came from each rank
-  /// @throws RunError when there is no room for them
   std::vector<Index> send_bodies(Ranks& ranks, const std::vector<std::vector<Index>>& to) {
     std::vector<Index> places;
     for (const std::vector<Index>& of_rank : to)
@@ -191,8 +216,7 @@ class BodyStore {
       came.push_back(static_cast<Index>(of_rank.size() / row));
       total += came.back();
     }
-    if (total > capacity() - ranges_.owned_count)
-      throw_no_room_for_bodies(ranges_.owned_count + total, capacity());
+    make_room(ranges_.owned_count + total);
     std::vector<std::size_t> read(in.size(), 0);
     for_each_array([&](auto& array) {
       using Value = std::remove_pointer_t<decltype(array.data())>;
@@ -336,6 +360,9 @@ class BodyStore {
   }
 
  private:
+  /// Places beyond those asked for: one in so many, and some.
+  static constexpr Offset kSpareShare = 16, kSpare = 64;
+
   /// Row k becomes that of place order[k].
   void gather_owned(const std::vector<Index>& order) {
     Buffer<B, Index> on_backend(*b_);
@@ -408,6 +435,7 @@ class BodyStore {
   ConstantArray<B, std::uint8_t> material_;
   ConstantArray<B, Index> group_;
   BodyRanges ranges_;
+  std::function<void(Index)> before_growth_;
 };
 
 }  // namespace scree

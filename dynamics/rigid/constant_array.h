@@ -2,12 +2,26 @@
 // A constant of every body in backend memory, see PerBody.
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "kernels/backend/backend.h"
 #include "kernels/bodies/per_body.h"
 
 namespace scree {
+
+/// Opens a gap in an array, filled with one value.
+template <class B, class T>
+void open_gap(B& b, Buffer<B, T>& array, Index at, Index places, T filler) {
+  const Offset count = array.capacity(), behind = count - at;
+  Buffer<B, T> larger(b, count + places);
+  const Span<T> to = larger.view();
+  const Span<const T> from = std::as_const(array).view(count);
+  copy(b, from.first(at), to.first(at));
+  fill(b, Span<T>{to.data + at, places}, filler);
+  copy(b, Span<const T>{from.data + at, behind}, Span<T>{to.data + at + places, behind});
+  swap(array, larger);
+}
 
 template <class B, class T>
 class ConstantArray {
@@ -21,6 +35,15 @@ class ConstantArray {
         array_(b, count - first_),
         shared_on_backend_(b) {
     fill(b, array_.view(), filler);
+  }
+
+  /// Fixed bodies move back in storage by so many places. @param fixed_begin  before it
+  void grow(B& b, Index fixed_begin, Index shift) {
+    if (first_ > 0) {
+      first_ += shift;
+    } else {
+      open_gap(b, array_, fixed_begin, shift, shared_);
+    }
   }
 
   PerBody<T> view() const {

@@ -59,6 +59,13 @@ class Obstacles {
             ranges_.view(range_count_), hulls_->view()};
   }
 
+  /// Fixed bodies move back in storage by so many places.
+  void follow_fixed_bodies(B& b, Index shift) {
+    for (ShapeRecord<Real>& record : data_.shapes)
+      if (record.body >= 0) record.body += shift;
+    upload(b, data_.shapes, shapes_);
+  }
+
   /// [parts] id of the body of each.
   std::vector<Index> part_owners() const {
     std::vector<Index> owner(data_.parts.size(), -1);

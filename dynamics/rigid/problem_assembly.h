@@ -127,13 +127,15 @@ class ProblemAssembly {
   void share(B& b, StepProblem<B, Real>& step) {
     if (ghosts_ == nullptr) return;
     ContactProblem<Real>& p = step.problem;
-    reduce_contacts<Sums<1>>(b, p, EachContact{},
-                             StoreResult<Sums<1>>{contacts_.resize_discard(1).data});
-    p.all_contacts = static_cast<Offset>(fetch(b, std::as_const(contacts_).data()).value[0]);
     const Index moving = p.bodies.moving_count, owned = p.bodies.owned_count;
     const Span<Index> count = step.contacts_of_body.resize_discard(moving);
     for_each(b, owned, ContactsOfBodies<Real>{p, count});
-    ghosts_->update(b, count);
+    ghosts_->send(b, count);
+    // When all have told how many contacts they have, all have sent.
+    reduce_contacts<Sums<1>>(b, p, EachContact{},
+                             StoreResult<Sums<1>>{contacts_.resize_discard(1).data});
+    p.all_contacts = static_cast<Offset>(fetch(b, std::as_const(contacts_).data()).value[0]);
+    ghosts_->receive(b, count);
     p.ghost_contacts = Span<const Index>{count.data + owned, moving - owned};
   }
 

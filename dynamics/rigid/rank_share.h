@@ -58,9 +58,13 @@ class RankShare {
                        StoreResult<BallExtent>{own_extent_.data()});
     const std::vector<BallExtent> all =
         gather(*ranks_, fetch(*b_, std::as_const(own_extent_).data()));
+    // On their way while it is found out whether they serve: when all have said so, all have sent.
+    if (is_current_)
+      store.with_states([&](auto&... arrays) { ghosts_.send(*b_, arrays.view()...); });
     const bool serves = is_current_ && shows_all(reach, all);
+    b_->synchronize();
     if (!any(*ranks_, !serves)) {
-      store.with_states([&](auto&... arrays) { ghosts_.update(*b_, arrays.view()...); });
+      store.with_states([&](auto&... arrays) { ghosts_.receive(*b_, arrays.view()...); });
       return false;
     }
     choose(store, reach, all);

@@ -9,6 +9,7 @@
 #include "dynamics/model_on.h"
 #include "dynamics/ranks/common_error.h"
 #include "dynamics/ranks/gather.h"
+#include "dynamics/ranks/rank_plan.h"
 #include "dynamics/ranks/shareable.h"
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/body_store.h"
@@ -44,18 +45,17 @@ class RigidDynamics final : public ModelOn<B, Real> {
  public:
   /// @param summary     see summarize_run()
   /// @param near_pairs  whether the list of near pairs is kept between steps
-  /// @param ranks       null: this process alone
   RigidDynamics(std::unique_ptr<B> on, Scene scene, const SceneSummary& summary, bool near_pairs,
-                std::shared_ptr<Ranks> ranks)
+                RankPlan plan)
       : ModelOn<B, Real>(std::move(on), scene),
-        ranks_(std::move(ranks)),
+        ranks_(std::move(plan.ranks)),
         scene_(std::move(scene)),
         gravity_(scene_.gravity),
         summary_(summary),
         motion_(scene_),
-        store_(backend(), summary_.free_capacity, summary_.fixed_count, shared_constants(scene_),
+        store_(backend(), plan.places, summary_.fixed_count, shared_constants(scene_),
                summary_.solid_spheres),
-        loads_(backend(), store_.count()),
+        loads_(backend(), summary_.free_capacity + summary_.fixed_count),
         obstacles_(backend(), scene_, store_.fixed_begin()),
         parts_(backend(), obstacles_.data(), obstacles_.shapes(), store_.ranges(), periodic_box()),
         detector_(backend(), collision_settings(scene_, summary_, near_pairs), obstacles_.data()),
@@ -65,9 +65,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
         integration_(backend()),
         forces_(scene_),
         solver_(make_step_solver()),
-        shared_(ranks_ ? std::make_unique<SharedState<B, Real>>(backend(), *ranks_, scene_,
-                                                                summary_.median_diameter, store_,
-                                                                detector_, *solver_, vectors())
+        shared_(ranks_ ? std::make_unique<SharedState<B, Real>>(
+                             backend(), *ranks_, std::move(plan.decomposition),
+                             summary_.median_diameter, store_, detector_, *solver_, vectors())
                        : nullptr),
         loading_(scene_, store_, obstacles_, owned_here()) {
     if (shared_) {
@@ -76,6 +76,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       detector_.set_ghosts(&shared_->ghosts());
       assembly_.set_ghosts(&shared_->ghosts());
       impacts_.set_ghosts(&shared_->ghosts());
+      store_.before_growth([this](Index shift) { follow_fixed_bodies(shift); });
     }
     loading_.load_first();
     motion_.set(store_, 0, 1);
@@ -407,6 +408,13 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return static_cast<int>(std::min<Offset>(count, std::numeric_limits<int>::max()));
   }
 
+  /// Storage has to grow: fixed bodies move back by so many places.
+  void follow_fixed_bodies(Index shift) {
+    shared_->remember_contacts();
+    obstacles_.follow_fixed_bodies(backend(), shift);
+    detector_.follow_fixed_bodies(backend(), shift);
+  }
+
   std::function<bool(const Vec3d&)> owned_here() const {
     if (!shared_) return {};
     return [shared = shared_.get()](const Vec3d& x) { return shared->owns(x); };
@@ -593,9 +601,10 @@ std::unique_ptr<Dynamics> make_rigid(Scene scene, const WorldOptions& options) {
   const SceneSummary summary = summarize_run(scene, options);
   const bool is_shared = options.ranks != nullptr && options.ranks->count() > 1;
   if (is_shared) require_shareable(scene);
+  RankPlan plan =
+      is_shared ? plan_for_ranks(options.ranks, scene) : plan_for_one(summary.free_capacity);
   return std::make_unique<RigidDynamics<B, Real>>(make_backend<B>(options), std::move(scene),
-                                                  summary, near_pairs,
-                                                  is_shared ? options.ranks : nullptr);
+                                                  summary, near_pairs, std::move(plan));
 }
 
 }  // namespace scree

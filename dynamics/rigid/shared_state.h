@@ -15,25 +15,37 @@ namespace scree {
 template <class B, class Real>
 class SharedState {
  public:
-  /// @param scene     that is still to be loaded  @param diameter  median of the free bodies [m]
+  /// @param diameter  median of the free bodies [m]
   /// @param store, detector, solver  of the run; they outlive this object
   /// @param vectors   of the impulse of a contact
-  SharedState(B& b, Ranks& ranks, const Scene& scene, double diameter, BodyStore<B, Real>& store,
-              ContactDetector<B, Real>& detector, Solver<B, Real>& solver, int vectors)
+  SharedState(B& b, Ranks& ranks, Decomposition decomposition, double diameter,
+              BodyStore<B, Real>& store, ContactDetector<B, Real>& detector,
+              Solver<B, Real>& solver, int vectors)
       : b_(&b),
         ranks_(&ranks),
         store_(&store),
         detector_(&detector),
         solver_(&solver),
         vectors_(vectors),
-        share_(b, ranks, Decomposition::of(work_samples(scene), ranks.count()), kSlack * diameter) {
-  }
+        share_(b, ranks, std::move(decomposition), kSlack * diameter) {}
 
   const Ghosts<B>& ghosts() const { return share_.ghosts(); }
   /// Whether a body at this place belongs to this rank.
   bool owns(const Vec3d& x) const { return share_.owns(x); }
   /// Owned bodies changed places, and contacts have their new names.
   void follow(BodyOrder<B>& order) { share_.follow(order); }
+
+  /// Contacts of the last step by the ids of their bodies, until there are ghosts again: before bodies change places.
+  void remember_contacts() {
+    if (remembered_) return;
+    remembered_ = no_contacts();
+    std::vector<std::uint64_t> key;
+    detector_->save(*b_, key, remembered_->at<Vec3d>("contact/impulse"));
+    NamedContacts names = names_of(key, detector_->keys(), store_->ids());
+    remembered_->at<std::int32_t>("contact/body_a") = std::move(names.body_a);
+    remembered_->at<std::int32_t>("contact/body_b") = std::move(names.body_b);
+    remembered_->at<std::uint64_t>("contact/feature") = std::move(names.feature);
+  }
 
   /// Before a step: inserts bodies, and gives those that left the space of this rank to the ones where they are.
   /// @param step     number of steps done  @param inserts  whether bodies are due  @param insert  puts them behind the others
@@ -122,18 +134,6 @@ class SharedState {
   static constexpr double kSlack = 0.2;
 
   void drop_ghosts() { store_->set_owned_count(store_->owned_count()); }
-
-  /// Contacts of the last step by the ids of their bodies, until there are ghosts again.
-  void remember_contacts() {
-    if (remembered_) return;
-    remembered_ = no_contacts();
-    std::vector<std::uint64_t> key;
-    detector_->save(*b_, key, remembered_->at<Vec3d>("contact/impulse"));
-    NamedContacts names = names_of(key, detector_->keys(), store_->ids());
-    remembered_->at<std::int32_t>("contact/body_a") = std::move(names.body_a);
-    remembered_->at<std::int32_t>("contact/body_b") = std::move(names.body_b);
-    remembered_->at<std::uint64_t>("contact/feature") = std::move(names.feature);
-  }
 
   /// All ranks have the whole state, so all refuse it or none.
   void require_whole(const WorldState& s, const std::vector<std::int32_t>& id) {

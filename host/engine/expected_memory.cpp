@@ -28,8 +28,9 @@ std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
   return static_cast<std::size_t>(body_count(scene) * card.bytes_per_body(scene, options));
 }
 
-void require_memory_for(double bodies, double bytes_per_body, const WorldOptions& options) {
+void require_memory_for(double all_bodies, double bytes_per_body, const WorldOptions& options) {
   const MemoryRoom room(options);
+  const double bodies = all_bodies / room.devices;
   const double needed = bodies * bytes_per_body, mib = 1024.0 * 1024.0;
   if (needed <= room.free) return;
   const char* where = options.backend == BackendKind::cuda ? "device" : "host";
@@ -38,9 +39,10 @@ void require_memory_for(double bodies, double bytes_per_body, const WorldOptions
           ? fmt::format("the limit is {:.0f} MiB", room.free / mib)
           : fmt::format("{:.0f} of {:.0f} MiB are free", room.free / mib, room.all / mib);
   throw InputError(
-      fmt::format("{:.0f} bodies need about {:.0f} MiB of {} memory, {}: about {:.0f} "
+      fmt::format("{:.0f} bodies{} need about {:.0f} MiB of {} memory, {}: about {:.0f} "
                   "bodies fit",
-                  bodies, needed / mib, where, there, std::floor(room.free / bytes_per_body)));
+                  bodies, room.devices > 1 ? " of a rank" : "", needed / mib, where, there,
+                  std::floor(room.free / bytes_per_body)));
 }
 
 void require_memory(const Scene& scene, const WorldOptions& options) {

@@ -45,6 +45,17 @@ struct WallSolid {
   Vec3d half;          ///< half the edges of a box about it, world axes [m]
 };
 
+/// Records follow their fixed bodies, which moved back in storage.
+template <class T>
+struct FollowFixedBodies {
+  static constexpr const char* name = "follow_fixed_bodies";
+  Span<T> record;  ///< of a wall, or of any shape
+  Index shift;
+  SCREE_HD void operator()(Index k) const {
+    if (record[k].body >= 0) record[k].body += shift;
+  }
+};
+
 template <class Real>
 SCREE_HD RigidMotion load_motion(const BodyView<Real>& bodies, const ContactRange& range, Index i) {
   return {course_velocity(bodies, range, i), Vec3d(bodies.angular_velocity[i])};

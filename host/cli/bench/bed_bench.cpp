@@ -11,6 +11,7 @@
 #include "host/engine/expected_memory.h"
 #include "host/error.h"
 #include "host/io/streams.h"
+#include "kernels/backend/ranks.h"
 
 namespace scree {
 namespace {
@@ -105,7 +106,8 @@ void require_room(const BedBench& bench, const BedParams& bed) {
   const double per_body = least_bytes_per_body(bench.scene(small), options);
   if (options.backend == BackendKind::cuda) {
     require_memory_for(bed.count, per_body, options);
-    require_memory_for(bed.count, kPositions, WorldOptions{});
+    const double ranks = options.ranks != nullptr ? options.ranks->count() : 1;
+    require_memory_for(bed.count * ranks, kPositions, WorldOptions{});
   } else {
     require_memory_for(bed.count, kPositions + per_body, options);
   }

@@ -64,6 +64,24 @@ TEST_F(ParityRanks, OneStepIsThatOfOneRank) {
   }
 }
 
+TEST_F(ParityRanks, ExactFrictionToo) {
+  Scene scene = bed_scene({.count = 4000}, {});
+  scene.solver.exact_coulomb = true;
+  World settles = world_on(BackendKind::cuda, scene, Precision::double_precision);
+  for (int k = 0; k < 60; ++k) settles.step();
+  const WorldState start = settles.save();
+  const RankedOutcome floats = on_gpus(2, scene, &start, 20, Precision::single_precision);
+  EXPECT_TRUE(floats.report.converged);
+  scene.solver.stop = {StopRule::Level::absolute, 1e-9};
+  scene.solver.max_iterations = 20000;
+  World one = world_on(BackendKind::cuda, scene, Precision::double_precision);
+  one.restore(start);
+  ASSERT_TRUE(one.step().converged);
+  const RankedOutcome two = on_gpus(2, scene, &start, 1, Precision::double_precision);
+  EXPECT_TRUE(two.report.converged);
+  EXPECT_LT(largest_difference(two.states.velocity, one.states().velocity), 1e-6);
+}
+
 /// Few bodies: nearly all contacts are between ranks, and most of those that are listed carry nothing.
 TEST_F(ParityRanks, FewBodiesConvergeInEveryStep) {
   Scene scene = empty_scene(1e-3, 0.5);

@@ -11,8 +11,9 @@ struct MemoryRoom {
   double all = 0;           ///< [bytes]
   double free = 0;          ///< [bytes]
   bool is_limited = false;  ///< free is the limit of the options
-  /// That divide the bodies of a scene, one to a rank. Ranks without a GPU share the memory of their host.
-  int devices = 1;
+  /// How much of the bodies of a scene is on this device. Ranks divide them, and take the GPUs of their host in turn; those
+  /// without one share the memory of their host.
+  double share = 1;
 };
 
 }  // namespace scree

@@ -134,8 +134,8 @@ void throw_bad_earlier_step() {
 }
 
 void throw_no_room_for_bodies(std::int64_t wanted, std::int64_t room) {
-  throw RunError(fmt::format(
-      "{} free bodies and ghosts are more than one rank can number, which is {}", wanted, room));
+  throw RunError(
+      fmt::format("{} free bodies and ghosts on a rank, which can number {}", wanted, room));
 }
 
 void throw_too_many_peers(std::size_t found) {

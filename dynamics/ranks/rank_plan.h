@@ -13,8 +13,8 @@ namespace scree {
 struct RankPlan {
   std::shared_ptr<Ranks> ranks;  ///< null: this process alone
   Decomposition decomposition;
-  Index places =
-      0;  ///< in storage, for free bodies: for more of them, and for ghosts, storage grows
+  /// In storage, for free bodies. For more of them, and for ghosts, storage grows.
+  Index places = 0;
 };
 
 /// The plan of a run of one process.

@@ -160,8 +160,8 @@ class BodyStore {
   /// Places for free bodies, ghosts included.
   Index capacity() const { return ranges_.fixed_begin; }
 
-  /// Called with a number of places, before fixed bodies move back in storage by so many.
-  void before_growth(std::function<void(Index)> act) { before_growth_ = std::move(act); }
+  /// Called with a number of places, before fixed bodies move back in storage by so many (forward where it is negative).
+  void before_fixed_move(std::function<void(Index)> act) { before_fixed_move_ = std::move(act); }
   /// Makes room for so many free bodies and ghosts. It may move fixed bodies in storage.
   /// @throws RunError when storage cannot be numbered
   void make_room(Offset places) {
@@ -169,18 +169,22 @@ class BodyStore {
     constexpr Offset kMost = std::numeric_limits<Index>::max();
     const Offset most = kMost - ranges_.fixed_count();
     if (places > most) throw_no_room_for_bodies(places, most);
-    const auto shift =
-        static_cast<Index>(std::min(most, places + places / kSpareShare + kSpare) - capacity());
-    if (before_growth_) before_growth_(shift);
-    const Index at = ranges_.fixed_begin;
-    open_gap(*b_, position_, at, shift, Vec3<double>{});
-    open_gap(*b_, orientation_, at, shift, Quat<Real>{});
-    open_gap(*b_, velocity_, at, shift, Vec3<Real>{});
-    open_gap(*b_, angular_velocity_, at, shift, Vec3<Real>{});
-    open_gap(*b_, id_, at, shift, Index(-1));
-    if (inertia_.capacity() > 0) open_gap(*b_, inertia_, at, shift, Vec3<Real>{});
-    inv_mass_.grow(*b_, at, shift), radius_.grow(*b_, at, shift), shape_.grow(*b_, at, shift);
-    locks_.grow(*b_, at, shift), material_.grow(*b_, at, shift), group_.grow(*b_, at, shift);
+    set_capacity(static_cast<Index>(std::min(most, places + places / kSpareShare + kSpare)));
+  }
+  /// @param places  no fewer than free bodies and ghosts there are
+  void set_capacity(Index places) {
+    const Index shift = places - capacity();
+    if (shift == 0) return;
+    if (before_fixed_move_) before_fixed_move_(shift);
+    const Index from = ranges_.fixed_begin;
+    move_rows(*b_, position_, from, shift, Vec3<double>{});
+    move_rows(*b_, orientation_, from, shift, Quat<Real>{});
+    move_rows(*b_, velocity_, from, shift, Vec3<Real>{});
+    move_rows(*b_, angular_velocity_, from, shift, Vec3<Real>{});
+    move_rows(*b_, id_, from, shift, Index(-1));
+    if (inertia_.capacity() > 0) move_rows(*b_, inertia_, from, shift, Vec3<Real>{});
+    const auto move_fixed = [&](auto&... array) { (array.move_fixed(*b_, from, shift), ...); };
+    move_fixed(inv_mass_, radius_, shape_, locks_, material_, group_);
     ranges_.fixed_begin += shift;
     ranges_.count += shift;
   }
@@ -435,7 +439,7 @@ class BodyStore {
   ConstantArray<B, std::uint8_t> material_;
   ConstantArray<B, Index> group_;
   BodyRanges ranges_;
-  std::function<void(Index)> before_growth_;
+  std::function<void(Index)> before_fixed_move_;
 };
 
 }  // namespace scree

@@ -1,6 +1,7 @@
 #pragma once
 // A constant of every body in backend memory, see PerBody.
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -10,17 +11,18 @@
 
 namespace scree {
 
-/// Opens a gap in an array, filled with one value.
+/// Moves the rows of an array from a place on, back by so many places, which get one value, or forward over what was there.
 template <class B, class T>
-void open_gap(B& b, Buffer<B, T>& array, Index at, Index places, T filler) {
-  const Offset count = array.capacity(), behind = count - at;
-  Buffer<B, T> larger(b, count + places);
-  const Span<T> to = larger.view();
-  const Span<const T> from = std::as_const(array).view(count);
-  copy(b, from.first(at), to.first(at));
-  fill(b, Span<T>{to.data + at, places}, filler);
-  copy(b, Span<const T>{from.data + at, behind}, Span<T>{to.data + at + places, behind});
-  swap(array, larger);
+void move_rows(B& b, Buffer<B, T>& array, Index from, Index places, T filler) {
+  const Offset count = array.capacity(), moved = count - from;
+  const Offset kept = from + std::min(places, Index(0));
+  Buffer<B, T> next(b, count + places);
+  const Span<T> to = next.view();
+  const Span<const T> now = std::as_const(array).view(count);
+  copy(b, now.first(kept), to.first(kept));
+  fill(b, Span<T>{to.data + kept, from + places - kept}, filler);
+  copy(b, Span<const T>{now.data + from, moved}, Span<T>{to.data + from + places, moved});
+  swap(array, next);
 }
 
 template <class B, class T>
@@ -37,12 +39,12 @@ class ConstantArray {
     fill(b, array_.view(), filler);
   }
 
-  /// Fixed bodies move back in storage by so many places. @param fixed_begin  before it
-  void grow(B& b, Index fixed_begin, Index shift) {
+  /// Fixed bodies move in storage by so many places, see move_rows(). @param fixed_begin  before it
+  void move_fixed(B& b, Index fixed_begin, Index shift) {
     if (first_ > 0) {
       first_ += shift;
     } else {
-      open_gap(b, array_, fixed_begin, shift, shared_);
+      move_rows(b, array_, fixed_begin, shift, shared_);
     }
   }
 

@@ -188,7 +188,7 @@ class ImpactPhase {
     const ContactProblem<Real>& p = r.step.problem;
     ContactProblem<Real> shifted = p;
     if (exact_) {
-      copy(b, Span<const Real>(r.step.contacts.bias.view()), r.shifted.view());
+      copy(b, std::as_const(r.step.contacts.bias).view(p.contact_count), r.shifted.view());
       shifted.bias.values = r.shifted.view();
     }
     for (int k = 0;; ++k) {
@@ -201,11 +201,10 @@ class ImpactPhase {
         stats.converged = stats.converged && solved.converged;
         return;
       }
-      reduce<Sums<1>>(b, p.contact_count,
-                      LiftBias<R, Real>{p, solver_->velocity(), r.shifted.view()},
-                      StoreResult<Sums<1>>{changes_.data()});
+      reduce_contacts<Sums<1>>(b, p, LiftBias<R, Real>{p, solver_->velocity(), r.shifted.view()},
+                               StoreResult<Sums<1>>{changes_.data()});
       const double change = fetch(b, changes_.data()).value[0];
-      if (std::sqrt(change / p.contact_count) <= tolerance) {
+      if (std::sqrt(change / p.contacts_in_all()) <= tolerance) {
         stats.converged = stats.converged && solved.converged;
         return;
       }

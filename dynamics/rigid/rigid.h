@@ -76,7 +76,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       detector_.set_ghosts(&shared_->ghosts());
       assembly_.set_ghosts(&shared_->ghosts());
       impacts_.set_ghosts(&shared_->ghosts());
-      store_.before_growth([this](Index shift) { follow_fixed_bodies(shift); });
+      store_.before_fixed_move([this](Index shift) { follow_fixed_bodies(shift); });
     }
     loading_.load_first();
     motion_.set(store_, 0, 1);
@@ -330,12 +330,6 @@ class RigidDynamics final : public ModelOn<B, Real> {
   /// Steps between two sorts of the bodies; a function of the step number only, so
   /// that a resumed run reorders at the same steps.
   static constexpr std::int64_t kReorderEvery = 64;
-  /// Steps between two looks whether bodies left the space of their rank; the same holds.
-  static constexpr std::int64_t kMoveEvery = 16;
-  /// Steps after which a body that left goes to where it is, even if it is the only one.
-  static constexpr std::int64_t kPatience = 256;
-  /// Slack of ghosts, over the median diameter.
-  static constexpr double kSlack = 0.2;
 
   using ModelOn<B, Real>::backend;
 
@@ -408,7 +402,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return static_cast<int>(std::min<Offset>(count, std::numeric_limits<int>::max()));
   }
 
-  /// Storage has to grow: fixed bodies move back by so many places.
+  /// The room for free bodies changes: fixed ones move back by so many places.
   void follow_fixed_bodies(Index shift) {
     shared_->remember_contacts();
     obstacles_.follow_fixed_bodies(backend(), shift);

@@ -170,7 +170,7 @@ bool keeps_near_pairs(const Scene& scene, const WorldOptions& options) {
   const MemoryRoom room(options);
   const double bodies =
       static_cast<double>(s.summary.free_capacity) + static_cast<double>(s.summary.fixed_count);
-  return bodies / room.devices * bytes_per_body(s, true) <= std::min(0.5 * room.all, room.free);
+  return room.share * bodies * bytes_per_body(s, true) <= std::min(0.5 * room.all, room.free);
 }
 
 double rigid_bytes_per_body(const Scene& scene, const WorldOptions& options) {

@@ -82,7 +82,7 @@ class SharedState {
   template <class F>
   void with_all_bodies(F&& draw) {
     remember_contacts();
-    const Index own = store_->owned_count();
+    const Index own = store_->owned_count(), room = store_->capacity();
     share_.gather_bodies(*store_);
     std::string fault;
     try {
@@ -91,6 +91,7 @@ class SharedState {
       fault = error.what();
     }
     store_->set_owned_count(own);
+    store_->set_capacity(room);
     share_.forget();
     throw_on_all(ranks_, !fault.empty(), [&] { throw RunError(fault); });
   }

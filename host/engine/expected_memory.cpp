@@ -30,7 +30,7 @@ std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
 
 void require_memory_for(double all_bodies, double bytes_per_body, const WorldOptions& options) {
   const MemoryRoom room(options);
-  const double bodies = all_bodies / room.devices;
+  const double bodies = room.share * all_bodies;
   const double needed = bodies * bytes_per_body, mib = 1024.0 * 1024.0;
   if (needed <= room.free) return;
   const char* where = options.backend == BackendKind::cuda ? "device" : "host";
@@ -41,8 +41,8 @@ void require_memory_for(double all_bodies, double bytes_per_body, const WorldOpt
   throw InputError(
       fmt::format("{:.0f} bodies{} need about {:.0f} MiB of {} memory, {}: about {:.0f} "
                   "bodies fit",
-                  bodies, room.devices > 1 ? " of a rank" : "", needed / mib, where, there,
-                  std::floor(room.free / bytes_per_body)));
+                  bodies, room.share < 1 ? " of this device's ranks" : "", needed / mib, where,
+                  there, std::floor(room.free / bytes_per_body)));
 }
 
 void require_memory(const Scene& scene, const WorldOptions& options) {

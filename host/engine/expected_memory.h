@@ -5,7 +5,7 @@
 
 namespace scree {
 
-/// As require_memory(), for so many bodies of so many bytes; ranks with a GPU each divide them.
+/// As require_memory(), for so many bodies of so many bytes, which ranks divide.
 void require_memory_for(double bodies, double bytes_per_body, const WorldOptions& options);
 
 /// Memory of a body of the scene at the fullest, without what only makes steps faster [bytes].

@@ -50,7 +50,7 @@ namespace apgd_sweep {
 struct Shared {
   unsigned* round_done;         ///< [rounds] contact steps done, over all trials
   ApgdMeeting meeting;          ///< at the end of a trial
-  unsigned* taken;              ///< the same of ranks, see meet_ranks()
+  unsigned* taken;              ///< blocks that took what ranks sent, over all trials
   const PackedContact* packed;  ///< [contacts]
   Index tile_bodies;            ///< see bodies_of_tile()
 };

@@ -431,6 +431,25 @@ TEST_P(OnRanks, ImpactsGoThroughBorders) {
   EXPECT_GT(more.reports.back().kinetic_energy, 0.99 * one.reports[0].kinetic_energy);
 }
 
+/// The same with exact friction, whose corrections go on until all ranks have enough; one of them has no impacts.
+TEST_P(OnRanks, ExactImpactsGoThroughBorders) {
+  Scene scene = empty_scene(1e-3, 0.3);
+  scene.solver.exact_coulomb = true;
+  scene.gravity = {};
+  scene.materials[0].restitution = 0.5;
+  add_lattice(scene, 64, 4, 4, {0, 0, 0}, 0.025, 0.01, 2500, 4);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    scene.bodies[i].velocity = {i % 2 == 0 ? 0.4 : -0.4, i % 3 == 0 ? 0.3 : -0.2,
+                                0.1 * (i % 5) - 0.2};
+  for (int k = 0; k < 64; ++k) add_sphere(scene, {1 + 0.05 * k, 0, 0}, 0.01, 0.01);
+  const RunResult one = run_on(1, scene, 40), more = run_on(GetParam(), scene, 40);
+  EXPECT_NEAR(more.reports[20].kinetic_energy, one.reports[20].kinetic_energy,
+              1e-5 * one.reports[20].kinetic_energy);
+  EXPECT_LT(one.reports.back().kinetic_energy, 0.95 * one.reports[0].kinetic_energy);
+  EXPECT_NEAR(more.reports.back().kinetic_energy, one.reports.back().kinetic_energy,
+              0.02 * one.reports.back().kinetic_energy);
+}
+
 TEST(RanksOfAScene, JacobiAgreesToo) {
   Scene scene = falling_block(60);
   scene.solver.name = "jacobi";

@@ -11,7 +11,7 @@
 #include "host/engine/expected_memory.h"
 #include "host/error.h"
 #include "host/io/streams.h"
-#include "kernels/backend/ranks.h"
+#include "host/ranks/mpi_ranks.h"
 
 namespace scree {
 namespace {
@@ -104,12 +104,15 @@ void require_room(const BedBench& bench, const BedParams& bed) {
   small.count = std::min(bed.count, kSmall);
   const WorldOptions& options = bench.world_options();
   const double per_body = least_bytes_per_body(bench.scene(small), options);
+  const double ranks_here = options.ranks != nullptr ? local_rank(*options.ranks).count : 1;
+  const double positions = ranks_here * kPositions;  // each rank reads the whole scene
   if (options.backend == BackendKind::cuda) {
     require_memory_for(bed.count, per_body, options);
-    const double ranks = options.ranks != nullptr ? options.ranks->count() : 1;
-    require_memory_for(bed.count * ranks, kPositions, WorldOptions{});
+    require_memory_for(bed.count, positions, WorldOptions{});
   } else {
-    require_memory_for(bed.count, kPositions + per_body, options);
+    WorldOptions on_host = options;
+    on_host.ranks = nullptr;  // ranks of other hosts would leave less for this one
+    require_memory_for(bed.count, positions + per_body, on_host);
   }
 }
 

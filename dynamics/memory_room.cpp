@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "host/ranks/mpi_ranks.h"
 #include "kernels/backend/ranks.h"
 
 namespace scree {
@@ -12,7 +11,7 @@ MemoryRoom::MemoryRoom(const WorldOptions& options) {
   all = static_cast<double>(device.memory_bytes);
   free = static_cast<double>(device.free_bytes);
   if (options.ranks != nullptr) {
-    const int here = local_rank(*options.ranks).count;
+    const int here = options.ranks->count_here();
     const int devices =
         options.backend == BackendKind::cuda ? std::max(1, device_count(options.backend)) : 1;
     const int on_device = (here + devices - 1) / devices;

@@ -117,6 +117,7 @@ class MpiRanks final : public Ranks {
 
   int rank() const override { return rank_; }
   int count() const override { return count_; }
+  int count_here() const override { return local_.count; }
   LocalRank local() const { return local_; }
   bool is_own_session() const { return session_.is_own(); }
 

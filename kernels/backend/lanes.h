@@ -33,6 +33,11 @@ class Lanes {
   static Lanes load(const Real* from) {
     return Lanes(Vector(from, std::experimental::vector_aligned));
   }
+  /// kCount numbers from anywhere.
+  static Lanes load_unaligned(const Real* from) {
+    return Lanes(Vector(from, std::experimental::element_aligned));
+  }
+  const Vector& vector() const { return v_; }
   void store(Real* to) const { v_.copy_to(to, std::experimental::vector_aligned); }
 
   /// The sum over the lanes, from the first to the last.

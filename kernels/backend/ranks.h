@@ -21,6 +21,8 @@ class Ranks {
 
   virtual int rank() const = 0;   ///< number of this one, from 0
   virtual int count() const = 0;  ///< how many there are, >= 1
+  /// How many of them are on the host of this one.
+  virtual int count_here() const { return count(); }
 
   /// What every rank has, in the order of ranks. @param own  [bytes]  @param all  [bytes * count()] out
   virtual void gather(const void* own, std::size_t bytes, void* all) = 0;

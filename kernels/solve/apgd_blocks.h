@@ -3,9 +3,9 @@
 // as a vector register holds. Their numbers are turned from records to lanes, and the step of the
 // plain pass runs on lanes. The body pass is the plain one.
 //
-// The time goes into arithmetic, not memory: with AVX-512 a contact takes 8 ns in place of
-// 22 (one thread of an AMD EPYC, float). Sums are added up block by block: the same bits
-// for any number of threads.
+// The time goes into arithmetic, not memory: with AVX-512 a contact took 8 ns in place of
+// 22 (one thread of an AMD EPYC, float), when numbers were still moved one by one. Sums are added up block by block: the
+// same bits for any number of threads.
 
 #include <algorithm>
 
@@ -13,6 +13,7 @@
 #include "kernels/backend/lanes.h"
 #include "kernels/solve/apgd_iteration.h"
 #include "kernels/solve/one_contact.h"
+#include "kernels/solve/turned_records.h"
 
 namespace scree {
 
@@ -47,6 +48,9 @@ struct ApgdContactBlock {
     const int present = static_cast<int>(std::min(kContacts, a.p.contact_count - first));
     if (!all_count(first, present)) return one_by_one(first, present);
     const ApgdContactStep<Rows<Real>, Real> step = a.contact_pass().step();
+    if constexpr (TurnedRecords<Real>::kWorks) {
+      if (present == kContacts) return whole_block(step, first);
+    }
 
     // Lanes past the end stay zero: their impulse remains zero and adds nothing to the sums.
     Records in{};
@@ -86,6 +90,47 @@ struct ApgdContactBlock {
   }
 
  private:
+  /// The same of kContacts contacts, whose numbers are turned in registers.
+  Sums<2> whole_block(const ApgdContactStep<Rows<Real>, Real>& step, Index c) const {
+    using L = Lanes<Real>;
+    using Turned = TurnedRecords<Real>;
+    const auto each = [&](const PerContact<Real>& field) {
+      return field.values.empty() ? L(field.uniform) : L::load_unaligned(field.values.data + c);
+    };
+    const Span<const Real> stored = a.p.bias.values.empty() ? a.p.bias.gap : a.p.bias.values;
+    L bias = L::load_unaligned(stored.data + c);
+    if (a.p.bias.values.empty()) {
+      ContactBias<L> of_gap;
+      of_gap.inv_time_step = L(a.p.bias.inv_time_step), of_gap.least = L(a.p.bias.least);
+      bias = of_gap.value(bias);
+    }
+    OneContact<L> lanes{Turned::vectors(&step.current[c]),
+                        Turned::vectors(&step.previous[c]),
+                        Turned::vectors(&a.p.normal[c]),
+                        bias,
+                        each(a.p.friction),
+                        each(a.p.adhesion),
+                        {L(Real(1)), L(Real(1))}};
+    if (a.metric.one_each && !a.metric.values.empty()) {
+      lanes.weights[0] = L::load_unaligned(a.metric.values.data + c);
+      lanes.weights[1] = L(a.metric.tangential_ratio) * lanes.weights[0];
+    } else if (!a.metric.values.empty()) {
+      alignas(64) Real weight[2][kContacts];
+      for (Index j = 0; j < kContacts; ++j) {
+        const ContactMetric<Real> h = a.metric.load(c + j);
+        weight[0][j] = h.normal, weight[1][j] = h.tangential;
+      }
+      lanes.weights[0] = L::load(weight[0]), lanes.weights[1] = L::load(weight[1]);
+    }
+    const Twist<Real>* velocity = step.extrapolated.data;
+    Vec3<L> next;
+    const Sums<2> sums = lanes.template step<Rows<L>>(
+        L(step.beta), L(step.step), Turned::twists(velocity, &a.p.body_a[c]),
+        Turned::twists(velocity, &a.p.body_b[c]), next, a.exact);
+    Turned::store(next, &step.next[c]);
+    return sums;
+  }
+
   /// Blocks with contacts that another rank counts are few.
   bool all_count(Index first, int present) const {
     if (a.p.bodies.owned_count == a.p.bodies.moving_count) return true;

@@ -11,7 +11,7 @@
 #include "host/engine/expected_memory.h"
 #include "host/error.h"
 #include "host/io/streams.h"
-#include "host/ranks/mpi_ranks.h"
+#include "kernels/backend/ranks.h"
 
 namespace scree {
 namespace {
@@ -104,7 +104,7 @@ void require_room(const BedBench& bench, const BedParams& bed) {
   small.count = std::min(bed.count, kSmall);
   const WorldOptions& options = bench.world_options();
   const double per_body = least_bytes_per_body(bench.scene(small), options);
-  const double ranks_here = options.ranks != nullptr ? local_rank(*options.ranks).count : 1;
+  const double ranks_here = options.ranks != nullptr ? options.ranks->count_here() : 1;
   const double positions = ranks_here * kPositions;  // each rank reads the whole scene
   if (options.backend == BackendKind::cuda) {
     require_memory_for(bed.count, per_body, options);

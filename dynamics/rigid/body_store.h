@@ -9,6 +9,7 @@
 
 #include "dynamics/model_errors.h"
 #include "dynamics/rigid/constant_array.h"
+#include "dynamics/rigid/move_rows.h"
 #include "dynamics/rigid/shared_constants.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"

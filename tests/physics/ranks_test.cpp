@@ -267,6 +267,8 @@ TEST(RanksOfAScene, MemoryIsDivided) {
         if (ranks.rank() == 0) largest = std::max(largest, of_rank);
       }
     });
+  RecordProperty("share_of_memory",
+                 std::to_string(static_cast<double>(most) / static_cast<double>(alone)));
   EXPECT_LT(static_cast<double>(most), 0.3 * static_cast<double>(alone));
 }
 
@@ -415,15 +417,21 @@ TEST(RanksOfAScene, ShapesMeetAcrossBorders) {
   compared_step(3, scene, landed(scene, 0.25), 1e-8);
 }
 
-/// Elastic balls that meet in free space: what Poisson's law keeps of the kinetic energy does not depend on borders.
-TEST_P(OnRanks, ImpactsGoThroughBorders) {
-  Scene scene = empty_scene(1e-3, 0);
+/// Balls in free space, side^3 of them, that fly into each other.
+Scene flying_balls(int side, double friction, double restitution) {
+  Scene scene = empty_scene(1e-3, friction);
   scene.gravity = {};
-  scene.materials[0].restitution = 1;
-  add_lattice(scene, 125, 5, 5, {0, 0, 0}, 0.025, 0.01, 2500, 4);
+  scene.materials[0].restitution = restitution;
+  add_lattice(scene, side * side * side, side, side, {0, 0, 0}, 0.025, 0.01, 2500, 4);
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     scene.bodies[i].velocity = {i % 2 == 0 ? 0.4 : -0.4, i % 3 == 0 ? 0.3 : -0.2,
                                 0.1 * (i % 5) - 0.2};
+  return scene;
+}
+
+/// What Poisson's law keeps of the kinetic energy of elastic balls does not depend on borders.
+TEST_P(OnRanks, ImpactsGoThroughBorders) {
+  const Scene scene = flying_balls(5, 0, 1);
   const RunResult one = run_on(1, scene, 100), more = run_on(GetParam(), scene, 100);
   EXPECT_NEAR(more.reports[20].kinetic_energy, one.reports[20].kinetic_energy,
               1e-6 * one.reports[20].kinetic_energy);
@@ -433,14 +441,8 @@ TEST_P(OnRanks, ImpactsGoThroughBorders) {
 
 /// The same with exact friction, whose corrections go on until all ranks have enough; one of them has no impacts.
 TEST_P(OnRanks, ExactImpactsGoThroughBorders) {
-  Scene scene = empty_scene(1e-3, 0.3);
+  Scene scene = flying_balls(4, 0.3, 0.5);
   scene.solver.exact_coulomb = true;
-  scene.gravity = {};
-  scene.materials[0].restitution = 0.5;
-  add_lattice(scene, 64, 4, 4, {0, 0, 0}, 0.025, 0.01, 2500, 4);
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    scene.bodies[i].velocity = {i % 2 == 0 ? 0.4 : -0.4, i % 3 == 0 ? 0.3 : -0.2,
-                                0.1 * (i % 5) - 0.2};
   for (int k = 0; k < 64; ++k) add_sphere(scene, {1 + 0.05 * k, 0, 0}, 0.01, 0.01);
   const RunResult one = run_on(1, scene, 40), more = run_on(GetParam(), scene, 40);
   EXPECT_NEAR(more.reports[20].kinetic_energy, one.reports[20].kinetic_energy,

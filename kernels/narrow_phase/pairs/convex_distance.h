@@ -2,8 +2,9 @@
 // Distance of two cores, or the least way by which they leave each other.
 //
 // M, the set of differences of points of B and A, holds the origin when the cores overlap. GJK finds its point nearest to
-// the origin (Gilbert, Johnson, Keerthi, 1988). When that is the origin, a polytope grows inside of M where its
-// surface is nearest to the origin, until no plane of it can be moved out (van den Bergen, Proximity queries, 2001).
+// the origin (Gilbert, Johnson, Keerthi, 1988). When that is the origin, a polytope grows from the tetrahedron about it that
+// GJK ends with, where its surface is nearest to the origin, until no plane of it can be moved out (van den Bergen,
+// Proximity queries, 2001).
 // Every direction that is tried on the way is a true upper bound of the depth, and the least of them counts, so a
 // polytope that rounding or its capacity stops early still gives a sound answer.
 
@@ -21,137 +22,169 @@ struct CoreDistance {
 
 namespace convex_parts {
 
-/// A point of M and where it comes from.
+/// A point of M, and the point of A that it comes from.
 struct DifferencePoint {
-  Vec3d w, a, b;
+  Vec3d w, a;
 };
 
 SCREE_HD inline DifferencePoint farthest(const ConvexCore& a, const ConvexCore& b, const Vec3d& n) {
   DifferencePoint p;
   p.a = a.center + a.support(-n);
-  p.b = b.center + b.support(n);
-  p.w = p.b - p.a;
+  p.w = b.center + b.support(n) - p.a;
   return p;
 }
 
-/// Up to four points and the weights of their point nearest to the origin.
-struct Simplex {
-  int count = 0;
-  DifferencePoint point[4];
-  double weight[4] = {};
+/// Up to four points and the weights of their point nearest to the origin. Places are known when this is compiled, so
+/// that all of it stays in registers.
+class Simplex {
+ public:
+  static constexpr int kMost = 4;
 
-  SCREE_HD Vec3d nearest() const {
-    Vec3d x;
-    for (int k = 0; k < count; ++k) x += weight[k] * point[k].w;
+  SCREE_HD explicit Simplex(const DifferencePoint& p) : count_(1) {
+    point_[0] = p;
+    weight_[0] = 1;
+  }
+  SCREE_HD const DifferencePoint& operator[](int k) const { return point_[k]; }
+
+  SCREE_HD DifferencePoint nearest() const {
+    DifferencePoint x;
+    for (int k = 0; k < kMost; ++k) {
+      if (k >= count_) break;
+      x.w += weight_[k] * point_[k].w;
+      x.a += weight_[k] * point_[k].a;
+    }
     return x;
+  }
+
+  SCREE_HD void add(const DifferencePoint& p) {
+    for (int k = 1; k < kMost; ++k) {
+      if (k == count_) point_[k] = p;
+    }
+    ++count_;
   }
 
   /// Keeps what holds the nearest point. @return  whether that is the origin, inside of a tetrahedron
   /// @param size  of the cores, for rounding [m]
   SCREE_HD bool reduce(double size) {
-    double best[4] = {}, best2 = 1e300;
-    if (count == 1) best[0] = 1;
-    if (count == 2) offer_edge(0, 1, best, best2);
-    if (count == 3) offer_triangle(0, 1, 2, best, best2);
-    if (count == 4) {
-      bool is_inside = true;
-      for (int k = 0; k < 4; ++k) {
-        const int i = (k + 1) % 4, j = (k + 2) % 4, l = (k + 3) % 4;
-        const Vec3d e = point[j].w - point[i].w, f = point[l].w - point[i].w, n = cross(e, f);
-        const double own = dot(point[k].w - point[i].w, n), origin = -dot(point[i].w, n);
-        // A tetrahedron that is flat but for rounding has no inside.
-        const double rounding2 = 1e-24 * size * size * norm2(e) * norm2(f);
-        if (own * origin > 0 && own * own > rounding2) continue;
-        is_inside = false;
-        offer_triangle(i, j, l, best, best2);
-      }
-      if (is_inside) return true;
+    best2_ = 1e300;
+    for (int k = 0; k < kMost; ++k) weight_[k] = 0;
+    if (count_ == 2) {
+      offer_edge<0, 1>();
+    } else if (count_ == 3) {
+      offer_triangle<0, 1, 2>();
+    } else if (!offer_faces(size)) {
+      return true;
     }
     int kept = 0;
-    for (int k = 0; k < count; ++k) {
-      if (!(best[k] > 0)) continue;
-      point[kept] = point[k];
-      weight[kept] = best[k];
+    for (int k = 0; k < kMost; ++k) {
+      if (!(weight_[k] > 0)) continue;
+      for (int to = 0; to < k; ++to) {
+        if (to != kept) continue;
+        point_[to] = point_[k];
+        weight_[to] = weight_[k];
+      }
       ++kept;
     }
-    count = kept;
+    count_ = kept;
     return false;
   }
 
  private:
-  SCREE_HD void take(const double w[4], double best[4], double& best2) const {
-    Vec3d x;
-    for (int k = 0; k < count; ++k) x += w[k] * point[k].w;
-    const double found = norm2(x);
-    if (!(found < best2)) return;
-    best2 = found;
-    for (int k = 0; k < 4; ++k) best[k] = w[k];
+  SCREE_HD bool offer_faces(double size) {
+    bool is_inside = true;
+    is_inside &= !offer_face<0>(size);
+    is_inside &= !offer_face<1>(size);
+    is_inside &= !offer_face<2>(size);
+    is_inside &= !offer_face<3>(size);
+    return !is_inside;
   }
-  SCREE_HD void offer_edge(int i, int j, double best[4], double& best2) const {
-    const Vec3d way = point[j].w - point[i].w;
+  /// The face without corner k, unless the origin is on the side of that corner.
+  template <int k>
+  SCREE_HD bool offer_face(double size) {
+    constexpr int i = (k + 1) % 4, j = (k + 2) % 4, l = (k + 3) % 4;
+    const Vec3d e = point_[j].w - point_[i].w, f = point_[l].w - point_[i].w, n = cross(e, f);
+    const double own = dot(point_[k].w - point_[i].w, n), origin = -dot(point_[i].w, n);
+    // A tetrahedron that is flat but for rounding has no inside.
+    const double rounding2 = 1e-24 * size * size * norm2(e) * norm2(f);
+    if (own * origin > 0 && own * own > rounding2) return false;
+    offer_triangle<i, j, l>();
+    return true;
+  }
+  template <int i, int j>
+  SCREE_HD void offer_edge() {
+    const Vec3d &p = point_[i].w, way = point_[j].w - p;
     const double length2 = norm2(way);
-    double t = length2 > 0 ? -dot(point[i].w, way) / length2 : 0;
+    double t = length2 > 0 ? -dot(p, way) / length2 : 0;
     t = t > 0 ? (t < 1 ? t : 1) : 0;
-    double w[4] = {};
-    w[i] = 1 - t;
-    w[j] = t;
-    take(w, best, best2);
+    if (!is_nearer(norm2(p + t * way))) return;
+    weight_[i] = 1 - t;
+    weight_[j] = t;
   }
-  SCREE_HD void offer_triangle(int i, int j, int l, double best[4], double& best2) const {
-    const Vec3d a = point[i].w, b = point[j].w, c = point[l].w;
+  template <int i, int j, int l>
+  SCREE_HD void offer_triangle() {
+    const Vec3d &a = point_[i].w, &b = point_[j].w, &c = point_[l].w;
     const Vec3d n = cross(b - a, c - a);
     const double wa = dot(cross(b, c), n), wb = dot(cross(c, a), n), wc = dot(cross(a, b), n);
     if (wa > 0 && wb > 0 && wc > 0) {
-      double w[4] = {};
-      const double sum = wa + wb + wc;
-      w[i] = wa / sum;
-      w[j] = wb / sum;
-      w[l] = wc / sum;
-      take(w, best, best2);
+      const double part = 1 / (wa + wb + wc);
+      if (!is_nearer(norm2((part * wa) * a + (part * wb) * b + (part * wc) * c))) return;
+      weight_[i] = part * wa;
+      weight_[j] = part * wb;
+      weight_[l] = part * wc;
       return;
     }
-    offer_edge(i, j, best, best2);
-    offer_edge(j, l, best, best2);
-    offer_edge(l, i, best, best2);
+    offer_edge<i, j>();
+    offer_edge<j, l>();
+    offer_edge<l, i>();
   }
+  SCREE_HD bool is_nearer(double found2) {
+    if (!(found2 < best2_)) return false;
+    best2_ = found2;
+    for (int k = 0; k < kMost; ++k) weight_[k] = 0;
+    return true;
+  }
+
+  int count_;
+  double best2_ = 0;
+  DifferencePoint point_[kMost];
+  double weight_[kMost] = {};
 };
 
+/// How a search for the nearest points ends.
+enum class Nearness { apart, touching, inside };
+
 /// The nearest points of two cores. @param most  cores that are farther apart need no exact answer
-/// @return  false: they overlap, or touch within rounding
-SCREE_HD inline bool find_nearest(const ConvexCore& a, const ConvexCore& b, double size,
-                                  double most, CoreDistance& out) {
-  Simplex s;
-  s.point[0] = farthest(a, b, a.center - b.center);
-  s.weight[0] = 1;
-  s.count = 1;
-  Vec3d v = s.point[0].w;
+/// @param corners  [4] where the origin is inside of M: those of a tetrahedron about it
+SCREE_HD inline Nearness find_nearest(const ConvexCore& a, const ConvexCore& b, double size,
+                                      double most, CoreDistance& out, Vec3d* corners) {
+  DifferencePoint v = farthest(a, b, a.center - b.center);
+  Simplex s(v);
+  double length2 = norm2(v.w);
   for (int step = 0; step < 64; ++step) {
-    const double length2 = norm2(v), length = std::sqrt(length2);
-    if (length <= 1e-9 * size) return false;
-    const DifferencePoint p = farthest(a, b, -v);
-    const double bound = dot(v, p.w);
+    const double length = std::sqrt(length2);
+    if (length <= 1e-9 * size) return Nearness::touching;
+    const DifferencePoint p = farthest(a, b, -v.w);
+    const double bound = dot(v.w, p.w);
     if (bound > most * length || length2 - bound <= 1e-14 * length2 + 4e-16 * size * length) break;
-    const Simplex before = s;
-    s.point[s.count++] = p;
-    if (s.reduce(size)) return false;
-    const Vec3d next = s.nearest();
-    if (!(norm2(next) < length2)) {
-      s = before;
-      break;
+    s.add(p);
+    if (s.reduce(size)) {
+      for (int k = 0; k < 4; ++k) corners[k] = s[k].w;
+      return Nearness::inside;
     }
+    const DifferencePoint next = s.nearest();
+    const double next2 = norm2(next.w);
+    if (!(next2 < length2)) break;
     v = next;
+    length2 = next2;
   }
-  const double length = norm(v);
-  if (length <= 1e-9 * size) return false;
+  const double length = std::sqrt(length2);
+  if (length <= 1e-9 * size) return Nearness::touching;
   out.is_apart = true;
-  out.normal = (1 / length) * v;
-  out.on_a = out.on_b = {};
-  for (int k = 0; k < s.count; ++k) {
-    out.on_a += s.weight[k] * s.point[k].a;
-    out.on_b += s.weight[k] * s.point[k].b;
-  }
+  out.normal = (1 / length) * v.w;
+  out.on_a = v.a;
+  out.on_b = v.a + v.w;
   out.separation = length;
-  return true;
+  return Nearness::apart;
 }
 
 /// A polytope inside of M.
@@ -161,8 +194,13 @@ class Polytope {
       : a_(a), b_(b), size_(size) {}
 
   /// The direction out of M of least depth. @return  false: M is flat, and the depth is zero
-  SCREE_HD void grow() {
-    if (!start()) return;
+  /// @param corners  of a tetrahedron about the origin; null: there is none
+  SCREE_HD void grow(const Vec3d* corners) {
+    if (corners != nullptr) {
+      start_from(corners);
+    } else if (!start()) {
+      return;
+    }
     while (vertex_count_ < kMaxVertices) {
       int nearest = -1;
       for (int f = 0; f < face_count_; ++f) {
@@ -233,9 +271,18 @@ class Polytope {
     const Vec3d up = normalized(cross(along, vertex_[2] - vertex_[0]));
     vertex_[3] = farther(up, vertex_[0]);
     vertex_count_ = 4;
-    const double rise = dot(vertex_[3] - vertex_[0], up);
-    if (std::abs(rise) < least) return false;
-    if (rise > 0) {
+    if (std::abs(dot(vertex_[3] - vertex_[0], up)) < least) return false;
+    add_tetrahedron();
+    return true;
+  }
+  SCREE_HD void start_from(const Vec3d* corners) {
+    for (int k = 0; k < 4; ++k) vertex_[k] = corners[k];
+    vertex_count_ = 4;
+    add_tetrahedron();
+  }
+  SCREE_HD void add_tetrahedron() {
+    const Vec3d& from = vertex_[0];
+    if (dot(cross(vertex_[1] - from, vertex_[2] - from), vertex_[3] - from) > 0) {
       const Vec3d x = vertex_[1];
       vertex_[1] = vertex_[2];
       vertex_[2] = x;
@@ -244,7 +291,6 @@ class Polytope {
     add_face(0, 2, 3);
     add_face(0, 3, 1);
     add_face(1, 3, 2);
-    return true;
   }
   SCREE_HD void add_face(int i, int j, int k) {
     Face& f = face_[face_count_++];
@@ -329,14 +375,17 @@ inline constexpr double kFaceBias = 1e-4;
     return best;
   };
   Vec3d face;
-  if (convex_parts::find_nearest(a, b, size, most, out)) {
+  Vec3d corners[4];
+  const convex_parts::Nearness nearness =
+      convex_parts::find_nearest(a, b, size, most, out, corners);
+  if (nearness == convex_parts::Nearness::apart) {
     if (out.separation > most) return out;
     const double by_face = best_face(out.normal, face);
     if (by_face >= out.separation * (1 - 1e-7)) out.normal = face;
     return out;
   }
   convex_parts::Polytope polytope(a, b, size);
-  polytope.grow();
+  polytope.grow(nearness == convex_parts::Nearness::inside ? corners : nullptr);
   if (a.is_curved() || b.is_curved()) polytope.turn();
   const double by_face = best_face(-polytope.normal, face);
   // Of two edges, exactly: a polytope only comes near the normal of round sides that cross.

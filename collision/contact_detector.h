@@ -184,7 +184,7 @@ class ContactDetector {
  private:
   /// Most detections with margins in a step. One leaves overlaps of several percent of a diameter
   /// in a loose bed, more than two change little.
-  static constexpr int kMaxWidenings = ContactStores<Real>::kMost - 1;
+  static constexpr int kMaxWidenings = kMostSearches - 1;
 
   void list_with_margins(B& b, const BodyView<Real>& bodies, ContactRange range);
   template <ShapeMix kMix>

@@ -1,9 +1,11 @@
 #pragma once
 // Contacts between bodies of any shapes. Memory while a step searches for contacts: 12 bytes a piece of the candidates,
 // 32 a near pair, 32 more for those of the search before while it searches once more, and 12 while pairs are sorted; four
-// stored contacts, 44 bytes each in float, a pair that is computed, again in each search; 8 a contact.
+// stored contacts, 44 bytes each in float, a pair that is computed, again in each search, and how its bodies lie: 16 bytes
+// of two boxes, 112 of others without a closed form; 20 of these pairs of one program while that runs; 8 a contact.
 
 #include <array>
+#include <cstddef>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -83,7 +85,8 @@ class MixedContacts {
   void release() {
     is_near_.release(), touching_.release(), begin_.release(), slot_.release();
     notes_.release(), before_.release();
-    for (Store& store : stores_) store.feature.release(), store.contact.release();
+    for (Store& store : stores_)
+      store.feature.release(), store.contact.release(), store.searches.release();
     store_count_ = 0;
     place_count_ = 0;
   }
@@ -103,12 +106,28 @@ class MixedContacts {
     Buffer<B, SameList> same;
   };
   struct Store {
-    explicit Store(B& b) : feature(b), contact(b) {}
+    explicit Store(B& b) : feature(b), contact(b), searches(b) {}
     Buffer<B, std::uint32_t> feature;
     Buffer<B, FoundContact<Real>> contact;
+    Buffer<B, std::byte> searches;  ///< of all programs in parts, one after the other
     Index begin = 0;
+    /// Of each program.
+    struct Part {
+      Index begin = 0;  ///< place of its first pair
+      Index count = 0;
+      Offset byte = 0;  ///< of its first search
+    };
+    std::array<Part, PairList::kPrograms> parts;
+
+    template <class Search>
+    Span<Search> searches_of(int program) {
+      static_assert(sizeof(Search) % 8 == 0 && alignof(Search) <= 8);
+      const Part& part = parts[static_cast<std::size_t>(program)];
+      // Without pairs there is no memory.
+      return {part.count > 0 ? reinterpret_cast<Search*>(searches.data() + part.byte) : nullptr,
+              part.count};
+    }
   };
-  static constexpr int kMostStores = ContactStores<Real>::kMost;
 
   NearPairs pairs() const {
     return {begin_.view(begin_.capacity()), is_near_.view(is_near_.capacity()),
@@ -129,7 +148,7 @@ class MixedContacts {
   /// Sorts the pairs by pair function, so that threads beside each other run the same one, and each program has the
   /// registers and the stack of its own.
   void find_contacts(B& b, const Test& test) {
-    if (store_count_ == kMostStores) throw std::logic_error("more searches than a step has");
+    if (store_count_ == kMostSearches) throw std::logic_error("more searches than a step has");
     const auto n = static_cast<Index>(notes_.key.capacity());
     Buffer<B, std::uint64_t> function(b, n);
     Buffer<B, Index> pair(b, n);
@@ -140,33 +159,70 @@ class MixedContacts {
     for_each(b, PairList::kBodyPairs + 1, FindFunctionRanges{function.view(), ranges_.view()});
     const std::vector<Index> begin = download(b, Span<const Index>(ranges_.view()));
     function.release();
-    Store& store = stores_[static_cast<std::size_t>(store_count_++)];
+    Store& store = stores_[static_cast<std::size_t>(store_count_)];
     const Offset slots = Offset{begin.back()} * ContactStores<Real>::kSlots;
     store.feature.resize_discard(slots), store.contact.resize_discard(slots);
     store.begin = place_count_;
-    PairList::for_each_body_pair([&]<class P>(P, int number) {
-      const auto f = static_cast<std::size_t>(number);
-      const Index first = begin[f], count = begin[f + 1] - first;
-      const Offset slot = Offset{first} * ContactStores<Real>::kSlots;
-      const Offset used = Offset{count} * ContactStores<Real>::kSlots;
-      for_each(b, count,
-               FindPairContacts<ProgramOf<P>, Real>{test,
-                                                    P::A::kind,
-                                                    {pair.data() + first, count},
-                                                    notes_.view(),
-                                                    place_count_ + first,
-                                                    {store.feature.data() + slot, used},
-                                                    {store.contact.data() + slot, used}});
+    Offset bytes = 0;
+    PairList::for_each_program([&]<class P>(P, int program) {
+      const Index first = begin[static_cast<std::size_t>(PairList::first_number(program))];
+      const Index end = begin[static_cast<std::size_t>(PairList::first_number(program + 1))];
+      store.parts[static_cast<std::size_t>(program)] = {place_count_ + first, end - first, bytes};
+      if constexpr (InParts<P>) bytes += Offset{end - first} * Offset{sizeof(typename P::Search)};
     });
+    store.searches.resize_discard(bytes);
+    PairList::for_each_program([&]<class P>(P, int program) {
+      const typename Store::Part& part = store.parts[static_cast<std::size_t>(program)];
+      const Index first = part.begin - place_count_;
+      const Offset slot = Offset{first} * ContactStores<Real>::kSlots;
+      const Offset used = Offset{part.count} * ContactStores<Real>::kSlots;
+      const ComputedPairs<P, Real> pairs{
+          test,       {pair.data() + first, part.count},   notes_.view(),
+          part.begin, {store.feature.data() + slot, used}, {store.contact.data() + slot, used}};
+      if (part.count == 0) return;
+      if constexpr (InParts<P>) {
+        find_in_parts(b, pairs, program);
+      } else {
+        for_each(b, part.count, FindPairContacts<P, Real>{pairs});
+      }
+    });
+    ++store_count_;
     const Offset places = Offset{place_count_} + begin.back();
     place_count_ = checked_index(places, can_number(places), "near pairs of bodies");
+  }
+
+  /// Each part of the program for all pairs that need it, so that threads beside each other do the same.
+  template <class P>
+  void find_in_parts(B& b, const ComputedPairs<P, Real>& pairs, int program) {
+    using Search = typename P::Search;
+    SearchStores<Search> before;
+    for (int k = 0; k < store_count_; ++k) {
+      Store& store = stores_[static_cast<std::size_t>(k)];
+      before.search[k] = store.template searches_of<Search>(program);
+      before.begin[k] = store.parts[static_cast<std::size_t>(program)].begin;
+    }
+    before.count = store_count_;
+    const Span<Search> search =
+        stores_[static_cast<std::size_t>(store_count_)].template searches_of<Search>(program);
+    const auto n = static_cast<Index>(pairs.pair.size);
+    Buffer<B, Index> is_near(b, n), is_open(b, Finishes<P> ? n : 0), list(b, n);
+    Buffer<B, Offset> scan(b, Offset{n} + 1);
+    for_each(b, n, SearchPairs<P, Real>{pairs, before, search, is_near.view(), is_open.view()});
+    const auto flagged = [&](Buffer<B, Index>& flag) -> FlaggedList {
+      exclusive_scan(b, Span<const Index>(flag.view()), scan.view());
+      for_each(b, n, ListFlagged{flag.view(), scan.view(), list.view()});
+      return {list.view(), scan.data() + n};
+    };
+    if constexpr (Finishes<P>)
+      for_each(b, n, FinishPairs<P, Real>{pairs, flagged(is_open), search});
+    for_each(b, n, FindSearchedContacts<P, Real>{pairs, flagged(is_near), search});
   }
 
   Buffer<B, std::uint32_t> is_near_, touching_;
   Buffer<B, Offset> begin_;
   Buffer<B, Offset> slot_;
   Notes notes_, before_;  ///< of this search, and of the one before
-  std::array<Store, kMostStores> stores_;
+  std::array<Store, kMostSearches> stores_;
   int store_count_ = 0;
   Index place_count_ = 0;  ///< in all stores
   Buffer<B, Index> ranges_;

@@ -62,10 +62,8 @@ SCREE_HD BodySample load_body(const BodyView<Real>& bodies, const ShapeSet<Real>
 /// function is refused before a run.
 SCREE_HD inline ContactGeometry no_contact() { return {{0, 0, 1}, INFINITY, {}, {}}; }
 
-/// Runs the pair functions of all shapes that have cores, see ConvexPair.
-struct ConvexProgram {
-  static constexpr int kFeatureBits = ConvexFeature::kBits;
-
+/// Cores of shapes that are known when a run is.
+struct CoresOfAny {
   [[gnu::noinline]] SCREE_HD static ConvexCore core(const PairSide& side, const Vec3d& center) {
     ConvexCore c;
     ShapeList::visit(side.kind, [&](auto shape) {
@@ -74,16 +72,12 @@ struct ConvexProgram {
     });
     return c;
   }
-  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
-                                          std::uint32_t feature) {
-    return convex_contact(core(a, {}), core(b, d), d, feature);
-  }
-  template <class Listed>
-  SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
-                                    double most, Listed&& listed) {
-    return convex_manifold(core(a, {}), core(b, d), d, most, listed);
-  }
+  SCREE_HD static ConvexCore of_a(const PairSide& a) { return core(a, {}); }
+  SCREE_HD static ConvexCore of_b(const PairSide& b, const Vec3d& d) { return core(b, d); }
 };
+
+/// Runs the pair functions of all shapes that have cores, see ConvexPair.
+struct ConvexProgram : ConvexParts<CoresOfAny> {};
 
 /// Two bodies as a pair function takes them. Two of one shape with several contacts come in the
 /// order of their names, which outlives that in memory: so their contacts keep their features.

@@ -108,7 +108,7 @@ struct ConvexOnMesh {
     }
   };
 
-  SCREE_HD ConvexCore core() const { return ConvexProgram::core(a.side(), {}); }
+  SCREE_HD ConvexCore core() const { return CoresOfAny::core(a.side(), {}); }
 
   SCREE_HD std::uint32_t element(const MeshInfo& info, std::uint32_t image, Index t,
                                  std::uint32_t feature) const {

@@ -4,64 +4,9 @@
 // repeated within a step, for wider margins, pairs keep what was found of them if it holds. Two spheres take so little that
 // they are computed wherever they are needed.
 
-#include "kernels/narrow_phase/contact_list.h"
-#include "kernels/narrow_phase/same_list.h"
+#include "kernels/narrow_phase/near_pairs.h"
 
 namespace scree {
-
-/// Pairs of bodies, not two spheres, that are near enough to be computed. Those of a piece of the candidates lie beside
-/// each other, in the order of these.
-struct NearPairs {
-  Span<const Offset> begin;           ///< [piece count + 1] first pair of each piece
-  Span<const std::uint32_t> is_near;  ///< [piece count] bit k: the k-th candidate is one
-  Span<const std::uint32_t>
-      touching;  ///< [piece count] bit k: the k-th candidate is a contact of two spheres
-};
-
-/// What is stored of a contact until all of them are counted.
-template <class Real>
-struct FoundContact {
-  Real gap = 0;
-  Vec3<Real> normal, arm_a, arm_b;
-};
-
-/// Where the contacts of computed pairs are stored, kSlots for each; one store for each search of a step.
-template <class Real>
-struct ContactStores {
-  static constexpr Index kSlots = Manifold::kMaxContacts;
-  /// Searches of a step: one, and those with wider margins.
-  static constexpr int kMost = 3;
-
-  Span<std::uint32_t> feature[kMost];       ///< [pairs computed][kSlots]
-  Span<FoundContact<Real>> contact[kMost];  ///< the same
-  Index begin[kMost] = {};                  ///< place of the first pair of each
-  int count = 0;
-
-  /// The store that holds a pair's place.
-  SCREE_HD int store_of(Index place) const {
-    int k = count - 1;
-    while (place < begin[k]) --k;
-    return k;
-  }
-  SCREE_HD Offset slot(int store, Index place) const {
-    return static_cast<Offset>(place - begin[store]) * kSlots;
-  }
-};
-
-/// Near pairs and what was found of them.
-struct PairNotes {
-  Span<std::uint64_t> key;  ///< [pairs] bodies, ascending: see make_key()
-  Span<Index> count;        ///< [pairs] contacts
-  Span<Index> place;        ///< [pairs] where these are stored, see ContactStores
-  Span<SameList> same;      ///< [pairs] envelopes for which that holds
-
-  /// Number of a pair; -1: it is none of these.
-  SCREE_HD Index find(std::uint64_t wanted) const {
-    const auto end = static_cast<Index>(key.size);
-    const Index q = first_not_below(Span<const std::uint64_t>(key), 0, end, wanted);
-    return q < end && key[q] == wanted ? q : -1;
-  }
-};
 
 /// Where a contact is not stored, since it is computed again.
 inline constexpr Offset kNotStored = -1;
@@ -157,11 +102,13 @@ struct ListNearPairs {
  private:
   SCREE_HD bool is_kept(Offset q, Index a, Index j) const {
     const Index old = before.find(notes.key[q]);
-    const bool is_same = old >= 0 && before.same[old].holds(test.reach(a, j));
-    notes.count[q] = is_same ? before.count[old] : 0;
-    notes.place[q] = is_same ? before.place[old] : 0;
-    notes.same[q] = is_same ? before.same[old] : SameList{};
-    return is_same;
+    if (old < 0) {
+      notes.set(static_cast<Index>(q), 0, kNoPlace, {});
+      return false;
+    }
+    // Its place is kept also where it must be computed again: what the search before told of it may hold.
+    notes.set(static_cast<Index>(q), before.count[old], before.place[old], before.same[old]);
+    return before.same[old].holds(test.reach(a, j));
   }
   SCREE_HD ShapeKind kind_of(Index i) const {
     const Index shape = test.bodies.shape[i];
@@ -178,60 +125,6 @@ struct FindFunctionRanges {
   SCREE_HD void operator()(Index f) const {
     begin[f] = first_not_below(function, 0, static_cast<Index>(function.size),
                                static_cast<std::uint64_t>(f));
-  }
-};
-
-/// Finds the contacts of the pairs of one pair function: once, so that what rounding decides about features
-/// holds for all that follows.
-/// @tparam P  what runs the pair function, see ProgramOf
-template <class P, class Real>
-struct FindPairContacts {
-  static constexpr const char* name = "find_pair_contacts";
-  static constexpr int kBlockThreads = 64;  // pairs take different times, and there may be few
-  ContactTest<ShapeMix::any, Real> test;
-  ShapeKind first;         ///< of the shapes of the pair function
-  Span<const Index> pair;  ///< of this function
-  PairNotes notes;
-  Index place;                  ///< of the first pair
-  Span<std::uint32_t> feature;  ///< [pairs of this function][kSlots] out
-  Span<FoundContact<Real>> contact;
-
-  SCREE_HD void operator()(Index k) const {
-    const Index q = pair[k], i = contact_body(notes.key[q]);
-    const auto j = static_cast<Index>(key_element(notes.key[q]));
-    const BodySample body = test.load(i), other = test.load(j);
-    const Vec3d d = minimum_image(other.position - body.position, test.range.period);
-    const double reach = test.reach(i, body, j, other), h = test.range.h;
-    const double wider = reach + kSlack * test.range.envelope;
-    const OrderedPair<P> p(body, other, d, body.kind != first);
-    SameList same;
-    same.to = wider;
-    const auto listed = [&](const ContactGeometry& found_one) {
-      const ContactGeometry g = p.in_memory(found_one);
-      const double speed = separation_speed(g, body.motion, other.motion);
-      return same.lists(needed_envelope(g.gap, speed, h), reach);
-    };
-    const double most = wider + h * most_speed(body, other.motion, other.radius);
-    const Offset slot = static_cast<Offset>(k) * ContactStores<Real>::kSlots;
-    Index count = 0;
-    if constexpr (P::kFeatureBits == 0) {
-      const ContactGeometry g = P::contact(p.a, p.b, p.d, 0);
-      if (listed(g)) store(slot + count++, 0, p.in_memory(g));
-    } else {
-      const Manifold m = P::manifold(p.a, p.b, p.d, most, listed);
-      for (; count < m.count; ++count)
-        store(slot + count, m.feature[count], p.in_memory(m.contact[count]));
-    }
-    notes.count[q] = count;
-    notes.place[q] = place + k;
-    notes.same[q] = same;
-  }
-
- private:
-  SCREE_HD void store(Offset slot, std::uint32_t name_of, const ContactGeometry& g) const {
-    feature[slot] = name_of;
-    contact[slot] = {static_cast<Real>(g.gap), Vec3<Real>(g.normal), Vec3<Real>(g.arm_a),
-                     Vec3<Real>(g.arm_b)};
   }
 };
 

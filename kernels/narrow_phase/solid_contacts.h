@@ -5,6 +5,7 @@
 #include "kernels/backend/ordered_lists.h"
 #include "kernels/bodies/parts.h"
 #include "kernels/narrow_phase/contact_list.h"
+#include "kernels/narrow_phase/list_flagged.h"
 #include "kernels/narrow_phase/solid_walls.h"
 
 namespace scree {
@@ -58,17 +59,6 @@ struct FlagNearSolids {
                                                wall_envelope(range, a, body) + margin)
                   ? 1
                   : 0;
-  }
-};
-
-/// out[before[i]] = i for those that are marked.
-struct ListFlagged {
-  static constexpr const char* name = "list_flagged";
-  Span<const Index> flag;
-  Span<const Offset> before;  ///< running sum of the flags
-  Span<Index> out;
-  SCREE_HD void operator()(Index i) const {
-    if (flag[i] != 0) out[before[i]] = i;
   }
 };
 

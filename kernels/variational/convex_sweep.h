@@ -61,7 +61,7 @@ struct SweptShape {
       return ConvexCore::triangle(center + corner[0], center + corner[1], center + corner[2], n);
     }
     if (side.kind == shapes::Sphere::kind) return core_of<shapes::Sphere>(side, center);
-    return ConvexProgram::core(side_at(pose), center);
+    return CoresOfAny::core(side_at(pose), center);
   }
   /// How far the farthest point that turns is from the center of its body [m]: what rounds a core does not turn.
   SCREE_HD double reach() const {

@@ -249,14 +249,40 @@ SCREE_HD inline ContactGeometry nearest_contact(const BoxPair& pair) {
   return g;
 }
 
+/// What decides about pairs of these boxes [m].
+struct BoxScale {
+  double size;  ///< the smallest half extent
+  double tie;
+
+  SCREE_HD explicit BoxScale(const BoxPair& pair) {
+    const double size_0 = smallest(pair.box[0].half), size_1 = smallest(pair.box[1].half);
+    size = size_0 < size_1 ? size_0 : size_1;
+    tie = kTie * size;
+  }
+};
+
 /// How the boxes meet.
 struct SeparatingAxis {
-  double separation = 0;  ///< of the boxes along it [m], negative is overlap
-  int box = -1;           ///< reference; -1: two edges
-  int i = 0, j = 0;       ///< axis of the reference, or of the edges of the two boxes
+  double separation = 0;     ///< of the boxes along it [m], negative is overlap
+  std::int16_t box = -1;     ///< reference; -1: two edges
+  std::int8_t i = 0, j = 0;  ///< axis of the reference, or of the edges of the two boxes
+  bool beyond = false;       ///< they are farther apart than was asked for; nothing else is known
 
+  SeparatingAxis() = default;
   /// @param most  boxes that are farther apart need no answer: `separation` is more than this then
   SCREE_HD SeparatingAxis(const BoxPair& pair, double most, double tie, double edge_bias) {
+    find(pair, most, tie, edge_bias);
+    beyond = separation > most;
+  }
+  SCREE_HD SeparatingAxis(const BoxPair& pair, double most)
+      : SeparatingAxis(pair, most, BoxScale(pair).tie, kEdgeBias * BoxScale(pair).size) {}
+
+  SCREE_HD bool is_beyond() const { return beyond; }
+  /// Whether it also tells what a search within that distance would [m].
+  SCREE_HD bool holds(double most) const { return !beyond || separation > most; }
+
+ private:
+  SCREE_HD void find(const BoxPair& pair, double most, double tie, double edge_bias) {
     const BoxAxes &a = pair.box[0], &b = pair.box[1];
     separation = -1e300;
     for (int side = 0; side < 2; ++side) {
@@ -266,7 +292,7 @@ struct SeparatingAxis {
         const double s = pair.face_separation(side, k);
         if (s > best + tie) best = s, best_axis = k;
       }
-      if (best > separation + tie) separation = best, box = side, i = best_axis;
+      if (best > separation + tie) separation = best, set(side, best_axis, 0);
       if (separation > most) return;
     }
     double best = -1e300;
@@ -280,7 +306,12 @@ struct SeparatingAxis {
         if (s > best + tie) best = s, best_i = p, best_j = q;
       }
     }
-    if (best > separation + edge_bias) separation = best, box = -1, i = best_i, j = best_j;
+    if (best > separation + edge_bias) separation = best, set(-1, best_i, best_j);
+  }
+  SCREE_HD void set(int reference, int axis, int other_axis) {
+    box = static_cast<std::int16_t>(reference);
+    i = static_cast<std::int8_t>(axis);
+    j = static_cast<std::int8_t>(other_axis);
   }
 };
 
@@ -444,13 +475,11 @@ SCREE_HD inline ContactGeometry box_box_contact(const BoxPair& pair, std::uint32
 /// @param most    boxes that are farther apart have none [m]
 /// @param listed  listed(contact): whether it is wanted
 template <class Listed>
-SCREE_HD Manifold box_box(const BoxPair& pair, double most, Listed&& listed) {
+SCREE_HD Manifold box_box(const BoxPair& pair, const box_box_parts::SeparatingAxis& axis,
+                          double most, Listed&& listed) {
   using namespace box_box_parts;
-  const double size_0 = smallest(pair.box[0].half), size_1 = smallest(pair.box[1].half);
-  const double size = size_0 < size_1 ? size_0 : size_1;
-  const double tie = kTie * size;
+  const double tie = BoxScale(pair).tie;
   Manifold m;
-  const SeparatingAxis axis(pair, most, tie, kEdgeBias * size);
   if (axis.separation > most) return m;
   const auto add_listed = [&](std::uint32_t feature) {
     const ContactGeometry g = box_box_contact(pair, feature);
@@ -488,10 +517,21 @@ struct BoxBox {
                                           std::uint32_t feature) {
     return box_box_contact(pair(a, b, d), feature);
   }
+  using Search = box_box_parts::SeparatingAxis;
+  SCREE_HD static Search search(const PairSide& a, const PairSide& b, const Vec3d& d, double most,
+                                const Search* before) {
+    if (before != nullptr && before->holds(most)) return *before;
+    return {pair(a, b, d), most};
+  }
+  template <class Listed>
+  SCREE_HD static Manifold contacts(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                    const Search& search, double most, Listed&& listed) {
+    return box_box(pair(a, b, d), search, most, listed);
+  }
   template <class Listed>
   SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
                                     double most, Listed&& listed) {
-    return box_box(pair(a, b, d), most, listed);
+    return manifold_in_parts<BoxBox>(a, b, d, most, listed);
   }
 };
 

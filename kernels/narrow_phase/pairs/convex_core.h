@@ -14,12 +14,31 @@ struct CoreFacet {
   static constexpr int kMaxPoints = 8;
   int count = 0;
   Vec3d point[kMaxPoints];  ///< [m]
-  int name[kMaxPoints];     ///< of each point among those of its core; stays from step to step
+  Vec3d side[kMaxPoints];   ///< unit, out of the side from each point to the next: see set_sides()
+  std::uint8_t
+      name[kMaxPoints];  ///< of each point among those of its core; stays from step to step
 
   SCREE_HD void add(const Vec3d& x, int number) {
     point[count] = x;
-    name[count] = number;
+    name[count] = static_cast<std::uint8_t>(number);
     ++count;
+  }
+  SCREE_HD int after(int k) const { return k + 1 < count ? k + 1 : 0; }
+  /// Seen along a normal. @param normal  out of the core; an edge is seen along it
+  SCREE_HD void set_sides(const Vec3d& normal) {
+    for (int k = 0; k < count; ++k) {
+      const Vec3d along = point[after(k)] - point[k];
+      side[k] = normalized(count == 2 ? -along : cross(along, normal));
+    }
+  }
+  /// How far a point is beyond side k [m].
+  SCREE_HD double beyond(int k, const Vec3d& x) const { return dot(x - point[k], side[k]); }
+  /// Whether a point lies over the facet. @param but  a side that does not matter
+  SCREE_HD bool is_under(const Vec3d& x, double tie, int but = -1) const {
+    for (int k = 0; k < count; ++k) {
+      if (k != but && beyond(k, x) > tie) return false;
+    }
+    return true;
   }
   /// Place of the point of that name; -1: there is none.
   SCREE_HD int find(int number) const {
@@ -111,19 +130,28 @@ struct ConvexCore {
     return x;
   }
 
+  /// What tells the part of a core that faces a direction: of a hull its farthest point. To find it takes long, and face
+  /// normals, facets and edges towards that direction need it.
+  SCREE_HD std::uint32_t top(const Vec3d& n) const {
+    return form == Form::hull ? hull.farthest(local(n)) : 0;
+  }
+
   /// Normals that faces may have. Of a hull it is only the one nearest to a direction.
   SCREE_HD int normal_count() const {
     if (form == Form::brick) return is_segment() ? 0 : 6;
     return form == Form::ellipsoid ? 0 : form == Form::cone || form == Form::hull ? 1 : 2;
   }
-  [[gnu::noinline]] SCREE_HD Vec3d face_normal(int k, const Vec3d& toward) const {
-    if (form == Form::hull) {
-      const Vec3d n = local(toward);
-      return world(hull.face[hull.facing(n)].normal);
-    }
+  /// @param top  of that direction
+  [[gnu::noinline]] SCREE_HD Vec3d face_normal(int k, const Vec3d& toward,
+                                               std::uint32_t top) const {
+    if (form == Form::hull) return world(hull.face[hull.facing(top, local(toward))].normal);
     if (form == Form::cone) return -axis[2];
     const Vec3d n = form == Form::brick ? axis[k / 2] : form == Form::triangle ? normal : axis[2];
     return k % 2 == 0 ? n : -n;
+  }
+  /// The point farthest along the normal of a face, from the center [m]. @param top  that the normal was found by
+  SCREE_HD Vec3d on_face(const Vec3d& face, std::uint32_t top) const {
+    return form == Form::hull ? at(top) : support(face);
   }
   /// Directions of straight edges, and of what a round side consists of. Those of a hull, and of a cone, which are many,
   /// are left to the search.
@@ -139,7 +167,9 @@ struct ConvexCore {
   /// The face whose normal is nearest to a direction; of a segment all of it, of a round core eight points of an end, of
   /// which the first is its farthest one, or a line on its round side, of an ellipsoid its farthest point. Of a hull, a
   /// face at its farthest point.
-  [[gnu::noinline]] SCREE_HD CoreFacet facing(const Vec3d& n) const {
+  SCREE_HD CoreFacet facing(const Vec3d& n) const { return facing(n, top(n)); }
+  /// @param top  of that direction
+  [[gnu::noinline]] SCREE_HD CoreFacet facing(const Vec3d& n, std::uint32_t top) const {
     CoreFacet f;
     if (form == Form::triangle) {
       const bool is_front = dot(normal, n) >= 0;
@@ -161,7 +191,7 @@ struct ConvexCore {
     }
     if (form == Form::hull) {
       static_assert(Hull::kMostCorners <= CoreFacet::kMaxPoints);
-      const std::uint32_t top = hull.farthest(local(n)), face = hull.facing(top, local(n));
+      const std::uint32_t face = hull.facing(top, local(n));
       for (std::uint32_t k = 0; k < hull.shown_count(face); ++k)
         f.add(center + at(hull.shown_corner(face, k, top)), static_cast<int>(k));
       return f;
@@ -205,9 +235,14 @@ struct ConvexCore {
   }
 
   /// The edge of a polygon, or the point, that lies farthest along a direction. Edges count as facing it up to a slope.
-  [[gnu::noinline]] SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope) const {
+  SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope) const {
+    return edge_toward(n, slope, top(n));
+  }
+  /// @param top  of that direction
+  [[gnu::noinline]] SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope,
+                                                   std::uint32_t top) const {
     CoreFacet best;
-    if (form == Form::hull) return hull_edge_toward(local(n), slope);
+    if (form == Form::hull) return hull_edge_toward(local(n), slope, top);
     const CoreFacet face = facing(n);
     if (face.count == 1) return face;
     double most = -1e300;
@@ -249,8 +284,7 @@ struct ConvexCore {
   }
 
   /// The edge from the farthest point to the farthest of those it is joined with, or that point alone.
-  SCREE_HD CoreFacet hull_edge_toward(const Vec3d& n, double slope) const {
-    const std::uint32_t top = hull.farthest(n);
+  SCREE_HD CoreFacet hull_edge_toward(const Vec3d& n, double slope, std::uint32_t top) const {
     std::uint32_t next = top;
     double least = 1e300;
     for (std::uint32_t k = hull.first_face[top]; k < hull.first_face[top + 1]; ++k) {

@@ -20,6 +20,28 @@ struct CoreDistance {
   Vec3d on_a, on_b;  ///< the nearest points of cores that are apart [m]
 };
 
+/// How far the search for that has come. It has two parts, since the second takes much memory and is for few pairs.
+struct CoreSearch {
+  enum class State : std::uint8_t {
+    beyond,  ///< they are farther apart than was asked for; `separation` is at most their distance
+    apart,   ///< it has ended
+    overlapping,  ///< it has ended, too
+    touching,     ///< open: the surface of M passes through the origin, but for rounding
+    inside        ///< open: the origin is inside of M
+  };
+  State state = State::beyond;
+  double separation = 0;  ///< [m]
+  Vec3d point[4];  ///< normal and nearest points; inside: corners of a tetrahedron about the origin
+
+  SCREE_HD bool is_beyond() const { return state == State::beyond; }
+  SCREE_HD bool is_open() const { return state == State::touching || state == State::inside; }
+  /// Whether it also tells what a search within that distance would [m].
+  SCREE_HD bool holds(double most) const { return !is_beyond() || separation > most; }
+  SCREE_HD CoreDistance distance() const {
+    return {point[0], separation, state == State::apart, point[1], point[2]};
+  }
+};
+
 namespace convex_parts {
 
 /// A point of M, and the point of A that it comes from.
@@ -150,26 +172,29 @@ class Simplex {
   double weight_[kMost] = {};
 };
 
-/// How a search for the nearest points ends.
-enum class Nearness { apart, touching, inside };
-
-/// The nearest points of two cores. @param most  cores that are farther apart need no exact answer
-/// @param corners  [4] where the origin is inside of M: those of a tetrahedron about it
-SCREE_HD inline Nearness find_nearest(const ConvexCore& a, const ConvexCore& b, double size,
-                                      double most, CoreDistance& out, Vec3d* corners) {
+/// The first part of a search. @param most  cores that are farther apart need no exact answer [m]
+SCREE_HD inline CoreSearch find_nearest(const ConvexCore& a, const ConvexCore& b, double size,
+                                        double most) {
+  using State = CoreSearch::State;
+  CoreSearch out;
   DifferencePoint v = farthest(a, b, a.center - b.center);
   Simplex s(v);
   double length2 = norm2(v.w);
   for (int step = 0; step < 64; ++step) {
     const double length = std::sqrt(length2);
-    if (length <= 1e-9 * size) return Nearness::touching;
+    if (length <= 1e-9 * size) break;
     const DifferencePoint p = farthest(a, b, -v.w);
     const double bound = dot(v.w, p.w);
-    if (bound > most * length || length2 - bound <= 1e-14 * length2 + 4e-16 * size * length) break;
+    if (bound > most * length) {
+      out.separation = bound / length;
+      return out;
+    }
+    if (length2 - bound <= 1e-14 * length2 + 4e-16 * size * length) break;
     s.add(p);
     if (s.reduce(size)) {
-      for (int k = 0; k < 4; ++k) corners[k] = s[k].w;
-      return Nearness::inside;
+      out.state = State::inside;
+      for (int k = 0; k < 4; ++k) out.point[k] = s[k].w;
+      return out;
     }
     const DifferencePoint next = s.nearest();
     const double next2 = norm2(next.w);
@@ -177,14 +202,16 @@ SCREE_HD inline Nearness find_nearest(const ConvexCore& a, const ConvexCore& b, 
     v = next;
     length2 = next2;
   }
-  const double length = std::sqrt(length2);
-  if (length <= 1e-9 * size) return Nearness::touching;
-  out.is_apart = true;
-  out.normal = (1 / length) * v.w;
-  out.on_a = v.a;
-  out.on_b = v.a + v.w;
-  out.separation = length;
-  return Nearness::apart;
+  out.separation = std::sqrt(length2);
+  if (out.separation <= 1e-9 * size) {
+    out.state = State::touching;
+  } else if (!(out.separation > most)) {
+    out.state = State::apart;
+    out.point[0] = (1 / out.separation) * v.w;
+    out.point[1] = v.a;
+    out.point[2] = v.a + v.w;
+  }
+  return out;
 }
 
 /// A polytope inside of M.
@@ -350,44 +377,56 @@ class Polytope {
 /// Faces are preferred to other directions of overlap that are better by less than this part of the size.
 inline constexpr double kFaceBias = 1e-4;
 
-/// A function of its own on a device: its arrays are in the stack once, and closed forms keep their registers.
-/// @param most  cores that are farther apart need no exact answer [m]
-[[gnu::noinline]] SCREE_HD inline CoreDistance core_distance(const ConvexCore& a,
-                                                             const ConvexCore& b, double most) {
-  const double size_a = a.size(), size_b = b.size();
-  const double size = size_a + size_b, least = size_a < size_b ? size_a : size_b;
-  CoreDistance out;
-  // Normals of faces, which are what bodies rest on, without the rounding of a search.
-  const auto best_face = [&](const Vec3d& toward, Vec3d& normal) {
-    double best = -1e300;
-    for (int side = 0; side < 2; ++side) {
-      const ConvexCore& core = side == 0 ? a : b;
-      const double sign = side == 0 ? 1 : -1;
-      for (int k = 0; k < core.normal_count(); ++k) {
-        const Vec3d n = sign * core.face_normal(k, sign * toward);
-        const double found = separation_along(a, b, n);
-        if (found > best + 1e-9 * size) {
-          best = found;
-          normal = n;
-        }
+namespace convex_parts {
+
+/// Of the normals of faces, which are what bodies rest on, the one along which cores are farthest apart, without the rounding
+/// of a search. @return  how far [m]
+SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, double size,
+                                 const Vec3d& toward, Vec3d& normal) {
+  double best = -1e300;
+  for (int side = 0; side < 2; ++side) {
+    const ConvexCore& core = side == 0 ? a : b;
+    const ConvexCore& other = side == 0 ? b : a;
+    const double sign = side == 0 ? 1 : -1;
+    const std::uint32_t top = core.top(sign * toward);
+    for (int k = 0; k < core.normal_count(); ++k) {
+      const Vec3d out = core.face_normal(k, sign * toward, top), n = sign * out;
+      const double found =
+          dot(other.center + other.support(-out) - core.center - core.on_face(out, top), out);
+      if (found > best + 1e-9 * size) {
+        best = found;
+        normal = n;
       }
     }
-    return best;
-  };
-  Vec3d face;
-  Vec3d corners[4];
-  const convex_parts::Nearness nearness =
-      convex_parts::find_nearest(a, b, size, most, out, corners);
-  if (nearness == convex_parts::Nearness::apart) {
-    if (out.separation > most) return out;
-    const double by_face = best_face(out.normal, face);
-    if (by_face >= out.separation * (1 - 1e-7)) out.normal = face;
-    return out;
   }
+  return best;
+}
+
+}  // namespace convex_parts
+
+/// The first part of a search. Functions of their own on a device: closed forms keep their registers.
+/// @param most  cores that are farther apart need no exact answer [m]
+[[gnu::noinline]] SCREE_HD inline CoreSearch search_distance(const ConvexCore& a,
+                                                             const ConvexCore& b, double most) {
+  const double size = a.size() + b.size();
+  CoreSearch out = convex_parts::find_nearest(a, b, size, most);
+  if (out.state != CoreSearch::State::apart) return out;
+  Vec3d face;
+  const double by_face = convex_parts::best_face(a, b, size, out.point[0], face);
+  if (by_face >= out.separation * (1 - 1e-7)) out.point[0] = face;
+  return out;
+}
+
+/// The second part, of cores that touch or overlap: its arrays are in the stack once.
+[[gnu::noinline]] SCREE_HD inline void finish_distance(const ConvexCore& a, const ConvexCore& b,
+                                                       CoreSearch& search) {
+  const double size_a = a.size(), size_b = b.size();
+  const double size = size_a + size_b, least = size_a < size_b ? size_a : size_b;
   convex_parts::Polytope polytope(a, b, size);
-  polytope.grow(nearness == convex_parts::Nearness::inside ? corners : nullptr);
+  polytope.grow(search.state == CoreSearch::State::inside ? search.point : nullptr);
   if (a.is_curved() || b.is_curved()) polytope.turn();
-  const double by_face = best_face(-polytope.normal, face);
+  Vec3d face;
+  const double by_face = convex_parts::best_face(a, b, size, -polytope.normal, face);
   // Of two edges, exactly: a polytope only comes near the normal of round sides that cross.
   Vec3d crossing;
   double by_edges = -1e300;
@@ -415,19 +454,25 @@ inline constexpr double kFaceBias = 1e-4;
     if (core.form != ConvexCore::Form::cylinder) continue;
     offer((1 / size) * (between - dot(between, core.axis[2]) * core.axis[2]));
   }
-  out.is_apart = false;
+  search.state = CoreSearch::State::overlapping;
   const double most_apart = by_edges > -polytope.depth ? by_edges : -polytope.depth;
   if (by_face >= most_apart - kFaceBias * least) {
-    out.normal = face;
-    out.separation = by_face;
+    search.point[0] = face;
+    search.separation = by_face;
   } else if (by_edges >= -polytope.depth - 1e-9 * size) {
-    out.normal = crossing;
-    out.separation = by_edges;
+    search.point[0] = crossing;
+    search.separation = by_edges;
   } else {
-    out.normal = -polytope.normal;
-    out.separation = -polytope.depth;
+    search.point[0] = -polytope.normal;
+    search.separation = -polytope.depth;
   }
-  return out;
+}
+
+/// Both parts. @param most  cores that are farther apart need no exact answer, but a separation of more than this [m]
+SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore& b, double most) {
+  CoreSearch search = search_distance(a, b, most);
+  if (search.is_open()) finish_distance(a, b, search);
+  return search.distance();
 }
 
 }  // namespace scree

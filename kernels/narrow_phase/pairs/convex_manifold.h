@@ -46,12 +46,17 @@ struct CoreMeeting {
   double tie = 0;      ///< [m]
   CoreFacet own;       ///< of the reference
   CoreFacet other;
-  Vec3d out;  ///< unit, out of the reference
+  Vec3d out;                   ///< unit, out of the reference
+  std::uint32_t top_a, top_b;  ///< of the cores along the normal
 
   /// @param found  of these cores, or another normal that is to hold them apart
   [[gnu::noinline]] SCREE_HD CoreMeeting(const ConvexCore& first, const ConvexCore& second,
                                          const CoreDistance& found)
-      : a(first), b(second), distance(found) {
+      : a(first),
+        b(second),
+        distance(found),
+        top_a(first.top(found.normal)),
+        top_b(second.top(-found.normal)) {
     const double size_a = a.size(), size_b = b.size();
     tie = 1e-5 * (size_a < size_b ? size_a : size_b);
     const Vec3d n = distance.normal;
@@ -61,23 +66,29 @@ struct CoreMeeting {
       const int side = turn == 0 ? first_side : 1 - first_side;
       const ConvexCore& core = side == 0 ? a : b;
       const Vec3d toward = side == 0 ? n : -n;
+      const std::uint32_t top = side == 0 ? top_a : top_b;
       for (int k = 0; k < core.normal_count(); ++k) {
-        if (dot(core.face_normal(k, toward), toward) >= kFaceCosine) reference = side;
+        if (dot(core.face_normal(k, toward, top), toward) >= kFaceCosine) reference = side;
       }
     }
     if (reference >= 0) {
       out = reference == 0 ? n : -n;
-      own = (reference == 0 ? a : b).facing(out);
-      other = (reference == 0 ? b : a).facing(-out);
+      own = reference == 0 ? a.facing(n, top_a) : b.facing(-n, top_b);
+      other = reference == 0 ? b.facing(-n, top_b) : a.facing(n, top_a);
+      own.set_sides(out);
+      other.set_sides(-out);
       return;
     }
-    own = a.edge_toward(n, kParallel);
-    other = b.edge_toward(-n, kParallel);
+    own = a.edge_toward(n, kParallel, top_a);
+    other = b.edge_toward(-n, kParallel, top_b);
     out = n;
     if (own.count < 2 || other.count < 2) return;
     const Vec3d u = normalized(own.point[1] - own.point[0]);
     const Vec3d v = normalized(other.point[1] - other.point[0]);
-    if (norm(cross(u, v)) < kParallel) reference = 0;
+    if (norm(cross(u, v)) >= kParallel) return;
+    reference = 0;
+    own.set_sides(out);
+    other.set_sides(-out);
   }
 
   /// The contact that a feature names.
@@ -94,21 +105,21 @@ struct CoreMeeting {
   template <class Take>
   SCREE_HD void visit(Take&& take) const {
     for (int k = 0; k < other.count; ++k) {
-      if (is_over(own, out, other.point[k], -1)) offer(other.name[k], take);
+      if (own.is_under(other.point[k], tie)) offer(other.name[k], take);
     }
     for (int k = 0; k < own.count; ++k) {
       if (own.count > 2 && other.count < 3) break;
-      if (is_over(other, -out, own.point[k], -1)) offer(ConvexFeature::kOwn + own.name[k], take);
+      if (other.is_under(own.point[k], tie)) offer(ConvexFeature::kOwn + own.name[k], take);
     }
     if (own.count < 3) return;
     const int edges = other.count < 3 ? other.count - 1 : other.count;
     for (int e = 0; e < edges; ++e) {
       for (int k = 0; k < own.count; ++k) {
-        const Vec3d from = other.point[e], to = other.point[(e + 1) % other.count];
-        const double before = beyond(own, out, k, from), after = beyond(own, out, k, to);
+        const Vec3d from = other.point[e], to = other.point[other.after(e)];
+        const double before = own.beyond(k, from), after = own.beyond(k, to);
         if (!((before > tie && after < -tie) || (before < -tie && after > tie))) continue;
         const Vec3d x = from + (before / (before - after)) * (to - from);
-        if (!is_over(own, out, x, k)) continue;
+        if (!own.is_under(x, tie, k)) continue;
         offer(ConvexFeature::kSides + other.name[e] * ConvexFeature::kNames + own.name[k], take);
       }
     }
@@ -132,8 +143,8 @@ struct CoreMeeting {
       c.gap = dot(distance.on_b - distance.on_a, distance.normal);
       return c;
     }
-    const CoreFacet p = a.edge_toward(distance.normal, 1e-6);
-    const CoreFacet q = b.edge_toward(-distance.normal, 1e-6);
+    const CoreFacet p = a.edge_toward(distance.normal, 1e-6, top_a);
+    const CoreFacet q = b.edge_toward(-distance.normal, 1e-6, top_b);
     const Vec3d u = p.point[p.count - 1] - p.point[0], v = q.point[q.count - 1] - q.point[0];
     const Vec3d w = q.point[0] - p.point[0];
     const auto limited = [](double x) { return x > 0 ? (x < 1 ? x : 1.0) : 0.0; };
@@ -152,19 +163,6 @@ struct CoreMeeting {
   SCREE_HD void offer(int number, Take&& take) const {
     const CoreContact c = contact_of(number);
     if (c.is) take(number, c);
-  }
-  /// How far a point is beyond side k of a facet, seen along its normal [m].
-  SCREE_HD double beyond(const CoreFacet& f, const Vec3d& normal, int k, const Vec3d& x) const {
-    const Vec3d along = f.point[(k + 1) % f.count] - f.point[k];
-    const Vec3d side = f.count == 2 ? -along : cross(along, normal);
-    return dot(x - f.point[k], side) / norm(side);
-  }
-  /// Whether a point lies over a facet. @param but  a side that does not matter
-  SCREE_HD bool is_over(const CoreFacet& f, const Vec3d& normal, const Vec3d& x, int but) const {
-    for (int k = 0; k < f.count; ++k) {
-      if (k != but && beyond(f, normal, k, x) > tie) return false;
-    }
-    return true;
   }
   /// From a point along the normal to a facet [m].
   SCREE_HD bool height_of(const CoreFacet& f, const Vec3d& x, double& height) const {
@@ -197,8 +195,8 @@ struct CoreMeeting {
         const int e = other.find(pair / ConvexFeature::kNames);
         const int k = own.find(pair % ConvexFeature::kNames);
         if (e < 0 || k < 0) return c;
-        const Vec3d from = other.point[e], to = other.point[(e + 1) % other.count];
-        const double before = beyond(own, out, k, from), after = beyond(own, out, k, to);
+        const Vec3d from = other.point[e], to = other.point[other.after(e)];
+        const double before = own.beyond(k, from), after = own.beyond(k, to);
         if (before == after) return c;
         x = from + (before / (before - after)) * (to - from);
       }
@@ -273,37 +271,66 @@ SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, const Co
 }
 
 /// The contacts of two bodies that are listed.
-/// @param most  cores that are farther apart have none [m]
+/// @param search  has ended
+/// @param most    bodies that are farther apart have none [m]
 template <class Listed>
 SCREE_HD Manifold convex_manifold(const ConvexCore& first, const ConvexCore& second, const Vec3d& d,
-                                  double most, Listed&& listed) {
-  const double farthest = most + first.rounding + second.rounding;
-  const CoreDistance distance = core_distance(first, second, farthest);
-  if (distance.separation > farthest) return {};
+                                  const CoreSearch& search, double most, Listed&& listed) {
+  if (search.separation > most + first.rounding + second.rounding) return {};
   const auto all = [](std::uint32_t) { return true; };
-  return convex_contacts(CoreMeeting(first, second, distance), d, true, all, listed);
+  return convex_contacts(CoreMeeting(first, second, search.distance()), d, true, all, listed);
 }
+
+/// Pair functions by cores, see InParts. @tparam Cores  its of_a(a) and of_b(b, d) give them
+template <class Cores>
+struct ConvexParts {
+  static constexpr int kFeatureBits = ConvexFeature::kBits;
+  using Search = CoreSearch;
+
+  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                          std::uint32_t feature) {
+    return convex_contact(Cores::of_a(a), Cores::of_b(b, d), d, feature);
+  }
+  SCREE_HD static Search search(const PairSide& a, const PairSide& b, const Vec3d& d, double most,
+                                const Search* before) {
+    const ConvexCore first = Cores::of_a(a), second = Cores::of_b(b, d);
+    const double farthest = most + first.rounding + second.rounding;
+    if (before != nullptr && before->holds(farthest)) return *before;
+    return search_distance(first, second, farthest);
+  }
+  SCREE_HD static void finish(const PairSide& a, const PairSide& b, const Vec3d& d,
+                              Search& search) {
+    finish_distance(Cores::of_a(a), Cores::of_b(b, d), search);
+  }
+  template <class Listed>
+  SCREE_HD static Manifold contacts(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                    const Search& search, double most, Listed&& listed) {
+    return convex_manifold(Cores::of_a(a), Cores::of_b(b, d), d, search, most, listed);
+  }
+  template <class Listed>
+  SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                    double most, Listed&& listed) {
+    return manifold_in_parts<ConvexParts>(a, b, d, most, listed);
+  }
+};
+
+template <class ShapeA, class ShapeB>
+struct CoresOf {
+  SCREE_HD static ConvexCore of_a(const PairSide& a) { return core_of<ShapeA>(a, {}); }
+  SCREE_HD static ConvexCore of_b(const PairSide& b, const Vec3d& d) {
+    return core_of<ShapeB>(b, d);
+  }
+};
 
 struct ConvexProgram;
 
 /// Two bodies whose shapes give cores: what pair functions of convex shapes have in common. Where they run, one program
 /// serves all of them: cores tell their forms apart anyway.
 template <class ShapeA, class ShapeB>
-struct ConvexPair {
+struct ConvexPair : ConvexParts<CoresOf<ShapeA, ShapeB>> {
   using A = ShapeA;
   using B = ShapeB;
   using Program = ConvexProgram;
-  static constexpr int kFeatureBits = ConvexFeature::kBits;
-
-  SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
-                                          std::uint32_t feature) {
-    return convex_contact(core_of<A>(a, {}), core_of<B>(b, d), d, feature);
-  }
-  template <class Listed>
-  SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,
-                                    double most, Listed&& listed) {
-    return convex_manifold(core_of<A>(a, {}), core_of<B>(b, d), d, most, listed);
-  }
 };
 
 }  // namespace scree

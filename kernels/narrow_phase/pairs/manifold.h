@@ -1,7 +1,7 @@
 #pragma once
 // All contacts of two shapes that touch in more than one point.
 
-#include "kernels/narrow_phase/pairs/contact_geometry.h"
+#include "kernels/narrow_phase/pairs/pair_side.h"
 
 namespace scree {
 
@@ -24,5 +24,29 @@ struct Manifold {
     contact[at] = g;
   }
 };
+
+/// Pair functions that search how two bodies lie before they find contacts. Detection runs the parts one after the other, each
+/// for all pairs that need it, and keeps what the searches found.
+template <class P>
+concept InParts = requires {
+  typename P::Search;
+};
+/// Whether the search itself is in two parts.
+template <class P>
+concept Finishes = InParts<P> &&
+    requires(const PairSide& side, const Vec3d& d, typename P::Search& search) {
+  P::finish(side, side, d, search);
+};
+
+/// All parts at once. @param most  bodies that are farther apart have none [m]
+template <InParts P, class Listed>
+SCREE_HD Manifold manifold_in_parts(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                    double most, Listed&& listed) {
+  typename P::Search search = P::search(a, b, d, most, nullptr);
+  if constexpr (Finishes<P>) {
+    if (search.is_open()) P::finish(a, b, d, search);
+  }
+  return P::contacts(a, b, d, search, most, listed);
+}
 
 }  // namespace scree

@@ -45,23 +45,44 @@ using ProgramOf = std::conditional_t<kIsShared<P>, SharedProgram, P>;
 
 template <class... P>
 struct PairTypes {
-  /// Pair functions of two bodies.
+  /// Pair functions of two bodies, and those of them that run by themselves.
   static constexpr int kBodyPairs = (0 + ... + (IsBodyPair<P> ? 1 : 0));
-  /// Number of the pair function of two bodies, from 0; kBodyPairs: there is none.
+  static constexpr int kOwnPrograms = (0 + ... + (IsBodyPair<P> && !kIsShared<P> ? 1 : 0));
+  /// Programs that run them.
+  static constexpr int kPrograms = kOwnPrograms + (kOwnPrograms < kBodyPairs ? 1 : 0);
+  /// Number of the pair function of two bodies, from 0, those that run by themselves first; kBodyPairs: there is none.
   SCREE_HD static int number_of(ShapeKind a, ShapeKind b) {
     int number = 0;
-    (void)(is_found<P>(a, b, number) || ...);
+    (void)((is_found<P, false>(a, b, number) || ...) || (is_found<P, true>(a, b, number) || ...));
     return number;
   }
-  /// Calls f(P{}, number) for each pair function of two bodies, on the host.
+  /// Whether the pair function of two bodies takes them in the other order.
+  SCREE_HD static bool is_reversed(ShapeKind a, ShapeKind b) {
+    bool is_reversed = false;
+    (void)(is_any_of<P>(a, b, is_reversed) || ...);
+    return is_reversed;
+  }
+  /// Calls f(P{}, k) for each pair function of two bodies, the k-th of the list, on the host.
   template <class F>
   static void for_each_body_pair(F&& f) {
-    int number = 0;
+    int k = 0;
     const auto visit = [&]<class One>(One pair) {
-      if constexpr (IsBodyPair<One>) f(pair, number++);
+      if constexpr (IsBodyPair<One>) f(pair, k++);
     };
     (visit(P{}), ...);
   }
+  /// Calls f(program, k) for each program, from 0, on the host: the k-th runs the pair functions numbered from
+  /// first_number(k) to first_number(k + 1).
+  template <class F, class Shared = SharedProgram>
+  static void for_each_program(F&& f) {
+    int k = 0;
+    const auto visit = [&]<class One>(One pair) {
+      if constexpr (IsBodyPair<One> && !kIsShared<One>) f(pair, k++);
+    };
+    (visit(P{}), ...);
+    if constexpr (kOwnPrograms < kBodyPairs) f(Shared{}, k);
+  }
+  static constexpr int first_number(int k) { return k <= kOwnPrograms ? k : kBodyPairs; }
   /// Calls f(program, is_reversed) for the pair function of two bodies, if there is one: in one place for all that the
   /// shared program runs, so that f is compiled there once.
   template <class F, class Shared = SharedProgram>
@@ -87,13 +108,18 @@ struct PairTypes {
   }
 
  private:
-  template <class One>
+  template <class One, bool kShared>
   SCREE_HD static bool is_found(ShapeKind a, ShapeKind b, int& number) {
-    if constexpr (IsBodyPair<One>) {
-      constexpr ShapeKind own_a = One::A::kind, own_b = One::B::kind;
-      if ((a == own_a && b == own_b) || (a == own_b && b == own_a)) return true;
+    if constexpr (IsBodyPair<One> && kIsShared<One> == kShared) {
+      bool is_reversed = false;
+      if (is_of<One>(a, b, is_reversed)) return true;
       ++number;
     }
+    return false;
+  }
+  template <class One>
+  SCREE_HD static bool is_any_of(ShapeKind a, ShapeKind b, bool& is_reversed) {
+    if constexpr (IsBodyPair<One>) return is_of<One>(a, b, is_reversed);
     return false;
   }
   template <class One, class F>

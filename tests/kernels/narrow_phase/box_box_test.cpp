@@ -24,7 +24,8 @@ BoxPair pair_of_boxes(const TestBox& a, const TestBox& b) {
 
 /// All contacts with gaps up to the envelope.
 Manifold manifold(const TestBox& a, const TestBox& b, double envelope) {
-  return box_box(pair_of_boxes(a, b), envelope, IsWithin{envelope});
+  const BoxPair pair = pair_of_boxes(a, b);
+  return box_box(pair, {pair, envelope}, envelope, IsWithin{envelope});
 }
 
 /// How far a point is outside a box, over its faces; negative inside.

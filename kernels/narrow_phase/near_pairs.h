@@ -1,0 +1,243 @@
+#pragma once
+// Pairs of bodies that are near enough to be computed: what is noted and stored of them while contacts are searched for.
+
+#include "kernels/narrow_phase/contact_list.h"
+#include "kernels/narrow_phase/list_flagged.h"
+#include "kernels/narrow_phase/same_list.h"
+
+namespace scree {
+
+/// Pairs of bodies, not two spheres, that are near enough to be computed. Those of a piece of the candidates lie beside
+/// each other, in the order of these.
+struct NearPairs {
+  Span<const Offset> begin;           ///< [piece count + 1] first pair of each piece
+  Span<const std::uint32_t> is_near;  ///< [piece count] bit k: the k-th candidate is one
+  Span<const std::uint32_t>
+      touching;  ///< [piece count] bit k: the k-th candidate is a contact of two spheres
+};
+
+/// What is stored of a contact until all of them are counted.
+template <class Real>
+struct FoundContact {
+  Real gap = 0;
+  Vec3<Real> normal, arm_a, arm_b;
+};
+
+/// Searches of a step: one, and those with wider margins.
+inline constexpr int kMostSearches = 3;
+
+/// Where each search of a step stores what it computed of pairs: those from a place on.
+struct StorePlaces {
+  Index begin[kMostSearches] = {};  ///< place of the first pair of each
+  int count = 0;
+
+  /// The store that holds a pair's place.
+  SCREE_HD int store_of(Index place) const {
+    int k = count - 1;
+    while (place < begin[k]) --k;
+    return k;
+  }
+};
+
+/// The contacts of computed pairs, kSlots for each.
+template <class Real>
+struct ContactStores : StorePlaces {
+  static constexpr Index kSlots = Manifold::kMaxContacts;
+
+  Span<std::uint32_t> feature[kMostSearches];       ///< [pairs computed][kSlots]
+  Span<FoundContact<Real>> contact[kMostSearches];  ///< the same
+
+  SCREE_HD Offset slot(int store, Index place) const {
+    return static_cast<Offset>(place - begin[store]) * kSlots;
+  }
+};
+
+/// How two bodies lie, of the pairs of a program in parts: see InParts.
+template <class Search>
+struct SearchStores : StorePlaces {
+  Span<Search> search[kMostSearches];  ///< [pairs computed by this program]
+
+  SCREE_HD const Search& operator[](Index place) const {
+    const int store = store_of(place);
+    return search[store][place - begin[store]];
+  }
+};
+
+/// What a pair has instead of a place until it is computed.
+inline constexpr Index kNoPlace = -1;
+
+/// Near pairs and what was found of them.
+struct PairNotes {
+  Span<std::uint64_t> key;  ///< [pairs] bodies, ascending: see make_key()
+  Span<Index> count;        ///< [pairs] contacts
+  Span<Index> place;        ///< [pairs] where these are stored, see StorePlaces
+  Span<SameList> same;      ///< [pairs] envelopes for which that holds
+
+  /// Number of a pair; -1: it is none of these.
+  SCREE_HD Index find(std::uint64_t wanted) const {
+    const auto end = static_cast<Index>(key.size);
+    const Index q = first_not_below(Span<const std::uint64_t>(key), 0, end, wanted);
+    return q < end && key[q] == wanted ? q : -1;
+  }
+  /// @param found  contacts, stored at the place
+  SCREE_HD void set(Index q, Index found, Index at, const SameList& holds_for) const {
+    count[q] = found;
+    place[q] = at;
+    same[q] = holds_for;
+  }
+};
+
+/// A near pair as its pair function takes it.
+template <class P, class Real>
+struct LoadedPair {
+  using Test = ContactTest<ShapeMix::any, Real>;
+
+  BodySample body, other;
+  double h;      ///< [s]
+  double reach;  ///< gap up to which contacts are listed [m]
+  double
+      wider;  ///< envelope up to which the search looks, so that what it finds holds for wider margins [m]
+  double most;  ///< bodies that are farther apart have no contact [m]
+  OrderedPair<P> order;
+
+  SCREE_HD LoadedPair(const Test& test, std::uint64_t key)
+      : LoadedPair(test, contact_body(key), static_cast<Index>(key_element(key))) {}
+
+  SCREE_HD Manifold manifold(SameList& same) const {
+    return P::manifold(order.a, order.b, order.d, most, listed(same));
+  }
+  SCREE_HD auto listed(SameList& same) const {
+    return [this, &same](const ContactGeometry& found) {
+      const ContactGeometry g = order.in_memory(found);
+      const double speed = separation_speed(g, body.motion, other.motion);
+      return same.lists(needed_envelope(g.gap, speed, h), reach);
+    };
+  }
+  /// To begin with: nothing is decided.
+  SCREE_HD SameList same() const {
+    SameList s;
+    s.to = wider;
+    return s;
+  }
+
+ private:
+  SCREE_HD LoadedPair(const Test& test, Index i, Index j)
+      : body(test.load(i)),
+        other(test.load(j)),
+        h(test.range.h),
+        reach(test.reach(i, body, j, other)),
+        wider(reach + kSlack * test.range.envelope),
+        most(wider + h * most_speed(body, other.motion, other.radius)),
+        order(body, other, minimum_image(other.position - body.position, test.range.period),
+              PairList::is_reversed(body.kind, other.kind)) {}
+};
+
+/// The pairs that a program computes, and where it stores their contacts.
+template <class P, class Real>
+struct ComputedPairs {
+  ContactTest<ShapeMix::any, Real> test;
+  Span<const Index> pair;  ///< of this program
+  PairNotes notes;
+  Index place;                  ///< of the first pair
+  Span<std::uint32_t> feature;  ///< [pairs of this program][kSlots] out
+  Span<FoundContact<Real>> contact;
+
+  SCREE_HD LoadedPair<P, Real> load(Index k) const { return {test, notes.key[pair[k]]}; }
+  /// What follows for pair k from its contacts.
+  SCREE_HD void store(Index k, const OrderedPair<P>& order, const Manifold& m,
+                      const SameList& same) const {
+    for (int c = 0; c < m.count; ++c) {
+      const Offset slot = static_cast<Offset>(k) * ContactStores<Real>::kSlots + c;
+      const ContactGeometry g = order.in_memory(m.contact[c]);
+      feature[slot] = m.feature[c];
+      contact[slot] = {static_cast<Real>(g.gap), Vec3<Real>(g.normal), Vec3<Real>(g.arm_a),
+                       Vec3<Real>(g.arm_b)};
+    }
+    notes.set(pair[k], m.count, place + k, same);
+  }
+};
+
+/// Finds the contacts of the pairs of one program: once, so that what rounding decides about features
+/// holds for all that follows.
+template <class P, class Real>
+struct FindPairContacts {
+  static constexpr const char* name = "find_pair_contacts";
+  static constexpr int kBlockThreads = 64;  // pairs take different times, and there may be few
+  ComputedPairs<P, Real> pairs;
+
+  SCREE_HD void operator()(Index k) const {
+    const LoadedPair<P, Real> p = pairs.load(k);
+    SameList same = p.same();
+    Manifold m;
+    if constexpr (P::kFeatureBits == 0) {
+      const ContactGeometry g = P::contact(p.order.a, p.order.b, p.order.d, 0);
+      if (p.listed(same)(g)) m.add(0, g);
+    } else {
+      m = p.manifold(same);
+    }
+    pairs.store(k, p.order, m, same);
+  }
+};
+
+/// The first part of a program in parts: how the bodies lie, unless a search before told. It takes the pairs that are too far
+/// apart out, and says which need the second part.
+template <InParts P, class Real>
+struct SearchPairs {
+  static constexpr const char* name = "search_pairs";
+  static constexpr int kBlockThreads = 64;
+  ComputedPairs<P, Real> pairs;
+  SearchStores<typename P::Search> before;
+  Span<typename P::Search> search;  ///< [pairs of this program] out
+  Span<Index> is_near;              ///< [pairs of this program] out: 1 or 0
+  Span<Index> is_open;              ///< the same, of programs that finish searches
+
+  SCREE_HD void operator()(Index k) const {
+    const LoadedPair<P, Real> p = pairs.load(k);
+    const Index old = pairs.notes.place[pairs.pair[k]];
+    const auto found = P::search(p.order.a, p.order.b, p.order.d, p.most,
+                                 old == kNoPlace ? nullptr : &before[old]);
+    search[k] = found;
+    if constexpr (Finishes<P>) is_open[k] = found.is_open() ? 1 : 0;
+    is_near[k] = found.is_beyond() ? 0 : 1;
+    if (found.is_beyond()) pairs.store(k, p.order, {}, p.same());
+  }
+};
+
+/// The second part, of those that need it.
+template <Finishes P, class Real>
+struct FinishPairs {
+  static constexpr const char* name = "finish_pairs";
+  static constexpr int kBlockThreads = 64;
+  ComputedPairs<P, Real> pairs;
+  FlaggedList open;
+  Span<typename P::Search> search;  ///< in and out
+
+  SCREE_HD void operator()(Index n) const {
+    if (!open.has(n)) return;
+    const Index k = open.element[n];
+    const LoadedPair<P, Real> p = pairs.load(k);
+    P::finish(p.order.a, p.order.b, p.order.d, search[k]);
+  }
+};
+
+/// The third part: contacts of the pairs that are not too far apart.
+template <InParts P, class Real>
+struct FindSearchedContacts {
+  static constexpr const char* name = "find_searched_contacts";
+  static constexpr int kBlockThreads = 64;
+  ComputedPairs<P, Real> pairs;
+  FlaggedList near;
+  Span<const typename P::Search> search;
+
+  SCREE_HD void operator()(Index n) const {
+    if (!near.has(n)) return;
+    const Index k = near.element[n];
+    const LoadedPair<P, Real> p = pairs.load(k);
+    SameList same = p.same();
+    const Manifold m =
+        P::contacts(p.order.a, p.order.b, p.order.d, search[k], p.most, p.listed(same));
+    pairs.store(k, p.order, m, same);
+  }
+};
+
+}  // namespace scree

@@ -31,7 +31,8 @@ class HullBuffers {
     return buffer.view(buffer.capacity());
   }
   Buffer<B, Vec3d> points_;
-  Buffer<B, std::uint32_t> first_face_, face_at_;
+  Buffer<B, std::uint32_t> first_face_;
+  Buffer<B, FaceAtPoint> face_at_;
   Buffer<B, HullFace> faces_;
   Buffer<B, std::uint32_t> corners_;
   Buffer<B, HullInfo> hulls_;

@@ -42,17 +42,20 @@ class HullBuilder {
       out.points.push_back(point(vertex));
       half_x = std::max(half_x, std::abs(point(vertex).x));
     }
-    std::vector<std::vector<std::uint32_t>> faces_at(number.size());
+    std::vector<std::vector<FaceAtPoint>> faces_at(number.size());
     for (const std::vector<Index>& loop : loops) {
       HullFace face = plane_of(loop);
       face.corner = static_cast<std::uint32_t>(out.corners.size());
-      for (const Index v : loop) {
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const Index v = loop[k], next = loop[(k + 1) % loop.size()];
         out.corners.push_back(number.at(v));
-        faces_at[number.at(v)].push_back(static_cast<std::uint32_t>(out.faces.size()) - info.face);
+        faces_at[number.at(v)].push_back({face.normal, normalized(point(next) - point(v)),
+                                          static_cast<std::uint32_t>(out.faces.size()) - info.face,
+                                          number.at(next)});
       }
       out.faces.push_back(face);
     }
-    for (const std::vector<std::uint32_t>& faces : faces_at) {
+    for (const std::vector<FaceAtPoint>& faces : faces_at) {
       out.first_face.push_back(static_cast<std::uint32_t>(out.face_at.size()));
       out.face_at.insert(out.face_at.end(), faces.begin(), faces.end());
     }

@@ -12,7 +12,7 @@ namespace scree {
 struct HullTables {
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> first_face;
-  std::vector<std::uint32_t> face_at;
+  std::vector<FaceAtPoint> face_at;
   std::vector<HullFace> faces;
   std::vector<std::uint32_t> corners;
   std::vector<HullInfo> hulls;

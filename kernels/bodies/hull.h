@@ -19,6 +19,15 @@ struct HullFace {
   std::uint32_t count = 0;   ///< of corners, counterclockwise seen from outside
 };
 
+/// A face at one of its corners.
+struct FaceAtPoint {
+  Vec3d normal;            ///< that of the face
+  Vec3d along;             ///< unit, from this corner to the next
+  std::uint32_t face = 0;  ///< of the hull
+  std::uint32_t next =
+      0;  ///< corner of the face after this one, counterclockwise; those of all faces are all neighbors
+};
+
 /// Where the parts of a hull are. Indices of corners and faces are its own, from zero.
 struct HullInfo {
   std::uint32_t point = 0, point_count = 0;
@@ -32,9 +41,9 @@ struct Hull {
 
   const Vec3d* point = nullptr;               ///< [m], before scaling
   const std::uint32_t* first_face = nullptr;  ///< [point] of those that meet there, in `face_at`
-  const std::uint32_t* face_at = nullptr;     ///< faces
-  const HullFace* face = nullptr;             ///< before scaling
-  const std::uint32_t* corner = nullptr;      ///< points; HullFace::corner counts from here
+  const FaceAtPoint* face_at = nullptr;
+  const HullFace* face = nullptr;         ///< before scaling
+  const std::uint32_t* corner = nullptr;  ///< points; HullFace::corner counts from here
   std::uint32_t point_count = 0, face_count = 0;
   double scale = 1;
 
@@ -53,11 +62,16 @@ struct Hull {
   }
   /// Of the faces that meet at a point, the one whose normal is nearest to a direction.
   SCREE_HD std::uint32_t facing(std::uint32_t at, const Vec3d& n) const {
-    std::uint32_t best = face_at[first_face[at]];
-    for (std::uint32_t k = first_face[at] + 1; k < first_face[at + 1]; ++k) {
-      if (dot(face[face_at[k]].normal, n) > dot(face[best].normal, n)) best = face_at[k];
+    std::uint32_t best = first_face[at];
+    double most = dot(face_at[best].normal, n);
+    for (std::uint32_t k = best + 1; k < first_face[at + 1]; ++k) {
+      const double along = dot(face_at[k].normal, n);
+      if (along > most) {
+        most = along;
+        best = k;
+      }
     }
-    return best;
+    return face_at[best].face;
   }
   SCREE_HD std::uint32_t facing(const Vec3d& n) const { return facing(farthest(n), n); }
   /// How many corners of a face make its contacts.
@@ -80,7 +94,7 @@ struct Hull {
 struct HullSet {
   Span<const Vec3d> points;
   Span<const std::uint32_t> first_face;  ///< [points + hulls]; one more for each hull
-  Span<const std::uint32_t> face_at;
+  Span<const FaceAtPoint> face_at;
   Span<const HullFace> faces;
   Span<const std::uint32_t> corners;
   Span<const HullInfo> hulls;

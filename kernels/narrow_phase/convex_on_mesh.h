@@ -167,7 +167,8 @@ struct ConvexOnMesh {
   /// Whether a deepest point of A below a triangle lies over it, and not too deep.
   SCREE_HD bool is_over(const Corner& corner, const ConvexCore& body, const Vec3d& n) const {
     const double deepest = body.rounding + kDeepest * box_box_parts::smallest(body.half);
-    const CoreFacet face = body.facing(-n);
+    CoreFacet face;
+    body.facing(-n, body.top(-n), face);
     for (int k = 0; k < face.count; ++k) {
       if (dot(face.point[k] - corner.core.center, n) < -deepest) continue;
       bool is_inside = true;

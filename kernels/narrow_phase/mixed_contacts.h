@@ -151,6 +151,7 @@ SCREE_HD void visit_near(const CandidateView& list, const NearPairs& pairs, Inde
 template <class Real>
 struct CountMixedContacts {
   static constexpr const char* name = "count_mixed_contacts";
+  static constexpr int kLeastBlocks = 2;
   ContactTest<ShapeMix::any, Real> test;
   NearPairs pairs;
   Span<const Index> found;  ///< [pairs] contacts of each
@@ -174,6 +175,7 @@ struct CountMixedContacts {
 template <class Real>
 struct WriteMixedKeys {
   static constexpr const char* name = "write_mixed_keys";
+  static constexpr int kLeastBlocks = 2;
   ContactTest<ShapeMix::any, Real> test;
   NearPairs pairs;
   PairNotes notes;

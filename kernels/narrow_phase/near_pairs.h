@@ -185,6 +185,7 @@ template <InParts P, class Real>
 struct SearchPairs {
   static constexpr const char* name = "search_pairs";
   static constexpr int kBlockThreads = 64;
+  static constexpr int kLeastBlocks = 6;
   ComputedPairs<P, Real> pairs;
   SearchStores<typename P::Search> before;
   Span<typename P::Search> search;  ///< [pairs of this program] out
@@ -225,6 +226,7 @@ template <InParts P, class Real>
 struct FindSearchedContacts {
   static constexpr const char* name = "find_searched_contacts";
   static constexpr int kBlockThreads = 64;
+  static constexpr int kLeastBlocks = 6;
   ComputedPairs<P, Real> pairs;
   FlaggedList near;
   Span<const typename P::Search> search;

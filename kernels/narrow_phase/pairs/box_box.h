@@ -13,6 +13,7 @@
 // further choice: what was listed is what is filled in.
 
 #include "kernels/narrow_phase/pairs/box_half_space.h"
+#include "kernels/narrow_phase/pairs/convex_distance.h"
 #include "kernels/narrow_phase/pairs/manifold.h"
 #include "kernels/narrow_phase/pairs/sphere_box.h"
 
@@ -201,52 +202,25 @@ SCREE_HD inline ContactGeometry edge_contact(const BoxPair& pair, int i, int j) 
   return g;
 }
 
-/// The nearest points of two boxes that are apart: of a corner and a box, or of two edges.
-struct NearestPoints {
-  double distance2 = -1;
-  Vec3d a, b;  ///< center of box 0 to the points [m]
+SCREE_HD inline ConvexCore core_of_box(const BoxAxes& box, const Vec3d& center) {
+  ConvexCore core;
+  core.center = center;
+  for (int k = 0; k < 3; ++k) core.axis[k] = box.axis[k];
+  core.half = box.half;
+  return core;
+}
 
-  SCREE_HD void offer(const Vec3d& on_a, const Vec3d& on_b) {
-    const double found = norm2(on_b - on_a);
-    // Edges count only where they are nearer than corners beyond rounding.
-    if (distance2 >= 0 && !(found < distance2 * (1 - 1e-9))) return;
-    distance2 = found;
-    a = on_a;
-    b = on_b;
-  }
-  SCREE_HD explicit NearestPoints(const BoxPair& pair) {
-    const BoxAxes &box_a = pair.box[0], &box_b = pair.box[1];
-    for (int k = 0; k < kBoxCorners; ++k) {
-      const Vec3d x = box_a.world(box_corner(box_a.half, k));
-      offer(x, pair.d + box_b.world(shapes::Box::nearest(box_b.half, box_b.local(x - pair.d))));
-      const Vec3d y = pair.d + box_b.world(box_corner(box_b.half, k));
-      offer(box_a.world(shapes::Box::nearest(box_a.half, box_a.local(y))), y);
-    }
-    for (int e = 0; e < 12; ++e) {
-      for (int f = 0; f < 12; ++f) offer_edges(pair, e, f);
-    }
-  }
-  SCREE_HD void offer_edges(const BoxPair& pair, int e, int f) {
-    const Vec3d u = pair.box[0].axis[e / 4], v = pair.box[1].axis[f / 4];
-    const double c = dot(u, v), sine2 = 1 - c * c;
-    if (sine2 < kParallel) return;  // then corners are as near
-    const Vec3d x = pair.box[0].edge_middle(e), y = pair.d + pair.box[1].edge_middle(f);
-    const double wu = dot(y - x, u), wv = dot(y - x, v);
-    const double s = (wu - c * wv) / sine2, t = (c * wu - wv) / sine2;
-    if (std::abs(s) <= pair.box[0].half[e / 4] && std::abs(t) <= pair.box[1].half[f / 4]) {
-      offer(x + s * u, y + t * v);
-    }
-  }
-};
-
-SCREE_HD inline ContactGeometry nearest_contact(const BoxPair& pair) {
-  const NearestPoints nearest(pair);
-  ContactGeometry g;
-  g.normal = normalized(nearest.b - nearest.a);
-  g.gap = std::sqrt(nearest.distance2);
-  g.arm_a = nearest.a;
-  g.arm_b = nearest.b - pair.d;
-  return g;
+/// The nearest points of two boxes. @return  whether they are apart, beyond rounding
+SCREE_HD inline bool nearest_contact(const BoxPair& pair, ContactGeometry& g) {
+  const ConvexCore a = core_of_box(pair.box[0], {}), b = core_of_box(pair.box[1], pair.d);
+  const CoreSearch found = convex_parts::find_nearest(a, b, a.size() + b.size(), 1e300);
+  if (found.state != CoreSearch::State::apart) return false;
+  const CoreDistance distance = found.distance();
+  g.normal = distance.normal;
+  g.gap = distance.separation;
+  g.arm_a = distance.on_a;
+  g.arm_b = distance.on_b - pair.d;
+  return true;
 }
 
 /// What decides about pairs of these boxes [m].
@@ -318,9 +292,11 @@ struct SeparatingAxis {
 /// Points of a face contact, in the plane of the reference face.
 struct FacePoints {
   static constexpr int kMaxPoints = 16;
+  /// Points that have not been tested yet: corners of both faces, and where their sides cross.
+  static constexpr int kMaxOffers = 24;
   int count = 0;
-  int point[kMaxPoints];
-  double u[kMaxPoints], v[kMaxPoints], gap[kMaxPoints];
+  int point[kMaxOffers];
+  double u[kMaxOffers], v[kMaxOffers], gap[kMaxPoints];
 
   SCREE_HD bool has(double u_, double v_, double tie) const {
     for (int k = 0; k < count; ++k) {
@@ -330,7 +306,11 @@ struct FacePoints {
   }
   SCREE_HD void add(int p, double u_, double v_, double gap_) {
     if (count == kMaxPoints) return;
-    point[count] = p, u[count] = u_, v[count] = v_, gap[count] = gap_;
+    gap[count] = gap_;
+    offer(p, u_, v_);
+  }
+  SCREE_HD void offer(int p, double u_, double v_) {
+    point[count] = p, u[count] = u_, v[count] = v_;
     ++count;
   }
   /// Twice the area of a triangle, positive when it is counterclockwise.
@@ -380,10 +360,9 @@ SCREE_HD inline int reduced(const FacePoints& p, double tie, int kept[Manifold::
 }
 
 /// The face of the other box clipped by the sides of the reference.
-/// @param listed  which contacts are wanted
-template <class Listed>
-SCREE_HD FacePoints clipped_face(const BoxPair& pair, int box, int axis, double tie,
-                                 Listed&& listed) {
+/// @param found  out: all points, untested
+SCREE_HD inline void clip_face(const BoxPair& pair, int box, int axis, double tie,
+                               FacePoints& found) {
   const ReferenceFace face(pair, box, axis);
   const BoxAxes &own = face.own, &other = face.other;
   int m = 0;
@@ -401,19 +380,13 @@ SCREE_HD FacePoints clipped_face(const BoxPair& pair, int box, int axis, double 
   const double u0 = dot(middle, au), up = dot(ep, au), uq = dot(eq, au);
   const double v0 = dot(middle, av), vp = dot(ep, av), vq = dot(eq, av);
 
-  FacePoints found;
-  const auto take = [&](int point, double u, double v) {
-    if (found.has(u, v, tie)) return;
-    const ContactGeometry g = face_contact(pair, box, axis, point);
-    if (listed(g)) found.add(point, u, v, g.gap);
-  };
   const auto sign = [](int bits, int bit) { return (bits & bit) != 0 ? 1.0 : -1.0; };
   for (int k = 0; k < 4; ++k) {
     const double u = u0 + sign(k, 1) * up + sign(k, 2) * uq;
     const double v = v0 + sign(k, 1) * vp + sign(k, 2) * vq;
     if (std::abs(u) > hu + tie || std::abs(v) > hv + tie) continue;
     const int corner = (is_positive ? 1 << m : 0) | (k & 1) << p | (k >> 1) << q;
-    take(BoxFeature::kOtherCorner + corner, u, v);
+    found.offer(BoxFeature::kOtherCorner + corner, u, v);
   }
   const double determinant = up * vq - uq * vp;
   for (int k = 0; k < 4; ++k) {
@@ -422,7 +395,7 @@ SCREE_HD FacePoints clipped_face(const BoxPair& pair, int box, int axis, double 
     const double at_q = ((v - v0) * up - (u - u0) * vp) / determinant;
     if ((std::abs(at_p) - 1) * other.half[p] > tie) continue;
     if ((std::abs(at_q) - 1) * other.half[q] > tie) continue;
-    take(BoxFeature::own_corner(k, m), u, v);
+    found.offer(BoxFeature::own_corner(k, m), u, v);
   }
   for (int k = 0; k < 4; ++k) {
     const bool is_p = k < 2;  // edges along p, then along q
@@ -440,10 +413,30 @@ SCREE_HD FacePoints clipped_face(const BoxPair& pair, int box, int axis, double 
       const double t = (limit - from) / way;
       const double u = is_v ? us + t * ud : limit, v = is_v ? limit : vs + t * vd;
       if (std::abs(u) > hu + tie || std::abs(v) > hv + tie) continue;
-      take(BoxFeature::side(edge, side), u, v);
+      found.offer(BoxFeature::side(edge, side), u, v);
     }
   }
-  return found;
+}
+
+/// Of the points of a face contact those that are wanted, and not at the place of another. All are found before any is
+/// tested: what threads beside each other find in different places, they test together.
+/// @param listed  which contacts are wanted
+/// @return        the least gap of all of them [m]
+template <class Listed>
+SCREE_HD double listed_points(const BoxPair& pair, int box, int axis, double tie, Listed&& listed,
+                              FacePoints& points) {
+  clip_face(pair, box, axis, tie, points);
+  const int offered = points.count;
+  double least = 1e300;
+  points.count = 0;
+  for (int k = 0; k < offered; ++k) {
+    const double u = points.u[k], v = points.v[k];
+    if (points.has(u, v, tie)) continue;
+    const ContactGeometry g = face_contact(pair, box, axis, points.point[k]);
+    least = g.gap < least ? g.gap : least;
+    if (listed(g)) points.add(points.point[k], u, v, g.gap);
+  }
+  return least;
 }
 
 /// Corner of the other box that lies deepest below the reference face.
@@ -461,7 +454,11 @@ SCREE_HD inline int deepest_corner(const BoxPair& pair, int box, int axis) {
 /// Geometry of the contact that a feature names.
 SCREE_HD inline ContactGeometry box_box_contact(const BoxPair& pair, std::uint32_t feature) {
   using namespace box_box_parts;
-  if (feature == BoxFeature::kNearest) return nearest_contact(pair);
+  if (feature == BoxFeature::kNearest) {
+    ContactGeometry g;
+    nearest_contact(pair, g);
+    return g;
+  }
   if (feature < BoxFeature::kFaces) {
     const int k = static_cast<int>(feature - BoxFeature::kEdges);
     return edge_contact(pair, k / 3, k % 3);
@@ -481,28 +478,38 @@ SCREE_HD Manifold box_box(const BoxPair& pair, const box_box_parts::SeparatingAx
   const double tie = BoxScale(pair).tie;
   Manifold m;
   if (axis.separation > most) return m;
-  const auto add_listed = [&](std::uint32_t feature) {
-    const ContactGeometry g = box_box_contact(pair, feature);
+  const auto add_listed = [&](std::uint32_t feature, const ContactGeometry& g) {
     if (listed(g)) m.add(feature, g);
   };
+  double least = 1e300;
   if (axis.box < 0) {
-    const EdgePair edges(pair, axis.i, axis.j);
-    if (axis.separation <= 0 || edges.cross_within(pair, axis.i, axis.j, tie)) {
-      add_listed(BoxFeature::edges(axis.i, axis.j));
+    if (axis.separation <= 0 ||
+        EdgePair(pair, axis.i, axis.j).cross_within(pair, axis.i, axis.j, tie)) {
+      const ContactGeometry g = edge_contact(pair, axis.i, axis.j);
+      least = g.gap;
+      add_listed(BoxFeature::edges(axis.i, axis.j), g);
     }
   } else {
-    const FacePoints points = clipped_face(pair, axis.box, axis.i, tie, listed);
+    FacePoints points;
+    least = listed_points(pair, axis.box, axis.i, tie, listed, points);
     int kept[Manifold::kMaxContacts];
     const int count = reduced(points, tie, kept);
     for (int k = 0; k < count; ++k) {
-      const std::uint32_t feature = BoxFeature::face(axis.box, axis.i, points.point[kept[k]]);
-      m.add(feature, box_box_contact(pair, feature));
-    }
-    if (m.count == 0 && axis.separation <= 0) {
-      add_listed(BoxFeature::face(axis.box, axis.i, deepest_corner(pair, axis.box, axis.i)));
+      const int point = points.point[kept[k]];
+      m.add(BoxFeature::face(axis.box, axis.i, point), face_contact(pair, axis.box, axis.i, point));
     }
   }
-  if (m.count == 0 && axis.separation > 0) add_listed(BoxFeature::kNearest);
+  // No contact that is nearer than all of these is left, unless corners or other edges are nearest.
+  if (m.count > 0 || least <= axis.separation * (1 + 1e-9)) return m;
+  ContactGeometry g;
+  std::uint32_t feature = BoxFeature::kNearest;
+  if (!(axis.separation > 0 && nearest_contact(pair, g))) {
+    feature = axis.box < 0
+                  ? BoxFeature::edges(axis.i, axis.j)
+                  : BoxFeature::face(axis.box, axis.i, deepest_corner(pair, axis.box, axis.i));
+    g = box_box_contact(pair, feature);
+  }
+  add_listed(feature, g);
   return m;
 }
 

@@ -23,6 +23,14 @@ struct CoreFacet {
     name[count] = static_cast<std::uint8_t>(number);
     ++count;
   }
+  /// Keeps an edge, or a point alone.
+  SCREE_HD void keep(int from, int to) {
+    const Vec3d x = point[from], y = point[to];
+    const int x_name = name[from], y_name = name[to];
+    count = 0;
+    add(x, x_name);
+    if (to != from) add(y, y_name);
+  }
   SCREE_HD int after(int k) const { return k + 1 < count ? k + 1 : 0; }
   /// Seen along a normal. @param normal  out of the core; an edge is seen along it
   SCREE_HD void set_sides(const Vec3d& normal) {
@@ -167,34 +175,33 @@ struct ConvexCore {
   /// The face whose normal is nearest to a direction; of a segment all of it, of a round core eight points of an end, of
   /// which the first is its farthest one, or a line on its round side, of an ellipsoid its farthest point. Of a hull, a
   /// face at its farthest point.
-  SCREE_HD CoreFacet facing(const Vec3d& n) const { return facing(n, top(n)); }
   /// @param top  of that direction
-  [[gnu::noinline]] SCREE_HD CoreFacet facing(const Vec3d& n, std::uint32_t top) const {
-    CoreFacet f;
+  [[gnu::noinline]] SCREE_HD void facing(const Vec3d& n, std::uint32_t top, CoreFacet& f) const {
+    f.count = 0;
     if (form == Form::triangle) {
       const bool is_front = dot(normal, n) >= 0;
       for (int k = 0; k < 3; ++k) {
         const int corner = is_front ? k : 2 - k;
         f.add(center + axis[corner], corner);
       }
-      return f;
+      return;
     }
     if (is_segment()) {
       f.add(center - half.z * axis[2], 0);
       f.add(center + half.z * axis[2], 4);
-      return f;
+      return;
     }
-    if (is_round()) return round_facing(n);
+    if (is_round()) return round_facing(n, f);
     if (form == Form::ellipsoid) {
       f.add(center + support(n), 0);
-      return f;
+      return;
     }
     if (form == Form::hull) {
       static_assert(Hull::kMostCorners <= CoreFacet::kMaxPoints);
       const std::uint32_t face = hull.facing(top, local(n));
       for (std::uint32_t k = 0; k < hull.shown_count(face); ++k)
         f.add(center + at(hull.shown_corner(face, k, top)), static_cast<int>(k));
-      return f;
+      return;
     }
     int m = 0;
     for (int k = 1; k < 3; ++k) {
@@ -209,11 +216,9 @@ struct ConvexCore {
                 (at_u ? half[u] : -half[u]) * axis[u] + (at_v ? half[v] : -half[v]) * axis[v],
             (is_positive ? 1 << m : 0) | (at_u ? 1 << u : 0) | (at_v ? 1 << v : 0));
     }
-    return f;
   }
 
-  SCREE_HD CoreFacet round_facing(const Vec3d& n) const {
-    CoreFacet f;
+  SCREE_HD void round_facing(const Vec3d& n, CoreFacet& f) const {
     const double up = dot(axis[2], n), x = dot(axis[0], n), y = dot(axis[1], n);
     const double across = std::sqrt(x * x + y * y);
     const bool is_level = across <= 1e-6 * (up < 0 ? -up : up);
@@ -221,7 +226,7 @@ struct ConvexCore {
     if (faces_side(up, across)) {
       f.add(center + half.x * out + base() * axis[2], 0);
       f.add(center + (form == Form::cone ? 0 : half.x) * out + half.z * axis[2], 4);
-      return f;
+      return;
     }
     const Vec3d side = cross(up < 0 ? -axis[2] : axis[2], out);
     const Vec3d middle = center + (up < 0 ? base() : half.z) * axis[2];
@@ -231,39 +236,34 @@ struct ConvexCore {
       const double sine = cosine[(k + 6) % 8];
       f.add(middle + half.x * (cosine[k] * out + sine * side), k);
     }
-    return f;
   }
 
   /// The edge of a polygon, or the point, that lies farthest along a direction. Edges count as facing it up to a slope.
   SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope) const {
-    return edge_toward(n, slope, top(n));
+    CoreFacet edge;
+    edge_toward(n, slope, top(n), edge);
+    return edge;
   }
   /// @param top  of that direction
-  [[gnu::noinline]] SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope,
-                                                   std::uint32_t top) const {
-    CoreFacet best;
-    if (form == Form::hull) return hull_edge_toward(local(n), slope, top);
-    const CoreFacet face = facing(n);
-    if (face.count == 1) return face;
+  [[gnu::noinline]] SCREE_HD void edge_toward(const Vec3d& n, double slope, std::uint32_t top,
+                                              CoreFacet& f) const {
+    if (form == Form::hull) return hull_edge_toward(local(n), slope, top, f);
+    facing(n, top, f);
+    if (f.count == 1) return;
     double most = -1e300;
-    for (int k = 0; k < face.count; ++k)
-      most = dot(face.point[k], n) > most ? dot(face.point[k], n) : most;
-    for (int k = 0; k < face.count; ++k) {
-      const int next = (k + 1) % face.count;
-      const Vec3d &a = face.point[k], &b = face.point[next];
+    for (int k = 0; k < f.count; ++k) most = dot(f.point[k], n) > most ? dot(f.point[k], n) : most;
+    int first = f.count, highest = 0;
+    for (int k = f.count - 1; k >= 0; --k) {
+      const Vec3d &a = f.point[k], &b = f.point[f.after(k)];
       const double limit = most - slope * norm(b - a);
-      if (dot(a, n) < limit || dot(b, n) < limit) continue;
-      best.add(a, face.name[k]);
-      best.add(b, face.name[next]);
-      return best;
+      if (dot(a, n) >= limit && dot(b, n) >= limit) first = k;
+      if (dot(a, n) == most) highest = k;
     }
-    for (int k = 0; k < face.count; ++k) {
-      if (dot(face.point[k], n) == most) {
-        best.add(face.point[k], face.name[k]);
-        return best;
-      }
+    if (first < f.count) {
+      f.keep(first, f.after(first));
+    } else {
+      f.keep(highest, highest);
     }
-    return best;
   }
 
  private:
@@ -284,30 +284,24 @@ struct ConvexCore {
   }
 
   /// The edge from the farthest point to the farthest of those it is joined with, or that point alone.
-  SCREE_HD CoreFacet hull_edge_toward(const Vec3d& n, double slope, std::uint32_t top) const {
+  SCREE_HD void hull_edge_toward(const Vec3d& n, double slope, std::uint32_t top,
+                                 CoreFacet& f) const {
+    f.count = 0;
     std::uint32_t next = top;
     double least = 1e300;
     for (std::uint32_t k = hull.first_face[top]; k < hull.first_face[top + 1]; ++k) {
-      const HullFace& face = hull.face[hull.face_at[k]];
-      // Of each face the edge that begins there: those of all faces are all edges.
-      std::uint32_t i = 0;
-      while (hull.corner[face.corner + i] != top) ++i;
-      const std::uint32_t to = hull.corner[face.corner + (i + 1) % face.count];
-      const Vec3d along = hull.point[to] - hull.point[top];
-      const double falls = -dot(along, n) / norm(along);
+      const double falls = -dot(hull.face_at[k].along, n);
       if (falls < least) {
         least = falls;
-        next = to;
+        next = hull.face_at[k].next;
       }
     }
-    CoreFacet f;
     if (least > slope) {
       f.add(center + at(top), 0);
-      return f;
+      return;
     }
     f.add(center + at(top < next ? top : next), 0);
     f.add(center + at(top < next ? next : top), 4);
-    return f;
   }
 };
 

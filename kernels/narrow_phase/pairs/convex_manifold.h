@@ -33,6 +33,31 @@ struct CoreContact {
   bool is = false;  ///< there is one
 };
 
+/// The plane of a facet, or of an edge with whatever is beside it.
+struct FacetPlane {
+  Vec3d at;         ///< a point of it [m]
+  Vec3d gradient;   ///< of the way below
+  bool is = false;  ///< ways end somewhere
+
+  /// @param direction  unit, of the ways
+  SCREE_HD void set(const CoreFacet& f, const Vec3d& direction) {
+    at = f.point[0];
+    if (f.count < 2) return;
+    const Vec3d along = f.point[1] - at;
+    if (f.count == 2) {
+      gradient = (dot(along, direction) / norm2(along)) * along - direction;
+      is = true;
+      return;
+    }
+    const Vec3d n = cross(along, f.point[2] - at);
+    const double steep = dot(n, direction);
+    gradient = (-1 / steep) * n;
+    is = std::abs(steep) > 1e-9 * norm(n);
+  }
+  /// From a point to the plane [m].
+  SCREE_HD double way_from(const Vec3d& x) const { return dot(gradient, x - at); }
+};
+
 /// How two cores meet, and the contacts that this gives.
 struct CoreMeeting {
   /// Cosine of the largest angle by which a normal is that of a face, and sine of that by which edges are parallel.
@@ -46,6 +71,7 @@ struct CoreMeeting {
   double tie = 0;      ///< [m]
   CoreFacet own;       ///< of the reference
   CoreFacet other;
+  FacetPlane own_plane, other_plane;
   Vec3d out;                   ///< unit, out of the reference
   std::uint32_t top_a, top_b;  ///< of the cores along the normal
 
@@ -73,22 +99,20 @@ struct CoreMeeting {
     }
     if (reference >= 0) {
       out = reference == 0 ? n : -n;
-      own = reference == 0 ? a.facing(n, top_a) : b.facing(-n, top_b);
-      other = reference == 0 ? b.facing(-n, top_b) : a.facing(n, top_a);
-      own.set_sides(out);
-      other.set_sides(-out);
+      a.facing(n, top_a, reference == 0 ? own : other);
+      b.facing(-n, top_b, reference == 0 ? other : own);
+      measure();
       return;
     }
-    own = a.edge_toward(n, kParallel, top_a);
-    other = b.edge_toward(-n, kParallel, top_b);
+    a.edge_toward(n, kParallel, top_a, own);
+    b.edge_toward(-n, kParallel, top_b, other);
     out = n;
     if (own.count < 2 || other.count < 2) return;
     const Vec3d u = normalized(own.point[1] - own.point[0]);
     const Vec3d v = normalized(other.point[1] - other.point[0]);
     if (norm(cross(u, v)) >= kParallel) return;
     reference = 0;
-    own.set_sides(out);
-    other.set_sides(-out);
+    measure();
   }
 
   /// The contact that a feature names.
@@ -101,27 +125,16 @@ struct CoreMeeting {
     return c.is ? c : nearest();
   }
 
-  /// Calls take(point, contact) for those of the reference, see ConvexFeature.
+  /// Calls take(point, contact) for those of the reference, see ConvexFeature. All are found before any is taken: what
+  /// threads beside each other find in different places, they take together.
   template <class Take>
   SCREE_HD void visit(Take&& take) const {
-    for (int k = 0; k < other.count; ++k) {
-      if (own.is_under(other.point[k], tie)) offer(other.name[k], take);
-    }
-    for (int k = 0; k < own.count; ++k) {
-      if (own.count > 2 && other.count < 3) break;
-      if (other.is_under(own.point[k], tie)) offer(ConvexFeature::kOwn + own.name[k], take);
-    }
-    if (own.count < 3) return;
-    const int edges = other.count < 3 ? other.count - 1 : other.count;
-    for (int e = 0; e < edges; ++e) {
-      for (int k = 0; k < own.count; ++k) {
-        const Vec3d from = other.point[e], to = other.point[other.after(e)];
-        const double before = own.beyond(k, from), after = own.beyond(k, to);
-        if (!((before > tie && after < -tie) || (before < -tie && after > tie))) continue;
-        const Vec3d x = from + (before / (before - after)) * (to - from);
-        if (!own.is_under(x, tie, k)) continue;
-        offer(ConvexFeature::kSides + other.name[e] * ConvexFeature::kNames + own.name[k], take);
-      }
+    std::uint8_t found[ConvexFeature::kPoints];
+    int count = 0;
+    find_points([&](int number) { found[count++] = static_cast<std::uint8_t>(number); });
+    for (int k = 0; k < count; ++k) {
+      const CoreContact c = contact_of(found[k]);
+      if (c.is) take(static_cast<int>(found[k]), c);
     }
   }
 
@@ -143,8 +156,9 @@ struct CoreMeeting {
       c.gap = dot(distance.on_b - distance.on_a, distance.normal);
       return c;
     }
-    const CoreFacet p = a.edge_toward(distance.normal, 1e-6, top_a);
-    const CoreFacet q = b.edge_toward(-distance.normal, 1e-6, top_b);
+    CoreFacet p, q;
+    a.edge_toward(distance.normal, 1e-6, top_a, p);
+    b.edge_toward(-distance.normal, 1e-6, top_b, q);
     const Vec3d u = p.point[p.count - 1] - p.point[0], v = q.point[q.count - 1] - q.point[0];
     const Vec3d w = q.point[0] - p.point[0];
     const auto limited = [](double x) { return x > 0 ? (x < 1 ? x : 1.0) : 0.0; };
@@ -159,32 +173,45 @@ struct CoreMeeting {
   }
 
  private:
-  template <class Take>
-  SCREE_HD void offer(int number, Take&& take) const {
-    const CoreContact c = contact_of(number);
-    if (c.is) take(number, c);
+  SCREE_HD void measure() {
+    own.set_sides(out);
+    other.set_sides(-out);
+    own_plane.set(own, out);
+    other_plane.set(other, out);
   }
-  /// From a point along the normal to a facet [m].
-  SCREE_HD bool height_of(const CoreFacet& f, const Vec3d& x, double& height) const {
-    if (f.count == 2) {
-      const Vec3d along = f.point[1] - f.point[0];
-      const double t = dot(x - f.point[0], along) / norm2(along);
-      height = dot(f.point[0] + t * along - x, out);
-      return true;
+  /// Calls offer(point) for those of the reference.
+  template <class Offer>
+  SCREE_HD void find_points(Offer&& offer) const {
+    for (int k = 0; k < other.count; ++k) {
+      if (own.is_under(other.point[k], tie)) offer(other.name[k]);
     }
-    const Vec3d m = cross(f.point[1] - f.point[0], f.point[2] - f.point[0]);
-    const double steep = dot(m, out);
-    height = dot(f.point[0] - x, m) / steep;
-    return std::abs(steep) > 1e-9 * norm(m);
+    for (int k = 0; k < own.count; ++k) {
+      if (own.count > 2 && other.count < 3) break;
+      if (other.is_under(own.point[k], tie)) offer(ConvexFeature::kOwn + own.name[k]);
+    }
+    if (own.count < 3) return;
+    const int edges = other.count < 3 ? other.count - 1 : other.count;
+    for (int e = 0; e < edges; ++e) {
+      for (int k = 0; k < own.count; ++k) {
+        const Vec3d from = other.point[e], to = other.point[other.after(e)];
+        const double before = own.beyond(k, from), after = own.beyond(k, to);
+        if (!((before > tie && after < -tie) || (before < -tie && after > tie))) continue;
+        const Vec3d x = from + (before / (before - after)) * (to - from);
+        if (!own.is_under(x, tie, k)) continue;
+        offer(ConvexFeature::kSides + other.name[e] * ConvexFeature::kNames + own.name[k]);
+      }
+    }
   }
+
   [[gnu::noinline]] SCREE_HD CoreContact contact_of(int number) const {
     CoreContact c;
     Vec3d x;
     double height = 0;  // of the other above the reference
     if (number >= ConvexFeature::kOwn && number < ConvexFeature::kSides) {
       const int k = own.find(number - ConvexFeature::kOwn);
-      if (k < 0 || !height_of(other, own.point[k], height)) return c;
+      if (k < 0 || !other_plane.is) return c;
       x = own.point[k];
+      height = other_plane.way_from(x);
     } else {
       if (number < ConvexFeature::kOwn) {
         const int k = other.find(number);
@@ -200,8 +227,8 @@ struct CoreMeeting {
         if (before == after) return c;
         x = from + (before / (before - after)) * (to - from);
       }
-      if (!height_of(own, x, height)) return c;
-      height = -height;
+      if (!own_plane.is) return c;
+      height = -own_plane.way_from(x);
       x -= height * out;
     }
     c.is = true;

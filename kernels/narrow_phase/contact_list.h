@@ -10,8 +10,11 @@
 namespace scree {
 
 /// Gap up to which contacts of body a with walls are listed [m].
+SCREE_HD inline double wall_envelope(const ContactRange& range, Index a, double radius) {
+  return range.envelope + range.margin_of(a) + range.fall_of(radius);
+}
 SCREE_HD inline double wall_envelope(const ContactRange& range, Index a, const BodySample& body) {
-  return range.envelope + range.margin_of(a) + range.fall_of(body.radius);
+  return wall_envelope(range, a, body.radius);
 }
 
 /// Decides which candidates are contacts, exactly: the list of candidates only says
@@ -57,6 +60,16 @@ struct ContactTest {
   /// How far two bodies may come nearer because gravity acts on one of them only [m].
   SCREE_HD double falls(double radius_a, double radius_b) const {
     return range.fall > 0 ? range.fall_of(radius_a) + range.fall_of(radius_b) : 0;
+  }
+
+  /// Whether body a may have contacts with planes: it takes much less than to load what its shape is.
+  SCREE_HD bool is_near_planes(Index a) const {
+    const float inflated = inflated_radius(bodies, range, a);
+    const double envelope = wall_envelope(range, a, static_cast<double>(bodies.radius[a]));
+    for (Index p = 0; p < static_cast<Index>(walls.planes.size); ++p) {
+      if (is_near_plane(walls.planes[p], bodies.position[a], envelope, inflated)) return true;
+    }
+    return false;
   }
 
   /// Calls emit(element) for each contact of body a with planes, elements ascending.

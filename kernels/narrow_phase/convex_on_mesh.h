@@ -59,8 +59,10 @@ struct ConvexOnMesh {
         const auto wanted = [&](std::uint32_t feature) {
           return !is_inner(corner, meeting, t, feature);
         };
-        const Manifold m = convex_contacts(meeting, d, is_nearest, wanted, listed);
-        for (int k = 0; k < m.count; ++k) emit(element(info, image, t, m.feature[k]));
+        convex_contacts(meeting, d, is_nearest, wanted, listed,
+                        [&](std::uint32_t feature, const ContactGeometry&) {
+                          emit(element(info, image, t, feature));
+                        });
       }
     }
   }

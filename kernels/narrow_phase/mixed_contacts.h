@@ -164,7 +164,7 @@ struct CountMixedContacts {
     const CandidateView& list = test.candidates;
     if (list.is_last_of_body(p)) {
       const Index a = list.body[p];
-      test.with_planes(a, test.load(a), [&](std::uint32_t) { ++n; });
+      if (test.is_near_planes(a)) test.with_planes(a, test.load(a), [&](std::uint32_t) { ++n; });
     }
     count[p] = n;
   }
@@ -208,7 +208,7 @@ struct WriteMixedKeys {
                   static_cast<Offset>(place) * ContactStores<Real>::kSlots + c);
         });
     // Planes come after them: their elements are above those of all bodies. Then solid walls, which others write.
-    if (list.is_last_of_body(p)) {
+    if (list.is_last_of_body(p) && test.is_near_planes(a)) {
       test.with_planes(a, test.load(a), [&](std::uint32_t element) { write(element, kNotStored); });
     }
     for (; next < end; ++next) slot[next] = kNotStored;

@@ -103,9 +103,7 @@ struct LoadedPair {
   SCREE_HD LoadedPair(const Test& test, std::uint64_t key)
       : LoadedPair(test, contact_body(key), static_cast<Index>(key_element(key))) {}
 
-  SCREE_HD Manifold manifold(SameList& same) const {
-    return P::manifold(order.a, order.b, order.d, most, listed(same));
-  }
+  /// Whether a contact is listed, and what that tells of other envelopes.
   SCREE_HD auto listed(SameList& same) const {
     return [this, &same](const ContactGeometry& found) {
       const ContactGeometry g = order.in_memory(found);
@@ -143,17 +141,18 @@ struct ComputedPairs {
   Span<FoundContact<Real>> contact;
 
   SCREE_HD LoadedPair<P, Real> load(Index k) const { return {test, notes.key[pair[k]]}; }
-  /// What follows for pair k from its contacts.
-  SCREE_HD void store(Index k, const OrderedPair<P>& order, const Manifold& m,
-                      const SameList& same) const {
-    for (int c = 0; c < m.count; ++c) {
-      const Offset slot = static_cast<Offset>(k) * ContactStores<Real>::kSlots + c;
-      const ContactGeometry g = order.in_memory(m.contact[c]);
-      feature[slot] = m.feature[c];
-      contact[slot] = {static_cast<Real>(g.gap), Vec3<Real>(g.normal), Vec3<Real>(g.arm_a),
-                       Vec3<Real>(g.arm_b)};
-    }
-    notes.set(pair[k], m.count, place + k, same);
+  /// Contact c of pair k.
+  SCREE_HD void store(Index k, Index c, const OrderedPair<P>& order, std::uint32_t of_feature,
+                      const ContactGeometry& found) const {
+    const Offset slot = static_cast<Offset>(k) * ContactStores<Real>::kSlots + c;
+    const ContactGeometry g = order.in_memory(found);
+    feature[slot] = of_feature;
+    contact[slot] = {static_cast<Real>(g.gap), Vec3<Real>(g.normal), Vec3<Real>(g.arm_a),
+                     Vec3<Real>(g.arm_b)};
+  }
+  /// All is found of pair k.
+  SCREE_HD void note(Index k, Index count, const SameList& same) const {
+    notes.set(pair[k], count, place + k, same);
   }
 };
 
@@ -168,14 +167,16 @@ struct FindPairContacts {
   SCREE_HD void operator()(Index k) const {
     const LoadedPair<P, Real> p = pairs.load(k);
     SameList same = p.same();
-    Manifold m;
+    Index count = 0;
     if constexpr (P::kFeatureBits == 0) {
       const ContactGeometry g = P::contact(p.order.a, p.order.b, p.order.d, 0);
-      if (p.listed(same)(g)) m.add(0, g);
+      if (p.listed(same)(g)) pairs.store(k, count++, p.order, 0, g);
     } else {
-      m = p.manifold(same);
+      const Manifold m = P::manifold(p.order.a, p.order.b, p.order.d, p.most, p.listed(same));
+      for (; count < m.count; ++count)
+        pairs.store(k, count, p.order, m.feature[count], m.contact[count]);
     }
-    pairs.store(k, p.order, m, same);
+    pairs.note(k, count, same);
   }
 };
 
@@ -200,7 +201,7 @@ struct SearchPairs {
     search[k] = found;
     if constexpr (Finishes<P>) is_open[k] = found.is_open() ? 1 : 0;
     is_near[k] = found.is_beyond() ? 0 : 1;
-    if (found.is_beyond()) pairs.store(k, p.order, {}, p.same());
+    if (found.is_beyond()) pairs.note(k, 0, p.same());
   }
 };
 
@@ -236,9 +237,12 @@ struct FindSearchedContacts {
     const Index k = near.element[n];
     const LoadedPair<P, Real> p = pairs.load(k);
     SameList same = p.same();
-    const Manifold m =
-        P::contacts(p.order.a, p.order.b, p.order.d, search[k], p.most, p.listed(same));
-    pairs.store(k, p.order, m, same);
+    Index count = 0;
+    P::contacts(p.order.a, p.order.b, p.order.d, search[k], p.most, p.listed(same),
+                [&](std::uint32_t feature, const ContactGeometry& g) {
+                  pairs.store(k, count++, p.order, feature, g);
+                });
+    pairs.note(k, count, same);
   }
 };
 

@@ -46,6 +46,13 @@ SCREE_HD int plane_corners([[maybe_unused]] const BodySample& a) {
   return corners;
 }
 
+/// Whether a body may have contacts with a plane. @param inflated  its inflated radius [m], see inflated_radius()
+SCREE_HD inline bool is_near_plane(const WallPlane& plane, const Vec3d& position, double envelope,
+                                   double inflated) {
+  // Half of the envelope, and the way of the body in one step, are in the inflated radius already.
+  return plane.moves || !(dot(position - plane.point, plane.normal) > inflated + 0.5 * envelope);
+}
+
 /// Calls emit(element) for each listed contact of body A with planes, in ascending order.
 /// @param envelope  contacts are listed up to this gap [m]
 /// @param inflated  inflated radius of A [m], see inflated_radius()
@@ -55,9 +62,7 @@ SCREE_HD void visit_planes(Span<const WallPlane> planes, const ContactRange& ran
                            double inflated, Emit&& emit) {
   for (Index p = 0; p < static_cast<Index>(planes.size); ++p) {
     const WallPlane& plane = planes[p];
-    // Half of it, and the way of A in one step, are in the inflated radius already.
-    const double height = dot(a.position - plane.point, plane.normal);
-    if (!plane.moves && height > inflated + 0.5 * envelope) continue;
+    if (!is_near_plane(plane, a.position, envelope, inflated)) continue;
     const int corners = plane_corners<kMix>(a);
     for (int corner = 0; corner < corners; ++corner) {
       const ContactGeometry g = plane_contact<kMix>(a, plane, corner);

@@ -121,9 +121,9 @@ struct ConvexApproach {
     d.count = 3;
     const ConvexCore core_a = a.core_at(pose_a, pose_a.position);
     const ConvexCore core_b = b.core_at(pose_b, pose_a.position);
-    const CoreFacet p = core_a.edge_toward(n, kEdgeSlope), q = core_b.edge_toward(-n, kEdgeSlope);
+    const CoreEdge p = core_a.edge_toward(n, kEdgeSlope), q = core_b.edge_toward(-n, kEdgeSlope);
     if (p.count != 2 || q.count != 2) return d;
-    const Vec3d u = normalized(p.point[1] - p.point[0]), v = normalized(q.point[1] - q.point[0]);
+    const Vec3d u = normalized(p.to - p.from), v = normalized(q.to - q.from);
     const Vec3d m = cross(u, v);
     const double length = norm(m), along = dot(m, n);
     if (!(length > 1e-2 && std::abs(along) > (1 - 1e-8) * length)) return d;
@@ -221,10 +221,10 @@ struct ConvexApproach {
       near.normal = way;
     };
     if (dot(known, n) > 0) offer(known);
-    const CoreFacet p = a.edge_toward(n, kEdgeSlope), q = b.edge_toward(-n, kEdgeSlope);
+    const CoreEdge p = a.edge_toward(n, kEdgeSlope), q = b.edge_toward(-n, kEdgeSlope);
     Vec3d along_a, along_b;
-    if (p.count == 2) along_a = normalized(p.point[1] - p.point[0]);
-    if (q.count == 2) along_b = normalized(q.point[1] - q.point[0]);
+    if (p.count == 2) along_a = normalized(p.to - p.from);
+    if (q.count == 2) along_b = normalized(q.to - q.from);
     if (p.count == 2 && q.count == 2) offer(cross(along_a, along_b));
     if (p.count == 2) offer(n - dot(n, along_a) * along_a);
     if (q.count == 2) offer(n - dot(n, along_b) * along_b);

@@ -29,13 +29,13 @@ struct IsTouching {
   distance.normal = near.normal;
   ImpactPoints out;
   const auto all = [](std::uint32_t) { return true; };
-  const Manifold m = convex_contacts(CoreMeeting(core_a, core_b, distance), between, true, all,
-                                     variational_parts::IsTouching{near.gap + spread});
-  for (int k = 0; k < m.count; ++k) {
-    // One point for both, so that no angular momentum is lost.
-    const Vec3d arm = m.contact[k].arm_a + (0.5 * m.contact[k].gap) * near.normal;
-    out.add({near.normal, arm, arm - between});
-  }
+  convex_contacts(CoreMeeting(core_a, core_b, distance), between, true, all,
+                  variational_parts::IsTouching{near.gap + spread},
+                  [&](std::uint32_t, const ContactGeometry& g) {
+                    // One point for both, so that no angular momentum is lost.
+                    const Vec3d arm = g.arm_a + (0.5 * g.gap) * near.normal;
+                    out.add({near.normal, arm, arm - between});
+                  });
   if (out.count == 0) {
     const Vec3d arm = near.point - pose_a.position;
     out.add({near.normal, arm, arm - between});

@@ -359,6 +359,22 @@ SCREE_HD inline int reduced(const FacePoints& p, double tie, int kept[Manifold::
   return fourth == first ? 3 : 4;
 }
 
+/// The same. @param kept  out: the numbers of the points, ascending
+/// @param least  out: the least gap of them [m]
+SCREE_HD inline int reduced(const FacePoints& p, double tie, int kept[Manifold::kMaxContacts],
+                            double& least) {
+  const int count = reduced(p, tie, kept);
+  for (int k = 0; k < count; ++k) {
+    const double gap = p.gap[kept[k]];
+    least = gap < least ? gap : least;
+    const int number = p.point[kept[k]];
+    int at = k;
+    for (; at > 0 && kept[at - 1] > number; --at) kept[at] = kept[at - 1];
+    kept[at] = number;
+  }
+  return count;
+}
+
 /// The face of the other box clipped by the sides of the reference.
 /// @param found  out: all points, untested
 SCREE_HD inline void clip_face(const BoxPair& pair, int box, int axis, double tie,
@@ -468,18 +484,20 @@ SCREE_HD inline ContactGeometry box_box_contact(const BoxPair& pair, std::uint32
   return face_contact(pair, face / 3, face % 3, k % BoxFeature::kPoints);
 }
 
-/// The contacts of two boxes that are wanted, four at most.
+/// Calls emit(feature, contact) for the contacts of two boxes that are wanted, four at most, features ascending.
 /// @param most    boxes that are farther apart have none [m]
 /// @param listed  listed(contact): whether it is wanted
-template <class Listed>
-SCREE_HD Manifold box_box(const BoxPair& pair, const box_box_parts::SeparatingAxis& axis,
-                          double most, Listed&& listed) {
+template <class Listed, class Emit>
+SCREE_HD void box_box(const BoxPair& pair, const box_box_parts::SeparatingAxis& axis, double most,
+                      Listed&& listed, Emit&& emit) {
   using namespace box_box_parts;
   const double tie = BoxScale(pair).tie;
-  Manifold m;
-  if (axis.separation > most) return m;
+  if (axis.separation > most) return;
+  int count = 0;
   const auto add_listed = [&](std::uint32_t feature, const ContactGeometry& g) {
-    if (listed(g)) m.add(feature, g);
+    if (!listed(g)) return;
+    emit(feature, g);
+    ++count;
   };
   double least = 1e300;
   if (axis.box < 0) {
@@ -493,14 +511,14 @@ SCREE_HD Manifold box_box(const BoxPair& pair, const box_box_parts::SeparatingAx
     FacePoints points;
     least = listed_points(pair, axis.box, axis.i, tie, listed, points);
     int kept[Manifold::kMaxContacts];
-    const int count = reduced(points, tie, kept);
-    for (int k = 0; k < count; ++k) {
-      const int point = points.point[kept[k]];
-      m.add(BoxFeature::face(axis.box, axis.i, point), face_contact(pair, axis.box, axis.i, point));
-    }
+    double least_kept = 1e300;
+    count = reduced(points, tie, kept, least_kept);
+    for (int k = 0; k < count; ++k)
+      emit(BoxFeature::face(axis.box, axis.i, kept[k]),
+           face_contact(pair, axis.box, axis.i, kept[k]));
   }
   // No contact that is nearer than all of these is left, unless corners or other edges are nearest.
-  if (m.count > 0 || least <= axis.separation * (1 + 1e-9)) return m;
+  if (count > 0 || least <= axis.separation * (1 + 1e-9)) return;
   ContactGeometry g;
   std::uint32_t feature = BoxFeature::kNearest;
   if (!(axis.separation > 0 && nearest_contact(pair, g))) {
@@ -510,7 +528,6 @@ SCREE_HD Manifold box_box(const BoxPair& pair, const box_box_parts::SeparatingAx
     g = box_box_contact(pair, feature);
   }
   add_listed(feature, g);
-  return m;
 }
 
 struct BoxBox {
@@ -530,10 +547,10 @@ struct BoxBox {
     if (before != nullptr && before->holds(most)) return *before;
     return {pair(a, b, d), most};
   }
-  template <class Listed>
-  SCREE_HD static Manifold contacts(const PairSide& a, const PairSide& b, const Vec3d& d,
-                                    const Search& search, double most, Listed&& listed) {
-    return box_box(pair(a, b, d), search, most, listed);
+  template <class Listed, class Emit>
+  SCREE_HD static void contacts(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                const Search& search, double most, Listed&& listed, Emit&& emit) {
+    box_box(pair(a, b, d), search, most, listed, emit);
   }
   template <class Listed>
   SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,

@@ -4,10 +4,22 @@
 // A capsule is a segment that is rounded, a sphere a point.
 
 #include "kernels/bodies/hull.h"
+#include "kernels/math/room.h"
 #include "kernels/narrow_phase/pairs/contact_geometry.h"
 #include "shapes/cone.h"
 
 namespace scree {
+
+/// An edge of a core, or a point: then both ends are that.
+struct CoreEdge {
+  Vec3d from, to;  ///< [m]
+  int from_name = 0, to_name = 0;
+  int count = 1;  ///< of points
+
+  SCREE_HD CoreEdge(const Vec3d& x, int name) : from(x), to(x), from_name(name), to_name(name) {}
+  SCREE_HD CoreEdge(const Vec3d& x, int name, const Vec3d& y, int other)
+      : from(x), to(y), from_name(name), to_name(other), count(2) {}
+};
 
 /// What of a core faces a direction; a polygon is counterclockwise seen from outside, an edge has two points.
 struct CoreFacet {
@@ -23,13 +35,10 @@ struct CoreFacet {
     name[count] = static_cast<std::uint8_t>(number);
     ++count;
   }
-  /// Keeps an edge, or a point alone.
-  SCREE_HD void keep(int from, int to) {
-    const Vec3d x = point[from], y = point[to];
-    const int x_name = name[from], y_name = name[to];
+  SCREE_HD void set(const CoreEdge& edge) {
     count = 0;
-    add(x, x_name);
-    if (to != from) add(y, y_name);
+    add(edge.from, edge.from_name);
+    if (edge.count == 2) add(edge.to, edge.to_name);
   }
   SCREE_HD int after(int k) const { return k + 1 < count ? k + 1 : 0; }
   /// Seen along a normal. @param normal  out of the core; an edge is seen along it
@@ -239,31 +248,12 @@ struct ConvexCore {
   }
 
   /// The edge of a polygon, or the point, that lies farthest along a direction. Edges count as facing it up to a slope.
-  SCREE_HD CoreFacet edge_toward(const Vec3d& n, double slope) const {
-    CoreFacet edge;
-    edge_toward(n, slope, top(n), edge);
-    return edge;
+  SCREE_HD CoreEdge edge_toward(const Vec3d& n, double slope) const {
+    return edge_toward(n, slope, top(n));
   }
   /// @param top  of that direction
-  [[gnu::noinline]] SCREE_HD void edge_toward(const Vec3d& n, double slope, std::uint32_t top,
-                                              CoreFacet& f) const {
-    if (form == Form::hull) return hull_edge_toward(local(n), slope, top, f);
-    facing(n, top, f);
-    if (f.count == 1) return;
-    double most = -1e300;
-    for (int k = 0; k < f.count; ++k) most = dot(f.point[k], n) > most ? dot(f.point[k], n) : most;
-    int first = f.count, highest = 0;
-    for (int k = f.count - 1; k >= 0; --k) {
-      const Vec3d &a = f.point[k], &b = f.point[f.after(k)];
-      const double limit = most - slope * norm(b - a);
-      if (dot(a, n) >= limit && dot(b, n) >= limit) first = k;
-      if (dot(a, n) == most) highest = k;
-    }
-    if (first < f.count) {
-      f.keep(first, f.after(first));
-    } else {
-      f.keep(highest, highest);
-    }
+  SCREE_HD CoreEdge edge_toward(const Vec3d& n, double slope, std::uint32_t top) const {
+    return form == Form::hull ? hull_edge_toward(local(n), slope, top) : edge_of_facet(n, slope);
   }
 
  private:
@@ -284,9 +274,8 @@ struct ConvexCore {
   }
 
   /// The edge from the farthest point to the farthest of those it is joined with, or that point alone.
-  SCREE_HD void hull_edge_toward(const Vec3d& n, double slope, std::uint32_t top,
-                                 CoreFacet& f) const {
-    f.count = 0;
+  [[gnu::noinline]] SCREE_HD CoreEdge hull_edge_toward(const Vec3d& n, double slope,
+                                                       std::uint32_t top) const {
     std::uint32_t next = top;
     double least = 1e300;
     for (std::uint32_t k = hull.first_face[top]; k < hull.first_face[top + 1]; ++k) {
@@ -296,12 +285,23 @@ struct ConvexCore {
         next = hull.face_at[k].next;
       }
     }
-    if (least > slope) {
-      f.add(center + at(top), 0);
-      return;
+    if (least > slope) return {center + at(top), 0};
+    return {center + at(top < next ? top : next), 0, center + at(top < next ? next : top), 4};
+  }
+  [[gnu::noinline]] SCREE_HD CoreEdge edge_of_facet(const Vec3d& n, double slope) const {
+    CoreFacet f;
+    facing(n, 0, f);
+    double most = -1e300;
+    for (int k = 0; k < f.count; ++k) most = dot(f.point[k], n) > most ? dot(f.point[k], n) : most;
+    for (int k = 0; k < f.count && f.count > 1; ++k) {
+      const int next = f.after(k);
+      const Vec3d &x = f.point[k], &y = f.point[next];
+      const double limit = most - slope * norm(y - x);
+      if (dot(x, n) >= limit && dot(y, n) >= limit) return {x, f.name[k], y, f.name[next]};
     }
-    f.add(center + at(top < next ? top : next), 0);
-    f.add(center + at(top < next ? next : top), 4);
+    int k = 0;
+    while (k + 1 < f.count && dot(f.point[k], n) != most) ++k;
+    return {f.point[k], f.name[k]};
   }
 };
 

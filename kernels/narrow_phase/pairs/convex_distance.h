@@ -368,8 +368,8 @@ class Polytope {
   const ConvexCore& b_;
   double size_;
   int vertex_count_ = 0, face_count_ = 0;
-  Vec3d vertex_[kMaxVertices];
-  Face face_[kMaxFaces];
+  Room<Vec3d, kMaxVertices> vertex_;
+  Room<Face, kMaxFaces> face_;
 };
 
 }  // namespace convex_parts

@@ -104,14 +104,14 @@ struct CoreMeeting {
       measure();
       return;
     }
-    a.edge_toward(n, kParallel, top_a, own);
-    b.edge_toward(-n, kParallel, top_b, other);
+    const CoreEdge p = a.edge_toward(n, kParallel, top_a), q = b.edge_toward(-n, kParallel, top_b);
     out = n;
-    if (own.count < 2 || other.count < 2) return;
-    const Vec3d u = normalized(own.point[1] - own.point[0]);
-    const Vec3d v = normalized(other.point[1] - other.point[0]);
+    if (p.count < 2 || q.count < 2) return;
+    const Vec3d u = normalized(p.to - p.from), v = normalized(q.to - q.from);
     if (norm(cross(u, v)) >= kParallel) return;
     reference = 0;
+    own.set(p);
+    other.set(q);
     measure();
   }
 
@@ -140,10 +140,9 @@ struct CoreMeeting {
 
   /// Whether the deepest point is on the sliver between a round rim, or a face of many corners, and the eight points that
   /// stand for it.
-  SCREE_HD bool is_cut_off(const Manifold& m) const {
+  /// @param least  gap of the contacts [m]
+  SCREE_HD bool is_cut_off(double least) const {
     if (own.count < CoreFacet::kMaxPoints && other.count < CoreFacet::kMaxPoints) return false;
-    double least = m.contact[0].gap;
-    for (int k = 1; k < m.count; ++k) least = m.contact[k].gap < least ? m.contact[k].gap : least;
     return least > distance.separation - a.rounding - b.rounding + 100 * tie;
   }
 
@@ -156,19 +155,17 @@ struct CoreMeeting {
       c.gap = dot(distance.on_b - distance.on_a, distance.normal);
       return c;
     }
-    CoreFacet p, q;
-    a.edge_toward(distance.normal, 1e-6, top_a, p);
-    b.edge_toward(-distance.normal, 1e-6, top_b, q);
-    const Vec3d u = p.point[p.count - 1] - p.point[0], v = q.point[q.count - 1] - q.point[0];
-    const Vec3d w = q.point[0] - p.point[0];
+    const CoreEdge p = a.edge_toward(distance.normal, 1e-6, top_a);
+    const CoreEdge q = b.edge_toward(-distance.normal, 1e-6, top_b);
+    const Vec3d u = p.to - p.from, v = q.to - q.from, w = q.from - p.from;
     const auto limited = [](double x) { return x > 0 ? (x < 1 ? x : 1.0) : 0.0; };
     const double uu = norm2(u), vv = norm2(v), uv = dot(u, v);
     const double wu = dot(w, u), wv = dot(w, v), det = uu * vv - uv * uv;
     double s = det > 1e-12 * uu * vv ? limited((wu * vv - wv * uv) / det) : 0;
     double t = vv > 0 ? limited((s * uv - wv) / vv) : 0;
     s = uu > 0 ? limited((t * uv + wu) / uu) : 0;
-    c.on_a = p.point[0] + s * u;
-    c.gap = dot(q.point[0] + t * v - c.on_a, distance.normal);
+    c.on_a = p.from + s * u;
+    c.gap = dot(q.from + t * v - c.on_a, distance.normal);
     return c;
   }
 
@@ -250,22 +247,23 @@ SCREE_HD inline ContactGeometry rounded_contact(const CoreMeeting& m, const Core
   return g;
 }
 
-/// The contacts that are wanted, four at most.
+/// Calls emit(feature, contact) for the contacts that are wanted, four at most, features ascending.
 /// @param is_nearest  whether the nearest points are a contact where a face has none
 /// @param wanted      wanted(feature): whether those of the reference are asked for
 /// @param listed      listed(contact): whether it is
-template <class Wanted, class Listed>
-SCREE_HD Manifold convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool is_nearest,
-                                  Wanted&& wanted, Listed&& listed) {
-  Manifold m;
-  bool is_left_out = false;
+template <class Wanted, class Listed, class Emit>
+SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool is_nearest,
+                              Wanted&& wanted, Listed&& listed, Emit&& emit) {
+  int kept[Manifold::kMaxContacts];
+  int count = 0;
+  double least = 1e300;
   if (meeting.reference >= 0) {
     const Vec3d u = any_orthogonal(meeting.distance.normal);
     const Vec3d v = cross(meeting.distance.normal, u);
     box_box_parts::FacePoints points;
     meeting.visit([&](int number, const CoreContact& c) {
       if (!wanted(ConvexFeature::of(meeting.reference, number))) {
-        is_left_out = true;
+        is_nearest = false;
         return;
       }
       const double pu = dot(c.on_a, u), pv = dot(c.on_a, v);
@@ -273,21 +271,19 @@ SCREE_HD Manifold convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bo
       const ContactGeometry g = rounded_contact(meeting, c, d);
       if (listed(g)) points.add(number, pu, pv, g.gap);
     });
-    int kept[Manifold::kMaxContacts];
-    const int count = box_box_parts::reduced(points, meeting.tie, kept);
-    for (int k = 0; k < count; ++k) {
-      const std::uint32_t feature = ConvexFeature::of(meeting.reference, points.point[kept[k]]);
-      m.add(feature, rounded_contact(meeting, meeting.contact(feature), d));
-    }
+    count = box_box_parts::reduced(points, meeting.tie, kept, least);
   }
-  if (is_nearest && !is_left_out && (m.count == 0 || meeting.is_cut_off(m))) {
+  if (is_nearest && (count == 0 || meeting.is_cut_off(least))) {
     const ContactGeometry g = rounded_contact(meeting, meeting.nearest(), d);
     if (listed(g)) {
-      if (m.count == Manifold::kMaxContacts) m.drop_last();
-      m.add(ConvexFeature::kNearest, g);
+      if (count == Manifold::kMaxContacts) --count;
+      emit(ConvexFeature::kNearest, g);
     }
   }
-  return m;
+  for (int k = 0; k < count; ++k) {
+    const std::uint32_t feature = ConvexFeature::of(meeting.reference, kept[k]);
+    emit(feature, rounded_contact(meeting, meeting.contact(feature), d));
+  }
 }
 
 /// The contact of two bodies that a feature names.
@@ -297,15 +293,15 @@ SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, const Co
   return rounded_contact(m, m.contact(feature), d);
 }
 
-/// The contacts of two bodies that are listed.
+/// The contacts of two bodies that are listed, see convex_contacts().
 /// @param search  has ended
 /// @param most    bodies that are farther apart have none [m]
-template <class Listed>
-SCREE_HD Manifold convex_manifold(const ConvexCore& first, const ConvexCore& second, const Vec3d& d,
-                                  const CoreSearch& search, double most, Listed&& listed) {
-  if (search.separation > most + first.rounding + second.rounding) return {};
+template <class Listed, class Emit>
+SCREE_HD void convex_manifold(const ConvexCore& first, const ConvexCore& second, const Vec3d& d,
+                              const CoreSearch& search, double most, Listed&& listed, Emit&& emit) {
+  if (search.separation > most + first.rounding + second.rounding) return;
   const auto all = [](std::uint32_t) { return true; };
-  return convex_contacts(CoreMeeting(first, second, search.distance()), d, true, all, listed);
+  convex_contacts(CoreMeeting(first, second, search.distance()), d, true, all, listed, emit);
 }
 
 /// Pair functions by cores, see InParts. @tparam Cores  its of_a(a) and of_b(b, d) give them
@@ -329,10 +325,10 @@ struct ConvexParts {
                               Search& search) {
     finish_distance(Cores::of_a(a), Cores::of_b(b, d), search);
   }
-  template <class Listed>
-  SCREE_HD static Manifold contacts(const PairSide& a, const PairSide& b, const Vec3d& d,
-                                    const Search& search, double most, Listed&& listed) {
-    return convex_manifold(Cores::of_a(a), Cores::of_b(b, d), d, search, most, listed);
+  template <class Listed, class Emit>
+  SCREE_HD static void contacts(const PairSide& a, const PairSide& b, const Vec3d& d,
+                                const Search& search, double most, Listed&& listed, Emit&& emit) {
+    convex_manifold(Cores::of_a(a), Cores::of_b(b, d), d, search, most, listed, emit);
   }
   template <class Listed>
   SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,

@@ -1,6 +1,7 @@
 #pragma once
 // All contacts of two shapes that touch in more than one point.
 
+#include "kernels/math/room.h"
 #include "kernels/narrow_phase/pairs/pair_side.h"
 
 namespace scree {
@@ -10,9 +11,8 @@ struct Manifold {
   static constexpr int kMaxContacts = 4;
   int count = 0;
   std::uint32_t feature[kMaxContacts] = {};  ///< what touches what; the same from step to step
-  ContactGeometry contact[kMaxContacts];
+  Room<ContactGeometry, kMaxContacts> contact;
 
-  SCREE_HD void drop_last() { --count; }
   /// There must be room.
   SCREE_HD void add(std::uint32_t new_feature, const ContactGeometry& g) {
     int at = count++;
@@ -46,7 +46,10 @@ SCREE_HD Manifold manifold_in_parts(const PairSide& a, const PairSide& b, const 
   if constexpr (Finishes<P>) {
     if (search.is_open()) P::finish(a, b, d, search);
   }
-  return P::contacts(a, b, d, search, most, listed);
+  Manifold m;
+  P::contacts(a, b, d, search, most, listed,
+              [&](std::uint32_t feature, const ContactGeometry& g) { m.add(feature, g); });
+  return m;
 }
 
 }  // namespace scree

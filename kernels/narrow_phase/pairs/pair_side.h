@@ -6,7 +6,7 @@
 //   kFeatureBits. With zero bits there is one contact. Else manifold(a, b, d, most, listed) finds those that are
 //   listed; contact() gives the geometry of each from its feature alone. Where that takes long, it is in parts:
 //   search(a, b, d, most, before) tells how the two lie; finish(a, b, d, search), if there is one, goes on where that
-//   is_open(); contacts(a, b, d, search, most, listed) is the manifold. A Search is_beyond() where they are farther apart
+//   is_open(); contacts(a, b, d, search, most, listed, emit) calls emit(feature, contact), features ascending. A Search is_beyond() where they are farther apart
 //   than was asked for, and holds(most) if one for that would find the same.
 // - A body and a plane, B a half-space: contact(a, height, normal, d, corner) and kCorners, so many for each plane.
 //   Faces of containers are planes, too.

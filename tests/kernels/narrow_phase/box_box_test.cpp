@@ -25,7 +25,10 @@ BoxPair pair_of_boxes(const TestBox& a, const TestBox& b) {
 /// All contacts with gaps up to the envelope.
 Manifold manifold(const TestBox& a, const TestBox& b, double envelope) {
   const BoxPair pair = pair_of_boxes(a, b);
-  return box_box(pair, {pair, envelope}, envelope, IsWithin{envelope});
+  Manifold m;
+  box_box(pair, {pair, envelope}, envelope, IsWithin{envelope},
+          [&](std::uint32_t feature, const ContactGeometry& g) { m.add(feature, g); });
+  return m;
 }
 
 /// How far a point is outside a box, over its faces; negative inside.

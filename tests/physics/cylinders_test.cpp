@@ -127,7 +127,8 @@ TEST(Cylinders, APileWithBoxesAndCapsulesComesToRestWithTheSameBitsOnAnyNumberOf
     }
   }
   add_tank(scene, -0.3, 0.3, -0.3, 0.3);
-  expect_pile_rests(scene, 900, 1e-3);
+  // Spheres roll on the others for seconds, since nothing resists that, and may fall off late.
+  expect_pile_rests(scene, 1200, 1e-3);
 }
 
 TEST(Cylinders, FastSpheresDoNotPassThroughFixedOnes) {

@@ -115,6 +115,22 @@ double least_overlap(const Solid& a, const Solid& b, std::mt19937& random) {
   return least_of_directions(overlap, 24, random);
 }
 
+/// A search that another one went before, for less, tells what it does alone.
+template <InParts P>
+void expect_search_goes_on(const PairSide& a, const PairSide& b, const Vec3d& d, double reach) {
+  const auto alone = P::search(a, b, d, reach, nullptr);
+  for (const double part : {0.0, 0.3, 0.9}) {
+    const auto before = P::search(a, b, d, part * reach, nullptr);
+    const auto found = P::search(a, b, d, reach, &before);
+    ASSERT_EQ(found.is_beyond(), alone.is_beyond()) << part;
+    if (alone.is_beyond()) {
+      EXPECT_GT(found.separation, reach) << part;
+    } else {
+      EXPECT_EQ(found.separation, alone.separation) << part;
+    }
+  }
+}
+
 /// All contacts of two bodies with gaps up to a reach.
 template <class P>
 std::vector<ContactGeometry> contacts(const Solid& a, const Solid& b, double reach) {
@@ -125,6 +141,9 @@ std::vector<ContactGeometry> contacts(const Solid& a, const Solid& b, double rea
     if (g.gap <= reach) out.push_back(g);
   } else {
     using Program = ProgramOf<P>;
+    if constexpr (InParts<Program>) {
+      if (reach > 0) expect_search_goes_on<Program>(a.side(), b.side(), d, reach);
+    }
     const Manifold m = Program::manifold(a.side(), b.side(), d, reach, IsWithin{reach});
     for (int k = 0; k < m.count; ++k) {
       const ContactGeometry again = P::contact(a.side(), b.side(), d, m.feature[k]);

@@ -73,7 +73,6 @@ struct Hull {
     }
     return face_at[best].face;
   }
-  SCREE_HD std::uint32_t facing(const Vec3d& n) const { return facing(farthest(n), n); }
   /// How many corners of a face make its contacts.
   SCREE_HD std::uint32_t shown_count(std::uint32_t f) const {
     return face[f].count < kMostCorners ? face[f].count : kMostCorners;

@@ -96,7 +96,7 @@ struct LoadedPair {
   double h;      ///< [s]
   double reach;  ///< gap up to which contacts are listed [m]
   double
-      wider;  ///< envelope up to which the search looks, so that what it finds holds for wider margins [m]
+      wider;  ///< the same for what the search looks at, so that its result holds for wider margins [m]
   double most;  ///< bodies that are farther apart have no contact [m]
   OrderedPair<P> order;
 
@@ -180,13 +180,16 @@ struct FindPairContacts {
   }
 };
 
+/// Programs in parts have their stack in memory: with six blocks of 64 threads on a multiprocessor one waits while another runs.
+inline constexpr int kPartBlocks = 6;
+
 /// The first part of a program in parts: how the bodies lie, unless a search before told. It takes the pairs that are too far
 /// apart out, and says which need the second part.
 template <InParts P, class Real>
 struct SearchPairs {
   static constexpr const char* name = "search_pairs";
   static constexpr int kBlockThreads = 64;
-  static constexpr int kLeastBlocks = 6;
+  static constexpr int kLeastBlocks = kPartBlocks;
   ComputedPairs<P, Real> pairs;
   SearchStores<typename P::Search> before;
   Span<typename P::Search> search;  ///< [pairs of this program] out
@@ -227,7 +230,7 @@ template <InParts P, class Real>
 struct FindSearchedContacts {
   static constexpr const char* name = "find_searched_contacts";
   static constexpr int kBlockThreads = 64;
-  static constexpr int kLeastBlocks = 6;
+  static constexpr int kLeastBlocks = kPartBlocks;
   ComputedPairs<P, Real> pairs;
   FlaggedList near;
   Span<const typename P::Search> search;

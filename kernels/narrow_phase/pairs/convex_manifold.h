@@ -36,10 +36,10 @@ struct CoreContact {
 /// The plane of a facet, or of an edge with whatever is beside it.
 struct FacetPlane {
   Vec3d at;         ///< a point of it [m]
-  Vec3d gradient;   ///< of the way below
-  bool is = false;  ///< ways end somewhere
+  Vec3d gradient;   ///< of way_from()
+  bool is = false;  ///< the direction crosses it
 
-  /// @param direction  unit, of the ways
+  /// @param direction  unit, in which ways are measured
   SCREE_HD void set(const CoreFacet& f, const Vec3d& direction) {
     at = f.point[0];
     if (f.count < 2) return;
@@ -54,7 +54,7 @@ struct FacetPlane {
     gradient = (-1 / steep) * n;
     is = std::abs(steep) > 1e-9 * norm(n);
   }
-  /// From a point to the plane [m].
+  /// From a point along the direction to the plane [m].
   SCREE_HD double way_from(const Vec3d& x) const { return dot(gradient, x - at); }
 };
 

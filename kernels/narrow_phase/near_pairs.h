@@ -95,9 +95,8 @@ struct LoadedPair {
   BodySample body, other;
   double h;      ///< [s]
   double reach;  ///< gap up to which contacts are listed [m]
-  double
-      wider;  ///< the same for what the search looks at, so that its result holds for wider margins [m]
-  double most;  ///< bodies that are farther apart have no contact [m]
+  double wider;  ///< the same of the search, so that its result holds for wider margins [m]
+  double most;   ///< bodies that are farther apart have no contact [m]
   OrderedPair<P> order;
 
   SCREE_HD LoadedPair(const Test& test, std::uint64_t key)

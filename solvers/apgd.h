@@ -155,6 +155,7 @@ class Apgd final : public Solver<B, Real> {
       w.lift.reserve_discard(p.contact_count);
       w.bias.reserve_discard(p.contact_count);
       passes.p.bias = ContactBias<Real>(w.bias.view(p.contact_count));
+      passes.has_moving_bias = true;
     }
     if (w.iteration.stores_extrapolated(passes)) {
       w.extrapolated.reserve_discard(p.bodies.count);

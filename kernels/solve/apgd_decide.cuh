@@ -58,14 +58,18 @@ __device__ Sums<3> meet_blocks(const ApgdMeeting& meeting, unsigned trial, const
   return block_sum(all);
 }
 
-/// Decides by the sums of all contacts and bodies.
-/// @param all    in thread 0
-/// @param exact  as of ApgdPasses
+/// Decides by the sums of all contacts and bodies; one thread does.
+/// @param exact        as of ApgdPasses
+/// @param is_foreseen  as of ApgdBodyFinish
+__device__ inline void decide_alone(const Sums<3>& all, ApgdState& state, bool exact,
+                                    bool is_foreseen) {
+  ApgdContactFinish{&state}({{all.value[0], all.value[1]}});
+  ApgdBodyFinish{&state, exact, is_foreseen}({{all.value[2]}});
+}
+/// The same by a block.
+/// @param all  in thread 0
 __device__ inline void decide(const Sums<3>& all, ApgdState& state, bool exact) {
-  if (threadIdx.x == 0) {
-    ApgdContactFinish{&state}({{all.value[0], all.value[1]}});
-    ApgdBodyFinish{&state, exact}({{all.value[2]}});
-  }
+  if (threadIdx.x == 0) decide_alone(all, state, exact, false);
   __syncthreads();
 }
 

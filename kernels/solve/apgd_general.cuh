@@ -2,6 +2,7 @@
 // General contacts, and bodies that are no spheres, in the APGD sweep of the mixed layout; see
 // apgd_sweep.cuh.
 
+#include "kernels/backend/wide_records.cuh"
 #include "kernels/solve/apgd_tile.cuh"
 
 namespace scree {
@@ -77,15 +78,61 @@ __device__ void add_general(const ContactProblem<Real>& p, const Vec3<Real>* gam
   }
 }
 
-/// New velocity of a body that is no sphere.
+/// What a body is without its contacts.
 template <class Real>
-__device__ void step_general_body(const ContactProblem<Real>& p, const Trial<Real>& trial, Index i,
-                                  const Wrench<Real>& wrench, const Twist<Real>& extrapolated,
-                                  Sums<3>& sums) {
-  const Twist<Real> next = p.free_velocity[i] + GeneralRows<Real, true>::apply_inverse_mass(
-                                                    p, i, {wrench.force, wrench.torque});
-  trial.next_velocity[i] = next;
-  sums.value[2] += GeneralRows<Real, true>::mass_norm2(p, i, next - extrapolated);
+struct BodyBefore {
+  RadialInertia<Real> inertia;
+  Twist<Real> free_velocity;
+  BodyBefore() = default;
+  __device__ BodyBefore(const ContactProblem<Real>& p, Index i)
+      : inertia(p.radial_inertia[i]), free_velocity(p.free_velocity[i]) {}
+};
+
+/// The same of a body that has a general inertia, as all have in a layout of general contacts alone.
+struct GeneralBody {
+  GeneralInertia<float> inertia;
+  Twist<float> free_velocity;
+  GeneralBody() = default;
+  __device__ GeneralBody(const ContactProblem<float>& p, Index i)
+      : inertia(load_by<float4>(p.general_inertia.data + i)), free_velocity(p.free_velocity[i]) {}
+};
+template <bool>
+__device__ Twist<float> moved_body(const ContactProblem<float>&, Index, const GeneralBody& before,
+                                   const Wrench<float>& wrench, const Twist<float>& extrapolated,
+                                   Sums<3>& sums) {
+  using Rows = GeneralRows<float>;
+  const Twist<float> next = before.free_velocity +
+                            Rows::apply_inverse_mass(before.inertia, {wrench.force, wrench.torque});
+  sums.value[2] += Rows::mass_norm2(before.inertia, next - extrapolated);
+  return next;
+}
+
+/// New velocity of body i.
+/// @tparam kIsMixed  it may be one that is no sphere
+/// @param wrench     of all of its contacts
+/// @param sums       in, out: the third one
+template <bool kIsMixed, class Real>
+__device__ Twist<Real> moved_body(const ContactProblem<Real>& p, Index i,
+                                  const BodyBefore<Real>& before, const Wrench<Real>& wrench,
+                                  const Twist<Real>& extrapolated, Sums<3>& sums) {
+  const RadialInertia<Real>& inertia = before.inertia;
+  if constexpr (kIsMixed) {
+    if (!(inertia.inv_mass > Real(0))) {
+      using Rows = GeneralRows<Real, true>;
+      const Twist<Real> next =
+          before.free_velocity + Rows::apply_inverse_mass(p, i, {wrench.force, wrench.torque});
+      sums.value[2] += Rows::mass_norm2(p, i, next - extrapolated);
+      return next;
+    }
+  }
+  const Twist<Real> next = before.free_velocity + RadialRows<Real>::apply_inverse_mass(
+                                                      inertia, {wrench.force, wrench.torque});
+  const Twist<Real> change = next - extrapolated;
+  Real energy = 0;
+  if (inertia.inv_mass > Real(0)) energy += norm2(change.linear) * inverse(inertia.inv_mass);
+  if (inertia.inv_spin > Real(0)) energy += norm2(change.angular) * inverse(inertia.inv_spin);
+  sums.value[2] += static_cast<double>(energy);
+  return next;
 }
 
 }  // namespace apgd_sweep

@@ -20,6 +20,9 @@ struct ApgdState {
   double beta = 0;           ///< its extrapolation factor
   double next_theta = 1;     ///< those of the next point, unless the step ends in a restart
   double next_beta = 0;
+  double next_lipschitz =
+      1;  ///< those of the next trial, unless this one is too long: see foresee()
+  double next_step = 1;
   double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
   double measure = 0;       ///< L |gamma+ - y|_H of the trial: goes with the residual
@@ -32,12 +35,22 @@ struct ApgdState {
   SCREE_HD void set_momentum(double new_theta, double new_beta) {
     theta = new_theta;
     beta = new_beta;
+    foresee_momentum();
+  }
+  SCREE_HD void foresee_momentum() {
     next_theta = scree::next_theta(theta);
     next_beta = scree::next_beta(theta);
   }
   SCREE_HD void set_lipschitz(double value) {
     lipschitz = value < lipschitz_max ? value : lipschitz_max;
     step = 1 / lipschitz;
+  }
+  /// Works out what comes next as far as it can be known before a trial ends: a device does that while it waits for the end.
+  /// @param decay  of L after a step that is not too long
+  SCREE_HD void foresee(double decay) {
+    foresee_momentum();
+    next_lipschitz = decay * lipschitz;
+    next_step = 1 / next_lipschitz;
   }
 };
 
@@ -253,16 +266,19 @@ struct ApgdBodyFinish {
 
   ApgdState* state;
   bool exact = false;
+  bool is_foreseen =
+      false;  ///< ApgdState::foresee() came before this trial ended; it does not after
+  static SCREE_HD double decay(bool exact) { return exact ? kSlowDecay : kDecay; }
+
   SCREE_HD void operator()(const Sums<1>& energy) const {
     ApgdState& s = *state;
     ++s.trials;
     s.measure = s.lipschitz * std::sqrt(s.step_squares);
     const double allowed = s.lipschitz * s.step_squares;
-    const double enough = kAbove * energy.value[0] / s.step_squares;
     const bool at_bound = s.lipschitz >= s.lipschitz_max;
     if (!(energy.value[0] <= 2 * allowed || at_bound)) {
-      s.set_lipschitz(enough);
-      s.set_momentum(s.theta, 0);
+      set_lipschitz_above(energy);
+      set_momentum(s.theta, 0);
       return;
     }
     ++s.accepted;
@@ -270,12 +286,28 @@ struct ApgdBodyFinish {
     if (has_grown || !(s.lowest > 0 && s.lowest < s.measure)) s.lowest = s.measure;
     if (s.descent > 0 || has_grown) {
       ++s.restarts;
-      s.set_momentum(1, 0);
+      set_momentum(1, 0);
     } else {
-      s.set_momentum(s.next_theta, s.next_beta);
+      set_momentum(s.next_theta, s.next_beta);
     }
-    s.set_lipschitz(energy.value[0] > allowed ? enough
-                                              : (exact ? kSlowDecay : kDecay) * s.lipschitz);
+    if (energy.value[0] > allowed) {
+      set_lipschitz_above(energy);
+    } else if (is_foreseen) {
+      s.lipschitz = s.next_lipschitz;
+      s.step = s.next_step;
+    } else {
+      s.set_lipschitz(decay(exact) * s.lipschitz);
+    }
+  }
+
+ private:
+  SCREE_HD void set_lipschitz_above(const Sums<1>& energy) const {
+    state->set_lipschitz(kAbove * energy.value[0] / state->step_squares);
+  }
+  SCREE_HD void set_momentum(double theta, double beta) const {
+    state->theta = theta;
+    state->beta = beta;
+    if (!is_foreseen) state->foresee_momentum();
   }
 };
 
@@ -297,7 +329,8 @@ struct ApgdPasses {
   ApgdVelocities<Real> velocity;
   StoredMetric<R, Real> metric;
   ApgdState* state;
-  bool exact = false;  ///< Coulomb's law in place of the convex one
+  bool exact = false;            ///< Coulomb's law in place of the convex one
+  bool has_moving_bias = false;  ///< the bias changes from one run of trials to the next
 
   SCREE_HD ApgdContactPass<R, Real> contact_pass() const {
     return {p, gamma, velocity, metric, state, exact};
@@ -308,9 +341,13 @@ struct ApgdPasses {
 /// The same data for passes on other rows.
 template <class To, class R, class Real>
 ApgdPasses<To, Real> passes_on(const ApgdPasses<R, Real>& a) {
-  return {a.p,        a.gamma,
-          a.velocity, {a.metric.values, a.metric.one_each, a.metric.tangential_ratio},
-          a.state,    a.exact};
+  return {a.p,
+          a.gamma,
+          a.velocity,
+          {a.metric.values, a.metric.one_each, a.metric.tangential_ratio},
+          a.state,
+          a.exact,
+          a.has_moving_bias};
 }
 
 /// Residual of the current iterate, wherever the rotation left it.

@@ -27,18 +27,19 @@
 // is nearly as busy as in a copy (bench/results/h200). The first-level cache is short:
 // a stack of 32 bytes a thread, for registers that were spilled, cost a tenth of the time,
 // and shared memory is dear too.
-// Few bodies make smaller tiles, one for each multiprocessor: what a tile does one after the other is what a pass takes then.
-// That is another program, since the size of whole tiles, when it is not a constant, costs 1.5 % of the time.
+// Problems that fit into shared memory as a whole take another program (apgd_resident.cuh).
 // Where ranks share a problem, each on a GPU of its own, the blocks of all of them meet (rank_meeting.cuh); that is one more
 // program.
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
 
 #include <algorithm>
+#include <utility>
 
 #include "kernels/backend/split_barrier.cuh"
 #include "kernels/solve/apgd_decide.cuh"
 #include "kernels/solve/apgd_general.cuh"
+#include "kernels/solve/apgd_resident.cuh"
 #include "kernels/solve/apgd_tile.cuh"
 #include "kernels/solve/apgd_wide.cuh"
 #include "kernels/solve/rank_meeting.cuh"
@@ -52,18 +53,7 @@ struct Shared {
   ApgdMeeting meeting;          ///< at the end of a trial
   unsigned* taken;              ///< blocks that took what ranks sent, over all trials
   const PackedContact* packed;  ///< [contacts]
-  Index tile_bodies;            ///< see bodies_of_tile()
 };
-
-/// Bodies of a tile at least: smaller ones cost more in meetings than they save.
-inline constexpr Index kLeastBodies = 32;
-
-/// Bodies of a tile: so few that each multiprocessor gets one, where there are no more.
-/// @param blocks  that the device holds at once
-inline Index bodies_of_tile(Index bodies, unsigned blocks) {
-  const auto processors = static_cast<Index>(std::max(blocks / kBlocks, 1u));
-  return std::clamp((bodies + processors - 1) / processors, kLeastBodies, Index{kBodies});
-}
 
 /// Body pass of the thread's body of a tile: what other tiles exert, then its new velocity. A body
 /// with many contacts is summed up by its warp.
@@ -82,31 +72,16 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
     if (lane == of) body.wrench = sum;
   }
   if constexpr (kIsMixed) add_general(a.p, trial.next_gamma.data, i, is_there, body.wrench);
-  if (!is_there) return;
-  const RadialInertia<Real> inertia = a.p.radial_inertia[i];
-  if constexpr (kIsMixed) {
-    if (!(inertia.inv_mass > Real(0))) {
-      step_general_body(a.p, trial, i, body.wrench, extrapolated, sums);
-      return;
-    }
-  }
-  const Twist<Real> next =
-      a.p.free_velocity[i] +
-      RadialRows<Real>::apply_inverse_mass(inertia, {body.wrench.force, body.wrench.torque});
-  trial.next_velocity[i] = next;
-  const Twist<Real> change = next - extrapolated;
-  Real energy = 0;
-  if (inertia.inv_mass > Real(0)) energy += norm2(change.linear) * inverse(inertia.inv_mass);
-  if (inertia.inv_spin > Real(0)) energy += norm2(change.angular) * inverse(inertia.inv_spin);
-  sums.value[2] += static_cast<double>(energy);
+  if (is_there)
+    trial.next_velocity[i] =
+        moved_body<kIsMixed>(a.p, i, BodyBefore<Real>(a.p, i), body.wrench, extrapolated, sums);
 }
 
 /// In place of GhostLinks, where one rank has all bodies.
 struct NoLinks {};
 
-/// @tparam kIsWhole  tiles of kBodies, whose number the compiler knows
-/// @tparam Links     GhostLinks, or NoLinks
-template <int kWeights, Law kLaw, bool kIsMixed, bool kIsWhole, class Links, class Real>
+/// @tparam Links  GhostLinks, or NoLinks
+template <int kWeights, Law kLaw, bool kIsMixed, class Links, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                int count, double enough, const __grid_constant__ Links links) {
@@ -121,7 +96,6 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   __shared__ unsigned meetings;     // of ranks, before this launch
   const auto blocks = static_cast<Index>(gridDim.x);
   const auto local = static_cast<Index>(threadIdx.x);
-  const Index tile_bodies = kIsWhole ? Index{kBodies} : shared.tile_bodies;
   const bool is_speaker = local == kThreads - 32;
   if (local == 0) {
     ready.init(kThreads);
@@ -132,7 +106,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     if constexpr (kIsOverRanks) meetings = links.board[links.rank]->meetings;
   }
   __syncthreads();
-  const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x), tile_bodies);
+  const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x));
   {
     const Trial<Real> trial(a, state, shared.packed);
     first.start(trial.velocity, trial.previous_velocity, memory.bodies);
@@ -164,18 +138,18 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       __syncwarp();
       TileRange range;
       if (has_tile) {
-        range.begin = t * tile_bodies;
-        range.count = min(tile_bodies, a.p.bodies.owned_count - range.begin);
+        range.begin = t * kBodies;
+        range.count = min(Index{kBodies}, a.p.bodies.owned_count - range.begin);
         range.first = here.a_start[0];
         range.last = here.a_start[range.count];
         step_contacts<kWeights, kLaw>(a, trial, range, here, memory.pull, sums);
         stepped.arrive();
       }
-      const Index i = (t - blocks) * tile_bodies + local;
-      const bool is_before = round > 0 && local < tile_bodies && i < a.p.bodies.owned_count;
+      const Index i = (t - blocks) * kBodies + local;
+      const bool is_before = round > 0 && local < kBodies && i < a.p.bodies.owned_count;
       Twist<Real> extrapolated;
       if (is_before) extrapolated = other.extrapolated[local];
-      BodyFetch<Real> fetch(a, trial, t + blocks, tile_bodies);
+      BodyFetch<Real> fetch(a, trial, t + blocks);
       const bool has_next = t + blocks < tiles;
       if (has_next) fetch.start(a, other);
       if (is_speaker && has_tile) {
@@ -247,47 +221,30 @@ template <>
 class ApgdIteration<Cuda> {
  public:
   explicit ApgdIteration(Cuda& cuda)
-      : counters_(cuda), partial_(cuda), packed_(cuda), wide_(cuda), sums_(cuda) {}
+      : counters_(cuda), partial_(cuda), packed_(cuda), resident_(cuda), wide_(cuda), sums_(cuda) {}
 
   template <class R, class Real>
   void start(Cuda& cuda, const ApgdPasses<R, Real>& a, const Ghosts<Cuda>* ghosts = nullptr) {
     ghosts_ = nullptr;
+    tiles_ = 0;
+    is_counted_ = is_resident_ = false;
     if constexpr (kIsSwept<R, Real>) {
-      tiles_ = 0;
-      kernel_ = nullptr;
-      if (ghosts != nullptr && ghosts->links() != nullptr) kernel_ = kernel_over_ranks(a);
-      Index size = apgd_sweep::kBodies;
-      if (kernel_ != nullptr) {
+      if (ghosts != nullptr && ghosts->links() != nullptr && kernel_over_ranks(a) != nullptr) {
         ghosts_ = ghosts;
-      } else {
-        if (a.p.bodies.owned_count == 0) return;  // of one of several ranks
-        kernel_ = kernel_of<true>(a);
-        size = apgd_sweep::bodies_of_tile(a.p.bodies.owned_count, resident_blocks(cuda));
-        if (size < apgd_sweep::kBodies) kernel_ = kernel_of<false>(a);
+        start_sweep(cuda, a, kernel_over_ranks(a));
+        return;
       }
-      tiles_ = (a.p.bodies.owned_count + size - 1) / size;
-      blocks_ = std::clamp<unsigned>(tiles_, 1, resident_blocks(cuda));
-      constexpr int kMeetings = 2;
-      const Offset counters = kMeetings + Offset{tiles_} / blocks_ + 1;
-      counters_.reserve_discard(counters);
-      partial_.reserve_discard(blocks_);
-      fill(cuda, counters_.view(counters), 0u);
-      const Index radial = apgd_sweep::kIsMixed<R, Real> ? a.p.radial_count : a.p.contact_count;
-      packed_.reserve_discard(radial);
-      for_each(cuda, radial,
-               apgd_sweep::PackContacts<R, Real>{a.p, a.metric, size, packed_.view(radial)});
-      unsigned* counter = counters_.data();
-      shared_ = {
-          counter + kMeetings, {counter, partial_.data()}, counter + 1, packed_.data(), size};
     }
-    if constexpr (kIsWide<R>) {
-      if (cuda.ranks() == nullptr) wide_.start(cuda, a);
+    if constexpr (kHasPrograms<R, Real>) {
+      if (a.p.bodies.owned_count == 0) return;  // of one of several ranks
+      is_counted_ = cuda.ranks() == nullptr && resident_.start(cuda, a);
+      if (!is_counted_) start_large(cuda, a);
     }
   }
 
   template <class R, class Real>
   bool stops(const ApgdPasses<R, Real>&) const {
-    return kIsSwept<R, Real> || kIsWide<R>;
+    return kHasPrograms<R, Real>;
   }
   template <class R, class Real>
   bool stores_extrapolated(const ApgdPasses<R, Real>&) const {
@@ -298,6 +255,16 @@ class ApgdIteration<Cuda> {
 
   template <class R, class Real>
   void run(Cuda& cuda, const ApgdPasses<R, Real>& a, int count, double enough) {
+    if constexpr (kHasPrograms<R, Real>) {
+      if (std::exchange(is_counted_, false)) {
+        is_resident_ = resident_.fits(cuda);
+        if (!is_resident_) start_large(cuda, a);
+      }
+      if (is_resident_) {
+        resident_.run(cuda, passes_on<RadialRows<Real>>(a), count, enough);
+        return;
+      }
+    }
     if constexpr (kIsSwept<R, Real>) {
       // A thread whose call waits for its GPU must not keep another one from launching what that GPU waits for.
       const bool has_threads = ghosts_ != nullptr && ghosts_->has_threads();
@@ -337,6 +304,31 @@ class ApgdIteration<Cuda> {
   }
 
  private:
+  /// Programs for any number of bodies.
+  template <class R, class Real>
+  void start_large(Cuda& cuda, const ApgdPasses<R, Real>& a) {
+    if constexpr (kIsSwept<R, Real>) {
+      start_sweep(cuda, a, kernel_of(a));
+    } else if (cuda.ranks() == nullptr) {
+      wide_.start(cuda, a);
+    }
+  }
+  template <class R, class Real>
+  void start_sweep(Cuda& cuda, const ApgdPasses<R, Real>& a, const void* kernel) {
+    kernel_ = kernel;
+    tiles_ = (a.p.bodies.owned_count + apgd_sweep::kBodies - 1) / apgd_sweep::kBodies;
+    blocks_ = std::clamp<unsigned>(tiles_, 1, resident_blocks(cuda));
+    constexpr int kMeetings = 2;
+    const Offset counters = kMeetings + Offset{tiles_} / blocks_ + 1;
+    counters_.reserve_discard(counters);
+    partial_.reserve_discard(blocks_);
+    fill(cuda, counters_.view(counters), 0u);
+    const Index radial = apgd_sweep::kIsMixed<R, Real> ? a.p.radial_count : a.p.contact_count;
+    packed_.reserve_discard(radial);
+    for_each(cuda, radial, apgd_sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(radial)});
+    unsigned* counter = counters_.data();
+    shared_ = {counter + kMeetings, {counter, partial_.data()}, counter + 1, packed_.data()};
+  }
   void sweep(Cuda& cuda, apgd_sweep::RadialPasses<float> passes, int count, double enough) {
     apgd_sweep::NoLinks none;
     GhostLinks links;
@@ -357,13 +349,14 @@ class ApgdIteration<Cuda> {
                                     apgd_sweep::kIsImpact<R, Real>);
   template <class R>
   static constexpr bool kIsWide = std::is_same_v<R, wide::Rows>;
+  template <class R, class Real>
+  static constexpr bool kHasPrograms = kIsSwept<R, Real> || kIsWide<R>;
   static constexpr int kBytes = sizeof(apgd_sweep::TileMemory<float>);
 
-  template <int kWeights, apgd_sweep::Law kLaw, bool kIsMixed, bool kIsWhole,
-            class Links = apgd_sweep::NoLinks>
+  template <int kWeights, apgd_sweep::Law kLaw, bool kIsMixed, class Links = apgd_sweep::NoLinks>
   static const void* program() {
     return reinterpret_cast<const void*>(
-        &apgd_sweep::run_trials<kWeights, kLaw, kIsMixed, kIsWhole, Links, float>);
+        &apgd_sweep::run_trials<kWeights, kLaw, kIsMixed, Links, float>);
   }
   /// The program of ranks that meet in it; null where there is none: impacts, which are few, take a trial at a time.
   template <class R>
@@ -373,26 +366,25 @@ class ApgdIteration<Cuda> {
     } else {
       constexpr bool kIsMixed = apgd_sweep::kIsMixed<R, float>;
       if (a.exact) return nullptr;
-      return a.metric.one_each ? program<1, apgd_sweep::Law::convex, kIsMixed, true, GhostLinks>()
-                               : program<2, apgd_sweep::Law::convex, kIsMixed, true, GhostLinks>();
+      return a.metric.one_each ? program<1, apgd_sweep::Law::convex, kIsMixed, GhostLinks>()
+                               : program<2, apgd_sweep::Law::convex, kIsMixed, GhostLinks>();
     }
   }
-  template <bool kIsWhole, class R>
+  template <class R>
   static const void* kernel_of(const ApgdPasses<R, float>& a) {
     if constexpr (apgd_sweep::kIsImpact<R, float>) {
-      return kernel_of<kIsWhole, apgd_sweep::Law::impact>(a.metric);
+      return kernel_of<apgd_sweep::Law::impact>(a.metric);
     } else {
-      return a.exact ? kernel_of<kIsWhole, apgd_sweep::Law::coulomb>(a.metric)
-                     : kernel_of<kIsWhole, apgd_sweep::Law::convex>(a.metric);
+      return a.exact ? kernel_of<apgd_sweep::Law::coulomb>(a.metric)
+                     : kernel_of<apgd_sweep::Law::convex>(a.metric);
     }
   }
   /// Loads behind a branch would start late, so there is a program for each way to store weights.
-  template <bool kIsWhole, apgd_sweep::Law kLaw, class R>
+  template <apgd_sweep::Law kLaw, class R>
   static const void* kernel_of(const StoredMetric<R, float>& metric) {
     constexpr bool kIsMixed = apgd_sweep::kIsMixed<R, float>;
-    if (metric.values.empty()) return program<0, kLaw, kIsMixed, kIsWhole>();
-    return metric.one_each ? program<1, kLaw, kIsMixed, kIsWhole>()
-                           : program<2, kLaw, kIsMixed, kIsWhole>();
+    if (metric.values.empty()) return program<0, kLaw, kIsMixed>();
+    return metric.one_each ? program<1, kLaw, kIsMixed>() : program<2, kLaw, kIsMixed>();
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {
@@ -404,6 +396,7 @@ class ApgdIteration<Cuda> {
   Buffer<Cuda, unsigned> counters_;  ///< arrived, taken, round_done
   Buffer<Cuda, Sums<3>> partial_;
   Buffer<Cuda, PackedContact> packed_;
+  apgd_sweep::ResidentTrials resident_;
   wide::Iteration wide_;
   Buffer<Cuda, ApgdSums> sums_;  ///< of one of several ranks, by the plain passes
   apgd_sweep::Shared shared_{};
@@ -411,6 +404,9 @@ class ApgdIteration<Cuda> {
   const Ghosts<Cuda>* ghosts_ = nullptr;  ///< of ranks that meet in the program
   Index tiles_ = 0;
   unsigned blocks_ = 0;
+  bool is_counted_ =
+      false;  ///< what tiles have is on its way; the first trials tell whether it fits
+  bool is_resident_ = false;  ///< it does
 };
 
 }  // namespace scree

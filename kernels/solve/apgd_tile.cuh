@@ -120,10 +120,9 @@ struct PackContacts {
   static constexpr const char* name = "apgd_pack_contacts";
   ContactProblem<Real> p;
   StoredMetric<R, Real> metric;
-  Index tile_bodies;
   Span<PackedContact> packed;
   __device__ void operator()(Index c) const {
-    const auto local = static_cast<std::uint32_t>(p.body_a[c] % tile_bodies);
+    const auto local = static_cast<std::uint32_t>(p.body_a[c] % kBodies);
     packed[c] = {p.normal[c], metric.load(c).normal, local};
   }
 };
@@ -198,11 +197,10 @@ __device__ void fetch_starts(const ContactProblem<Real>& p, Index body, TileBodi
 template <class Real>
 class BodyFetch {
  public:
-  __device__ BodyFetch(const RadialPasses<Real>& a, const Trial<Real>& trial, Index tile,
-                       Index tile_bodies)
-      : trial_(trial), i_(tile * tile_bodies + static_cast<Index>(threadIdx.x)) {
+  __device__ BodyFetch(const RadialPasses<Real>& a, const Trial<Real>& trial, Index tile)
+      : trial_(trial), i_(tile * kBodies + static_cast<Index>(threadIdx.x)) {
     const auto local = static_cast<Index>(threadIdx.x);
-    const Index count = min(tile_bodies, a.p.bodies.owned_count - tile * tile_bodies);
+    const Index count = min(Index{kBodies}, a.p.bodies.owned_count - tile * kBodies);
     is_body_ = local < count;
     is_start_ = local <= count;
   }
@@ -237,10 +235,10 @@ class BodyFetch {
 template <class Real>
 class FirstFetch {
  public:
-  __device__ FirstFetch(const RadialPasses<Real>& a, Index tile, Index tile_bodies)
+  __device__ FirstFetch(const RadialPasses<Real>& a, Index tile)
       : p_(a.p),
-        i_(tile * tile_bodies + static_cast<Index>(threadIdx.x)),
-        count_(min(tile_bodies, a.p.bodies.owned_count - tile * tile_bodies)) {}
+        i_(tile * kBodies + static_cast<Index>(threadIdx.x)),
+        count_(min(Index{kBodies}, a.p.bodies.owned_count - tile * kBodies)) {}
 
   __device__ void start(const Span<const Twist<Real>>& velocity,
                         const Span<const Twist<Real>>& previous, TileBodies<Real>* tiles) const {

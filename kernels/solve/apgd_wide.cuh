@@ -9,8 +9,8 @@
 // 4.9e6 contacts, and 47 instead of 52 with 1.1e5 boxes and 4.1e5 contacts (bench/results/h200).
 
 #include <algorithm>
-#include <cstring>
 
+#include "kernels/backend/wide_records.cuh"
 #include "kernels/solve/apgd_decide.cuh"
 
 namespace scree {
@@ -18,30 +18,6 @@ namespace wide {
 
 using Rows = GeneralRows<float>;
 using Passes = ApgdPasses<Rows, float>;
-
-/// A record by loads of sizeof(Chunk) bytes, to which it has to be aligned.
-template <class Chunk, class T>
-__device__ T load(const T* from) {
-  static_assert(sizeof(T) % sizeof(Chunk) == 0);
-  Chunk part[sizeof(T) / sizeof(Chunk)];
-#pragma unroll
-  for (unsigned k = 0; k < sizeof(T) / sizeof(Chunk); ++k)
-    part[k] = reinterpret_cast<const Chunk*>(from)[k];
-  T to;
-  std::memcpy(&to, part, sizeof(T));
-  return to;
-}
-template <class Chunk, class T>
-__device__ void store(const T& from, T* to) {
-  static_assert(sizeof(T) % sizeof(Chunk) == 0);
-  Chunk part[sizeof(T) / sizeof(Chunk)];
-  std::memcpy(part, &from, sizeof(T));
-#pragma unroll
-  for (unsigned k = 0; k < sizeof(T) / sizeof(Chunk); ++k)
-    reinterpret_cast<Chunk*>(to)[k] = part[k];
-}
-__device__ inline float4 widened(const Vec3<float>& v) { return make_float4(v.x, v.y, v.z, 0); }
-__device__ inline Vec3<float> narrowed(const float4& v) { return {v.x, v.y, v.z}; }
 
 /// Contacts whose records a thread asks for before it adds the first up: 1, 4 and 6 are slower with few bodies.
 inline constexpr int kAtOnce = 2;
@@ -71,8 +47,8 @@ struct ContactPass {
     const ContactProblem<float>& p = plain.p;
     const auto step = plain.step();
     const Twist<float>* v = step.extrapolated.data;
-    const Sums<2> sums =
-        step(p, plain.metric, c, load<float2>(v + p.body_a[c]), load<float2>(v + p.body_b[c]));
+    const Sums<2> sums = step(p, plain.metric, c, load_by<float2>(v + p.body_a[c]),
+                              load_by<float2>(v + p.body_b[c]));
     impulse[c] = widened(step.next[c]);
     return sums;
   }
@@ -86,13 +62,13 @@ struct BodyPass {
   __device__ Sums<1> operator()(Index i) const {
     const ContactProblem<float>& p = plain.p;
     const ApgdState& s = *plain.state;
-    const auto mass = load<float4>(p.general_inertia.data + i);
+    const auto mass = load_by<float4>(p.general_inertia.data + i);
     const Twist<float> next = p.free_velocity[i] + Rows::apply_inverse_mass(mass, gathered(p, i));
-    const auto extrapolated = load<float2>(plain.velocity.extrapolated(s).data + i);
-    const Twist<float> momentum =
-        static_cast<float>(s.next_beta) * (next - load<float2>(plain.velocity.current(s).data + i));
-    store<float2>(next, plain.velocity.iterate(s.accepted + 1).data + i);
-    store<float2>(next + momentum, plain.velocity.of_extrapolated.data + i);
+    const auto extrapolated = load_by<float2>(plain.velocity.extrapolated(s).data + i);
+    const Twist<float> momentum = static_cast<float>(s.next_beta) *
+                                  (next - load_by<float2>(plain.velocity.current(s).data + i));
+    store_by<float2>(next, plain.velocity.iterate(s.accepted + 1).data + i);
+    store_by<float2>(next + momentum, plain.velocity.of_extrapolated.data + i);
     return {{Rows::mass_norm2(mass, next - extrapolated)}};
   }
 

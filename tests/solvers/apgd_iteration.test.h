@@ -62,6 +62,11 @@ class Arrays {
   Buffer<TestBackend, ApgdState> state_;
 };
 
+/// Numbers of bodies. On a device there are programs of their own for few bodies and for many.
+std::vector<int> body_counts() {
+  return TestBackend::kIsDevice ? std::vector{3000, 200000} : std::vector{3000};
+}
+
 template <class Real>
 class ApgdIterationTest : public BackendTest<Real> {
  protected:
@@ -104,53 +109,114 @@ TYPED_TEST(ApgdIterationTest, MatchesThePlainPasses) {
 
 /// Two weights a contact, as above, one where bodies are alike, or none.
 TYPED_TEST(ApgdIterationTest, MatchesInEveryMetric) {
-  const PlainProblem plain = random_problem({.free_count = 3000, .contact_count = 9000, .seed = 7});
-  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
-  ContactProblem<TypeParam> p = buffers.problem();
-  EXPECT_GT(this->expect_match(p, ApgdMetricKind::euclidean), 10);
-  p.radial_inertia.spin_ratio = TypeParam(2.5);
-  ASSERT_EQ((StoredMetric<RadialRows<TypeParam>, TypeParam>::per_contact(p)), 1);
-  EXPECT_GT(this->expect_match(p), 10);
+  for (const int count : body_counts()) {
+    const PlainProblem plain =
+        random_problem({.free_count = count, .contact_count = 3 * count, .seed = 7});
+    ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+    ContactProblem<TypeParam> p = buffers.problem();
+    EXPECT_GT(this->expect_match(p, ApgdMetricKind::euclidean), 10);
+    EXPECT_GT(this->expect_match(p, ApgdMetricKind::diagonal, true), 10);
+    p.radial_inertia.spin_ratio = TypeParam(2.5);
+    ASSERT_EQ((StoredMetric<RadialRows<TypeParam>, TypeParam>::per_contact(p)), 1);
+    EXPECT_GT(this->expect_match(p), 10);
+  }
 }
 
 /// Spheres, walls that turn and bodies of other shapes: two groups of contacts, in every metric.
 TYPED_TEST(ApgdIterationTest, MatchesInTwoGroups) {
   using Rows = MixedRows<TypeParam>;
-  for (const bool only_spheres : {false, true}) {
-    const PlainProblem plain = random_problem({.layout = ContactLayout::mixed,
-                                               .free_count = 3000,
-                                               .fixed_count = 40,
-                                               .contact_count = 9000,
-                                               .seed = 3,
-                                               .has_adhesion = true,
-                                               .only_spheres = only_spheres});
-    ASSERT_GT(plain.radial_count, 1000);
-    ASSERT_GT(plain.contact_count() - plain.radial_count, 50);
-    ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
-    ContactProblem<TypeParam> p = buffers.problem();
-    EXPECT_GT(this->template expect_match<Rows>(p), 10);
-    EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::diagonal, true), 10);
-    EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::euclidean), 10);
-    p.radial_inertia.spin_ratio = TypeParam(2.5);
-    EXPECT_GT(this->template expect_match<Rows>(p), 10);
+  for (const int count : body_counts()) {
+    for (const bool only_spheres : {false, true}) {
+      const PlainProblem plain = random_problem({.layout = ContactLayout::mixed,
+                                                 .free_count = count,
+                                                 .fixed_count = 40,
+                                                 .contact_count = 3 * count,
+                                                 .seed = 3,
+                                                 .has_adhesion = true,
+                                                 .only_spheres = only_spheres});
+      ASSERT_GT(plain.radial_count, count / 3);
+      ASSERT_GT(plain.contact_count() - plain.radial_count, 50);
+      ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+      ContactProblem<TypeParam> p = buffers.problem();
+      EXPECT_GT(this->template expect_match<Rows>(p), 10);
+      EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::diagonal, true), 10);
+      EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::euclidean), 10);
+      p.radial_inertia.spin_ratio = TypeParam(2.5);
+      EXPECT_GT(this->template expect_match<Rows>(p), 10);
+    }
   }
 }
 
 /// Bodies of any shape alone, in every metric, with one that has thousands of contacts.
 TYPED_TEST(ApgdIterationTest, MatchesWithLeverArms) {
   using Rows = GeneralRows<TypeParam>;
-  const PlainProblem plain = random_problem({.layout = ContactLayout::general,
-                                             .free_count = 3000,
-                                             .fixed_count = 40,
-                                             .contact_count = 9000,
-                                             .seed = 5,
-                                             .has_adhesion = true,
-                                             .hub_contacts = 1000});
-  ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
-  const ContactProblem<TypeParam>& p = buffers.problem();
-  EXPECT_GT(this->template expect_match<Rows>(p), 10);
-  EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::diagonal, true), 10);
-  EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::euclidean), 10);
+  for (const int count : body_counts()) {
+    const PlainProblem plain = random_problem({.layout = ContactLayout::general,
+                                               .free_count = count,
+                                               .fixed_count = 40,
+                                               .contact_count = 3 * count,
+                                               .seed = 5,
+                                               .has_adhesion = true,
+                                               .hub_contacts = 1000});
+    ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), plain);
+    const ContactProblem<TypeParam>& p = buffers.problem();
+    EXPECT_GT(this->template expect_match<Rows>(p), 10);
+    EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::diagonal, true), 10);
+    EXPECT_GT(this->template expect_match<Rows>(p, ApgdMetricKind::euclidean), 10);
+  }
+}
+
+/// The same with one friction for all, and with contacts that drift: of boxes and hulls, whose corners turn within a step.
+TYPED_TEST(ApgdIterationTest, MatchesWithContactsThatDrift) {
+  const PlainProblem general = random_problem(
+      {.layout = ContactLayout::general, .free_count = 3000, .contact_count = 9000, .seed = 8});
+  const PlainProblem mixed = random_problem(
+      {.layout = ContactLayout::mixed, .free_count = 3000, .contact_count = 9000, .seed = 9});
+  for (const PlainProblem* plain : {&general, &mixed}) {
+    ProblemBuffers<TestBackend, TypeParam> buffers(this->backend(), *plain);
+    ContactProblem<TypeParam> p = buffers.problem();
+    p.friction = {{}, TypeParam(0.4)};
+    p.adhesion = {{}, TypeParam(0)};
+    const Index count = p.contact_count - p.radial_count;
+    std::vector<Vec3<TypeParam>> values;
+    for (Index c = 0; c < count; ++c)
+      values.push_back({TypeParam(0.01 * (c % 7)), TypeParam(0.02 * (c % 5)), TypeParam(-0.03)});
+    Buffer<TestBackend, Vec3<TypeParam>> drift(this->backend());
+    upload(this->backend(), values, drift);
+    p.drift = std::as_const(drift).view(count);
+    if (plain == &general) {
+      EXPECT_GT(this->template expect_match<GeneralRows<TypeParam>>(p), 10);
+    } else {
+      EXPECT_GT(this->template expect_match<MixedRows<TypeParam>>(p), 10);
+    }
+  }
+}
+
+/// Trials after the bias of the contacts has changed, as in a solve of exact friction by a lifted law.
+TYPED_TEST(ApgdIterationTest, MatchesWhereTheBiasMoves) {
+  TestBackend& b = this->backend();
+  const PlainProblem plain = random_problem(
+      {.layout = ContactLayout::general, .free_count = 3000, .contact_count = 9000, .seed = 10});
+  ProblemBuffers<TestBackend, TypeParam> buffers(b, plain);
+  ContactProblem<TypeParam> p = buffers.problem();
+  std::vector<TypeParam> bias = download(b, p.bias.values);
+  Buffer<TestBackend, TypeParam> moving(b, p.contact_count);
+  p.bias = ContactBias<TypeParam>(moving.view());
+  using Rows = GeneralRows<TypeParam>;
+  Arrays<TypeParam, Rows> expected(b, p), found(b, p);
+  ApgdIteration<TestBackend> iteration(b);
+  ApgdPasses<Rows, TypeParam> passes = found.passes();
+  passes.has_moving_bias = true;
+  for (int run = 0; run < 3; ++run) {
+    upload(b, bias.data(), moving.view());
+    if (run == 0) iteration.start(b, passes);
+    for (int k = 0; k < 5; ++k) apgd_trial(b, expected.passes());
+    iteration.run(b, passes, 5, -1);
+    for (TypeParam& value : bias) value += TypeParam(0.05);
+  }
+  EXPECT_EQ(found.state(b).accepted, expected.state(b).accepted);
+  EXPECT_LE(relative_distance(expected.impulses(b), found.impulses(b)),
+            this->tolerance(1e-13, 2e-5));
 }
 
 /// A sphere, or another body, with thousands of contacts of which many are general.

@@ -108,8 +108,8 @@ class Apgd final : public Solver<B, Real> {
   }
 
  private:
-  /// Bytes: 48 a body and 16 a contact (radial layout of uniform bodies in float; by the tuned twin
-  /// of a GPU 24 and 24); 12 more a contact in the second half of the iterations allowed.
+  /// Bytes: 48 a body and 16 a contact (radial layout of uniform bodies in float; by the tuned twins of a GPU 24 and 24, or
+  /// about 24 and 40 where all stays in shared memory); 12 more a contact in the second half of the iterations allowed.
   struct Workspace {
     Workspace(B& b, Offset vectors, Index bodies)
         : impulses(b, vectors),

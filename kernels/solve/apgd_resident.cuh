@@ -301,7 +301,6 @@ class ResidentTrials {
   explicit ResidentTrials(Cuda& cuda)
       : counters_(cuda),
         told_(cuda),
-        most_(cuda),
         records_(cuda),
         image_(cuda),
         cut_(cuda),
@@ -334,27 +333,22 @@ class ResidentTrials {
     share.contacts[0] = static_cast<unsigned>(a.p.contact_count) / blocks_;
     if (!fits(share)) return false;
 
-    counters_.reserve_discard(kCounters);
+    // Counters, then the largest counts: all start at zero.
+    constexpr Offset kWords = kCounters + sizeof(TileCount) / sizeof(unsigned);
+    counters_.reserve_discard(kWords);
+    fill(cuda, counters_.view(kWords), 0u);
     told_.reserve_discard(2 * blocks_);
-    most_.reserve_discard(1);
-    fill(cuda, counters_.view(kCounters), 0u);
-    fill(cuda, most_.view(1), TileCount{});
-    const ContactLists first = a.p.lists(0);
-    const ContactLists second = kLayout == ContactLayout::mixed ? a.p.lists(1) : ContactLists{};
     cut_.reserve_discard(Offset{blocks_} + 1);
-    constexpr unsigned kWarps = Cuda::kBlock / 32;
-    cut_tiles<<<blocks_ / kWarps + 1, Cuda::kBlock, 0, cuda.stream()>>>(first, second, owned,
-                                                                        blocks_, cut_.data());
+    cut_tiles<<<blocks_, kResidentThreads, 0, cuda.stream()>>>(
+        a.p.lists(0), kLayout == ContactLayout::mixed ? a.p.lists(1) : ContactLists{}, a.p.body_a,
+        a.p.body_b, owned, cut_.data(), most());
     cuda.check_launch("cut_tiles");
-    count_tile_contacts<<<blocks_, kResidentThreads, 0, cuda.stream()>>>(
-        first, second, a.p.body_a, a.p.body_b, std::as_const(cut_).data(), most_.data());
-    cuda.check_launch("count_tile_contacts");
     return true;
   }
 
   /// Whether tiles fit, after start() said that they may: a synchronization.
   bool fits(Cuda& cuda) {
-    if (!fits(fetch(cuda, std::as_const(most_).data()))) return false;
+    if (!fits(fetch(cuda, static_cast<const TileCount*>(most())))) return false;
     if (is_streamed_) records_.reserve_discard(tile_records() * blocks_);
     far_numbers_.reserve_discard((Offset{layout_.contacts[0]} + layout_.contacts[1]) * blocks_);
     if (keeps_lists_)
@@ -385,6 +379,8 @@ class ResidentTrials {
 
  private:
   static constexpr Offset kCounters = 4;
+  TileCount* most() { return reinterpret_cast<TileCount*>(counters_.data() + kCounters); }
+
   /// Bodies of a tile at least: smaller ones cost more in meetings than they save.
   static constexpr Index kLeastResident = 32;
 
@@ -451,7 +447,6 @@ class ResidentTrials {
 
   Buffer<Cuda, unsigned> counters_;
   Buffer<Cuda, Sums<3>> told_;
-  Buffer<Cuda, TileCount> most_;
   Buffer<Cuda, float4> records_, image_;
   Buffer<Cuda, Index> cut_, far_numbers_;
   TileLayout layout_;

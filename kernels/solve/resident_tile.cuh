@@ -164,16 +164,13 @@ struct BodySet {
   }
 };
 
-/// Cuts the bodies into tiles that take about the same time: the slowest one is what all wait for. A warp for each cut.
-/// @param cut  [tiles + 1] out: the first bodies of tiles
-static __global__ void __launch_bounds__(Cuda::kBlock)
-    cut_tiles(const __grid_constant__ ContactLists first_group,
-              const __grid_constant__ ContactLists second_group, Index owned, unsigned tiles,
-              Index* cut) {
+/// Where tile `tile` of several begins, so that they take about the same time: the slowest one is what all wait for. By a
+/// warp.
+__device__ inline Index cut_of_tile(const ContactLists& first_group,
+                                    const ContactLists& second_group, Index owned, unsigned tile,
+                                    unsigned tiles) {
   constexpr Index kBodyCost = 6;  // of a body, over that of being in a contact
-  const auto tile = (blockIdx.x * blockDim.x + threadIdx.x) / 32;
   const auto lane = static_cast<Index>(threadIdx.x % 32);
-  if (tile > tiles) return;
   const auto cost_before = [&](Index i) {
     Offset cost = Offset{kBodyCost} * i + first_group.a_start[i] + first_group.b_start[i];
     if (!second_group.a_start.empty()) cost += second_group.a_start[i] + second_group.b_start[i];
@@ -191,22 +188,31 @@ static __global__ void __launch_bounds__(Cuda::kBlock)
     if (first < 32) high = min(begin + first * step, high);
     if (first > 0) low = min(begin + (first - 1) * step + 1, high);
   }
-  if (lane == 0) cut[tile] = low;
+  return low;
 }
 
-/// Counts what each tile has, a block for each; `most` keeps the largest counts.
+/// Cuts the bodies into tiles and counts what each has, a block for each.
+/// @param cut   [tiles + 1] out: the first bodies of tiles
+/// @param most  in: zero; out: the largest counts
 static __global__ void __launch_bounds__(kResidentThreads, 1)
-    count_tile_contacts(const __grid_constant__ ContactLists first_group,
-                        const __grid_constant__ ContactLists second_group, Span<const Index> body_a,
-                        Span<const Index> body_b, const Index* cut, TileCount* most) {
+    cut_tiles(const __grid_constant__ ContactLists first_group,
+              const __grid_constant__ ContactLists second_group, Span<const Index> body_a,
+              Span<const Index> body_b, Index owned, Index* cut, TileCount* most) {
   constexpr unsigned kPlaces = 8192, kMostHalo = kPlaces / 2;
   __shared__ Index place[kPlaces];
   __shared__ unsigned halo;
   const BodySet outside{place, kPlaces};
-  const TileOfBodies tile(cut, blockIdx.x);
+  __shared__ Index ends[2];
   outside.clear();
   if (threadIdx.x == 0) halo = 0;
+  if (const unsigned side = threadIdx.x / 32; side < 2) {
+    const unsigned number = blockIdx.x + side;
+    const Index at = cut_of_tile(first_group, second_group, owned, number, gridDim.x);
+    ends[side] = at;
+    if (side == 0 || number == gridDim.x) cut[number] = at;
+  }
   __syncthreads();
+  const TileOfBodies tile(ends, 0);
   const auto add = [&](Index body) {
     // A halo that is too large stays so, and the set never gets full: each thread adds one more at most.
     if (*static_cast<volatile unsigned*>(&halo) > kMostHalo) return;

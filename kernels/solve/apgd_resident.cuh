@@ -352,7 +352,7 @@ class ResidentTrials {
     if (is_streamed_) records_.reserve_discard(tile_records() * blocks_);
     far_numbers_.reserve_discard((Offset{layout_.contacts[0]} + layout_.contacts[1]) * blocks_);
     if (keeps_lists_)
-      image_.reserve_discard(Offset{layout_.image_bytes / sizeof(float4)} * blocks_);
+      image_.reserve_discard(static_cast<Offset>(layout_.image_bytes / sizeof(float4)) * blocks_);
     return true;
   }
 

@@ -20,8 +20,7 @@ struct ApgdState {
   double beta = 0;           ///< its extrapolation factor
   double next_theta = 1;     ///< those of the next point, unless the step ends in a restart
   double next_beta = 0;
-  double next_lipschitz =
-      1;  ///< those of the next trial, unless this one is too long: see foresee()
+  double next_lipschitz = 1;  ///< those of the next trial, unless this one is too long
   double next_step = 1;
   double descent = 0;       ///< g.(gamma+ - gamma) of the trial; positive: against the gradient
   double step_squares = 0;  ///< |gamma+ - y|_H^2 of the trial
@@ -266,8 +265,7 @@ struct ApgdBodyFinish {
 
   ApgdState* state;
   bool exact = false;
-  bool is_foreseen =
-      false;  ///< ApgdState::foresee() came before this trial ended; it does not after
+  bool is_foreseen = false;  ///< foresee() came before the trial ended, and comes before the next
   static SCREE_HD double decay(bool exact) { return exact ? kSlowDecay : kDecay; }
 
   SCREE_HD void operator()(const Sums<1>& energy) const {

@@ -326,7 +326,8 @@ class ResidentTrials {
     check_cuda(cudaFuncGetAttributes(&attributes, kernel_), "attributes of apgd_resident");
     most_bytes_ = static_cast<unsigned>(bytes) - static_cast<unsigned>(attributes.sharedSizeBytes);
     const Index owned = a.p.bodies.owned_count;
-    blocks_ = static_cast<unsigned>(std::clamp(owned / kLeastResident, 1, processors));
+    blocks_ = static_cast<unsigned>(
+        std::clamp(owned / kLeastResident, 1, std::min(processors, kLeastThreads)));
     // The largest tile has its share at least.
     TileCount share;
     share.bodies = static_cast<unsigned>(owned) / blocks_;
@@ -383,11 +384,13 @@ class ResidentTrials {
 
   /// Bodies of a tile at least: smaller ones cost more in meetings than they save.
   static constexpr Index kLeastResident = 32;
+  /// Of a block: BlockBoard::read() takes one for each block.
+  static constexpr Index kLeastThreads = 512;
 
   /// Of a block: one for each body, but enough for contacts to hide what they wait for. More wait for each other.
   unsigned threads() const {
     return static_cast<unsigned>(
-        std::clamp((layout_.bodies + 31) / 32 * 32, 512, kResidentThreads));
+        std::clamp((layout_.bodies + 31) / 32 * 32, kLeastThreads, kResidentThreads));
   }
 
   Offset tile_records() const { return StreamedContacts::records(own_, layout_.contacts[0]); }

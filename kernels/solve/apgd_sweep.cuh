@@ -404,9 +404,8 @@ class ApgdIteration<Cuda> {
   const Ghosts<Cuda>* ghosts_ = nullptr;  ///< of ranks that meet in the program
   Index tiles_ = 0;
   unsigned blocks_ = 0;
-  bool is_counted_ =
-      false;  ///< what tiles have is on its way; the first trials tell whether it fits
-  bool is_resident_ = false;  ///< it does
+  bool is_counted_ = false;   ///< resident_ counts; the first trials tell whether tiles fit
+  bool is_resident_ = false;  ///< they do
 };
 
 }  // namespace scree

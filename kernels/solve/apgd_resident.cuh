@@ -7,8 +7,8 @@
 // twice, and load from the second-level cache what is at hand here.
 //
 // Shared memory (float): a contact of spheres takes 50 bytes, one with lever arms in a layout of such alone 30; a body
-// 28, and one of the halo, which is outside and has contacts with one inside, 52. On an H100 some 130,000 spheres fit,
-// or 120,000 boxes with five contacts each. Through the second-level cache come V of a body, 24 bytes, that of the
+// 28, and one of the halo, which is outside and has contacts with one inside, 52. On an H100 110,000 spheres with 2.7
+// contacts each fit, or as many boxes with five. Through the second-level cache come V of a body, 24 bytes, that of the
 // halo, and v* and mass of a body, 32; V written is 24. With lever arms alone it is 80 a contact and 56 a body more
 // (resident_contacts.cuh).
 //
@@ -397,7 +397,7 @@ class ResidentTrials {
 
   bool fits(const TileCount& n) {
     const auto bodies = static_cast<std::size_t>(n.bodies), halo = static_cast<std::size_t>(n.halo);
-    if (bodies + halo > kMostInTile) return false;
+    if (bodies + halo > kMostInTile || n.halo > kMostHalo) return false;
     for (const unsigned contacts : n.contacts)
       if (contacts > kMostInTile) return false;
     SharedRoom room;

@@ -33,6 +33,8 @@ struct TileCount {
 
 /// Numbers in a tile have 16 bits, the upper one of which is spare while it is loaded.
 inline constexpr unsigned kMostInTile = 32767;
+/// Bodies of a halo that are counted: a larger one, which no device has room for yet, is not told to its end.
+inline constexpr unsigned kMostHalo = 4096;
 
 /// The bodies of a contact by their numbers in the tile, in a word.
 struct Ends {
@@ -198,7 +200,7 @@ static __global__ void __launch_bounds__(kResidentThreads, 1)
     cut_tiles(const __grid_constant__ ContactLists first_group,
               const __grid_constant__ ContactLists second_group, Span<const Index> body_a,
               Span<const Index> body_b, Index owned, Index* cut, TileCount* most) {
-  constexpr unsigned kPlaces = 8192, kMostHalo = kPlaces / 2;
+  constexpr unsigned kPlaces = 2 * kMostHalo;
   __shared__ Index place[kPlaces];
   __shared__ unsigned halo;
   const BodySet outside{place, kPlaces};

@@ -391,11 +391,14 @@ void ContactDetector<B, Real>::list_contacts(B& b, const ContactTest<kMix, Real>
     count_contacts(b, test, count.view(), touching.resize_discard(pieces));
   }
   if constexpr (kMix != ShapeMix::spheres_and_planes) {
-    if (solids_.is_used()) solids_.find(b, test, count.view());
+    if (solids_.is_used()) solids_.count(b, test, count.view());
   }
   exclusive_scan(b, Span<const Index>(count.view()), begin.view());
   const Offset total = fetch(b, begin.data() + pieces);
   contact_count_ = checked_index(total, can_number(total), "contacts");
+  if constexpr (kMix != ShapeMix::spheres_and_planes) {
+    if (solids_.is_used()) solids_.complete(b, test);
+  }
   Span<std::uint64_t> key = found_.key.resize_discard(total);
   if constexpr (kMix == ShapeMix::any) {
     mixed_.write_keys(b, test, begin.view(), key);

@@ -34,18 +34,26 @@ class SolidContacts {
     for_each(b, n, ListFlagged{flag.view(), before.view(), near_.resize_discard(near_count_)});
   }
 
-  /// Finds their contacts, and adds the numbers of these to `count`; one host read, or three where a
-  /// body has more contacts than there was room for.
+  /// Finds their contacts as far as there is room, and adds the numbers of all to `count`.
   /// @param count  [piece count] contacts of each piece
   template <ShapeMix kMix>
-  void find(B& b, const ContactTest<kMix, Real>& test, Span<Index> count) {
+  void count(B& b, const ContactTest<kMix, Real>& test, Span<Index> count) {
     if (!has_notes_) make_room(SolidNotes::kSlots * static_cast<Offset>(near_count_));
-    while (!is_found(b, test)) {
-      exclusive_scan(b, Span<const Index>(count_.view()),
-                     begin_.resize_discard(static_cast<Offset>(near_count_) + 1));
-      make_room(fetch(b, begin_.data() + near_count_));
-    }
+    find(b, test);
     for_each(b, near_count_, AddSolidContacts{notes(), test.candidates, count});
+  }
+
+  /// Finds those for which there was no room, after the host has read how many contacts there are; where a body has more
+  /// than there was room for, one host read more.
+  template <ShapeMix kMix>
+  void complete(B& b, const ContactTest<kMix, Real>& test) {
+    has_notes_ = read_note<Largest<Index>>(b).value == 0;
+    if (has_notes_) return;
+    exclusive_scan(b, Span<const Index>(count_.view()),
+                   begin_.resize_discard(static_cast<Offset>(near_count_) + 1));
+    make_room(fetch(b, begin_.data() + near_count_));
+    find(b, test);
+    has_notes_ = true;
   }
 
   /// @param begin  [piece count + 1] scan of the counts
@@ -74,11 +82,10 @@ class SolidContacts {
     has_notes_ = false;
   }
   template <ShapeMix kMix>
-  bool is_found(B& b, const ContactTest<kMix, Real>& test) {
+  void find(B& b, const ContactTest<kMix, Real>& test) {
     reduce<Largest<Index>>(b, near_count_, FindSolidContacts<kMix, Real>{test, notes(), has_notes_},
                            StoreResult<Largest<Index>>{lacks_room_.data()});
-    has_notes_ = fetch(b, lacks_room_.data()).value == 0;
-    return has_notes_;
+    send_note(b, std::as_const(lacks_room_).data());
   }
   SolidNotes notes() {
     return {std::as_const(near_).view(near_count_),

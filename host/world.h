@@ -62,7 +62,7 @@ struct StepReport {
   std::int64_t step = 0;  ///< number of steps done, this one included
   double time = 0;        ///< simulated time after the step [s]
   int body_count = 0;     ///< free bodies in the simulation
-  int contact_count = 0;
+  std::int64_t contact_count = 0;
   int iterations = 0;            ///< solver iterations
   int applications = 0;          ///< operator applications (passes over contacts and bodies)
   bool converged = true;         ///< false: the iteration cap came first

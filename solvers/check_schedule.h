@@ -10,9 +10,11 @@ namespace scree {
 /// Predicts from the last two checks when the tolerance will be reached.
 class CheckSchedule {
  public:
-  /// @param longest    most iterations between two checks, > 0
+  /// @param longest    most iterations between two checks, at least 1
   /// @param tolerance  residual to be reached; 0: never
   CheckSchedule(int longest, double tolerance) : longest_(longest), tolerance_(tolerance) {}
+
+  void set_longest(int longest) { longest_ = longest; }
 
   /// Iterations from this check to the next one.
   /// @param done  iterations so far; not less than at the check before

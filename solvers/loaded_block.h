@@ -8,6 +8,7 @@
 // impulses of all others kept, which lowers the objective; ordinary iterations do the rest.
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "solvers/block_impulses.h"
@@ -17,9 +18,17 @@ namespace scree {
 template <class B, class Real>
 class LoadedBlock {
  public:
-  explicit LoadedBlock(B& b) : contrast_(b, 1), loaded_(b), contact_(b) {}
+  explicit LoadedBlock(B& b) : largest_(b, 1), loaded_(b), contact_(b) {}
 
-  /// Replaces the impulses of the loaded contacts; one or two host reads where there are none.
+  /// Whether bodies in contact differ so much that there may be loaded contacts; one host read, the first time.
+  template <class R>
+  bool may_find(B& b, const ContactProblem<Real>& p) {
+    if (R::kVectors != 1 || !p.adhesion.values.empty() || p.adhesion.uniform > 0) return false;
+    if (!contrast_) contrast_ = contrast_of<R>(b, p);
+    return *contrast_ > kContrast;
+  }
+
+  /// Replaces the impulses of the loaded contacts of a problem, always the same one; two host reads where there are none.
   /// @param gamma      in and out, in their cones
   /// @param velocity   V = v* + M^-1 J^T gamma of these
   /// @param tolerance  of the whole problem, RMS [m/s], > 0
@@ -27,9 +36,7 @@ class LoadedBlock {
   template <class R>
   bool solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
              Span<const Twist<Real>> velocity, double tolerance) {
-    if (R::kVectors != 1 || !p.adhesion.values.empty() || p.adhesion.uniform > 0) return false;
-    const double contrast = contrast_of<R>(b, p);
-    if (!(contrast > kContrast)) return false;
+    if (!may_find<R>(b, p)) return false;
     const std::vector<Index> chosen = choose<R>(b, p, gamma, load_ * tolerance);
     load_ /= 10;
     if (chosen.empty()) return false;
@@ -40,7 +47,7 @@ class LoadedBlock {
     Buffer<B, BlockContact> block(b, n);
     for_each(b, n, ReadBlock<R, Real>{p, gamma, velocity, contact, block.view()});
     const std::vector<Vec3<double>> found =
-        block_impulses(download(b, block.view()), contrast, kShare * tolerance);
+        block_impulses(download(b, block.view()), *contrast_, kShare * tolerance);
     if (found.empty()) return false;
     Buffer<B, Vec3<double>> impulse(b);
     upload(b, found, impulse);
@@ -60,8 +67,8 @@ class LoadedBlock {
   template <class R>
   double contrast_of(B& b, const ContactProblem<Real>& p) {
     reduce<Largest<double>>(b, p.contact_count, ContactContrast<R, Real>{p},
-                            StoreResult<Largest<double>>{contrast_.data()});
-    return fetch(b, contrast_.data()).value;
+                            StoreResult<Largest<double>>{largest_.data()});
+    return fetch(b, largest_.data()).value;
   }
 
   /// Contacts of loaded bodies, ascending; none when they are too many.
@@ -87,7 +94,8 @@ class LoadedBlock {
   /// `quality` 100 v*, the impulse at the foot of a hundred layers. Less each time, as more
   /// contacts may count.
   double load_ = 1e4;
-  Buffer<B, Largest<double>> contrast_;
+  std::optional<double> contrast_;  ///< of the problem, once it is known
+  Buffer<B, Largest<double>> largest_;
   Buffer<B, std::uint8_t> loaded_;
   Buffer<B, Index> contact_;
 };

@@ -20,6 +20,8 @@ class ResidualGauge {
     if (measure > 0) seen_ = std::max(seen_, rms / measure);
   }
   bool is_known() const { return ratio() > 0; }
+  /// By a check of this solve.
+  bool is_seen() const { return seen_ > 0; }
   /// The measure at which a residual should be reached, negative if not known.
   double level(double rms) const { return rms > 0 && is_known() ? kSure * rms / ratio() : -1; }
 

@@ -188,7 +188,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
     report.step = steps_done();
     report.time = time();
-    report.contact_count = shared_ ? number_of(problem.all_contacts) : contacts.count;
+    report.contact_count = shared_ ? problem.all_contacts : contacts.count;
     if (shared_) stats.residual.max_contact = stats.residual.own_max_contact;
     fill_report(report, stats, sums, problem, b, store_);
     if (shared_) add_report(*ranks_, shared_->ghosts().count(), stats.residual.own_max, report);
@@ -395,11 +395,6 @@ class RigidDynamics final : public ModelOn<B, Real> {
         forces_);
     if (joints_.count() > 0) forces_.add_joints(joints_.records(b));
     forces_.count_step();
-  }
-
-  /// For reports, which count in 32 bits.
-  static int number_of(Offset count) {
-    return static_cast<int>(std::min<Offset>(count, std::numeric_limits<int>::max()));
   }
 
   /// The room for free bodies changes: fixed ones move back by so many places.

@@ -35,7 +35,7 @@ class RunTotals {
   double max_residual_rms() const { return max_residual_rms_; }  ///< [m/s]
   double max_residual_relative() const { return max_residual_relative_; }
   double max_penetration() const { return max_penetration_; }  ///< [m]
-  int max_contacts() const { return max_contacts_; }
+  std::int64_t max_contacts() const { return max_contacts_; }
   double max_turn() const { return max_turn_; }  ///< of a body in a step [rad]
   const StepReport& last() const { return last_; }
   const DynamicsCard& card() const { return card_; }
@@ -51,7 +51,7 @@ class RunTotals {
   double max_residual_rms_ = 0;
   double max_residual_relative_ = 0;
   double max_penetration_ = 0;
-  int max_contacts_ = 0;
+  std::int64_t max_contacts_ = 0;
   double max_turn_ = 0;
   StepReport last_;
 };

@@ -164,6 +164,21 @@ T fetch(B& b, const T* element) {
   return value;
 }
 
+/// A note to the host: fetch() in two parts, with other work between. What send_note() brings is what the queue leaves
+/// there; read_note() waits for that alone, and costs little after any other synchronization. A note replaces the one before.
+inline constexpr std::size_t kMostNoteBytes = 64;
+template <class B, class T>
+void send_note(B& b, const T* element) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= kMostNoteBytes);
+  b.send_note(element, sizeof(T));
+}
+template <class T, class B>
+T read_note(B& b) {
+  T value;
+  b.read_note(&value, sizeof(T));
+  return value;
+}
+
 /// Element program: array[i] = value.
 template <class T>
 struct FillElements {

@@ -27,6 +27,8 @@ Cuda::Cuda(int device) : device_(device) {
              "allocate reduction scratch");
   check_cuda(cudaMalloc(&ticket_, sizeof(unsigned)), "allocate reduction ticket");
   check_cuda(cudaMallocHost(&result_, kResultBytes), "allocate host memory for results");
+  check_cuda(cudaMallocHost(&note_, kMostNoteBytes), "allocate host memory for notes");
+  check_cuda(cudaEventCreateWithFlags(&note_sent_, cudaEventDisableTiming), "create event");
   check_cuda(cudaMemsetAsync(ticket_, 0, sizeof(unsigned), stream_), "clear reduction ticket");
 }
 
@@ -35,6 +37,8 @@ Cuda::~Cuda() {
   cudaFree(partials_);
   cudaFree(ticket_);
   cudaFreeHost(result_);
+  cudaFreeHost(note_);
+  if (note_sent_ != nullptr) cudaEventDestroy(note_sent_);
   if (scan_space_ != nullptr) deallocate(scan_space_, scan_bytes_);
   if (stream_ != nullptr) cudaStreamDestroy(stream_);
 }
@@ -94,6 +98,16 @@ void Cuda::download_bytes(void* destination, const void* source, std::size_t byt
              "download");
   synchronize();
   if (is_small) std::memcpy(destination, result_, bytes);
+}
+
+void Cuda::send_note(const void* source, std::size_t bytes) {
+  check_cuda(cudaMemcpyAsync(note_, source, bytes, cudaMemcpyDeviceToHost, stream_), "send note");
+  check_cuda(cudaEventRecord(note_sent_, stream_), "send note");
+}
+
+void Cuda::read_note(void* destination, std::size_t bytes) {
+  check_cuda(cudaEventSynchronize(note_sent_), "read note");
+  std::memcpy(destination, note_, bytes);
 }
 
 namespace {

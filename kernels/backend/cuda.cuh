@@ -51,6 +51,9 @@ class Cuda : public InRanks {
   void upload_bytes(void* destination, const void* source, std::size_t bytes);
   void download_bytes(void* destination, const void* source, std::size_t bytes);
 
+  void send_note(const void* source, std::size_t bytes);
+  void read_note(void* destination, std::size_t bytes);
+
   /// Page-locked host memory that kernels may write into: for small results, read when the stream has been waited for.
   /// Void after the next download.
   static constexpr std::size_t kResultBytes = 16 * 1024;
@@ -96,6 +99,8 @@ class Cuda : public InRanks {
   unsigned* ticket_ = nullptr;
   std::unordered_map<const void*, unsigned> reduce_blocks_;
   void* result_ = nullptr;
+  void* note_ = nullptr;             ///< page-locked
+  cudaEvent_t note_sent_ = nullptr;  ///< when it has arrived
   void* scan_space_ = nullptr;
   std::size_t scan_bytes_ = 0;
   std::size_t allocated_ = 0;

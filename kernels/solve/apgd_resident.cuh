@@ -344,12 +344,13 @@ class ResidentTrials {
         a.p.lists(0), kLayout == ContactLayout::mixed ? a.p.lists(1) : ContactLists{}, a.p.body_a,
         a.p.body_b, owned, cut_.data(), most());
     cuda.check_launch("cut_tiles");
+    send_note(cuda, static_cast<const TileCount*>(most()));
     return true;
   }
 
-  /// Whether tiles fit, after start() said that they may: a synchronization.
+  /// Whether tiles fit, after start() said that they may and sent a note.
   bool fits(Cuda& cuda) {
-    if (!fits(fetch(cuda, static_cast<const TileCount*>(most())))) return false;
+    if (!fits(read_note<TileCount>(cuda))) return false;
     if (is_streamed_) records_.reserve_discard(tile_records() * blocks_);
     far_numbers_.reserve_discard((Offset{layout_.contacts[0]} + layout_.contacts[1]) * blocks_);
     if (keeps_lists_)

@@ -302,7 +302,7 @@ TEST(Pendulum, SolversAgreeOnAChainThatFalls) {
     scene.solver.name = solver;
     scene.solver.max_iterations = 200000;
     World world = reference_world(scene);
-    int contacts = 0;
+    std::int64_t contacts = 0;
     for (int k = 0; k < 150; ++k) {
       const StepReport report = world.step();
       EXPECT_TRUE(report.converged) << solver << " step " << report.step;

@@ -32,6 +32,15 @@ TEST(CheckSchedule, LooksNeitherTooOftenNorTooSeldom) {
   EXPECT_EQ(often.next(2, 1.01), 2);
 }
 
+TEST(CheckSchedule, WaitsLongerWhereItMay) {
+  CheckSchedule schedule(10, 1);
+  EXPECT_EQ(schedule.next(0, 1000), 10);
+  schedule.set_longest(40);
+  EXPECT_EQ(schedule.next(20, 100), 40);
+  schedule.set_longest(10);
+  EXPECT_EQ(schedule.next(40, 50), 10);
+}
+
 TEST(CheckSchedule, WithoutAToleranceTheLongestBlocksAreRun) {
   CheckSchedule schedule(20, 0);
   EXPECT_EQ(schedule.next(0, 1), 20);

@@ -74,6 +74,18 @@ TEST_F(PrimitivesTest, FillAndCopyKeepValues) {
   }
 }
 
+TEST_F(PrimitivesTest, NotesAreWhatTheQueueLeft) {
+  Buffer<TestBackend, double> value(backend(), 2);
+  fill(backend(), value.view(), 1.5);
+  send_note(backend(), std::as_const(value).data());
+  fill(backend(), value.view(), 2.5);
+  EXPECT_EQ(fetch(backend(), std::as_const(value).data() + 1), 2.5);
+  EXPECT_EQ(read_note<double>(backend()), 1.5);
+  send_note(backend(), std::as_const(value).data());
+  EXPECT_EQ(read_note<double>(backend()), 2.5);
+  EXPECT_EQ(read_note<double>(backend()), 2.5);
+}
+
 TEST_F(PrimitivesTest, ReduceAddsAllElements) {
   for (Index n : kSizes) {
     const std::vector<double> values = random_values(n);

@@ -113,9 +113,14 @@ CLI::App* add_solve_command(CLI::App& app, SolveOptions& options) {
 }
 
 CLI::App* add_convert_command(CLI::App& app, ConvertOptions& options) {
-  CLI::App* command = app.add_subcommand("convert", "Write a stored contact problem as FCLIB file");
-  command->add_option("problem", options.problem, "problem file, scree's or FCLIB's")->required();
-  command->add_option("out", options.out, "FCLIB file to write")->required();
+  CLI::App* command = app.add_subcommand("convert",
+                                         "Write a stored contact problem as FCLIB file, or a run "
+                                         "of a scene of rigid-ipc as its sim.json");
+  command
+      ->add_option("problem", options.problem,
+                   "problem file, scree's or FCLIB's; or the folder of a run")
+      ->required();
+  command->add_option("out", options.out, "file to write")->required();
   command
       ->add_option("--kind", options.kind,
                    "local (W, q, mu; bilateral rows: V, R, s) or global (M, H, f, w, mu; G, b) "
@@ -219,13 +224,13 @@ int run_command_line(int argc, char** argv) {
   CheckOptions check;
   BenchOptions bench;
   SolveOptions solve;
-  ConvertOptions convert;
+  ConvertOptions conversion;
   InfoOptions info;
   const CLI::App* run_command = add_run_command(app, run);
   const CLI::App* check_command = add_check_command(app, check);
   const CLI::App* bench_command = add_bench_command(app, bench);
   const CLI::App* solve_command = add_solve_command(app, solve);
-  const CLI::App* convert_command = add_convert_command(app, convert);
+  const CLI::App* convert_command = add_convert_command(app, conversion);
   const CLI::App* info_command = add_info_command(app, info);
 
   const bool speaks = launch_of_environment().rank == 0;
@@ -242,7 +247,7 @@ int run_command_line(int argc, char** argv) {
   if (*check_command) return check_scene(check);
   if (*bench_command) return run_bench(*bench_command, bench);
   if (*solve_command) return solve_problems(solve);
-  if (*convert_command) return convert_problem(convert);
+  if (*convert_command) return convert(conversion);
   if (*info_command) return print_info(info);
   return 0;
 }

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <variant>
 
+#include "host/cli/convert_run.h"
 #include "host/error.h"
 #include "host/io/problem_file.h"
 #include "host/problems/matrix_form.h"
@@ -68,7 +69,15 @@ std::string summary_of(const BodyProblem& p) {
 
 }  // namespace
 
-int convert_problem(const ConvertOptions& options) {
+int convert(const ConvertOptions& options) {
+  std::error_code error;
+  if (fs::is_directory(options.problem, error)) {
+    if (options.kind != "local" || !options.storage.empty())
+      throw InputError(
+          "--kind and --storage are for contact problems, not for the folder of a run");
+    require_writable(options.out, options.force);
+    return convert_run(options.problem, options.out);
+  }
   const MatrixForm form = form_of(options.kind);
   const FclibStorage storage = storage_of(options.storage, form);
   require_writable(options.out, options.force);

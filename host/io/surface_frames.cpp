@@ -21,9 +21,9 @@ namespace scree {
 namespace {
 
 using vtkhdf::append_number;
+using vtkhdf::polygons;
 using vtkhdf::topologies;
-constexpr std::size_t polygons = 2;
-constexpr std::array cell_data{"id", "group"};
+constexpr std::array surface_cell_data{"id", "group"};
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();  // ids
 constexpr std::size_t block_values = std::size_t{1} << 18;             // written at a time
 
@@ -73,7 +73,7 @@ Filled filled(const SurfaceExtent& extent) {
   for (const char* name : {"Values", "PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets",
                            "ConnectivityIdOffsets"})
     all.push_back({fmt::format("Steps/{}", name), frames});
-  for (const char* name : cell_data)
+  for (const char* name : surface_cell_data)
     all.push_back({fmt::format("Steps/CellDataOffsets/{}", name), frames});
   for (std::size_t k = 0; k < topologies.size(); ++k) {
     all.push_back({fmt::format("{}/NumberOfCells", topologies[k]), parts});
@@ -240,7 +240,7 @@ void SurfaceFrameWriter::start() {
     cells.create_growing<std::int64_t>("id", 0, chunk(whole_.faces));
     cells.create_growing<std::int32_t>("group", 0, chunk(whole_.faces));
     write_faces(vtk);
-    vtkhdf::create_steps(vtk, "CellData", {cell_data.begin(), cell_data.end()});
+    vtkhdf::create_steps(vtk, "CellData", {surface_cell_data.begin(), surface_cell_data.end()});
     h5::Group steps = vtk.open_group("Steps");
     steps.create_group("PointDataOffsets")
         .create_growing<std::int64_t>("speed", 0, vtkhdf::frame_chunk);
@@ -327,7 +327,7 @@ void SurfaceFrameWriter::write_frame(h5::Group vtk, const SurfaceExtent& after, 
   steps.append("CellOffsets", std::span<const std::int64_t>(first_cell));
   steps.append("ConnectivityIdOffsets", std::span<const std::int64_t>(first_connectivity));
   h5::Group cell_offsets = steps.open_group("CellDataOffsets");
-  for (const char* name : cell_data) append_number(cell_offsets, name, 0);
+  for (const char* name : surface_cell_data) append_number(cell_offsets, name, 0);
   h5::Group point_offsets = steps.open_group("PointDataOffsets");
   append_number(point_offsets, "speed", first_point);
   steps.write_attribute<std::int64_t>("NSteps", after.frames);

@@ -13,6 +13,7 @@
 namespace scree::vtkhdf {
 
 constexpr std::array topologies{"Vertices", "Lines", "Polygons", "Strips"};  // the format's order
+constexpr std::size_t polygons = 2;         ///< the place of "Polygons" among them
 constexpr std::uint64_t frame_chunk = 128;  ///< rows of data sets that grow by one a frame
 
 inline std::vector<std::int64_t> counting(std::uint64_t first, std::uint64_t end) {

@@ -15,9 +15,9 @@ namespace scree {
 namespace {
 
 using vtkhdf::append_number;
+using vtkhdf::polygons;
 using vtkhdf::topologies;
-constexpr std::size_t polygons = 2;
-constexpr std::array cell_data{"id", "group", "kind"};
+constexpr std::array wall_cell_data{"id", "group", "kind"};
 constexpr std::array step_numbers{"PartOffsets", "NumberOfParts", "PointOffsets"};
 
 template <class T>
@@ -86,7 +86,7 @@ Filled WallFrameWriter::filled() const {
                            {"Steps/CellOffsets", frames},
                            {"Steps/ConnectivityIdOffsets", frames}};
   for (const char* name : step_numbers) all.push_back({fmt::format("Steps/{}", name), frames});
-  for (const char* name : cell_data)
+  for (const char* name : wall_cell_data)
     all.push_back({fmt::format("Steps/CellDataOffsets/{}", name), frames});
   for (Growing& dataset : all) dataset.name = "VTKHDF/" + dataset.name;
   return {extent_.frames, std::move(all)};
@@ -117,7 +117,7 @@ void WallFrameWriter::start(const Scene& scene) {
     write_values(data, "kind",
                  per_face<std::uint8_t>(walls_, [&](std::size_t id) { return body(id).kind; }));
 
-    vtkhdf::create_steps(vtk, "CellData", {cell_data.begin(), cell_data.end()});
+    vtkhdf::create_steps(vtk, "CellData", {wall_cell_data.begin(), wall_cell_data.end()});
   });
 }
 
@@ -202,7 +202,7 @@ void WallFrameWriter::append(double time, const BodyStates& states) {
     for (const char* name : {"CellOffsets", "ConnectivityIdOffsets"})
       steps.append(name, std::span<const std::int64_t>(none));
     h5::Group offsets = steps.open_group("CellDataOffsets");
-    for (const char* name : cell_data) append_number(offsets, name, 0);
+    for (const char* name : wall_cell_data) append_number(offsets, name, 0);
     steps.write_attribute<std::int64_t>("NSteps", after.frames);
   });
   extent_ = after;

@@ -10,6 +10,7 @@
 #include "host/error.h"
 #include "host/scene/free_mesh.h"
 #include "host/scene/mesh_reader.h"
+#include "host/scene/surface_mass.h"
 #include "host/scene_reader/ipc_import.h"
 #include "kernels/bodies/range.h"
 #include "shapes/mesh.h"

@@ -99,29 +99,4 @@ std::vector<TriangleMesh> components(const TriangleMesh& mesh) {
   return parts;
 }
 
-Vec3d center_of_surface(const TriangleMesh& mesh) {
-  const Vec3d origin = mesh.vertices.at(0);
-  double whole = 0;
-  Vec3d sum;
-  for (const auto& triangle : mesh.triangles) {
-    const std::array<Vec3d, 3> x = corners_of(mesh, triangle);
-    const double area = norm(cross(x[1] - x[0], x[2] - x[0])) / 2;
-    if (!(area > 0)) continue;
-    std::array<double, 3> cosine{}, share{};  // dot of the edges at a corner
-    for (std::size_t k = 0; k < 3; ++k)
-      cosine[k] = dot(x[(k + 1) % 3] - x[k], x[(k + 2) % 3] - x[k]);
-    const auto obtuse = std::find_if(cosine.begin(), cosine.end(), [](double c) { return c < 0; });
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-      if (obtuse != cosine.end())
-        share[k] = (&cosine[k] == &*obtuse ? 0.5 : 0.25) * area;
-      else  // cot = dot over twice the area; each edge counts with the angle across
-        share[k] = (norm2(x[i] - x[k]) * cosine[j] + norm2(x[j] - x[k]) * cosine[i]) / (16 * area);
-      sum += share[k] * (x[k] - origin);
-      whole += share[k];
-    }
-  }
-  return whole > 0 ? origin + (1 / whole) * sum : origin;
-}
-
 }  // namespace scree::ipc

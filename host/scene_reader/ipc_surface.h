@@ -27,9 +27,4 @@ int drop_flat_triangles(TriangleMesh& mesh);
 /// triangle has are left out.
 std::vector<TriangleMesh> components(const TriangleMesh& mesh);
 
-/// Center of mass of a surface without a solid inside: each vertex has the area that is nearest to it,
-/// or half of an obtuse triangle and a quarter of it at the other corners.
-/// (Meyer et al., Discrete Differential-Geometry Operators for Triangulated 2-Manifolds, 2003.)
-Vec3d center_of_surface(const TriangleMesh& mesh);
-
 }  // namespace scree::ipc

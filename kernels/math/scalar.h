@@ -3,7 +3,9 @@
 // sequences with errors of one or two units in the last place, on the host IEEE arithmetic. They
 // are functions so that Lanes, many numbers at a time, can take the place of one.
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "kernels/types.h"
 
@@ -16,6 +18,20 @@ SCREE_HD Real select(bool condition, const Real& yes, const Real& no) {
 }
 SCREE_HD inline bool is_zero(float x) { return x == 0.0f; }
 SCREE_HD inline bool is_zero(double x) { return x == 0.0; }
+
+/// The largest float not above x: x >= f is float_below(x) >= f for every float f.
+SCREE_HD inline float float_below(double x) {
+#ifdef __CUDA_ARCH__
+  return __double2float_rd(x);
+#else
+  const auto f = static_cast<float>(x);
+  if (!(static_cast<double>(f) > x)) return f;
+  const auto bits = std::bit_cast<std::int32_t>(f);  // one unit less in the last place
+  return std::bit_cast<float>(bits > 0 ? bits - 1 : bits + 1);
+#endif
+}
+/// The smallest float not below x.
+SCREE_HD inline float float_above(double x) { return -float_below(-x); }
 
 /// 1 / x for normal x of less than 2^126.
 SCREE_HD inline float inverse(float x) {

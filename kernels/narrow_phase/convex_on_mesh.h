@@ -40,31 +40,20 @@ struct ConvexOnMesh {
       const double down = -dot(body.center + body.support(-axis), axis);
       reach[k] = (up > down ? up : down) + body.rounding + most;
     }
-    Index node = info.first_node;
-    while (node < info.end_node) {
-      const MeshNode& box = meshes.nodes[node];
-      bool hit = true;
-      for (int k = 0; k < 3; ++k) {
-        hit = hit && center[k] + reach[k] >= box.lower[k] && center[k] - reach[k] <= box.upper[k];
-      }
-      node = hit ? node + 1 : box.skip;
-      if (!hit || box.leaf < 0) continue;
-      const Index first = info.first_triangle + (box.leaf >> 3);
-      for (Index t = first; t < first + (box.leaf & 7); ++t) {
-        const Corner corner(*this, info, t, d);
-        CoreDistance distance;
-        bool is_nearest = false;
-        if (!find(t, corner, body, most, distance, is_nearest)) continue;
-        const CoreMeeting meeting(body, corner.core, distance);
-        const auto wanted = [&](std::uint32_t feature) {
-          return !is_inner(corner, meeting, t, feature);
-        };
-        convex_contacts(meeting, d, is_nearest, wanted, listed,
-                        [&](std::uint32_t feature, const ContactGeometry&) {
-                          emit(element(info, image, t, feature));
-                        });
-      }
-    }
+    MeshReach(center - reach, center + reach).visit(meshes, info, [&](Index t) {
+      const Corner corner(*this, info, t, d);
+      CoreDistance distance;
+      bool is_nearest = false;
+      if (!find(t, corner, body, most, distance, is_nearest)) return;
+      const CoreMeeting meeting(body, corner.core, distance);
+      const auto wanted = [&](std::uint32_t feature) {
+        return !is_inner(corner, meeting, t, feature);
+      };
+      convex_contacts(meeting, d, is_nearest, wanted, listed,
+                      [&](std::uint32_t feature, const ContactGeometry&) {
+                        emit(element(info, image, t, feature));
+                      });
+    });
   }
 
   /// Geometry of the contact with this slot of an image.

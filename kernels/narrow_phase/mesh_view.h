@@ -3,13 +3,14 @@
 // bounding volume hierarchy walked without a stack. All meshes of a scene are concatenated; every
 // index is global.
 
+#include "kernels/math/scalar.h"
 #include "kernels/math/vec3.h"
 
 namespace scree {
 
 /// A node in depth-first order. When its box is missed the walk goes on at `skip`,
-/// else at the next node.
-struct MeshNode {
+/// else at the next node. Two loads of 16 bytes.
+struct alignas(16) MeshNode {
   float lower[3];  ///< body frame [m], rounded outward
   Index skip;      ///< global index of the first node past this subtree
   float upper[3];
@@ -57,6 +58,51 @@ struct MeshView {
   Span<const MeshTriangle> triangles;
   Span<const MeshNode> nodes;
   Span<const MeshInfo> meshes;
+};
+
+/// A box in the frame of a mesh, and what of a mesh it meets.
+struct MeshReach {
+  float low[3],
+      high[3];  ///< the largest numbers that nodes can be compared with as with exact ones
+
+  /// @param lowest, highest  corners [m]
+  SCREE_HD MeshReach(const Vec3<double>& lowest, const Vec3<double>& highest) {
+    for (int k = 0; k < 3; ++k) {
+      low[k] = float_above(lowest[k]);
+      high[k] = float_below(highest[k]);
+    }
+  }
+
+  SCREE_HD bool meets(const MeshNode& node) const {
+    bool is_met = true;
+    for (int k = 0; k < 3; ++k) is_met &= high[k] >= node.lower[k] && low[k] <= node.upper[k];
+    return is_met;
+  }
+
+  /// The first leaf from node n on that it meets, or `end`.
+  SCREE_HD Index next_leaf(Span<const MeshNode> nodes, Index n, Index end) const {
+    while (n < end) {
+      const MeshNode node = nodes[n];
+      if (!meets(node)) {
+        n = node.skip;
+      } else if (node.leaf >= 0) {
+        return n;
+      } else {
+        ++n;
+      }
+    }
+    return end;
+  }
+
+  /// Calls visit(triangle) for those of the leaves that it meets.
+  template <class Real, class Visit>
+  SCREE_HD void visit(const MeshView<Real>& mesh, const MeshInfo& info, Visit&& visit) const {
+    for (Index n = next_leaf(mesh.nodes, info.first_node, info.end_node); n < info.end_node;
+         n = next_leaf(mesh.nodes, n + 1, info.end_node)) {
+      const Index leaf = mesh.nodes[n].leaf, first = info.first_triangle + (leaf >> 3);
+      for (Index t = first; t < first + (leaf & 7); ++t) visit(t);
+    }
+  }
 };
 
 }  // namespace scree

@@ -237,9 +237,10 @@ struct SphereOnSolid {
                           a.radius + range.envelope};
         visit_near_way(meshes, info, s, [&](Index t) {
           if (found.contains(mesh_element(solid, info, image, t))) return;
+          const CornerOffsets corner(meshes, t, s.center);
           HiddenParts hidden = 0;
           for (int k = 0; k < held.count; ++k) {
-            hidden |= parts_below(meshes, t, s.center, held.plane[k], rise);
+            hidden |= parts_below(corner, held.plane[k], rise);
             if ((hidden & 1) != 0) return;
           }
           const WayTouch touch = touch_triangle(meshes, info.closed, t, s, hidden);

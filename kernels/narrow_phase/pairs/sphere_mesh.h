@@ -124,51 +124,33 @@ SCREE_HD bool sphere_mesh_triangle(const MeshView<Real>& mesh, const MeshInfo& i
   return !info.closed || dot(offset, normal) >= 0;
 }
 
+/// What is within `reach` of a point along each axis.
+SCREE_HD inline MeshReach reach_about(const Vec3d& center, double reach) {
+  const Vec3d each{reach, reach, reach};
+  return {center - each, center + each};
+}
+
 /// Whether a leaf of the mesh is within `reach` of the center.
 template <class Real>
 SCREE_HD bool is_near_mesh(const MeshView<Real>& mesh, const MeshInfo& info, const Vec3d& center,
                            double reach) {
-  Index n = info.first_node;
-  while (n < info.end_node) {
-    const MeshNode& node = mesh.nodes[n];
-    bool hit = true;
-    for (int k = 0; k < 3; ++k) {
-      hit = hit && center[k] + reach >= node.lower[k] && center[k] - reach <= node.upper[k];
-    }
-    if (hit && node.leaf >= 0) return true;
-    n = hit ? n + 1 : node.skip;
-  }
-  return false;
+  return reach_about(center, reach).next_leaf(mesh.nodes, info.first_node, info.end_node) <
+         info.end_node;
 }
 
 /// Calls visit(triangle, point) for each contact within `reach` of the center.
 template <class Real, class Visit>
 SCREE_HD void visit_sphere_mesh(const MeshView<Real>& mesh, const MeshInfo& info,
                                 const Vec3d& center, double reach, Visit&& visit) {
-  Index n = info.first_node;
-  while (n < info.end_node) {
-    const MeshNode& node = mesh.nodes[n];
-    bool hit = true;
-    for (int k = 0; k < 3; ++k) {
-      hit = hit && center[k] + reach >= node.lower[k] && center[k] - reach <= node.upper[k];
-    }
-    if (!hit) {
-      n = node.skip;
-      continue;
-    }
-    ++n;
-    if (node.leaf < 0) continue;
-    const Index first = info.first_triangle + (node.leaf >> 3);
-    for (Index t = first; t < first + (node.leaf & 7); ++t) {
-      const MeshTriangle& triangle = mesh.triangles[t];
-      const TrianglePoint nearest = closest_on_triangle(
-          center, Vec3d(mesh.points[triangle.vertex[0]]), Vec3d(mesh.points[triangle.vertex[1]]),
-          Vec3d(mesh.points[triangle.vertex[2]]));
-      if (!(norm2(center - nearest.point) <= reach * reach)) continue;
-      MeshPoint point;
-      if (sphere_mesh_triangle(mesh, info, t, center, point)) visit(t, point);
-    }
-  }
+  reach_about(center, reach).visit(mesh, info, [&](Index t) {
+    const MeshTriangle& triangle = mesh.triangles[t];
+    const TrianglePoint nearest = closest_on_triangle(
+        center, Vec3d(mesh.points[triangle.vertex[0]]), Vec3d(mesh.points[triangle.vertex[1]]),
+        Vec3d(mesh.points[triangle.vertex[2]]));
+    if (!(norm2(center - nearest.point) <= reach * reach)) return;
+    MeshPoint point;
+    if (sphere_mesh_triangle(mesh, info, t, center, point)) visit(t, point);
+  });
 }
 
 /// Walls have passes of their own for these, see SphereOnSolid.

@@ -149,17 +149,22 @@ SCREE_HD void touch_vertex(const MeshView<Real>& mesh, bool is_closed, Index v, 
 /// bits 4 to 6 the vertices.
 using HiddenParts = unsigned;
 
-/// Parts of triangle t that lie below a plane, but for a rise.
-/// @param center  from where the plane is measured [m]
-template <class Real>
-SCREE_HD HiddenParts parts_below(const MeshView<Real>& mesh, Index t, const Vec3d& center,
-                                 const HoldingPlane& plane, double rise) {
-  const MeshTriangle& triangle = mesh.triangles[t];
-  bool is_below[3];
-  for (int k = 0; k < 3; ++k) {
-    const Vec3d offset = Vec3d(mesh.points[triangle.vertex[k]]) - center;
-    is_below[k] = plane.height + dot(plane.normal, offset) <= rise;
+/// Corners of a triangle, from the point from where planes are measured [m].
+struct CornerOffsets {
+  Vec3d of[3];
+
+  template <class Real>
+  SCREE_HD CornerOffsets(const MeshView<Real>& mesh, Index t, const Vec3d& center) {
+    const MeshTriangle& triangle = mesh.triangles[t];
+    for (int k = 0; k < 3; ++k) of[k] = Vec3d(mesh.points[triangle.vertex[k]]) - center;
   }
+};
+
+/// Parts of a triangle that lie below a plane, but for a rise.
+SCREE_HD inline HiddenParts parts_below(const CornerOffsets& corner, const HoldingPlane& plane,
+                                        double rise) {
+  bool is_below[3];
+  for (int k = 0; k < 3; ++k) is_below[k] = plane.height + dot(plane.normal, corner.of[k]) <= rise;
   HiddenParts parts = is_below[0] && is_below[1] && is_below[2] ? 1 : 0;
   for (int k = 0; k < 3; ++k) {
     if (is_below[k] && is_below[(k + 1) % 3]) parts |= 2u << k;
@@ -191,24 +196,12 @@ SCREE_HD WayTouch touch_triangle(const MeshView<Real>& mesh, bool is_closed, Ind
 template <class Real, class Visit>
 SCREE_HD void visit_near_way(const MeshView<Real>& mesh, const MeshInfo& info, const SphereWay& s,
                              Visit&& visit) {
-  Index n = info.first_node;
-  while (n < info.end_node) {
-    const MeshNode& node = mesh.nodes[n];
-    bool hit = true;
-    for (int k = 0; k < 3; ++k) {
-      const double low = s.way[k] < 0 ? s.center[k] + s.way[k] : s.center[k];
-      const double high = s.way[k] < 0 ? s.center[k] : s.center[k] + s.way[k];
-      hit = hit && high + s.reach >= node.lower[k] && low - s.reach <= node.upper[k];
-    }
-    if (!hit) {
-      n = node.skip;
-      continue;
-    }
-    ++n;
-    if (node.leaf < 0) continue;
-    const Index first = info.first_triangle + (node.leaf >> 3);
-    for (Index t = first; t < first + (node.leaf & 7); ++t) visit(t);
+  Vec3d low, high;
+  for (int k = 0; k < 3; ++k) {
+    low[k] = (s.way[k] < 0 ? s.center[k] + s.way[k] : s.center[k]) - s.reach;
+    high[k] = (s.way[k] < 0 ? s.center[k] : s.center[k] + s.way[k]) + s.reach;
   }
+  MeshReach(low, high).visit(mesh, info, visit);
 }
 
 }  // namespace scree

@@ -93,10 +93,12 @@ void check_affine(const Scene& scene) {
   for (std::size_t j = 0; j < scene.joints.size(); ++j) check_joint(scene, j);
 }
 
-double affine_bytes_per_body(const Scene& scene, const WorldOptions&) {
+double affine_bytes_per_body(const Scene& scene, const WorldOptions& options) {
   // States and constants, eight contacts with their elements and entries, forty near pairs, four blocks.
   constexpr double kState = 12 * 96 + 400 + 200, kRow = 3 * 1152 + 6 * 96;
   constexpr double kContacts = 8 * (784 + 200), kNear = 40 * 52, kBlocks = 4 * 2 * 1160;
+  // A device adds up lines of pieces of entries, of rows and then of blocks.
+  const double pieces = options.backend == BackendKind::cuda ? 5 * 12 * 104 : 0;
   // A tetrahedron has a row, three links on the average, eight pieces and a third of a row of unknowns with its blocks.
   constexpr double kTetrahedron = kState + kRow + 3 * 144 + 8 * 56 + kBlocks;
   double tetrahedra = 0;
@@ -104,7 +106,7 @@ double affine_bytes_per_body(const Scene& scene, const WorldOptions&) {
     if (body.elastic->is_on())
       tetrahedra += static_cast<double>(mesh_of(scene, body.shape)->tetrahedra.size());
   const auto bodies = static_cast<double>(count_bodies(scene).all());
-  return kState + kRow + kContacts + kNear + kBlocks +
+  return kState + kRow + kContacts + kNear + kBlocks + pieces +
          (bodies > 0 ? kTetrahedron * tetrahedra / bodies : 0);
 }
 

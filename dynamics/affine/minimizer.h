@@ -69,6 +69,7 @@ class Minimizer {
         entry_(b),
         sort_(b),
         first_(b),
+        line_(b),
         mixed_(b),
         energy_(b, 1),
         share_(b, 1),
@@ -183,8 +184,6 @@ class Minimizer {
   static constexpr double kLeastShare = 1e-12;
   /// Widest room about ways [reach].
   static constexpr double kMostRoom = 8;
-  /// Lines of a block that an item of the assembly adds up.
-  static constexpr int kLines = B::kIsDevice ? 1 : 12;
 
   void list(Potential& p) {
     StageClock<B> timer(*b_);
@@ -261,16 +260,52 @@ class Minimizer {
                          entry_.view(entries)});
     sort_pairs(b, sort_, key_.view(entries), entry_.view(entries), bits_for(keys.none() + 1));
     for_each(b, rows + 1, FindRows{keys, key_.view(entries), begin_.view()});
-    for_each(b, 12 / kLines * rows,
-             AddElements<kLines>{elements_.view(count), entry_.view(entries), begin_.view(),
-                                 diagonal_.view(), right_.view()});
+    add_elements(rows, count);
     mark_.reserve_discard(entries);
     for_each(b, entries, MarkBlocks{keys, key_.view(entries), mark_.view(entries)});
     block_count_ = marked_.list(b, mark_, entries, first_);
     mixed_.reserve_discard(block_count_);
-    for_each(b, 12 / kLines * block_count_,
-             AddMixed<kLines>{elements_.view(count), keys, key_.view(entries), entry_.view(entries),
-                              first_.view(block_count_), mixed_.view(block_count_)});
+    add_mixed(keys, count);
+  }
+
+  // A processor goes through the entries of a row once. A device has items for pieces of them: rows are few, and some have
+  // hundreds of entries.
+  void add_elements(Index rows, Index count) {
+    B& b = *b_;
+    const Index entries = 2 * count;
+    const Span<const Element> elements = elements_.view(count);
+    const Span<const Index> entry = entry_.view(entries);
+    if constexpr (!B::kIsDevice) {
+      for_each(b, rows,
+               AddElements{elements, entry, begin_.view(), diagonal_.view(), right_.view()});
+    } else {
+      const EntryRuns runs{begin_.view(rows), {begin_.data() + 1, rows}};
+      const Index items = 12 * EntryRuns::piece_end(rows, entries);
+      line_.reserve_discard(items);
+      for_each(b, items, AddPieces{elements, entry, runs, false, line_.view(items)});
+      for_each(b, 12 * rows,
+               AddPiecesToRows{runs, line_.view(items), diagonal_.view(), right_.view()});
+    }
+  }
+  void add_mixed(const EntryKeys& keys, Index count) {
+    B& b = *b_;
+    const Index entries = 2 * count, blocks = block_count_;
+    if (blocks == 0) return;
+    const Span<const Element> elements = elements_.view(count);
+    const Span<const std::uint64_t> key = key_.view(entries);
+    const Span<const Index> entry = entry_.view(entries), first = first_.view(blocks);
+    if constexpr (!B::kIsDevice) {
+      for_each(b, blocks, AddMixed{elements, keys, key, entry, first, mixed_.view(blocks)});
+    } else {
+      mark_.reserve_discard(blocks);
+      for_each(b, blocks, EndBlocks{key, first, mark_.view(blocks)});
+      const EntryRuns runs{first, mark_.view(blocks)};
+      const Index items = 12 * EntryRuns::piece_end(blocks, entries);
+      line_.reserve_discard(items);
+      for_each(b, items, AddPieces{elements, entry, runs, true, line_.view(items)});
+      for_each(b, 12 * blocks,
+               AddPiecesToBlocks{keys, key, runs, line_.view(items), mixed_.view(blocks)});
+    }
   }
 
   B* b_;
@@ -295,6 +330,7 @@ class Minimizer {
   Buffer<B, Index> entry_;
   SortSpace<B> sort_;
   Buffer<B, Index> first_;
+  Buffer<B, LineSum> line_;
   Buffer<B, MixedBlock> mixed_;
   Buffer<B, EnergySum> energy_;
   Buffer<B, LeastShare> share_;

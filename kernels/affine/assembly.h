@@ -214,9 +214,7 @@ struct BeginRows {
   }
 };
 
-/// Adds the elements of a row to some lines of its diagonal block and to its right-hand side. Items of the pass: 12 / kLines a
-/// row. A device has one line in each, as it has threads; a processor all of them, to go through the elements once.
-template <int kLines>
+/// Adds the elements of a row to its diagonal block and to its right-hand side: one item goes through all of them.
 struct AddElements {
   static constexpr const char* name = "affine_add_elements";
   Span<const Element> elements;
@@ -225,27 +223,24 @@ struct AddElements {
   Span<Dense<12>> diagonal;
   Span<AffineVec> right;
 
-  SCREE_HD void operator()(Index item) const {
-    const Index row = item / (12 / kLines);
-    const int first = kLines * (item % (12 / kLines));
-    double line[kLines][12] = {}, push[kLines] = {};
+  SCREE_HD void operator()(Index row) const {
+    double line[12][12] = {}, push[12] = {};
     for (Index k = begin[row]; k < begin[row + 1]; ++k) {
       const Element& e = elements[entry[k] / 2];
       const int side = entry[k] % 2;
-      for (int i = 0; i < kLines; ++i) {
-        add_row(e, side, side, first + i, line[i]);
-        push[i] += entry_of(e.push[side], first + i);
+      for (int i = 0; i < 12; ++i) {
+        add_row(e, side, side, i, line[i]);
+        push[i] += entry_of(e.push[side], i);
       }
     }
-    for (int i = 0; i < kLines; ++i) {
-      for (int j = 0; j < 12; ++j) diagonal[row](first + i, j) += line[i][j];
-      right[row].node[(first + i) / 3][(first + i) % 3] += push[i];
+    for (int i = 0; i < 12; ++i) {
+      for (int j = 0; j < 12; ++j) diagonal[row](i, j) += line[i][j];
+      right[row].node[i / 3][i % 3] += push[i];
     }
   }
 };
 
-/// Some lines of a block above the diagonal, as of AddElements.
-template <int kLines>
+/// A block above the diagonal, in the same way.
 struct AddMixed {
   static constexpr const char* name = "affine_add_mixed";
   Span<const Element> elements;
@@ -255,22 +250,130 @@ struct AddMixed {
   Span<const Index> first;  ///< entry that a block begins with
   Span<MixedBlock> mixed;   ///< out
 
-  SCREE_HD void operator()(Index item) const {
-    const Index block = item / (12 / kLines);
-    const int from = kLines * (item % (12 / kLines));
+  SCREE_HD void operator()(Index block) const {
     const std::uint64_t own = key[first[block]];
-    double line[kLines][12] = {};
+    double line[12][12] = {};
     for (Index k = first[block]; k < key.size && key[k] == own; ++k) {
       const Element& e = elements[entry[k] / 2];
       const int side = entry[k] % 2;
-      for (int i = 0; i < kLines; ++i) add_row(e, side, 1 - side, from + i, line[i]);
+      for (int i = 0; i < 12; ++i) add_row(e, side, 1 - side, i, line[i]);
     }
-    if (from == 0) {
+    mixed[block].row = keys.row(own);
+    mixed[block].column = keys.other(own);
+    for (int i = 0; i < 12; ++i)
+      for (int j = 0; j < 12; ++j) mixed[block].value(i, j) = line[i][j];
+  }
+};
+
+/// Entries of rows, or of blocks, cut into pieces: on a device many items add up the entries of one, each a line of a piece.
+struct EntryRuns {
+  static constexpr Index kPiece = 16;  ///< entries
+  Span<const Index> begin, end;        ///< of each row or block
+
+  /// Above the number of any piece.
+  static Index piece_end(Index runs, Index entries) { return entries / kPiece + runs; }
+  /// Pieces of a run have numbers from here on, those of the next one higher numbers.
+  SCREE_HD Index first_piece(Index run) const { return begin[run] / kPiece + run; }
+  SCREE_HD Index run_of(Index piece) const {
+    Index run = 0, after = static_cast<Index>(begin.size);
+    while (after - run > 1) {
+      const Index middle = run + (after - run) / 2;
+      (first_piece(middle) <= piece ? run : after) = middle;
+    }
+    return run;
+  }
+  SCREE_HD Index piece_count(Index run) const {
+    return (end[run] - begin[run] + kPiece - 1) / kPiece;
+  }
+};
+
+/// Where the entries of blocks end.
+struct EndBlocks {
+  static constexpr const char* name = "affine_end_blocks";
+  Span<const std::uint64_t> key;
+  Span<const Index> first;
+  Span<Index> end;  ///< out
+
+  SCREE_HD void operator()(Index block) const {
+    end[block] =
+        first_not_below(key, first[block], static_cast<Index>(key.size), key[first[block]] + 1);
+  }
+};
+
+/// What the entries of a piece add to a line of a block, and to a number of the right-hand side.
+struct LineSum {
+  double line[12] = {};
+  double push = 0;
+};
+
+/// Adds up pieces, of which a number may have no entries. Items: 12 a piece.
+struct AddPieces {
+  static constexpr const char* name = "affine_add_pieces";
+  Span<const Element> elements;
+  Span<const Index> entry;
+  EntryRuns runs;
+  bool is_mixed = false;  ///< blocks above the diagonal
+  Span<LineSum> sum;      ///< out
+
+  SCREE_HD void operator()(Index item) const {
+    const Index piece = item / 12, run = runs.run_of(piece);
+    const Index from = runs.begin[run] + (piece - runs.first_piece(run)) * EntryRuns::kPiece;
+    const Index to =
+        from + EntryRuns::kPiece < runs.end[run] ? from + EntryRuns::kPiece : runs.end[run];
+    LineSum mine;
+    for (Index k = from; k < to; ++k) {
+      const Element& e = elements[entry[k] / 2];
+      const int side = entry[k] % 2, line = item % 12;
+      add_row(e, side, is_mixed ? 1 - side : side, line, mine.line);
+      mine.push += entry_of(e.push[side], line);
+    }
+    sum[item] = mine;
+  }
+};
+
+/// Adds pieces to the diagonal block and the right-hand side of their row. Items: 12 a row.
+struct AddPiecesToRows {
+  static constexpr const char* name = "affine_add_pieces_to_rows";
+  EntryRuns runs;
+  Span<const LineSum> sum;
+  Span<Dense<12>> diagonal;
+  Span<AffineVec> right;
+
+  SCREE_HD void operator()(Index item) const {
+    const Index row = item / 12, first = runs.first_piece(row);
+    const int line = item % 12;
+    LineSum all;
+    for (Index piece = first; piece < first + runs.piece_count(row); ++piece) {
+      const LineSum& part = sum[12 * piece + line];
+      for (int j = 0; j < 12; ++j) all.line[j] += part.line[j];
+      all.push += part.push;
+    }
+    for (int j = 0; j < 12; ++j) diagonal[row](line, j) += all.line[j];
+    right[row].node[line / 3][line % 3] += all.push;
+  }
+};
+
+/// Makes blocks of pieces. Items: 12 a block.
+struct AddPiecesToBlocks {
+  static constexpr const char* name = "affine_add_pieces_to_blocks";
+  EntryKeys keys;
+  Span<const std::uint64_t> key;
+  EntryRuns runs;
+  Span<const LineSum> sum;
+  Span<MixedBlock> mixed;  ///< out
+
+  SCREE_HD void operator()(Index item) const {
+    const Index block = item / 12, first = runs.first_piece(block);
+    const int line = item % 12;
+    double all[12] = {};
+    for (Index piece = first; piece < first + runs.piece_count(block); ++piece)
+      for (int j = 0; j < 12; ++j) all[j] += sum[12 * piece + line].line[j];
+    if (line == 0) {
+      const std::uint64_t own = key[runs.begin[block]];
       mixed[block].row = keys.row(own);
       mixed[block].column = keys.other(own);
     }
-    for (int i = 0; i < kLines; ++i)
-      for (int j = 0; j < 12; ++j) mixed[block].value(from + i, j) = line[i][j];
+    for (int j = 0; j < 12; ++j) mixed[block].value(line, j) = all[j];
   }
 };
 

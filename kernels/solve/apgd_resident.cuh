@@ -315,7 +315,7 @@ class ResidentTrials {
             !a.p.drift.empty()};
     is_streamed_ = kLayout == ContactLayout::general;
     keeps_lists_ = !a.has_moving_bias;
-    kernel_ = kernel_of<R>(a.exact);
+    kernel_ = resident_program(kLayout, law_of<R>(a.exact), own_.has_any(kLayout));
     int processors = 0, bytes = 0;
     const auto ask = [&](int& value, cudaDeviceAttr what) {
       check_cuda(cudaDeviceGetAttribute(&value, what, cuda.device()), "device of apgd_resident");
@@ -432,21 +432,6 @@ class ResidentTrials {
   static constexpr ContactLayout layout_of() {
     if (std::is_same_v<R, GeneralRows<float>>) return ContactLayout::general;
     return kIsMixed<R, float> ? ContactLayout::mixed : ContactLayout::radial;
-  }
-  template <class R>
-  const void* kernel_of(bool exact) const {
-    if constexpr (kIsImpact<R, float>) {
-      return kernel_of<layout_of<R>(), Law::impact>();
-    } else {
-      return exact ? kernel_of<layout_of<R>(), Law::coulomb>()
-                   : kernel_of<layout_of<R>(), Law::convex>();
-    }
-  }
-  template <ContactLayout kLayout, Law kLaw>
-  const void* kernel_of() const {
-    return own_.has_any(kLayout)
-               ? reinterpret_cast<const void*>(&run_resident_trials<kLayout, kLaw, true>)
-               : reinterpret_cast<const void*>(&run_resident_trials<kLayout, kLaw, false>);
   }
 
   Buffer<Cuda, unsigned> counters_;

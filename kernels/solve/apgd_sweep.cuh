@@ -353,38 +353,23 @@ class ApgdIteration<Cuda> {
   static constexpr bool kHasPrograms = kIsSwept<R, Real> || kIsWide<R>;
   static constexpr int kBytes = sizeof(apgd_sweep::TileMemory<float>);
 
-  template <int kWeights, apgd_sweep::Law kLaw, bool kIsMixed, class Links = apgd_sweep::NoLinks>
-  static const void* program() {
-    return reinterpret_cast<const void*>(
-        &apgd_sweep::run_trials<kWeights, kLaw, kIsMixed, Links, float>);
-  }
   /// The program of ranks that meet in it; null where there is none: impacts, which are few, take a trial at a time.
   template <class R>
   static const void* kernel_over_ranks(const ApgdPasses<R, float>& a) {
     if constexpr (apgd_sweep::kIsImpact<R, float>) {
       return nullptr;
     } else {
-      constexpr bool kIsMixed = apgd_sweep::kIsMixed<R, float>;
       if (a.exact) return nullptr;
-      return a.metric.one_each ? program<1, apgd_sweep::Law::convex, kIsMixed, GhostLinks>()
-                               : program<2, apgd_sweep::Law::convex, kIsMixed, GhostLinks>();
-    }
-  }
-  template <class R>
-  static const void* kernel_of(const ApgdPasses<R, float>& a) {
-    if constexpr (apgd_sweep::kIsImpact<R, float>) {
-      return kernel_of<apgd_sweep::Law::impact>(a.metric);
-    } else {
-      return a.exact ? kernel_of<apgd_sweep::Law::coulomb>(a.metric)
-                     : kernel_of<apgd_sweep::Law::convex>(a.metric);
+      return apgd_sweep::sweep_program_over_ranks(a.metric.one_each ? 1 : 2,
+                                                  apgd_sweep::kIsMixed<R, float>);
     }
   }
   /// Loads behind a branch would start late, so there is a program for each way to store weights.
-  template <apgd_sweep::Law kLaw, class R>
-  static const void* kernel_of(const StoredMetric<R, float>& metric) {
-    constexpr bool kIsMixed = apgd_sweep::kIsMixed<R, float>;
-    if (metric.values.empty()) return program<0, kLaw, kIsMixed>();
-    return metric.one_each ? program<1, kLaw, kIsMixed>() : program<2, kLaw, kIsMixed>();
+  template <class R>
+  static const void* kernel_of(const ApgdPasses<R, float>& a) {
+    const int weights = a.metric.values.empty() ? 0 : a.metric.one_each ? 1 : 2;
+    return apgd_sweep::sweep_program(weights, apgd_sweep::law_of<R>(a.exact),
+                                     apgd_sweep::kIsMixed<R, float>);
   }
   /// Blocks wait for each other, so all must be on the device at once.
   unsigned resident_blocks(const Cuda& cuda) const {

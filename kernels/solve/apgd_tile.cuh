@@ -6,6 +6,7 @@
 #include "kernels/backend/cuda.cuh"
 #include "kernels/contact/packed_contact.h"
 #include "kernels/solve/apgd_iteration.h"
+#include "kernels/solve/apgd_programs.h"
 #include "kernels/solve/one_contact.h"
 
 namespace scree {
@@ -23,16 +24,15 @@ inline constexpr Index kLongList = 96;  ///< contacts of a body that one thread 
 template <class Real>
 using RadialPasses = ApgdPasses<RadialRows<Real>, Real>;
 
-/// What the contacts of a sweep obey.
-enum class Law {
-  convex,   ///< the cone program
-  coulomb,  ///< exact friction, see ApgdContactStep
-  impact    ///< cones cut off below a least normal impulse, see ImpactRows
-};
-
 template <class R, class Real>
 inline constexpr bool kIsImpact = std::is_same_v<R, ImpactRows<RadialRows<Real>>> ||
                                   std::is_same_v<R, ImpactRows<MixedRows<Real>>>;
+
+template <class R>
+constexpr Law law_of(bool is_exact) {
+  if (kIsImpact<R, float>) return Law::impact;
+  return is_exact ? Law::coulomb : Law::convex;
+}
 
 /// Whether there are general contacts beside the radial ones.
 template <class R, class Real>

@@ -63,7 +63,7 @@ struct MeshView {
 /// A box in the frame of a mesh, and what of a mesh it meets.
 struct MeshReach {
   float low[3],
-      high[3];  ///< the largest numbers that nodes can be compared with as with exact ones
+      high[3];  ///< rounded inward: a float compares with them as with what they stand for
 
   /// @param lowest, highest  corners [m]
   SCREE_HD MeshReach(const Vec3<double>& lowest, const Vec3<double>& highest) {

@@ -49,8 +49,12 @@ int convert_run(const fs::path& folder, const fs::path& out) {
   const FrameReader frames(folder / "frames.vtkhdf");
   const std::vector<StepReport> steps =
       read_steps_csv(folder / "steps.csv", dynamics_card(scene.dynamics.type).report);
-  write_ipc_states(out, {scene, record["scene"], frames, steps,
-                         record.value("peak_memory_bytes", std::uint64_t{0})});
+  try {
+    write_ipc_states(out, {scene, record["scene"], frames, steps,
+                           record.value("peak_memory_bytes", std::uint64_t{0})});
+  } catch (const InputError& fault) {
+    throw InputError(fmt::format("{}: {}", folder.string(), fault.what()));
+  }
   fmt::print("{}: {} states of {} bodies\n", out.string(), frames.times().size(),
              frames.body_count());
   return 0;

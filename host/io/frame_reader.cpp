@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <utility>
+#include <tuple>
 
 #include "host/error.h"
 #include "host/io/h5.h"

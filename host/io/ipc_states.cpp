@@ -4,8 +4,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "dynamics/dynamics_card.h"
 #include "host/error.h"
@@ -248,8 +252,7 @@ void require_every_step(const IpcRun& run) {
     if (std::abs(times[k] - static_cast<double>(k) * h) > 0.01 * h)
       throw InputError(
           fmt::format("frame {} is at {:g} s, expected {:g} s: the file has a state for the start "
-                      "and one for every "
-                      "step; run the scene with --set output.frame_interval={:g}",
+                      "and one for every step; run the scene with --set output.frame_interval={:g}",
                       k, times[k], static_cast<double>(k) * h, h));
   if (times.size() > run.steps.size() + 1)
     throw InputError(

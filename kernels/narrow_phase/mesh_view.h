@@ -62,8 +62,8 @@ struct MeshView {
 
 /// A box in the frame of a mesh, and what of a mesh it meets.
 struct MeshReach {
-  float low[3],
-      high[3];  ///< rounded inward: a float compares with them as with what they stand for
+  /// Rounded inward: a float compares with them as with the numbers that they stand for.
+  float low[3], high[3];
 
   /// @param lowest, highest  corners [m]
   SCREE_HD MeshReach(const Vec3<double>& lowest, const Vec3<double>& highest) {

@@ -159,7 +159,7 @@ TEST(CliIpcScenes, WhatIsNoRunOfEveryStepIsRefused) {
   EXPECT_TRUE(holds(refusal(convert), "run.json: no such file: expected the folder of a run"));
   const Arguments coarse = run_arguments(scene, run, {"--set", "output.frame_interval=0.02"});
   ASSERT_EQ(scree(scratch, coarse).code, 0);
-  EXPECT_TRUE(holds(refusal(convert), "frame 1 is at 0.02 s, expected 0.01 s"));
+  EXPECT_TRUE(holds(refusal(convert), run.string() + ": frame 1 is at 0.02 s, expected 0.01 s"));
   Arguments kind = convert;
   kind.insert(kind.end(), {"--kind", "global"});
   EXPECT_TRUE(holds(refusal(kind), "--kind and --storage are for contact problems"));

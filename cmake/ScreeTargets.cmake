@@ -32,15 +32,45 @@ ${text}
   set(${out} "${path}" PARENT_SCOPE)
 endfunction()
 
-# scree_compile_per_backend(<target> <file.inst.h>...): compiles each file once per backend, which
-# it finds under the name scree::BuildBackend.
+# scree_batches(<out> <file>...): lines that include the files, SCREE_BATCH files to an element of the list. Names of
+# a file are those of its batch too: what two files need belongs into a header.
+function(scree_batches out)
+  set(${out} "")
+  while(ARGN)
+    list(SUBLIST ARGN 0 ${SCREE_BATCH} batch)
+    list(REMOVE_ITEM ARGN ${batch})
+    list(TRANSFORM batch REPLACE "(.+)" "#include \"\\1\"\n")
+    string(CONCAT text ${batch})
+    list(APPEND ${out} "${text}")
+  endwhile()
+  set(${out} ${${out}} PARENT_SCOPE)
+endfunction()
+
+# scree_compile_per_backend(<target> <file.inst.h>...): compiles each file once per backend, which it finds under the name
+# scree::BuildBackend. Files of a folder are compiled in batches: headers of a backend take longer than most of them. A
+# registry comes last, since it uses what the others define.
 function(scree_compile_per_backend target)
+  set(folders "")
   foreach(file IN LISTS ARGN)
     cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
-    string(REGEX REPLACE "\\.inst\\.h$" "" stem "${file}")
-    foreach(backend IN LISTS SCREE_BACKENDS)
-      scree_backend_source(source ${backend} "${stem}" BuildBackend "#include \"${file}\"")
-      target_sources(${target} PRIVATE "${source}")
+    cmake_path(GET file PARENT_PATH folder)
+    list(APPEND folders "${folder}")
+    if(file MATCHES "registry[.]inst[.]h$")
+      list(APPEND last_of_${folder} "${file}")
+    else()
+      list(APPEND files_of_${folder} "${file}")
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  foreach(folder IN LISTS folders)
+    scree_batches(batches ${files_of_${folder}} ${last_of_${folder}})
+    set(number 0)
+    foreach(text IN LISTS batches)
+      foreach(backend IN LISTS SCREE_BACKENDS)
+        scree_backend_source(source ${backend} "${folder}/compiled_${number}" BuildBackend "${text}")
+        target_sources(${target} PRIVATE "${source}")
+      endforeach()
+      math(EXPR number "${number} + 1")
     endforeach()
   endforeach()
 endfunction()

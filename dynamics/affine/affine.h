@@ -49,6 +49,9 @@ class AffineDynamics final : public ModelOn<B, double> {
         target_(backend(), rows_),
         rate_(backend(), rows_),
         led_(backend()),
+        joints_(backend()),
+        drives_(backend(), std::ssize(setup_.drives)),
+        joint_position_(backend()),
         sums_(backend(), 1),
         strain_(backend(), 1),
         missed_(backend(), 1),
@@ -62,6 +65,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     for (const Material& pair : all_pair_values(scene_)) friction.push_back(pair.friction);
     has_friction_ = std::any_of(friction.begin(), friction.end(), [](double mu) { return mu > 0; });
     upload(b, friction, friction_);
+    upload(b, setup_.drives, joints_);
+    upload(b, std::vector<double>(setup_.drives.size(), 0), joint_position_);
     read_parameters();
     BodyLoading<B, double>(scene_, store_, obstacles_).load_first();
     place_shapes();
@@ -214,6 +219,11 @@ class AffineDynamics final : public ModelOn<B, double> {
                                 led_.view(std::ssize(led)), setup_.first_led_row, target_.view(),
                                 rate_.view(), minimizer_.from(), minimizer_.to()});
     copy(b, Span<const AffineVec>(q_.view()), next_.view());
+    const auto joints = static_cast<Index>(setup_.drives.size());
+    for_each(b, joints,
+             affine::SetDrives{joints_.view(joints), p.start, scheme.h,
+                               joint_position_.view(joints), drives_.view(joints)});
+    p.drives = drives_.view(joints);
     p.lead = kFirstLead;
     minimizer_.begin(surfaces_, p);
   }
@@ -374,6 +384,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     s.add("affine/earlier_velocity", has_earlier_ ? nodes(earlier_v_) : std::vector<Vec3d>{});
     s.add("affine/earlier_step",
           has_earlier_ ? std::vector<double>{earlier_step_} : std::vector<double>{});
+    s.add("affine/joint_position",
+          download(backend(), joint_position_.view(std::ssize(setup_.drives))));
     s.add("affine/led_time", led_time_);
     if (!(scene_.gravity == first_gravity_))
       s.add("world/gravity", std::vector<Vec3d>{scene_.gravity});
@@ -398,6 +410,10 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (led_time.size() != led_time_.size())
       throw_wrong_body_count(led_time.size(), led_time_.size());
     led_time_ = led_time;
+    const auto& position = s.template at<double>("affine/joint_position");
+    if (position.size() != setup_.drives.size())
+      throw_wrong_body_count(position.size(), setup_.drives.size());
+    upload(backend(), position, joint_position_);
     write_poses();
     scene_.gravity =
         s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : first_gravity_;
@@ -465,6 +481,9 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, AffineVec> next_;                           ///< by body, while a step is made
   Buffer<B, AffineVec> target_, rate_;                  ///< by row
   Buffer<B, AffineVec> led_;
+  Buffer<B, affine::DrivenJoint> joints_;
+  Buffer<B, affine::DriveTerm> drives_;  ///< of the step
+  Buffer<B, double> joint_position_;     ///< where the last step began [m or rad]
   Buffer<B, affine::AffineSums> sums_;
   Buffer<B, Largest<double>> strain_;
   Buffer<B, Sums<1>> missed_;

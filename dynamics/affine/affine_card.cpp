@@ -58,13 +58,6 @@ void check_joint(const Scene& scene, std::size_t j) {
     if (body != kWorldBody && scene.bodies[static_cast<std::size_t>(body)].elastic->is_on())
       refuse(path + ".bodies", fmt::format("body {}", body),
              "must not be elastic: attachments hold elastic bodies");
-  if (joint.motor)
-    refuse(path + ".motor", "a motor", "must not be there with the dynamics \"affine\"");
-  if (std::isfinite(joint.limits[0]) || std::isfinite(joint.limits[1]))
-    refuse(path + ".limits", "limits", "must not be there with the dynamics \"affine\"");
-  if (joint.friction > 0)
-    refuse(path + ".friction", fmt::format("{:g}", joint.friction),
-           "must be 0 with the dynamics \"affine\"");
   if (std::isfinite(joint.break_force) || std::isfinite(joint.break_moment))
     refuse(path, "a joint that breaks", "must hold with the dynamics \"affine\"");
 }

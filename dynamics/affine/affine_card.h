@@ -140,6 +140,11 @@ inline constexpr std::array kAffineOwnState{
                .type = StateField::Type::number,
                .may_be_empty = true,
                .largest = kLargestOfState},
+    // Angle or way of each driven joint where the last step began.
+    StateField{.name = "affine/joint_position",
+               .type = StateField::Type::number,
+               .may_be_empty = true,
+               .largest = kLargestOfState},
     // Time of the motion of each kinematic body.
     StateField{.name = "affine/led_time",
                .type = StateField::Type::number,

@@ -301,6 +301,42 @@ class Builder {
       }
     }
     if (body[0] >= 0 && body[1] >= 0) setup_.held_pairs.push_back(body);
+    drive(joint, body);
+  }
+
+  /// What acts along or about the axis of a joint.
+  void drive(const Joint& joint, const std::array<int, 2>& body) {
+    DrivenJoint d;
+    d.slides = joint.kind == JointKind::slider;
+    d.axis = joint.axis;
+    const Vec3d across = any_orthogonal(joint.axis);
+    double inertia = 0, reach = 0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      d.body[k] = body[k];
+      d.point[k] = joint.anchor;
+      d.across[k][0] = across, d.across[k][1] = cross(joint.axis, across);
+      if (body[k] < 0) continue;
+      const BodyDescription& own = all_[static_cast<std::size_t>(body[k])].body;
+      d.point[k] = rotate_back(own.orientation, joint.anchor - own.position);
+      for (Vec3d& each : d.across[k]) each = rotate_back(own.orientation, each);
+      const BodyConstant& constant = setup_.bodies[static_cast<std::size_t>(body[k])];
+      if (constant.row < 0) continue;
+      const double lever = d.slides ? 1 : constant.radius;
+      const double its = constant.mass.mass * lever * lever;
+      inertia = inertia == 0 ? its : std::min(inertia, its);
+      reach = std::max(reach, lever);
+    }
+    DriveLaw& law = d.law;
+    law.lower = joint.limits[0], law.upper = joint.limits[1];
+    law.friction = joint.friction;
+    law.inertia = inertia;
+    law.slip = kSlipSpeed.of(scene_.dynamics.parameters) / reach;
+    if (const auto& motor = joint.motor) {
+      law.speed = motor->speed, law.rest = motor->position;
+      law.stiffness = motor->stiffness, law.damping = motor->damping;
+      law.most = motor->max_force;
+    }
+    if (law.is_used()) setup_.drives.push_back(d);
   }
 
   using Key = std::tuple<ShapeKind, int, double, double, double, double, ShapeKind, double, double,

@@ -10,6 +10,7 @@
 #include "host/scene.h"
 #include "host/scene/motion.h"
 #include "kernels/affine/block_system.h"
+#include "kernels/affine/drive.h"
 #include "kernels/affine/potential.h"
 
 namespace scree::affine {
@@ -32,6 +33,7 @@ struct AffineSetup {
   std::vector<int> collision_group;            ///< -1: none; all fixed bodies have one
   std::vector<std::array<int, 2>> held_pairs;  ///< bodies that joints hold, which do not touch
   std::vector<NodeEquation> equations;
+  std::vector<DrivenJoint> drives;
   std::vector<LedBody> led;
   Index first_led_row = 0;
   std::size_t scene_bodies = 0;  ///< those that are no tetrahedra

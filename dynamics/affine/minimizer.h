@@ -247,7 +247,7 @@ class Minimizer {
     const Index rows = p.rows();
     for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view()});
     const Index contacts = marked_.list(b, count_, static_cast<Index>(p.near.pairs.size), active_);
-    const Index count = contacts + static_cast<Index>(p.slips.size);
+    const Index count = contacts + static_cast<Index>(p.slips.size + p.drives.size);
     block_count_ = 0;
     if (count == 0) return;
     elements_.reserve_discard(count);

@@ -1,7 +1,7 @@
 #pragma once
 // First and second derivatives of the potential as a linear system of rows of bodies.
 //
-// Each pair within reach, and each that rubs, is an element with a gradient and a matrix of low rank, carried to its two bodies;
+// Each pair within reach, each that rubs, and each driven joint is an element with a gradient and a matrix of low rank, carried to its two bodies;
 // pairs with a mollifier are two. An element has an entry for each of its bodies, sorted by row and then by the row of the other
 // body. So entries of a row lie beside each other, and those of two rows too, and each block is summed in one order by who owns it.
 
@@ -53,8 +53,8 @@ struct MakeElements {
   static constexpr const char* name = "affine_elements";
   Potential p;
   Span<const AffineVec> q;
-  Span<const Index>
-      active;              ///< near pairs, each as often as it has elements; slips come behind them
+  /// Near pairs, each as often as it has elements; slips come behind them, then driven joints.
+  Span<const Index> active;
   Span<Element> elements;  ///< out
 
   SCREE_HD void operator()(Index c) const {
@@ -67,16 +67,34 @@ struct MakeElements {
       const Four gradient = part == 0 ? contact_gradient(contact, p.barrier, x) : Four{};
       elements[c] =
           element(body, pair.kind, rest, gradient, contact_modes(contact, p.barrier, x, part));
-    } else {
-      const Slip& slip = p.slips[c - static_cast<Index>(active.size)];
+      return;
+    }
+    c -= static_cast<Index>(active.size);
+    if (c < p.slips.size) {
+      const Slip& slip = p.slips[c];
       const Four rest = p.rest_of(slip), moved = p.moved(slip, rest, q);
-      elements[c] =
+      elements[active.size + c] =
           element(slip.body, slip.kind, rest, friction_gradient(slip.contact, p.law, moved),
                   friction_modes(slip.contact, p.law, moved));
+      return;
     }
+    elements[active.size + c] = element(p.drives[c - static_cast<Index>(p.slips.size)]);
   }
 
  private:
+  SCREE_HD Element element(const DriveTerm& drive) const {
+    const double way = drive.way(p.start, q);
+    const double push = -p.scale * drive.first(way), stiffness = p.scale * drive.second(way);
+    const double root = std::sqrt(stiffness);
+    Element e;
+    e.count = stiffness > 0 ? 1 : 0;
+    for (int side = 0; side < 2; ++side) {
+      e.body[side] = drive.body[side];
+      e.push[side] = push * drive.slope[side];
+      if (e.count > 0) e.mode[0][side] = root * drive.slope[side];
+    }
+    return e;
+  }
   SCREE_HD Element element(const Index (&body)[2], PairKind kind, const Four& rest,
                            const Four& gradient, const Modes& modes) const {
     const double root = std::sqrt(p.scale);

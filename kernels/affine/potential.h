@@ -1,9 +1,10 @@
 #pragma once
 // The potential that a step makes least, as element programs: its value, the first contact on a way, and how far a way goes.
-//   1/2 |q - target|_M^2 + scale (elastic + barrier + friction)
+//   1/2 |q - target|_M^2 + scale (elastic + barrier + friction + drives of joints)
 // docs/theory.md, "Affine bodies" and "Barrier contact".
 
 #include "kernels/affine/contact_modes.h"
+#include "kernels/affine/drive.h"
 #include "kernels/affine/first_contact.h"
 #include "kernels/affine/friction.h"
 #include "kernels/affine/inertial_target.h"
@@ -40,6 +41,7 @@ struct Potential {
   Span<const AffineVec> target;  ///< by row
   NearPairsView near;
   Span<const Slip> slips;
+  Span<const DriveTerm> drives;
   Span<const double> friction;  ///< of two materials, at a * material_count + b
   Index material_count = 1;
   Barrier barrier;
@@ -70,9 +72,9 @@ struct Potential {
       m[i] = point_of(i < first_points(slip.kind) ? first : second, rest[i]);
     return m;
   }
-  /// Terms of the potential: rows, near pairs, slips.
+  /// Terms of the potential: rows, near pairs, slips, driven joints.
   SCREE_HD Index terms() const {
-    return rows() + static_cast<Index>(near.pairs.size) + static_cast<Index>(slips.size);
+    return rows() + static_cast<Index>(near.pairs.size + slips.size + drives.size);
   }
 };
 
@@ -135,8 +137,14 @@ struct EnergyOfTerm {
       states.elements[i] = mode_parts(m);
       return e;
     }
-    const Slip& slip = p.slips[i - static_cast<Index>(p.near.pairs.size)];
-    e.energy = p.scale * friction_energy(slip.contact, p.law, p.moved(slip, p.rest_of(slip), q));
+    i -= static_cast<Index>(p.near.pairs.size);
+    if (i < p.slips.size) {
+      const Slip& slip = p.slips[i];
+      e.energy = p.scale * friction_energy(slip.contact, p.law, p.moved(slip, p.rest_of(slip), q));
+      return e;
+    }
+    const DriveTerm& drive = p.drives[i - static_cast<Index>(p.slips.size)];
+    e.energy = p.scale * drive.energy(drive.way(p.start, q));
     return e;
   }
 };

@@ -44,4 +44,23 @@ inline Scene falling_boxes(double rule) {
   return scene;
 }
 
+/// Two bodies on hinges with a motor that turns the first one several times, friction and limits.
+inline Scene driven_pair() {
+  Scene scene = affine_scene(0.002, 0, 1);
+  scene.dynamics.parameters["tolerance"] = 1e-9;
+  physics::add_box(scene, {0, 0, 0}, {0.2, 0.05, 0.2}, 3);
+  physics::add_box(scene, {0.15, 0.2, 0}, {0.3, 0.03, 0.04}, 1);
+  Joint axle, arm;
+  axle.bodies = {kWorldBody, 0};
+  axle.axis = {0, 1, 0};
+  axle.motor = JointMotor{.position = 20, .stiffness = 2, .damping = 0.1, .max_force = 5};
+  arm.bodies = {0, 1};
+  arm.anchor = {0.15, 0.1, 0};
+  arm.axis = {0, 1, 0};
+  arm.friction = 0.05;
+  arm.limits = {-0.5, 0.7};
+  scene.joints = {axle, arm};
+  return scene;
+}
+
 }  // namespace scree::test

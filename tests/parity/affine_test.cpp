@@ -29,6 +29,18 @@ TEST_F(ParityAffine, StepsFromOneStateHaveOneMinimum) {
   }
 }
 
+// Motors, friction and limits are terms of the same potential.
+TEST_F(ParityAffine, DrivenJointsMoveAlike) {
+  const Scene scene = test::driven_pair();
+  World cpu = world_on(BackendKind::cpu, scene), cuda = world_on(BackendKind::cuda, scene);
+  for (int k = 0; k < 300; ++k) {
+    ASSERT_TRUE(cpu.step().converged && cuda.step().converged) << k;
+    const auto p = cpu.save().at<Vec3d>("affine/position");
+    const auto q = cuda.save().at<Vec3d>("affine/position");
+    for (std::size_t i = 0; i < p.size(); ++i) ASSERT_LT(norm(p[i] - q[i]), 1e-6) << k;
+  }
+}
+
 TEST_F(ParityAffine, CudaGivesEqualBitsOnEveryRun) {
   const Scene scene = test::falling_boxes(1);
   World one = world_on(BackendKind::cuda, scene), two = world_on(BackendKind::cuda, scene);

@@ -28,8 +28,8 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
                            [&](auto rows) { return run<decltype(rows)>(b, p, gamma, tolerance); });
   }
 
-  /// A contact's mark is its color.
-  bool keeps_marks() const override { return true; }
+  /// A contact's mark is its color. Where bodies move to other ranks, contacts come without.
+  bool keeps_marks() const override { return !this->is_over_ranks(); }
 
  private:
   struct Workspace {
@@ -57,7 +57,8 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
   template <class R>
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->template begin<R>(b, p, gamma);
-    if (p.contact_count == 0) return {0, 0, true, {}};
+    if (p.contacts_in_all() == 0) return {0, 0, true, {}};
+    if (this->is_over_ranks()) return run_over_ranks<R>(b, p, gamma, tolerance, velocity);
     if constexpr (R::kHasLaterGroups) return run_in_place<R>(b, p, gamma, tolerance, velocity);
     Workspace w(b, p.contact_count, R::vector_count(p));
     ContactColoring<B>& coloring = w.coloring;
@@ -80,6 +81,38 @@ class GaussSeidelColored final : public RelaxationSolver<B, Real> {
                ScatterImpulses<R, Real>{coloring.order(), ordered_gamma, gamma});
     };
     SolveStats stats = this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, collect);
+    stats.colors = coloring.color_count();
+    return stats;
+  }
+
+  /// Contacts that two ranks list take a step of Jacobi at the start of a sweep, from velocities that both know; then each rank
+  /// sweeps over its own. Both lower the objective of all.
+  template <class R>
+  SolveStats run_over_ranks(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
+                            double tolerance, Span<Twist<Real>> velocity) {
+    Buffer<B, Index> border_count(b, p.bodies.moving_count);
+    for_each(b, p.bodies.owned_count, CountBorderContacts<Real>{p, border_count.view()});
+    this->ghosts()->update(b, border_count.view());
+    Buffer<B, ContactMetric<Real>> metric(b, p.contact_count);
+    for_each(b, p.contact_count,
+             StoreMetricOfRanks<R, Real>{p, std::as_const(border_count).view(p.bodies.moving_count),
+                                         metric.view()});
+    ContactColoring<B> coloring(b);
+    coloring.compute(b, p);
+    const std::vector<Index>& starts = coloring.starts();
+    const BorderPass<R, Real> border{{p, metric.view(), velocity, gamma, this->relaxation()}};
+    InnerGaussSeidelPass<R, Real> inner{{p, metric.view(), velocity, gamma, this->relaxation()},
+                                        coloring.order()};
+    const auto sweep = [&] {
+      for_each(b, p.contact_count, border);
+      ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
+      for (Index color = 0; color < coloring.color_count(); ++color) {
+        inner.first = starts[color];
+        for_each(b, starts[color + 1] - starts[color], inner);
+      }
+      this->update_ghosts(b, velocity);
+    };
+    SolveStats stats = this->template iterate<R>(b, p, gamma, tolerance, velocity, sweep, [] {});
     stats.colors = coloring.color_count();
     return stats;
   }
@@ -126,6 +159,7 @@ constexpr SolverCard gauss_seidel_colored_card() {
           .description = "block Gauss-Seidel, contacts of one color at once: for low accuracy",
           .parameters = kRelaxationParameters,
           .layouts = kAllLayouts,
+          .over_ranks = true,
           .keeps_marks = true,
           .memory = gauss_seidel_colored_memory,
           .traffic = [](const SolverCase& c) { return gauss_seidel_sweep_traffic(c.real); }};

@@ -20,6 +20,7 @@ enum class Call : std::int32_t {
   states,
   contacts,
   overlaps,
+  joints,
   track_forces,
   take_forces,
   force_on_body,
@@ -130,7 +131,9 @@ class LeadingDynamics final : public Dynamics {
   std::vector<ContactRecord> overlaps() override {
     return led(Call::overlaps, [&] { return own_->overlaps(); });
   }
-  std::vector<JointRecord> joints() override { return own_->joints(); }
+  std::vector<JointRecord> joints() override {
+    return led(Call::joints, [&] { return own_->joints(); });
+  }
   void track_forces() override {
     led(Call::track_forces, [&] { own_->track_forces(); });
   }
@@ -196,6 +199,9 @@ void obey(Ranks& ranks, const Order& order, Dynamics& own) {
       return;
     case Call::overlaps:
       own.overlaps();
+      return;
+    case Call::joints:
+      own.joints();
       return;
     case Call::track_forces:
       own.track_forces();

@@ -33,7 +33,6 @@ bool has_compounds(const Scene& scene) {
 }  // namespace
 
 void require_shareable(const Scene& scene) {
-  if (!scene.joints.empty()) refuse("joints are simulated");
   if (has_compounds(scene)) refuse("compounds are simulated");
   const SolverCard& solver = solver_card(scene.solver.name);
   if (!solver.over_ranks) {

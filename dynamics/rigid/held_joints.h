@@ -53,16 +53,20 @@ class HeldJoints {
     return place_[static_cast<std::size_t>(joint)][static_cast<std::size_t>(r)];
   }
 
+  /// Rows with a ghost keep their impulse: its owner would guess another.
   void list_rows(const ContactProblem<Real>& p) {
     rows_ = 0;
     place_.clear();
     joint_.clear();
+    const auto is_ghost = [&](Index i) { return p.bodies.moves(i) && !p.bodies.is_owned(i); };
     for (Index k = 0; k < p.joints.size; ++k) {
       const JointRow<Real>& j = p.joints[k];
+      const Index c = p.joint_begin + k;
+      const bool has_ghost = is_ghost(p.body_a[c]) || is_ghost(p.body_b[c]);
       std::array<int, kJointRows> place;
       for (int r = 0; r < kJointRows; ++r) {
-        const bool is_held =
-            j.inverse_pivot(r) > Real(0) && !(r == kJointAxisRow && j.is_last_driven());
+        const bool is_held = !has_ghost && j.inverse_pivot(r) > Real(0) &&
+                             !(r == kJointAxisRow && j.is_last_driven());
         place[static_cast<std::size_t>(r)] = is_held ? rows_++ : -1;
       }
       place_.push_back(place);

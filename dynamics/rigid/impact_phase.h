@@ -178,7 +178,8 @@ class ImpactPhase {
     } else {
       reduce_on_ranks<ImpactSums>(
           b, contacts.count,
-          CountedOnce<FindImpacts<Real>>{impacts, contacts.body_b, impacts.test.bodies.ranges()},
+          CountedOnce<FindImpacts<Real>>{impacts, contacts.body_a, contacts.body_b,
+                                         impacts.test.bodies.ranges()},
           finish);
     }
   }

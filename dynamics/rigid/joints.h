@@ -2,6 +2,7 @@
 // The joints of a scene: their place in the problem of a step, and their impulses from step to step.
 
 #include <array>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "host/scene/motion.h"
 #include "host/world.h"
 #include "host/world_state.h"
+#include "kernels/backend/over_ranks.h"
 #include "kernels/step/joint_correction.h"
 #include "solvers/body_contacts.h"
 #include "solvers/contact_passes.h"
@@ -100,6 +102,18 @@ inline JointFrames joint_frames(const Scene& scene, const Joint& joint) {
   return out;
 }
 
+/// Ids of the free bodies that joints hold together.
+inline std::vector<std::array<Index, 2>> joined_bodies(const Scene& scene) {
+  const auto is_free = [&](int id) {
+    return id != kWorldBody && scene.bodies[static_cast<std::size_t>(id)].kind == BodyKind::free;
+  };
+  std::vector<std::array<Index, 2>> out;
+  for (const Joint& joint : scene.joints)
+    if (is_free(joint.bodies[0]) && is_free(joint.bodies[1]))
+      out.push_back({joint.bodies[0], joint.bodies[1]});
+  return out;
+}
+
 template <class B, class Real>
 class Joints {
  public:
@@ -115,34 +129,53 @@ class Joints {
         joined_(b),
         row_(b, count_),
         sums_(b, 1),
+        here_count_(b, 1),
+        is_counted_(b),
         lists_(b) {
     std::vector<JointFrames> frames;
-    for (const Joint& joint : scene.joints) frames.push_back(joint_frames(scene, joint));
+    for (const Joint& joint : scene.joints) {
+      frames.push_back(joint_frames(scene, joint));
+      may_break_ =
+          may_break_ || std::isfinite(joint.break_force) || std::isfinite(joint.break_moment);
+    }
     upload(b, frames, frames_);
     fill(b, state_.view(), JointState{});
     forget(b);
   }
 
   Index count() const { return count_; }
-  /// Impulse vectors of the joints in a problem.
-  Offset vectors() const { return 2 * static_cast<Offset>(count_); }
+  /// Impulse vectors of the joints in a problem, after place().
+  Offset vectors() const { return 2 * static_cast<Offset>(here_); }
 
   /// Impulses of the step before are void.
   void forget(B& b) { fill(b, impulse_.view(), JointImpulse<Real>{}); }
 
-  /// Puts the joints behind the contacts of a problem of the rolling layout.
+  /// Where the bodies of joints are in the step to come. With several ranks joints are in the problems of those that own one
+  /// of their bodies; one host read.
+  void place(B& b, const BodyView<Real>& bodies) {
+    if (count_ == 0) return;
+    const bool has_ranks = b.ranks() != nullptr;
+    if (has_ranks) fill(b, place_.view(), JointPlaces::kNowhere);
+    for_each(b, bodies.count, FindPlaces{bodies.ranges(), bodies.id, place_.view()});
+    const JointPlaces at = places(bodies);
+    for_each(b, count_, JointKeys{at, bodies.owned_count, key_.view(), order_.view()});
+    const auto place_bits = bits_for(static_cast<std::uint64_t>(bodies.count) + 1);
+    sort_pairs(b, sort_, key_.view(), order_.view(), 32 + place_bits);
+    here_ = count_;
+    if (!has_ranks) return;
+    reduce<Sums<1>>(b, count_, KeyIsBelow{key_.view(), make_key(at.world, 0)},
+                    StoreResult<Sums<1>>{here_count_.data()});
+    here_ = static_cast<Index>(fetch(b, here_count_.data()).value[0]);
+  }
+
+  /// Puts the joints behind the contacts of a problem of the rolling layout, after place().
   /// @param bodies  as the contacts were found
   /// @param period  zero: axis not periodic [m]
   /// @param gamma   impulses of the contacts, then room for vectors(); out: those of the joints
   void join(B& b, const BodyView<Real>& bodies, const SteppingSettings& stepping,
             const Vec3d& period, StepProblem<B, Real>& step, Span<Vec3<Real>> gamma) {
     ContactProblem<Real>& p = step.problem;
-    const Index contacts = p.contact_count, total = contacts + count_;
-    for_each(b, bodies.count, FindPlaces{bodies.ranges(), bodies.id, place_.view()});
-    const JointPlaces places{frames_.view(), place_.view(), bodies.count};
-    for_each(b, count_, JointKeys{places, key_.view(), order_.view()});
-    const auto place_bits = bits_for(static_cast<std::uint64_t>(bodies.count) + 1);
-    sort_pairs(b, sort_, key_.view(), order_.view(), 32 + place_bits);
+    const Index contacts = p.contact_count, total = contacts + here_;
 
     // What joints have too moves to arrays with room for them.
     p.visit(
@@ -156,8 +189,8 @@ class Joints {
     JointSetup<Real> setup;
     setup.bodies = bodies;
     setup.inertia = p.general_inertia;
-    setup.places = places;
-    setup.order = order_.view();
+    setup.places = places(bodies);
+    setup.order = order_.view(here_);
     setup.before = impulse_.view();
     setup.state = state_.view();
     setup.period = period;
@@ -166,16 +199,23 @@ class Joints {
     setup.body_a = tail(joined_.body_a, contacts);
     setup.body_b = tail(joined_.body_b, contacts);
     setup.normal = tail(joined_.normal, contacts);
-    setup.row = row_.view();
+    setup.row = row_.view(here_);
     setup.gamma = {gamma.data + gamma.size - vectors(), vectors()};
-    reduce<JointSums>(b, count_, setup, StoreResult<JointSums>{sums_.data()});
+    reduce<JointSums>(b, here_, setup, StoreResult<JointSums>{sums_.data()});
 
     p.layout = ContactLayout::jointed;
     p.contact_count = total;
     p.joint_begin = contacts;
-    p.joints = row_.view();
+    p.joints = row_.view(here_);
     p.later[0] = lists_.build(b, p.bodies.owned_count, setup.body_a, setup.body_b);
     p.later[0].first = contacts;
+    if (b.ranks() != nullptr) {
+      is_counted_.reserve_discard(count_);
+      fill(b, is_counted_.view(count_), Index(0));
+      for_each(b, here_,
+               MarkCountedJoints{bodies.ranges(), setup.body_a, setup.body_b, order_.view(here_),
+                                 is_counted_.view(count_)});
+    }
   }
 
   /// Makes the impulses of joints a better guess of those of the problem of join(): see HeldJoints. Only where the problem is
@@ -191,39 +231,61 @@ class Joints {
   }
 
   /// Largest distance of two anchors, or turn of two axes times the size of a body, at the start of
-  /// the step [m]. One host read.
-  double largest_error(B& b) const { return fetch(b, sums_.data()).max_error; }
+  /// the step [m], of all ranks. One host read.
+  double largest_error(B& b) const {
+    return over_ranks(b, Largest<double>{fetch(b, sums_.data()).max_error}).value;
+  }
 
   /// How far joints will be from where they belong at the end of the step with velocities that a
-  /// solver found [m]. Corrects the problem of join() by that; solved again, it leaves less. One host
-  /// read.
+  /// solver found [m], of all ranks. Corrects the problem of join() by that; solved again, it leaves less.
+  /// One host read. @param velocity  of owned bodies and ghosts
   double correct(B& b, const BodyView<Real>& bodies, const SteppingSettings& stepping,
                  const Vec3d& period, Span<const Twist<Real>> velocity) {
-    const JointPlaces places{frames_.view(), place_.view(), bodies.count};
-    reduce<JointSums>(
-        b, count_,
-        CorrectJoint<Real>{bodies, velocity, places, order_.view(), state_.view(), period,
-                           stepping.time_step, stepping.max_recovery_speed, row_.view()},
-        StoreResult<JointSums>{sums_.data()});
-    return fetch(b, sums_.data()).max_error;
+    reduce<JointSums>(b, here_,
+                      CorrectJoint<Real>{bodies, velocity, places(bodies), order_.view(here_),
+                                         state_.view(), period, stepping.time_step,
+                                         stepping.max_recovery_speed, row_.view(here_)},
+                      StoreResult<JointSums>{sums_.data()});
+    return largest_error(b);
   }
 
   /// Remembers the impulses that a solver found for the problem of join(), and breaks joints.
   void keep(B& b, const BodyView<Real>& bodies, double time_step, Span<const Vec3<Real>> gamma) {
-    const JointPlaces places{frames_.view(), place_.view(), bodies.count};
-    for_each(b, count_,
-             KeepJointImpulses<Real>{places,
-                                     order_.view(),
-                                     row_.view(),
+    for_each(b, here_,
+             KeepJointImpulses<Real>{places(bodies),
+                                     order_.view(here_),
+                                     row_.view(here_),
                                      {gamma.data + gamma.size - vectors(), vectors()},
                                      time_step,
                                      impulse_.view(),
                                      state_.view()});
+    is_known_ = b.ranks() == nullptr;
+    if (may_break_) spread(b);  // what breaks for one of two owners has to break for the other
   }
 
-  /// Adds what the next step needs to a state; nothing where there are no joints.
-  void save(B& b, WorldState& s) const {
+  /// With several ranks: all get to know the impulses and states of all joints. A call that they make together.
+  void spread(B& b) {
+    if (is_known_ || count_ == 0) return;
+    std::vector<JointImpulse<Real>> impulse = download(b, impulse_.view());
+    std::vector<JointState> state = download(b, state_.view());
+    std::vector<Told> own;
+    const std::vector<Index> counted = download(b, is_counted_.view(count_));
+    for (std::size_t j = 0; j < counted.size(); ++j)
+      if (counted[j] != 0) own.push_back({static_cast<Index>(j), impulse[j], state[j]});
+    for (const Told& told : gather_values(*b.ranks(), own)) {
+      impulse[static_cast<std::size_t>(told.joint)] = told.impulse;
+      state[static_cast<std::size_t>(told.joint)] = told.state;
+    }
+    upload(b, impulse, impulse_);
+    upload(b, state, state_);
+    is_known_ = true;
+  }
+
+  /// Adds what the next step needs to a state; nothing where there are no joints. With several ranks a call that all make
+  /// together, as records() is.
+  void save(B& b, WorldState& s) {
     if (count_ == 0) return;
+    spread(b);
     std::vector<double> position;
     std::vector<std::int32_t> broken;
     for (const JointState& state : download(b, state_.view(count_))) {
@@ -257,10 +319,37 @@ class Joints {
     }
     upload(b, host, impulse_);
     upload(b, states, state_);
+    is_known_ = true;
   }
 
   /// Impulses of the last step, in the order of the scene.
-  std::vector<JointRecord> records(B& b) const {
+  std::vector<JointRecord> records(B& b) {
+    spread(b);
+    return known_records(b);
+  }
+  /// The same; with several ranks zero where another one tells of a joint.
+  std::vector<JointRecord> own_records(B& b) const {
+    std::vector<JointRecord> out = known_records(b);
+    if (b.ranks() == nullptr) return out;
+    const std::vector<Index> counted = download(b, is_counted_.view(count_));
+    for (std::size_t j = 0; j < out.size(); ++j)
+      if (counted[j] == 0) out[j].force = out[j].moment = {};
+    return out;
+  }
+
+ private:
+  /// What a rank says of a joint.
+  struct Told {
+    Index joint = 0;
+    JointImpulse<Real> impulse;
+    JointState state;
+  };
+
+  JointPlaces places(const BodyView<Real>& bodies) {
+    return {frames_.view(), place_.view(), bodies.count, bodies.moving_count};
+  }
+
+  std::vector<JointRecord> known_records(B& b) const {
     std::vector<JointRecord> out;
     const auto frames = download(b, frames_.view(count_));
     const auto states = download(b, state_.view(count_));
@@ -271,7 +360,6 @@ class Joints {
     return out;
   }
 
- private:
   /// Force and moment of each joint by turns; double holds float exactly.
   std::vector<Vec3d> impulses(B& b) const {
     std::vector<Vec3d> out;
@@ -289,10 +377,13 @@ class Joints {
 
   template <class T>
   Span<T> tail(Buffer<B, T>& buffer, Index contacts) {
-    return {buffer.data() + contacts, count_};
+    return {buffer.data() + contacts, here_};
   }
 
   Index count_;
+  Index here_ = 0;  ///< in the problem of the step; the first of `order_`
+  bool may_break_ = false;
+  bool is_known_ = true;  ///< impulses and states are those of all ranks
   Buffer<B, JointFrames> frames_;
   Buffer<B, JointImpulse<Real>> impulse_;  ///< of the last step, in the order of the scene
   Buffer<B, JointState> state_;            ///< in the order of the scene
@@ -303,6 +394,8 @@ class Joints {
   ProblemContacts<B, Real> joined_;  ///< fields of contacts and joints
   Buffer<B, JointRow<Real>> row_;
   Buffer<B, JointSums> sums_;
+  Buffer<B, Sums<1>> here_count_;
+  Buffer<B, Index> is_counted_;  ///< with several ranks: of each joint, see MarkCountedJoints
   GroupContacts<B> lists_;
   HeldJoints<Real> held_;
 };

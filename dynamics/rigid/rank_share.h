@@ -3,6 +3,7 @@
 // how bodies and contacts go from one to another.
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -21,12 +22,15 @@ namespace scree {
 template <class B, class Real>
 class RankShare {
  public:
-  /// @param slack  ghosts are chosen so much farther than a step needs, and serve until that is used up [m]
-  RankShare(B& b, Ranks& ranks, Decomposition decomposition, double slack)
+  /// @param slack   ghosts are chosen so much farther than a step needs, and serve until that is used up [m]
+  /// @param joined  ids of bodies that joints hold together: their owners know both, wherever they are
+  RankShare(B& b, Ranks& ranks, Decomposition decomposition, double slack,
+            std::vector<std::array<Index, 2>> joined)
       : b_(&b),
         ranks_(&ranks),
         decomposition_(std::move(decomposition)),
         slack_(slack),
+        joined_(std::move(joined)),
         ghosts_(b),
         shown_(b),
         extent_(b),
@@ -241,11 +245,16 @@ class RankShare {
   void choose(BodyStore<B, Real>& store, const ReachOfBody<Real>& reach,
               const std::vector<BallExtent>& all) {
     peer_ranks_ = near_ranks(all, reach.balls.range.period, slack_);
+    const std::vector<PartnerOf> partners = partners_elsewhere(store);
+    for (const PartnerOf& partner : partners) peer_ranks_.push_back(partner.rank);
+    std::sort(peer_ranks_.begin(), peer_ranks_.end());
+    peer_ranks_.erase(std::unique(peer_ranks_.begin(), peer_ranks_.end()), peer_ranks_.end());
     if (peer_ranks_.size() > 64) throw_too_many_peers(peer_ranks_.size());
     const Index n = store.owned_count();
     const Span<const BallExtent> extents = upload_extents(all);
     const Span<std::uint64_t> shown = shown_.resize_discard(n);
     for_each(*b_, n, ChooseShown<Real>{{reach, extents, slack_}, shown});
+    show_partners(partners, shown);
     std::vector<std::vector<Index>> to(static_cast<std::size_t>(ranks_->count()));
     Buffer<B, Index> flag(*b_, n), list(*b_, n);
     Buffer<B, Offset> before(*b_, static_cast<Offset>(n) + 1);
@@ -277,10 +286,73 @@ class RankShare {
     is_current_ = true;
   }
 
+  /// An owned body that a joint holds to one of another rank.
+  struct PartnerOf {
+    Index place;
+    int rank;
+    bool operator<(const PartnerOf& o) const {
+      return std::pair(place, rank) < std::pair(o.place, o.rank);
+    }
+  };
+  /// All of them, by place. A call that all ranks make together.
+  std::vector<PartnerOf> partners_elsewhere(BodyStore<B, Real>& store) {
+    std::vector<PartnerOf> out;
+    if (joined_.empty()) return out;
+    std::vector<Index> named;  // ids, rising
+    for (const auto& [first, second] : joined_) named.insert(named.end(), {first, second});
+    std::sort(named.begin(), named.end());
+    named.erase(std::unique(named.begin(), named.end()), named.end());
+    const auto number = [&](Index id) {
+      return std::lower_bound(named.begin(), named.end(), id) - named.begin();
+    };
+    struct Owner {
+      Index number, place;
+      int rank;
+    };
+    std::vector<Owner> own;
+    const std::vector<Index> ids = store.owned_ids();
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (std::binary_search(named.begin(), named.end(), ids[i]))
+        own.push_back({static_cast<Index>(number(ids[i])), static_cast<Index>(i), ranks_->rank()});
+    std::vector<Owner> owner(named.size(), Owner{0, 0, -1});
+    for (const Owner& each : gather_values(*ranks_, own))
+      owner[static_cast<std::size_t>(each.number)] = each;
+    for (const auto& [first, second] : joined_) {
+      const Owner &a = owner[static_cast<std::size_t>(number(first))],
+                  &b = owner[static_cast<std::size_t>(number(second))];
+      if (a.rank == b.rank || a.rank < 0 || b.rank < 0) continue;
+      if (a.rank == ranks_->rank()) out.push_back({a.place, b.rank});
+      if (b.rank == ranks_->rank()) out.push_back({b.place, a.rank});
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+  }
+  void show_partners(const std::vector<PartnerOf>& partners, Span<std::uint64_t> shown) {
+    std::vector<Index> place;
+    std::vector<std::uint64_t> peers;
+    for (const PartnerOf& partner : partners) {
+      const auto q = std::lower_bound(peer_ranks_.begin(), peer_ranks_.end(), partner.rank) -
+                     peer_ranks_.begin();
+      if (place.empty() || place.back() != partner.place) {
+        place.push_back(partner.place);
+        peers.push_back(0);
+      }
+      peers.back() |= std::uint64_t{1} << q;
+    }
+    Buffer<B, Index> places(*b_);
+    Buffer<B, std::uint64_t> bits(*b_);
+    upload(*b_, place, places);
+    upload(*b_, peers, bits);
+    const auto count = static_cast<Index>(place.size());
+    for_each(*b_, count,
+             ShowToo{std::as_const(places).view(count), std::as_const(bits).view(count), shown});
+  }
+
   B* b_;
   Ranks* ranks_;
   Decomposition decomposition_;
   double slack_;
+  std::vector<std::array<Index, 2>> joined_;
   Ghosts<B> ghosts_;
   std::vector<int> peer_ranks_;  ///< that `shown_` has bits for
   Buffer<B, std::uint64_t> shown_;

@@ -67,7 +67,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
         solver_(make_step_solver()),
         shared_(ranks_ ? std::make_unique<SharedState<B, Real>>(
                              backend(), *ranks_, std::move(plan.decomposition),
-                             summary_.median_diameter, store_, detector_, *solver_, vectors())
+                             summary_.median_diameter, joined_bodies(scene_), store_, detector_,
+                             *solver_, vectors())
                        : nullptr),
         loading_(scene_, store_, obstacles_, owned_here()) {
     if (shared_) {
@@ -95,7 +96,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
     forget_solved_contacts();  // a step that fails leaves none
 
     if (shared_) {
-      shared_->move_bodies(steps_done(), loading_.is_due(time()), [&] { insert_due(time()); });
+      shared_->move_bodies(steps_done(), loading_.is_due(time()), [&] {
+        joints_.spread(b);  // bodies take theirs along
+        insert_due(time());
+      });
     } else {
       insert_due(time());
     }
@@ -109,6 +113,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const BodyView<Real> seen = parts_.place(loaded);
     detector_.detect(b, seen, h, Vec3d(gravity_step()), loads.largest, parts_.of(loaded));
     const ContactView<Real> contacts = detector_.contacts();
+    joints_.place(b, bodies);
     const Offset vectors =
         static_cast<Offset>(contacts.count) * vectors_per_contact(summary_.layout);
     Buffer<B, Vec3<Real>> impulse(b, vectors + joints_.vectors());
@@ -141,8 +146,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
       sums.touching = impacts.before.touching;
     }
     problem.mark = mark.view();
+    const Offset contacts_of_all = problem.all_contacts;
     if (joints_.count() > 0) {
       joints_.join(b, bodies, scene_.stepping, periodic_box().length, assembled, gamma);
+      assembly_.share(b, assembled);  // joints are among what bodies have
       report.max_joint_error = joints_.largest_error(b);
     }
     const double reference = reference_speed(loads_.is_used() ? &loads : nullptr, h * gravity_,
@@ -188,7 +195,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
     report.step = steps_done();
     report.time = time();
-    report.contact_count = shared_ ? problem.all_contacts : contacts.count;
+    report.contact_count = shared_ ? contacts_of_all : contacts.count;
     if (shared_) stats.residual.max_contact = stats.residual.own_max_contact;
     fill_report(report, stats, sums, problem, b, store_);
     if (shared_) add_report(*ranks_, shared_->ghosts().count(), stats.residual.own_max, report);
@@ -393,7 +400,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
         contact_loads<B, Real>(b, {bodies, contacts, gamma.first(of_contacts), vectors(), rolling},
                                impacts_.impulses()),
         forces_);
-    if (joints_.count() > 0) forces_.add_joints(joints_.records(b));
+    if (joints_.count() > 0) forces_.add_joints(joints_.own_records(b));
     forces_.count_step();
   }
 

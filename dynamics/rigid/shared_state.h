@@ -16,18 +16,19 @@ template <class B, class Real>
 class SharedState {
  public:
   /// @param diameter  median of the free bodies [m]
+  /// @param joined    ids of the free bodies that joints hold together
   /// @param store, detector, solver  of the run; they outlive this object
   /// @param vectors   of the impulse of a contact
   SharedState(B& b, Ranks& ranks, Decomposition decomposition, double diameter,
-              BodyStore<B, Real>& store, ContactDetector<B, Real>& detector,
-              Solver<B, Real>& solver, int vectors)
+              std::vector<std::array<Index, 2>> joined, BodyStore<B, Real>& store,
+              ContactDetector<B, Real>& detector, Solver<B, Real>& solver, int vectors)
       : b_(&b),
         ranks_(&ranks),
         store_(&store),
         detector_(&detector),
         solver_(&solver),
         vectors_(vectors),
-        share_(b, ranks, std::move(decomposition), kSlack * diameter) {}
+        share_(b, ranks, std::move(decomposition), kSlack * diameter, std::move(joined)) {}
 
   const Ghosts<B>& ghosts() const { return share_.ghosts(); }
   /// Whether a body at this place belongs to this rank.

@@ -1,6 +1,8 @@
 #pragma once
 // The contact problem of a step, copied from backend memory. Internal to host/.
 
+#include <utility>
+
 #include "host/problems/body_problem.h"
 #include "kernels/backend/backend.h"
 #include "kernels/contact/radial_bodies.h"
@@ -69,6 +71,11 @@ std::vector<BilateralRow> download_joints(B& b, const ContactProblem<Real>& p,
       row.moment = static_cast<double>(joint.length) * Vec3d(joint.world_moment(unit));
       row.bias = joint.bias[r];
       row.impulse = impulse[r];
+      if (row.body_b < row.body_a) {  // the same row, as seen from the other body
+        std::swap(row.body_a, row.body_b);
+        std::swap(row.arm_a, row.arm_b);
+        row.force = -row.force, row.moment = -row.moment;
+      }
       rows.push_back(row);
     }
   }

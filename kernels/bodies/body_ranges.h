@@ -26,11 +26,14 @@ struct BodyRanges {
   /// Owned bodies and ghosts.
   SCREE_HD bool moves(Index i) const { return i < moving_count; }
   SCREE_HD bool is_fixed(Index i) const { return i >= fixed_begin; }
+  SCREE_HD bool is_ghost(Index i) const { return moves(i) && !is_owned(i); }
   /// Whether there may be contacts that do not count here: see counts().
   SCREE_HD bool has_uncounted() const { return higher_begin > owned_count; }
   /// Whether a contact with body B counts here: one with a ghost is listed by both owners, and counts where the rank is
   /// lower.
   SCREE_HD bool counts(Index b) const { return is_owned(b) || !moves(b) || b >= higher_begin; }
+  /// The same of contacts and joints, of which either body may be the ghost.
+  SCREE_HD bool counts(Index a, Index b) const { return counts(a) && counts(b); }
   /// Whether a place of storage is in use.
   SCREE_HD bool exists(Index i) const { return moves(i) || (is_fixed(i) && i < count); }
 

@@ -110,6 +110,15 @@ struct ChooseShown {
   SCREE_HD void operator()(Index i) const { shown[i] = near(i); }
 };
 
+/// Shows some bodies to further peers.
+struct ShowToo {
+  static constexpr const char* name = "show_too";
+  Span<const Index> body;  ///< each once
+  Span<const std::uint64_t> peers;
+  Span<std::uint64_t> shown;  ///< in and out
+  SCREE_HD void operator()(Index k) const { shown[body[k]] |= peers[k]; }
+};
+
 /// Bodies that a peer would have to know but does not. Bytes a body: 52.
 template <class Real>
 struct CountUnseen {

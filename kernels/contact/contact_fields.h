@@ -120,10 +120,10 @@ struct ProblemFields {
   template <class T>
   using Array = typename Store::template Array<T>;
 
-  Array<Index> body_a;               ///< owned, and less than body_b
-  Array<Index> body_b;               ///< owned, ghost or fixed
-  Array<Vec3<Real>> normal;          ///< unit, from A to B; of a joint, its axis
-  typename Store::Bias bias;         ///< [m/s]
+  Array<Index> body_a;        ///< owned, and less than body_b; of joints the first that moves
+  Array<Index> body_b;        ///< owned, ghost or fixed
+  Array<Vec3<Real>> normal;   ///< unit, from A to B; of a joint, its axis
+  typename Store::Bias bias;  ///< [m/s]
   typename Store::Varying friction;  ///< mu [-]
   typename Store::Varying adhesion;  ///< c h [N s]: the cone's apex lies at gamma_n = -c h
   Array<Vec3<Real>> arm_a;           ///< center of A to the contact over the length of A

@@ -112,11 +112,12 @@ template <class F>
 struct CountedOnce {
   static constexpr const char* name = F::name;
   F f;
-  Span<const Index> body_b;
+  Span<const Index> body_a, body_b;
   BodyRanges bodies;
   SCREE_HD auto operator()(Index c) const {
     const auto record = f(c);
-    return bodies.counts(body_b[c]) ? record : std::remove_const_t<decltype(record)>{};
+    if (!bodies.has_uncounted() || bodies.counts(body_a[c], body_b[c])) return record;
+    return std::remove_const_t<decltype(record)>{};
   }
 };
 
@@ -138,7 +139,7 @@ struct ContactsOfBodies {
 /// reduce() over the contacts of all ranks, each counted once.
 template <class R, class B, class Real, class F, class G>
 void reduce_contacts(B& b, const ContactProblem<Real>& p, F f, G finish) {
-  reduce_over_ranks<R>(b, p.contact_count, CountedOnce<F>{f, p.body_b, p.bodies}, finish);
+  reduce_over_ranks<R>(b, p.contact_count, CountedOnce<F>{f, p.body_a, p.body_b, p.bodies}, finish);
 }
 
 /// Natural-map residual of one contact: e = (gamma - P_K(gamma - rho u)) / rho,

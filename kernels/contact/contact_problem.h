@@ -205,6 +205,11 @@ struct ContactProblem : ProblemFields<InProblem<Real>> {
     for (const ContactLists& group : later) n += group.a_start.empty() ? 0 : group.count(i);
     return n;
   }
+  /// The same of ghosts too, where ranks have told of these; 0 of fixed bodies.
+  SCREE_HD Index count_contacts_of_moving(Index i) const {
+    if (bodies.is_owned(i)) return count_contacts(i);
+    return bodies.moves(i) && !ghost_contacts.empty() ? ghost_contacts[i - bodies.owned_count] : 0;
+  }
   /// Contacts of all ranks, each once.
   double contacts_in_all() const {
     return static_cast<double>(all_contacts < 0 ? contact_count : all_contacts);

@@ -54,7 +54,7 @@ struct JointRows {
     Index most = 1;
     for (int side = 0; side < 2; ++side) {
       const Index i = side == 0 ? p.body_a[c] : p.body_b[c];
-      const Index count = p.bodies.is_owned(i) ? p.count_contacts(i) : 0;
+      const Index count = p.count_contacts_of_moving(i);
       if (count > most) most = count;
     }
     const Real d = static_cast<Real>(most) * joint(p, c).scale;

@@ -139,8 +139,8 @@ struct ApgdContactBlock {
     return true;
   }
   Sums<2> one_by_one(Index first, int present) const {
-    const CountedOnce<ApgdContactPass<Rows<Real>, Real>> contact{a.contact_pass(), a.p.body_b,
-                                                                 a.p.bodies};
+    const CountedOnce<ApgdContactPass<Rows<Real>, Real>> contact{a.contact_pass(), a.p.body_a,
+                                                                 a.p.body_b, a.p.bodies};
     Sums<2> sums;
     for (int j = 0; j < present; ++j) sums.combine(contact(first + j));
     return sums;
@@ -240,9 +240,10 @@ class ApgdIteration<Cpu> {
   /// The contact step. @param finish  finish(adds): what ends a sum, which may add to the one before
   template <class R, class Real, class F>
   static void step(Cpu& cpu, const ApgdPasses<R, Real>& a, const F& finish) {
-    reduce<Sums<2>>(cpu, a.p.contact_count,
-                    CountedOnce<ApgdContactPass<R, Real>>{a.contact_pass(), a.p.body_b, a.p.bodies},
-                    finish(false));
+    reduce<Sums<2>>(
+        cpu, a.p.contact_count,
+        CountedOnce<ApgdContactPass<R, Real>>{a.contact_pass(), a.p.body_a, a.p.body_b, a.p.bodies},
+        finish(false));
   }
   template <class Real, class F>
   static void step(Cpu& cpu, const ApgdPasses<RadialRows<Real>, Real>& a, const F& finish) {
@@ -268,10 +269,11 @@ class ApgdIteration<Cpu> {
     radial.p.contact_count = a.p.radial_count;
     step_in_blocks<Rows>(cpu, radial, finish);
     const ApgdGeneralContacts<R, Real> general{a.contact_pass()};
-    const Span<const Index> body_b{a.p.body_b.data + a.p.radial_count,
-                                   a.p.contact_count - a.p.radial_count};
-    reduce<Sums<2>>(cpu, static_cast<Index>(body_b.size),
-                    CountedOnce<ApgdGeneralContacts<R, Real>>{general, body_b, a.p.bodies},
+    const Index count = a.p.contact_count - a.p.radial_count;
+    const Span<const Index> body_a{a.p.body_a.data + a.p.radial_count, count};
+    const Span<const Index> body_b{a.p.body_b.data + a.p.radial_count, count};
+    reduce<Sums<2>>(cpu, count,
+                    CountedOnce<ApgdGeneralContacts<R, Real>>{general, body_a, body_b, a.p.bodies},
                     finish(true));
   }
   template <template <class> class Rows, class Real, class F>

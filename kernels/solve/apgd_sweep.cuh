@@ -211,9 +211,10 @@ struct ReadPartial {
 /// A trial of one of several ranks, whose sums are those of its share.
 template <class R, class Real>
 void apgd_shared_trial(Cuda& b, const ApgdPasses<R, Real>& a, ApgdSums* sums) {
-  reduce<Sums<2>>(b, a.p.contact_count,
-                  CountedOnce<ApgdContactPass<R, Real>>{a.contact_pass(), a.p.body_b, a.p.bodies},
-                  StoreResult<Sums<2>>{&sums->contacts});
+  reduce<Sums<2>>(
+      b, a.p.contact_count,
+      CountedOnce<ApgdContactPass<R, Real>>{a.contact_pass(), a.p.body_a, a.p.body_b, a.p.bodies},
+      StoreResult<Sums<2>>{&sums->contacts});
   reduce<Sums<1>>(b, a.p.bodies.owned_count, a.body_pass(), StoreResult<Sums<1>>{&sums->bodies});
 }
 

@@ -200,7 +200,8 @@ struct ColoringBatch {
 };
 
 /// One round for body active[k]: its head contact is colored when it is the head of the other body
-/// too. Both bodies see the same two old states and come to the same color; body A writes it down.
+/// too. Both bodies see the same two old states and come to the same color; body A writes it down, or the
+/// only one that is owned.
 struct ColoringRound {
   static constexpr const char* name = "coloring_round";
   Span<const Index> body_a;
@@ -228,7 +229,7 @@ struct ColoringRound {
         if (unused != 0) {
           const int bit = lowest_bit(unused);
           s.used |= std::uint64_t{1} << bit;
-          if (body_a[c] == i) color[c] = first_color + bit;
+          if (body_a[c] == i || other >= owned_count) color[c] = first_color + bit;
         }
         if (s.used == kAllColors) s.head = s.end;
       }

@@ -1,7 +1,7 @@
 #pragma once
 // Gauss-Seidel on one contact, and what brings contacts into the order of their colors and back.
 
-#include "kernels/solve/metric_step.h"
+#include "kernels/solve/jacobi_pass.h"
 
 namespace scree {
 
@@ -21,7 +21,9 @@ struct GaussSeidelPass {
   Span<const Index> order = {};  ///< contacts to visit, where there are several groups
 
   SCREE_HD void operator()(Index k) const {
-    const Index c = R::kHasLaterGroups && !order.empty() ? order[first + k] : first + k;
+    visit(R::kHasLaterGroups && !order.empty() ? order[first + k] : first + k);
+  }
+  SCREE_HD void visit(Index c) const {
     const Index a = p.body_a[c], b = p.body_b[c];
     const Twist<Real> v_a = velocity[a], v_b = velocity[b];
     const auto old = R::load(gamma, c);
@@ -33,6 +35,95 @@ struct GaussSeidelPass {
     if (p.bodies.is_owned(b)) {
       velocity[b] = v_b + R::apply_inverse_mass(p, b, R::wrench(p, c, true, move));
     }
+  }
+};
+
+/// Whether two ranks list a contact.
+template <class Real>
+SCREE_HD bool is_at_border(const ContactProblem<Real>& p, Index c) {
+  return p.bodies.is_ghost(p.body_a[c]) || p.bodies.is_ghost(p.body_b[c]);
+}
+
+/// Gauss-Seidel with several ranks: contacts of a color that this rank alone lists.
+template <class R, class Real>
+struct InnerGaussSeidelPass {
+  static constexpr const char* name = "inner_gauss_seidel_pass";
+  GaussSeidelPass<R, Real> pass;
+  Span<const Index> order;
+  Index first = 0;
+  SCREE_HD void operator()(Index k) const {
+    const Index c = order[first + k];
+    if (!is_at_border(pass.p, c)) pass.visit(c);
+  }
+};
+
+/// The other contacts, all at once: the two ranks that list one give it the same impulse.
+template <class R, class Real>
+struct BorderPass {
+  static constexpr const char* name = "border_pass";
+  JacobiPass<R, Real> pass;
+  SCREE_HD void operator()(Index c) const {
+    if (is_at_border(pass.p, c)) pass(c);
+  }
+};
+
+/// How many of those a body has. Bytes a contact: 4 as A, 12 as B.
+template <class Real>
+struct CountBorderContacts {
+  static constexpr const char* name = "count_border_contacts";
+  ContactProblem<Real> p;
+  Span<Index> count;  ///< [owned_count] out
+  SCREE_HD void operator()(Index i) const {
+    Index n = 0;
+    for (int g = 0; g <= kLaterGroups; ++g) {
+      const ContactLists list = p.lists(g);
+      if (list.a_start.empty()) continue;
+      for (Index k = list.a_start[i]; k < list.a_start[i + 1]; ++k)
+        n += is_at_border(p, list.first + k) ? 1 : 0;
+      for (Index e = list.b_start[i]; e < list.b_start[i + 1]; ++e)
+        n += is_at_border(p, list.first + list.b_contact[e]) ? 1 : 0;
+    }
+    count[i] = n;
+  }
+};
+
+/// The metric of each contact: that of its block, or at borders, where all contacts step at once, the bound (11) of these alone.
+template <class R, class Real>
+struct StoreMetricOfRanks {
+  static constexpr const char* name = "store_metric_of_ranks";
+  ContactProblem<Real> p;
+  Span<const Index> border;  ///< contacts at borders of each body that moves
+  Span<ContactMetric<Real>> metric;
+
+  SCREE_HD void operator()(Index c) const {
+    metric[c] = is_at_border(p, c) ? split(c) : own_metric<R>(p, c);
+  }
+
+ private:
+  SCREE_HD ContactMetric<Real> split(Index c) const {
+    const Index body[2] = {p.body_a[c], p.body_b[c]};
+    Index most = 0;
+    ContactMetric<Real> sum{0, 0, 0};
+    for (int side = 0; side < 2; ++side) {
+      if (!p.bodies.moves(body[side])) continue;
+      const Index count = border[body[side]];
+      most = count > most ? count : most;
+      if constexpr (R::kHasJoints) {
+        if (R::is_joint(p, c)) continue;
+      }
+      const auto k = static_cast<Real>(count);
+      const ContactMetric<Real> m = R::body_metric(p, c, side == 1, body[side]);
+      sum.normal += k * m.normal;
+      sum.tangential += k * m.tangential;
+      sum.moment += k * m.moment;
+    }
+    if constexpr (R::kHasJoints) {
+      if (R::is_joint(p, c)) {  // of which one number bounds all rows
+        const Real d = static_cast<Real>(most) * R::Joints::block_trace(p, c) / 3;
+        return {d, d, d};
+      }
+    }
+    return sum;
   }
 };
 

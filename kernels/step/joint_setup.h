@@ -72,28 +72,57 @@ struct FindPlaces {
 /// The bodies of joints in storage.
 struct JointPlaces {
   Span<const JointFrames> joints;
-  Span<const Index> place;  ///< storage index by id
+  Span<const Index> place;  ///< storage index by id; kNowhere: another rank has the body
   Index world = 0;          ///< that of the world: behind all bodies
+  Index moving_count = 0;
+
+  static constexpr Index kNowhere = -1;
 
   SCREE_HD Index of(Index id) const { return id == kWorldId ? world : place[id]; }
-  /// Whether A of the problem, the body that comes first in storage, is the second of the joint.
-  SCREE_HD bool is_turned(Index joint) const {
-    return of(joints[joint].body[1]) < of(joints[joint].body[0]);
-  }
+  /// Whether A of the problem is the second body of the joint: where the first one does not move. Where both do, A is the first
+  /// one wherever they are in storage, which differs between ranks that have them.
+  SCREE_HD bool is_turned(Index joint) const { return !(of(joints[joint].body[0]) < moving_count); }
 };
 
-/// Sort keys of joints: their bodies, the first in storage first.
+/// Sort keys of joints: their bodies, that of A first. Those without an owned body come behind all others.
 struct JointKeys {
   static constexpr const char* name = "joint_keys";
   JointPlaces places;
+  Index owned_count = 0;
   Span<std::uint64_t> key;  ///< out
   Span<Index> order;        ///< out: the joint itself
+
   SCREE_HD void operator()(Index j) const {
-    const Index first = places.of(places.joints[j].body[0]);
-    const Index second = places.of(places.joints[j].body[1]);
-    key[j] = first < second ? make_key(first, static_cast<std::uint32_t>(second))
-                            : make_key(second, static_cast<std::uint32_t>(first));
+    const int a = places.is_turned(j) ? 1 : 0;
+    const Index first = places.of(places.joints[j].body[a]);
+    const Index second = places.of(places.joints[j].body[1 - a]);
+    const bool is_here = is_owned(first) || is_owned(second);
+    key[j] =
+        is_here ? make_key(first, static_cast<std::uint32_t>(second)) : make_key(places.world, 0);
     order[j] = j;
+  }
+
+ private:
+  SCREE_HD bool is_owned(Index place) const { return place >= 0 && place < owned_count; }
+};
+
+/// To count the joints with an owned body.
+struct KeyIsBelow {
+  static constexpr const char* name = "joint_is_here";
+  Span<const std::uint64_t> key;
+  std::uint64_t end = 0;
+  SCREE_HD Sums<1> operator()(Index k) const { return {{key[k] < end ? 1.0 : 0.0}}; }
+};
+
+/// Marks the joints whose impulses and states this rank tells of, where several have them.
+struct MarkCountedJoints {
+  static constexpr const char* name = "mark_counted_joints";
+  BodyRanges bodies;
+  Span<const Index> body_a, body_b;  ///< of each row
+  Span<const Index> order;           ///< joint of each row
+  Span<Index> is_counted;            ///< of each joint, out
+  SCREE_HD void operator()(Index k) const {
+    is_counted[order[k]] = bodies.counts(body_a[k], body_b[k]) ? 1 : 0;
   }
 };
 

@@ -6,6 +6,7 @@
 #include "host/scene/bed_scene.h"
 #include "host/state_hash.h"
 #include "tests/parity/parity.h"
+#include "tests/physics/joint_scenes.h"
 
 namespace scree::parity {
 namespace {
@@ -127,6 +128,31 @@ TEST_F(ParityRanks, RunsRepeatTheirBits) {
   const RankedOutcome second = on_gpus(2, scene, nullptr, 80, Precision::single_precision);
   EXPECT_EQ(state_hash(first.states), state_hash(second.states));
   EXPECT_TRUE(first.report.converged);
+}
+
+// Joints of all kinds over borders, with contacts.
+TEST_F(ParityRanks, JointsToo) {
+  Scene scene = row_of_joints();
+  scene.solver.stop = StopRule();
+  World lands = world_on(BackendKind::cuda, scene, Precision::double_precision);
+  for (int k = 0; k < 120; ++k) lands.step();
+  const WorldState start = lands.save();
+  for (const char* solver : {"apgd", "gauss_seidel_colored"}) {
+    scene.solver.name = solver;
+    scene.solver.stop = {StopRule::Level::absolute, 1e-10};
+    scene.solver.max_iterations = 100000;
+    World one = world_on(BackendKind::cuda, scene, Precision::double_precision);
+    one.restore(start);
+    ASSERT_TRUE(one.step().converged) << solver;
+    for (const int ranks : {2, 3}) {
+      const RankedOutcome more = on_gpus(ranks, scene, &start, 1, Precision::double_precision);
+      EXPECT_TRUE(more.report.converged) << solver;
+      EXPECT_LT(largest_difference(more.states.velocity, one.states().velocity), 1e-6) << solver;
+    }
+  }
+  scene.solver = SolverSettings{};
+  scene.solver.max_iterations = 20000;
+  EXPECT_TRUE(on_gpus(3, scene, &start, 100, Precision::single_precision).report.converged);
 }
 
 TEST_F(ParityRanks, JacobiAndShapesToo) {

@@ -95,4 +95,45 @@ double period_of(World& world, int steps, Value value, Seen seen) {
   return rises > 1 ? (last - first) / (rises - 1) : 0;
 }
 
+/// A row of boxes along x, each joined to the next by another kind of joint, with all that drives and limits them, that falls
+/// on a floor between loose balls. Its ends are held to the world and to a fixed body.
+inline Scene row_of_joints(int boxes = 20) {
+  constexpr double kSpacing = 0.12;
+  Scene scene = empty_scene(1e-3, 0.4);
+  scene.solver.max_iterations = 20000;
+  add_plane(scene);
+  for (int k = 0; k < boxes; ++k) {
+    BodyDescription& box =
+        add_box(scene, {kSpacing * k, 0, 0.09 + 0.01 * (k % 3)}, {0.04, 0.03, 0.02}, 0.2);
+    box.angular_velocity = {0.3 * (k % 2), 0.2, -0.1 * k};
+  }
+  constexpr JointKind kKinds[] = {JointKind::hinge,       JointKind::ball,      JointKind::fixed,
+                                  JointKind::slider,      JointKind::universal, JointKind::distance,
+                                  JointKind::cylindrical, JointKind::cable,     JointKind::spring};
+  for (int k = 0; k + 1 < boxes; ++k) {
+    const int a = k + 1, b = k + 2;  // behind the plane
+    const Vec3d from = scene.bodies[static_cast<std::size_t>(a)].position;
+    const Vec3d to = scene.bodies[static_cast<std::size_t>(b)].position;
+    const JointKind kind = kKinds[k % 9];
+    const bool is_line =
+        kind == JointKind::distance || kind == JointKind::cable || kind == JointKind::spring;
+    // Some name their bodies the other way round.
+    Joint joint = is_line
+                      ? line_of(kind, a, b, from, to)
+                      : joint_of(kind, k % 2 == 0 ? a : b, k % 2 == 0 ? b : a, 0.5 * (from + to),
+                                 kind == JointKind::slider ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
+    if (kind == JointKind::universal) joint.second_axis = {0, 0, 1};
+    if (kind == JointKind::hinge) joint.limits = {-0.1, 0.1}, joint.friction = 1e-3;
+    if (kind == JointKind::slider) joint.motor = JointMotor{.speed = 0.3, .max_force = 2};
+    if (kind == JointKind::spring) joint.stiffness = 200, joint.damping = 0.5;
+    scene.joints.push_back(joint);
+  }
+  scene.joints.push_back(joint_of(JointKind::ball, kWorldBody, 1, {-0.05, 0, 0.09}));
+  add_wall_box(scene, {kSpacing * boxes, 0, 0.2}, {0.03, 0.03, 0.03});
+  scene.joints.push_back(
+      joint_of(JointKind::ball, boxes, boxes + 1, {kSpacing * (boxes - 0.5), 0, 0.15}));
+  for (int k = 0; k < boxes; ++k) add_sphere(scene, {kSpacing * k + 0.03, 0.01, 0.025}, 0.02, 0.1);
+  return scene;
+}
+
 }  // namespace scree::physics

@@ -11,49 +11,10 @@
 #include <set>
 
 #include "host/error.h"
-#include "host/ranks/thread_ranks.h"
-#include "tests/physics/scene_builder.h"
+#include "tests/physics/rank_runs.h"
 
 namespace scree::physics {
 namespace {
-
-/// Runs `body` with the World of each rank.
-void on_ranks(int count, const Scene& scene, const std::function<void(World&, Ranks&)>& body,
-              Precision precision = Precision::double_precision) {
-  run_thread_ranks(count, [&](const std::shared_ptr<Ranks>& ranks) {
-    WorldOptions options = cpu_options(1, precision);
-    options.ranks = ranks;
-    World world(scene, options);
-    body(world, *ranks);
-  });
-}
-
-/// What rank 0 knows after a number of steps.
-struct RunResult {
-  std::vector<StepReport> reports;
-  BodyStates states;
-  std::vector<ContactRecord> contacts;
-};
-
-RunResult run_on(int ranks, const Scene& scene, int steps,
-                 Precision precision = Precision::double_precision) {
-  RunResult run;
-  on_ranks(
-      ranks, scene,
-      [&](World& world, Ranks& group) {
-        std::vector<StepReport> reports;
-        for (int k = 0; k < steps; ++k) reports.push_back(world.step());
-        std::vector<ContactRecord> contacts = world.contacts();
-        BodyStates states = world.states();
-        if (group.rank() == 0) run = {reports, std::move(states), std::move(contacts)};
-      },
-      precision);
-  return run;
-}
-
-bool same_bits(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3d)) == 0;
-}
 
 /// A loose block of spheres of two sizes that falls on a floor.
 Scene falling_block(int count = 300) {
@@ -66,37 +27,6 @@ Scene falling_block(int count = 300) {
       set_mass_from_density(scene.bodies[i], 2500);
     }
   return scene;
-}
-
-/// The state after a block has come down, with the solver's own tolerance.
-WorldState landed(Scene scene, double seconds) {
-  scene.solver = SolverSettings{};
-  World world = reference_world(scene);
-  run_for(world, scene, seconds);
-  return world.save();
-}
-
-/// One step from a state, by one rank and by several: the same contacts and velocities.
-/// @param most  difference of velocities [m/s]  @return  what both report
-std::pair<StepReport, StepReport> compared_step(int count, const Scene& scene,
-                                                const WorldState& start, double most) {
-  World alone = reference_world(scene);
-  alone.restore(start);
-  const StepReport one = alone.step();
-  const BodyStates expected = alone.states();
-  StepReport more;
-  on_ranks(count, scene, [&](World& world, Ranks& ranks) {
-    world.restore(start);
-    const StepReport report = world.step();
-    EXPECT_EQ(report.contact_count, one.contact_count);
-    const BodyStates states = world.states();
-    if (ranks.rank() > 0) return;
-    EXPECT_LT(largest_difference(states.velocity, expected.velocity), most);
-    EXPECT_LT(largest_difference(states.position, expected.position),
-              scene.stepping.time_step * most + 1e-12);
-    more = report;
-  });
-  return {one, more};
 }
 
 class OnRanks : public testing::TestWithParam<int> {};
@@ -452,6 +382,18 @@ TEST_P(OnRanks, ExactImpactsGoThroughBorders) {
               0.02 * one.reports.back().kinetic_energy);
 }
 
+TEST_P(OnRanks, ColoredGaussSeidelAgreesToo) {
+  Scene scene = falling_block(150);
+  const WorldState start = landed(scene, 0.25);
+  scene.solver.name = "gauss_seidel_colored";
+  solve_to(scene, 1e-11);
+  scene.solver.max_iterations = 200000;
+  const auto [one, more] = compared_step(GetParam(), scene, start, 1e-8);
+  EXPECT_TRUE(one.converged && more.converged);
+  // Contacts at borders take smaller steps.
+  EXPECT_LT(more.iterations, 4 * one.iterations);
+}
+
 TEST(RanksOfAScene, JacobiAgreesToo) {
   Scene scene = falling_block(60);
   scene.solver.name = "jacobi";
@@ -511,13 +453,11 @@ TEST(RanksOfAScene, WhatOneRankAloneSimulatesIsRefusedByName) {
     }
     return text;
   };
-  Scene jointed = falling_block(10);
-  jointed.joints.emplace_back();
-  jointed.joints.back().bodies = {1, 2};
-  EXPECT_NE(message(jointed).find("joints"), std::string::npos) << message(jointed);
   Scene other = falling_block(10);
   other.solver.name = "schwarz";
-  EXPECT_NE(message(other).find("\"apgd\", \"jacobi\""), std::string::npos) << message(other);
+  EXPECT_NE(message(other).find("\"apgd\", \"jacobi\", \"gauss_seidel_colored\""),
+            std::string::npos)
+      << message(other);
 }
 
 TEST(RanksOfAScene, AStateThatIsNotFiniteIsNamedOnce) {

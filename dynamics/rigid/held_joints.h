@@ -58,11 +58,10 @@ class HeldJoints {
     rows_ = 0;
     place_.clear();
     joint_.clear();
-    const auto is_ghost = [&](Index i) { return p.bodies.moves(i) && !p.bodies.is_owned(i); };
     for (Index k = 0; k < p.joints.size; ++k) {
       const JointRow<Real>& j = p.joints[k];
       const Index c = p.joint_begin + k;
-      const bool has_ghost = is_ghost(p.body_a[c]) || is_ghost(p.body_b[c]);
+      const bool has_ghost = p.bodies.is_ghost(p.body_a[c]) || p.bodies.is_ghost(p.body_b[c]);
       std::array<int, kJointRows> place;
       for (int r = 0; r < kJointRows; ++r) {
         const bool is_held = !has_ghost && j.inverse_pivot(r) > Real(0) &&

@@ -11,6 +11,7 @@
 #include "collision/body_order.h"
 #include "dynamics/ranks/decomposition.h"
 #include "dynamics/ranks/gather.h"
+#include "dynamics/ranks/partners.h"
 #include "dynamics/ranks/state_parts.h"
 #include "dynamics/rigid/body_store.h"
 #include "kernels/bodies/ghosts.h"
@@ -245,8 +246,10 @@ class RankShare {
   void choose(BodyStore<B, Real>& store, const ReachOfBody<Real>& reach,
               const std::vector<BallExtent>& all) {
     peer_ranks_ = near_ranks(all, reach.balls.range.period, slack_);
-    const std::vector<PartnerOf> partners = partners_elsewhere(store);
-    for (const PartnerOf& partner : partners) peer_ranks_.push_back(partner.rank);
+    const std::vector<Partner> partners =
+        joined_.empty() ? std::vector<Partner>{}
+                        : partners_elsewhere(*ranks_, joined_, store.owned_ids());
+    for (const Partner& partner : partners) peer_ranks_.push_back(partner.rank);
     std::sort(peer_ranks_.begin(), peer_ranks_.end());
     peer_ranks_.erase(std::unique(peer_ranks_.begin(), peer_ranks_.end()), peer_ranks_.end());
     if (peer_ranks_.size() > 64) throw_too_many_peers(peer_ranks_.size());
@@ -286,51 +289,10 @@ class RankShare {
     is_current_ = true;
   }
 
-  /// An owned body that a joint holds to one of another rank.
-  struct PartnerOf {
-    Index place;
-    int rank;
-    bool operator<(const PartnerOf& o) const {
-      return std::pair(place, rank) < std::pair(o.place, o.rank);
-    }
-  };
-  /// All of them, by place. A call that all ranks make together.
-  std::vector<PartnerOf> partners_elsewhere(BodyStore<B, Real>& store) {
-    std::vector<PartnerOf> out;
-    if (joined_.empty()) return out;
-    std::vector<Index> named;  // ids, rising
-    for (const auto& [first, second] : joined_) named.insert(named.end(), {first, second});
-    std::sort(named.begin(), named.end());
-    named.erase(std::unique(named.begin(), named.end()), named.end());
-    const auto number = [&](Index id) {
-      return std::lower_bound(named.begin(), named.end(), id) - named.begin();
-    };
-    struct Owner {
-      Index number, place;
-      int rank;
-    };
-    std::vector<Owner> own;
-    const std::vector<Index> ids = store.owned_ids();
-    for (std::size_t i = 0; i < ids.size(); ++i)
-      if (std::binary_search(named.begin(), named.end(), ids[i]))
-        own.push_back({static_cast<Index>(number(ids[i])), static_cast<Index>(i), ranks_->rank()});
-    std::vector<Owner> owner(named.size(), Owner{0, 0, -1});
-    for (const Owner& each : gather_values(*ranks_, own))
-      owner[static_cast<std::size_t>(each.number)] = each;
-    for (const auto& [first, second] : joined_) {
-      const Owner &a = owner[static_cast<std::size_t>(number(first))],
-                  &b = owner[static_cast<std::size_t>(number(second))];
-      if (a.rank == b.rank || a.rank < 0 || b.rank < 0) continue;
-      if (a.rank == ranks_->rank()) out.push_back({a.place, b.rank});
-      if (b.rank == ranks_->rank()) out.push_back({b.place, a.rank});
-    }
-    std::sort(out.begin(), out.end());
-    return out;
-  }
-  void show_partners(const std::vector<PartnerOf>& partners, Span<std::uint64_t> shown) {
+  void show_partners(const std::vector<Partner>& partners, Span<std::uint64_t> shown) {
     std::vector<Index> place;
     std::vector<std::uint64_t> peers;
-    for (const PartnerOf& partner : partners) {
+    for (const Partner& partner : partners) {
       const auto q = std::lower_bound(peer_ranks_.begin(), peer_ranks_.end(), partner.rank) -
                      peer_ranks_.begin();
       if (place.empty() || place.back() != partner.place) {

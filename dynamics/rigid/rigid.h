@@ -25,6 +25,7 @@
 #include "dynamics/rigid/part_store.h"
 #include "dynamics/rigid/prescribed_motion.h"
 #include "dynamics/rigid/problem_assembly.h"
+#include "dynamics/rigid/problem_source.h"
 #include "dynamics/rigid/rigid_card.h"
 #include "dynamics/rigid/saved_state.h"
 #include "dynamics/rigid/shared_state.h"
@@ -33,7 +34,6 @@
 #include "host/problems/download_problem.h"
 #include "host/scene/run_summary.h"
 #include "host/scene/stored_joints.h"
-#include "host/version.h"
 #include "kernels/step/written_state.h"
 #include "solvers/coulomb.h"
 #include "solvers/solver.h"
@@ -157,7 +157,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
       *stored = download_any_problem<B, Real>(b, problem, gamma, store_.ids(), bodies);
-      stored->source = problem_source(reference);
+      stored->source = problem_source<B, Real>(scene_, steps_done() + 1, time(), reference);
       clock.lap();  // belongs to no stage
     }
 
@@ -519,19 +519,6 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   PeriodicBox periodic_box() const { return scree::periodic_box(scene_.periodicity); }
-
-  ProblemSource problem_source(double reference) const {
-    ProblemSource s;
-    s.scene = scene_.name;
-    s.program = std::string("scree ") + version() + " (" + commit() + ")";
-    s.backend = B::kName;
-    s.precision = std::is_same_v<Real, double> ? "double" : "float";
-    s.step = steps_done() + 1;
-    s.time = time();
-    s.time_step = scene_.stepping.time_step;
-    s.reference_speed = reference;
-    return s;
-  }
 
   /// What programs added stays behind the bodies of the scene.
   LateBodies added_bodies() {

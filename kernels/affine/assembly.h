@@ -1,8 +1,8 @@
 #pragma once
 // First and second derivatives of the potential as a linear system of rows of bodies.
 //
-// Each pair within reach, each that rubs, and each driven joint is an element with a gradient and a matrix of low rank, carried to its two bodies;
-// pairs with a mollifier are two. An element has an entry for each of its bodies, sorted by row and then by the row of the other
+// Each pair within reach, each that rubs, and each driven joint is an element with a gradient and a matrix of low rank, carried to
+// its two bodies; pairs with a mollifier are two. An element has an entry for each of its bodies, sorted by row and then by the row of the other
 // body. So entries of a row lie beside each other, and those of two rows too, and each block is summed in one order by who owns it.
 
 #include "kernels/affine/block_system.h"

@@ -143,20 +143,6 @@ Scene cloud(double h, double restitution, std::uint32_t seed) {
   return scene;
 }
 
-struct Momenta {
-  Vec3d linear, angular;
-};
-Momenta momenta_of(const BodyStates& s, const Scene& scene) {
-  Momenta m;
-  for (std::size_t i = 0; i < s.position.size(); ++i) {
-    const BodyDescription& body = scene.bodies[i];
-    m.linear += body.mass * s.velocity[i];
-    m.angular +=
-        body.mass * cross(s.position[i], s.velocity[i]) + body.inertia.x * s.angular_velocity[i];
-  }
-  return m;
-}
-
 /// Change of the angular momentum over 0.2 s, RMS over seeds; checks the linear
 /// momentum on the way.
 double angular_drift(double h, double restitution) {

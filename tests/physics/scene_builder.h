@@ -209,4 +209,21 @@ inline double normal_impulse(const World& world, int id) {
   return sum;
 }
 
+struct Momenta {
+  Vec3d linear, angular;
+};
+/// Of bodies that are all free, about the origin.
+inline Momenta momenta_of(const BodyStates& s, const Scene& scene) {
+  Momenta m;
+  for (std::size_t i = 0; i < s.position.size(); ++i) {
+    const BodyDescription& body = scene.bodies[i];
+    const Vec3d p = body.mass * s.velocity[i];
+    const Vec3d w = rotate_back(s.orientation[i], s.angular_velocity[i]);
+    const Vec3d spin{body.inertia.x * w.x, body.inertia.y * w.y, body.inertia.z * w.z};
+    m.linear += p;
+    m.angular += cross(s.position[i], p) + rotate(s.orientation[i], spin);
+  }
+  return m;
+}
+
 }  // namespace scree::physics

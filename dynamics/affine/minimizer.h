@@ -280,11 +280,12 @@ class Minimizer {
       for_each(b, rows,
                AddElements{elements, entry, begin_.view(), diagonal_.view(), right_.view()});
     } else {
-      const EntryRuns runs{begin_.view(rows), {begin_.data() + 1, rows}};
-      const Index items = 12 * EntryRuns::piece_end(rows, entries);
+      const EntryRuns runs{
+          begin_.view(rows), {begin_.data() + 1, rows}, EntryRuns::piece_of(entries)};
+      const Index items = 12 * runs.piece_end(entries);
       line_.reserve_discard(items);
       for_each(b, items, AddPieces{elements, entry, runs, false, line_.view(items)});
-      for_each(b, 12 * rows,
+      for_each(b, PieceNumber::kCount * rows,
                AddPiecesToRows{runs, line_.view(items), diagonal_.view(), right_.view()});
     }
   }
@@ -300,11 +301,11 @@ class Minimizer {
     } else {
       mark_.reserve_discard(blocks);
       for_each(b, blocks, EndBlocks{key, first, mark_.view(blocks)});
-      const EntryRuns runs{first, mark_.view(blocks)};
-      const Index items = 12 * EntryRuns::piece_end(blocks, entries);
+      const EntryRuns runs{first, mark_.view(blocks), EntryRuns::piece_of(entries)};
+      const Index items = 12 * runs.piece_end(entries);
       line_.reserve_discard(items);
       for_each(b, items, AddPieces{elements, entry, runs, true, line_.view(items)});
-      for_each(b, 12 * blocks,
+      for_each(b, PieceNumber::kCount * blocks,
                AddPiecesToBlocks{keys, key, runs, line_.view(items), mixed_.view(blocks)});
     }
   }

@@ -12,6 +12,10 @@
 
 namespace scree::affine {
 
+/// Threads of a block of programs of which there are few items that take long: on more multiprocessors they wait less for each
+/// other.
+inline constexpr int kWaitingThreads = 64;
+
 /// Position, velocity, force or step of an affine body.
 struct AffineVec {
   Vec3d node[4];  ///< center of mass, then the columns of A

@@ -51,6 +51,7 @@ struct ListMarked {
 /// Bytes: 784 written an element.
 struct MakeElements {
   static constexpr const char* name = "affine_elements";
+  static constexpr int kBlockThreads = kWaitingThreads;
   Potential p;
   Span<const AffineVec> q;
   /// Near pairs, each as often as it has elements; slips come behind them, then driven joints.
@@ -204,6 +205,7 @@ SCREE_HD inline void add_row(const Element& e, int side, int to, int i, double* 
 /// Inertia and elastic energy of a row: its diagonal block and right-hand side without elements.
 struct BeginRows {
   static constexpr const char* name = "affine_begin_rows";
+  static constexpr int kBlockThreads = kWaitingThreads;
   Potential p;
   Span<const AffineVec> q;
   Span<Dense<12>> diagonal;  ///< out
@@ -285,23 +287,26 @@ struct AddMixed {
 
 /// Entries of rows, or of blocks, cut into pieces: on a device many items add up the entries of one, each a line of a piece.
 struct EntryRuns {
-  static constexpr Index kPiece = 16;  ///< entries
-  Span<const Index> begin, end;        ///< of each row or block
+  Span<const Index> begin, end;  ///< of each row or block
+  /// Entries of a piece: short pieces keep a device busy that has few, long ones need less memory.
+  static constexpr Index kShort = 4, kLong = 16;
+  Index piece = kLong;
 
+  static Index piece_of(Index entries) { return entries < 100'000 ? kShort : kLong; }
   /// Above the number of any piece.
-  static Index piece_end(Index runs, Index entries) { return entries / kPiece + runs; }
+  Index piece_end(Index entries) const { return entries / piece + static_cast<Index>(begin.size); }
   /// Pieces of a run have numbers from here on, those of the next one higher numbers.
-  SCREE_HD Index first_piece(Index run) const { return begin[run] / kPiece + run; }
-  SCREE_HD Index run_of(Index piece) const {
+  SCREE_HD Index first_piece(Index run) const { return begin[run] / piece + run; }
+  SCREE_HD Index run_of(Index number) const {
     Index run = 0, after = static_cast<Index>(begin.size);
     while (after - run > 1) {
       const Index middle = run + (after - run) / 2;
-      (first_piece(middle) <= piece ? run : after) = middle;
+      (first_piece(middle) <= number ? run : after) = middle;
     }
     return run;
   }
   SCREE_HD Index piece_count(Index run) const {
-    return (end[run] - begin[run] + kPiece - 1) / kPiece;
+    return (end[run] - begin[run] + piece - 1) / piece;
   }
 };
 
@@ -320,13 +325,17 @@ struct EndBlocks {
 
 /// What the entries of a piece add to a line of a block, and to a number of the right-hand side.
 struct LineSum {
+  static constexpr int kNumbers = 13;
   double line[12] = {};
   double push = 0;
+
+  SCREE_HD double number(int k) const { return k < 12 ? line[k] : push; }
 };
 
 /// Adds up pieces, of which a number may have no entries. Items: 12 a piece.
 struct AddPieces {
   static constexpr const char* name = "affine_add_pieces";
+  static constexpr int kBlockThreads = kWaitingThreads;
   Span<const Element> elements;
   Span<const Index> entry;
   EntryRuns runs;
@@ -335,9 +344,8 @@ struct AddPieces {
 
   SCREE_HD void operator()(Index item) const {
     const Index piece = item / 12, run = runs.run_of(piece);
-    const Index from = runs.begin[run] + (piece - runs.first_piece(run)) * EntryRuns::kPiece;
-    const Index to =
-        from + EntryRuns::kPiece < runs.end[run] ? from + EntryRuns::kPiece : runs.end[run];
+    const Index from = runs.begin[run] + (piece - runs.first_piece(run)) * runs.piece;
+    const Index to = from + runs.piece < runs.end[run] ? from + runs.piece : runs.end[run];
     LineSum mine;
     for (Index k = from; k < to; ++k) {
       const Element& e = elements[entry[k] / 2];
@@ -349,7 +357,25 @@ struct AddPieces {
   }
 };
 
-/// Adds pieces to the diagonal block and the right-hand side of their row. Items: 12 a row.
+/// A number of a sum over the pieces of a run: one of its lines, or of its right-hand side.
+struct PieceNumber {
+  static constexpr int kCount = 12 * LineSum::kNumbers;  ///< of a run
+  Index run;
+  int line, number;  ///< the last number of a line belongs to the right-hand side
+
+  SCREE_HD explicit PieceNumber(Index item)
+      : run(item / kCount),
+        line(item % kCount / LineSum::kNumbers),
+        number(item % LineSum::kNumbers) {}
+  SCREE_HD double sum(const EntryRuns& runs, Span<const LineSum> sums) const {
+    double all = 0;
+    const Index first = runs.first_piece(run), end = first + runs.piece_count(run);
+    for (Index piece = first; piece < end; ++piece) all += sums[12 * piece + line].number(number);
+    return all;
+  }
+};
+
+/// Adds pieces to the diagonal block and the right-hand side of their row. Items: PieceNumber::kCount a row.
 struct AddPiecesToRows {
   static constexpr const char* name = "affine_add_pieces_to_rows";
   EntryRuns runs;
@@ -358,20 +384,17 @@ struct AddPiecesToRows {
   Span<AffineVec> right;
 
   SCREE_HD void operator()(Index item) const {
-    const Index row = item / 12, first = runs.first_piece(row);
-    const int line = item % 12;
-    LineSum all;
-    for (Index piece = first; piece < first + runs.piece_count(row); ++piece) {
-      const LineSum& part = sum[12 * piece + line];
-      for (int j = 0; j < 12; ++j) all.line[j] += part.line[j];
-      all.push += part.push;
+    const PieceNumber of(item);
+    const double all = of.sum(runs, sum);
+    if (of.number < 12) {
+      diagonal[of.run](of.line, of.number) += all;
+    } else {
+      right[of.run].node[of.line / 3][of.line % 3] += all;
     }
-    for (int j = 0; j < 12; ++j) diagonal[row](line, j) += all.line[j];
-    right[row].node[line / 3][line % 3] += all.push;
   }
 };
 
-/// Makes blocks of pieces. Items: 12 a block.
+/// Makes blocks of pieces. Items: PieceNumber::kCount a block.
 struct AddPiecesToBlocks {
   static constexpr const char* name = "affine_add_pieces_to_blocks";
   EntryKeys keys;
@@ -381,17 +404,15 @@ struct AddPiecesToBlocks {
   Span<MixedBlock> mixed;  ///< out
 
   SCREE_HD void operator()(Index item) const {
-    const Index block = item / 12, first = runs.first_piece(block);
-    const int line = item % 12;
-    double all[12] = {};
-    for (Index piece = first; piece < first + runs.piece_count(block); ++piece)
-      for (int j = 0; j < 12; ++j) all[j] += sum[12 * piece + line].line[j];
-    if (line == 0) {
-      const std::uint64_t own = key[runs.begin[block]];
-      mixed[block].row = keys.row(own);
-      mixed[block].column = keys.other(own);
+    const PieceNumber of(item);
+    MixedBlock& block = mixed[of.run];
+    if (of.number < 12) {
+      block.value(of.line, of.number) = of.sum(runs, sum);
+    } else if (of.line == 0) {
+      const std::uint64_t own = key[runs.begin[of.run]];
+      block.row = keys.row(own);
+      block.column = keys.other(own);
     }
-    for (int j = 0; j < 12; ++j) mixed[block].value(line, j) = all[j];
   }
 };
 

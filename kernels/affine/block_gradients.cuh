@@ -1,9 +1,11 @@
 #pragma once
-// Tuned twin of conjugate gradients: one cooperative launch runs a whole solve, a warp a row.
+// Tuned twin of conjugate gradients: one cooperative launch runs a whole solve, a warp a row. Systems of few rows go to
+// cluster_gradients.cuh.
 //
 // Bytes of an iteration: 1,152 a diagonal block and its inverse, twice 1,152 a block above the diagonal, 8 x 96 a row; systems of some
 // thousand rows stay in the second-level cache. What an iteration takes at least are two meetings of all blocks, some 2 us each.
 
+#include "kernels/affine/cluster_gradients.cuh"
 #include "kernels/affine/gradient_iteration.h"
 #include "kernels/backend/cuda.cuh"
 #include "kernels/backend/device_counter.cuh"
@@ -153,16 +155,21 @@ inline __global__ void __launch_bounds__(kThreads)
 template <>
 class GradientIteration<Cuda> {
  public:
-  explicit GradientIteration(Cuda& cuda) : state_(cuda, 1), arrived_(cuda, 1), partial_(cuda) {}
+  explicit GradientIteration(Cuda& cuda)
+      : cluster_(cuda), state_(cuda, 1), arrived_(cuda, 1), partial_(cuda) {}
 
   GradientState run(Cuda& cuda, GradientVectors v, Span<const AffineVec> right, double tolerance,
                     int most) {
+    v.state = state_.data();
     const auto rows = static_cast<unsigned>(right.size);
+    if (cluster_.can_run(rows, static_cast<std::size_t>(v.lists.mixed.size))) {
+      cluster_.run(cuda, v, right, tolerance, most);
+      return fetch(cuda, state_.data());
+    }
     const unsigned blocks = std::min(cuda.resident_blocks(kernel(), "occupancy of block_gradients"),
                                      (rows + gradients::kWarps - 1) / gradients::kWarps);
     partial_.reserve_discard(2 * Offset{blocks});
     fill(cuda, arrived_.view(), 0u);
-    v.state = state_.data();
     gradients::Meeting meeting{arrived_.data(), partial_.data()};
     void* arguments[] = {&v, &right, &meeting, &tolerance, &most};
     check_cuda(cudaLaunchCooperativeKernel(kernel(), blocks, gradients::kThreads, arguments, 0,
@@ -175,6 +182,7 @@ class GradientIteration<Cuda> {
  private:
   static const void* kernel() { return reinterpret_cast<const void*>(&gradients::run_gradients); }
 
+  ClusterGradients cluster_;
   Buffer<Cuda, GradientState> state_;
   Buffer<Cuda, unsigned> arrived_;
   Buffer<Cuda, double> partial_;

@@ -5,6 +5,7 @@
 
 #include "kernels/affine/assembly.h"
 #include "kernels/affine/row_space.h"
+#include "kernels/math/unrolled.h"
 
 namespace scree::affine {
 
@@ -35,38 +36,43 @@ struct NameHalves {
 /// after the other.
 struct InvertRow {
   static constexpr const char* name = "affine_invert_row";
+  static constexpr int kBlockThreads = kWaitingThreads;
   Span<const Dense<12>> diagonal;
   Span<const RowSpace> space;  ///< empty: rows have no equations
   Span<Dense<12>> inverse;     ///< out; zero beyond the numbers of the row
 
+  /// All places of the matrix are known when this is compiled, so that it stays in registers.
   /// @param k  of 12 columns a row
   SCREE_HD void operator()(Index k) const {
     const Index row = k / 12;
     const int column = k % 12;
-    Dense<12> a = diagonal[row];
     const int n = space.empty() ? 12 : space[row].count;
-    for (int j = 0; j < n; ++j) {  // a = L L^T, in its lower triangle
-      double pivot = a(j, j);
-      for (int m = 0; m < j; ++m) pivot -= a(j, m) * a(j, m);
-      const double root = pivot > 0 ? std::sqrt(pivot) : 1;
-      a(j, j) = root;
-      for (int i = j + 1; i < n; ++i) {
-        double sum = a(i, j);
-        for (int m = 0; m < j; ++m) sum -= a(i, m) * a(j, m);
-        a(i, j) = sum / root;
-      }
-    }
-    double y[12] = {};
-    if (column < n) y[column] = 1;
-    for (int i = 0; i < n; ++i) {
-      for (int m = 0; m < i; ++m) y[i] -= a(i, m) * y[m];
-      y[i] /= a(i, i);
-    }
-    for (int i = n - 1; i >= 0; --i) {
-      for (int m = i + 1; m < n; ++m) y[i] -= a(m, i) * y[m];
-      y[i] /= a(i, i);
-    }
-    for (int i = 0; i < 12; ++i) inverse[row](i, column) = y[i];
+    double a[12][12];  // the lower triangle; of a unit matrix beyond the numbers of the row
+    unrolled<12>([&](auto i) {
+      unrolled<i + 1>([&](auto j) { a[i][j] = i < n ? diagonal[row](i, j) : i == j ? 1 : 0; });
+    });
+    unrolled<12>([&](auto j) {  // a = L L^T, with 1 / L on its diagonal
+      double pivot = a[j][j];
+      unrolled<j>([&](auto m) { pivot -= a[j][m] * a[j][m]; });
+      a[j][j] = pivot > 0 ? 1 / std::sqrt(pivot) : 1;
+      unrolled<11 - j>([&](auto below) {
+        constexpr int i = j + 1 + below;
+        unrolled<j>([&](auto m) { a[i][j] -= a[i][m] * a[j][m]; });
+        a[i][j] *= a[j][j];
+      });
+    });
+    double y[12];
+    unrolled<12>([&](auto i) {
+      y[i] = i == column && i < n ? 1 : 0;
+      unrolled<i>([&](auto m) { y[i] -= a[i][m] * y[m]; });
+      y[i] *= a[i][i];
+    });
+    unrolled<12>([&](auto from_last) {
+      constexpr int i = 11 - from_last;
+      unrolled<from_last>([&](auto above) { y[i] -= a[i + 1 + above][i] * y[i + 1 + above]; });
+      y[i] *= a[i][i];
+    });
+    unrolled<12>([&](auto i) { inverse[row](i, column) = y[i]; });
   }
 };
 

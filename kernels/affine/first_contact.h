@@ -1,10 +1,12 @@
 #pragma once
 // Continuous collision detection: how far four points may move along straight ways before their
-// features come near. Additive: the distance, over the largest speed at which it can shrink, is a
-// way that is free; it is taken until little of the distance is left.
+// features come near. Additive: while a plane is between the features they are apart, and points on
+// straight ways tell when they reach it; that way is taken, and another plane found, until little of
+// the distance is left.
 // Source: Li et al., Codimensional Incremental Potential Contact, ACM TOG 40(4), 2021, section 5.
-// What is added here: distances are bounded from below, rounding included, so that the answer is
-// never late. docs/theory.md, "Barrier contact".
+// What is different here: a plane in place of the largest speed, so that features that slide along
+// each other go far at once; and distances are bounded from below, rounding included, so that the
+// answer is never late. docs/theory.md, "Barrier contact".
 
 #include "kernels/affine/nearest.h"
 
@@ -24,20 +26,46 @@ SCREE_HD inline double apart_along(const Four& x, int split, const Vec3d& direct
   return lowest - highest;
 }
 
-/// A lower bound of the distance, below it by rounding only where features are not degenerate.
-/// @param size  bound of the coordinates [m]; the errors of a few operations on them are taken off
-SCREE_HD inline double distance_bound(PairKind kind, const Four& x, double size) {
-  constexpr double kErrors = 32 * 2.220446049250313e-16;
+/// What may be wrong with the sum of a few coordinates, over their bound.
+inline constexpr double kCoordinateErrors = 32 * 2.220446049250313e-16;
+
+/// A direction along which features are apart.
+struct ApartAlong {
+  Vec3d direction;  ///< unit, from B to A
+  double apart;     ///< [m], as computed: no more than the distance, but for rounding
+};
+
+/// The best of some directions: below the distance only where features are degenerate, and by rounding.
+SCREE_HD inline ApartAlong apart_directions(PairKind kind, const Four& x) {
   const int split = first_points(kind);
   const Nearest n = nearest_points(kind, x);
-  double apart = apart_along(x, split, normalized(n.gap));
+  ApartAlong best{normalized(n.gap), 0};
+  best.apart = apart_along(x, split, best.direction);
   // The plane of the triangle or of both edges, whose direction does not depend on a small gap.
   const Vec3d plane = kind == PairKind::point_triangle ? cross(x[2] - x[1], x[3] - x[1])
                                                        : cross(x[1] - x[0], x[3] - x[2]);
   const Vec3d direction = normalized(dot(plane, n.gap) < 0 ? -plane : plane);
   const double across = apart_along(x, split, direction);
-  apart = across > apart ? across : apart;
-  return apart - kErrors * size;
+  return across > best.apart ? ApartAlong{direction, across} : best;
+}
+
+/// Share of straight ways that points may go, up to all of what is left, until less than this is between their features along
+/// a direction.
+SCREE_HD inline double share_along(PairKind kind, const Four& x, const Four& way,
+                                   const Vec3d& direction, double keep, double left) {
+  const int split = first_points(kind);
+  double at[4], rate[4];
+  for (int i = 0; i < 4; ++i) {
+    at[i] = dot(direction, x[i]);
+    rate[i] = dot(direction, way[i]);
+  }
+  for (int i = 0; i < split; ++i) {
+    for (int j = split; j < 4; ++j) {
+      const double apart = at[i] - at[j] - keep, closing = rate[j] - rate[i];
+      if (closing * left > apart) left = apart / closing;
+    }
+  }
+  return left;
 }
 
 /// Ways of the four points, less what is common to all of them.
@@ -95,19 +123,21 @@ SCREE_HD inline FirstContact first_contact(PairKind kind, const Four& from, cons
                                            const FirstContactParameters& parameters) {
   Four start, way;
   Vec3d mean;
-  const double rate = closing_ways(kind, from, to, way, mean) * (1 + 1e-14);
+  closing_ways(kind, from, to, way, mean);
   double size = 0;
   for (int i = 0; i < 4; ++i) {
     start[i] = from[i] - from[0];
     const double far = norm(start[i]) + norm(way[i]) + norm(mean) + norm(to[i] - from[i]);
     size = far > size ? far : size;
   }
+  const double least = parameters.separation + kCoordinateErrors * size;
   FirstContact r;
   double stop = 0;
   for (double time = 0;;) {
     Four x;
     for (int i = 0; i < 4; ++i) x[i] = start[i] + time * way[i];
-    const double left = distance_bound(kind, x, size) - parameters.separation;
+    const ApartAlong best = apart_directions(kind, x);
+    const double left = best.apart - least;
     ++r.steps;
     if (r.steps == 1) stop = parameters.remaining * left;
     if (!(left > stop) || r.steps >= parameters.most_steps) {
@@ -116,9 +146,11 @@ SCREE_HD inline FirstContact first_contact(PairKind kind, const Four& from, cons
       r.hit = true;
       return r;
     }
-    if (rate * (1 - time) <= left) return r;
+    const double rest = 1 - time;
+    if (share_along(kind, x, way, best.direction, least, rest) >= rest) return r;
     // Less than all of it, so that the next distance is not lost to rounding.
-    const double next = time + (r.steps == 1 ? 1 - parameters.remaining : 0.9) * left / rate;
+    const double keep = least + (r.steps == 1 ? parameters.remaining : 0.1) * left;
+    const double next = time + share_along(kind, x, way, best.direction, keep, rest);
     if (next <= time) {
       r.time = time;
       r.hit = true;

@@ -101,6 +101,7 @@ struct PairStates {
 /// Value of a term. Bytes: 200 of a row; 32 of a pair, and its bodies and corners, 500, mostly from the caches.
 struct EnergyOfTerm {
   static constexpr const char* name = "affine_energy";
+  static constexpr int kBlockThreads = kWaitingThreads;
   Potential p;
   Span<const AffineVec> q;
   PairStates states;  ///< out
@@ -158,6 +159,7 @@ struct LeastShare {
 /// Share of the way that a near pair leaves free.
 struct FreeShare {
   static constexpr const char* name = "affine_free_share";
+  static constexpr int kBlockThreads = kWaitingThreads;
   NearPairsView near;
   Span<const AffineVec> from, to;  ///< by body
   Span<const double> squared;      ///< distances at `from` [m^2]

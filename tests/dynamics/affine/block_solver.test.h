@@ -65,6 +65,15 @@ class BlockSolverTest : public BackendTest<double> {
     return pairs;
   }
 
+  /// Each row meets those so many rows on. @param ways  rising
+  static std::vector<std::array<int, 2>> bands(int rows, const std::vector<int>& ways) {
+    std::vector<std::array<int, 2>> pairs;
+    for (int k = 0; k < rows; ++k)
+      for (const int way : ways)
+        if (k + way < rows) pairs.push_back({k, k + way});
+    return pairs;
+  }
+
   std::vector<AffineVec> solve(const std::vector<NodeEquation>& equations, LinearMethod method) {
     TestBackend& b = backend();
     const auto rows = static_cast<Index>(diagonal_.size());
@@ -137,6 +146,28 @@ TEST_F(BlockSolverTest, BothWaysSolveChainsAndStars) {
       const std::vector<AffineVec> x = solve({}, method), r = residual(x);
       EXPECT_LT(std::sqrt(product(r, r)), 1e-6 * std::sqrt(product(right_, right_)));
     }
+  }
+}
+
+// A device has programs of its own for few rows, whose matrix may be larger than the memory that they have beside them.
+TEST_F(BlockSolverTest, GradientsSolveSystemsOfAllSizes) {
+  const std::vector<int> few{1, 7, 13}, many{1, 2, 3, 5, 8, 13, 21, 34, 55, 89};
+  for (const auto& [rows, ways] : {std::pair{1, few},
+                                   {2, few},
+                                   {5, few},
+                                   {30, few},
+                                   {157, few},
+                                   {300, few},
+                                   {157, many},
+                                   {400, many},
+                                   {900, few},
+                                   {1100, few}}) {
+    SCOPED_TRACE(testing::Message() << rows << " rows, " << ways.size() << " bands");
+    make(rows, bands(rows, ways));
+    const std::vector<AffineVec> x = solve({}, LinearMethod::gradients), r = residual(x);
+    EXPECT_LT(std::sqrt(product(r, r)), 1e-6 * std::sqrt(product(right_, right_)));
+    const std::vector<AffineVec> again = solve({}, LinearMethod::gradients);
+    for (std::size_t k = 0; k < x.size(); ++k) EXPECT_EQ(dot(x[k] - again[k], x[k] - again[k]), 0);
   }
 }
 

@@ -32,7 +32,7 @@ class AssemblyTest : public BackendTest<double> {
         all.push_back(e);
       }
     };
-    add(0, 1, 150), add(1, 0, 121), add(3, 4, EntryRuns::kPiece), add(0, 4, EntryRuns::kPiece + 1);
+    add(0, 1, 150), add(1, 0, 121), add(3, 4, EntryRuns::kShort), add(0, 4, EntryRuns::kShort + 1);
     add(5, 6, 1), add(7, 3, 40), add(6, 7, 3);
     return all;
   }
@@ -85,11 +85,13 @@ TEST_F(AssemblyTest, RowsAreTheSumsOfTheirElements) {
   for (auto* vectors : {&right, &right_in_pieces}) fill(b, vectors->view(), AffineVec{});
   for_each(b, kRows,
            AddElements{of_elements(), entry(), begin_.view(), block.view(), right.view()});
-  const EntryRuns runs{begin_.view(kRows), {begin_.data() + 1, kRows}};
-  const Index items = 12 * EntryRuns::piece_end(kRows, 2 * count_);
+  const EntryRuns runs{
+      begin_.view(kRows), {begin_.data() + 1, kRows}, EntryRuns::piece_of(2 * count_)};
+  ASSERT_EQ(runs.piece, EntryRuns::kShort);
+  const Index items = 12 * runs.piece_end(2 * count_);
   Buffer<TestBackend, LineSum> sum(b, items);
   for_each(b, items, AddPieces{of_elements(), entry(), runs, false, sum.view()});
-  for_each(b, 12 * kRows,
+  for_each(b, PieceNumber::kCount * kRows,
            AddPiecesToRows{runs, sum.view(), in_pieces.view(), right_in_pieces.view()});
 
   std::vector<Dense<12>> expected(kRows);
@@ -135,10 +137,11 @@ TEST_F(AssemblyTest, BlocksAreTheSumsOfTheirElements) {
   for_each(b, blocks, AddMixed{of_elements(), keys_, key(), entry(), of_first, mixed.view()});
   for_each(b, blocks, EndBlocks{key(), of_first, end.view()});
   const EntryRuns runs{of_first, end.view()};
-  const Index items = 12 * EntryRuns::piece_end(blocks, entries);
+  const Index items = 12 * runs.piece_end(entries);
   Buffer<TestBackend, LineSum> sum(b, items);
   for_each(b, items, AddPieces{of_elements(), entry(), runs, true, sum.view()});
-  for_each(b, 12 * blocks, AddPiecesToBlocks{keys_, key(), runs, sum.view(), in_pieces.view()});
+  for_each(b, PieceNumber::kCount * blocks,
+           AddPiecesToBlocks{keys_, key(), runs, sum.view(), in_pieces.view()});
 
   std::map<std::pair<Index, Index>, Dense<12>> expected;
   for (const Element& e : elements()) {

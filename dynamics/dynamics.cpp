@@ -1,6 +1,8 @@
 #include "dynamics/dynamics.h"
 
+#include <numeric>
 #include <string>
+#include <utility>
 
 #include "host/error.h"
 
@@ -13,6 +15,17 @@ namespace {
 
 }  // namespace
 
+void Dynamics::begin_own_bodies(OwnBodiesSink& sink, std::optional<double> resumed_time) {
+  sink.begin(constants(), resumed_time);
+}
+std::vector<std::int64_t> Dynamics::give_own_bodies(OwnBodiesSink& sink) {
+  OwnBodies all;
+  all.states = states();
+  all.id.resize(all.states.position.size());
+  std::iota(all.id.begin(), all.id.end(), 0);
+  sink.take(time(), all, constants());
+  return {std::ssize(all.id)};
+}
 ForceRecord Dynamics::force_on_body(int /*body*/) { refuse("force_on()"); }
 ForceRecord Dynamics::force_on_group(int /*group*/) { refuse("force_on_group()"); }
 void Dynamics::set_gravity(const Vec3d& /*gravity*/) { refuse("set_gravity()"); }

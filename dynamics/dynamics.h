@@ -3,6 +3,7 @@
 // as a template on the backend and the precision (model_on.h has what models share), and says what
 // it has in its card (dynamics_card.h).
 
+#include "host/own_bodies.h"
 #include "host/world.h"
 
 namespace scree {
@@ -20,6 +21,9 @@ class Dynamics {
   virtual int body_count() const = 0;
   /// What frames show, see DynamicsCard::frame.
   virtual BodyStates states() = 0;
+  /// See World; of one rank, which has all bodies.
+  virtual void begin_own_bodies(OwnBodiesSink& sink, std::optional<double> resumed_time);
+  virtual std::vector<std::int64_t> give_own_bodies(OwnBodiesSink& sink);
   virtual const BodyConstants& constants() const = 0;
 
   /// Contacts of the last step, and pairs that overlap now; none in models without contacts.

@@ -28,14 +28,19 @@ class BodyConstants {
   std::size_t size() const { return size_; }
   /// @param id  0 to size() - 1
   BodyConstant operator[](std::size_t id) const;
+  /// Half edge lengths of the box about a body, in its frame [m]; zero for spheres, half spaces and meshes.
+  Vec3d half_extents(std::size_t id) const;
 
  private:
   /// Consecutive ids: bodies from a list, or else particles.
   struct Range {
     std::size_t begin = 0;  ///< first id
     std::vector<BodyConstant> bodies;
-    ParticleSet particles;  ///< without states
+    std::vector<Vec3d> half_extents;  ///< of them
+    ParticleSet particles;            ///< without states
   };
+  const Range& range_of(std::size_t id) const;
+
   std::vector<Range> ranges_;
   std::size_t size_ = 0;
 };

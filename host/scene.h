@@ -311,6 +311,9 @@ struct PictureSettings {
 struct OutputSettings {
   /// Simulated time between frames in frames.vtkhdf [s]; 0: first and last.
   double frame_interval = 0;
+  /// Whether each rank writes the frames of its own bodies, to frames_0.vtkhdf and so on, and frames.vtkhdf brings them
+  /// together.
+  bool frame_pieces = false;
   double checkpoint_interval = 0;  ///< [s]; 0: at the end (and on an interrupt) only
   bool contact_frames = false;     ///< the contacts at the times of the frames, in contacts.vtkhdf
   bool surface_frames = false;  ///< surfaces of the other bodies at those times, in surfaces.vtkhdf

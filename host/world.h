@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -145,9 +146,10 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
-struct BodyProblem;  // host/problems/body_problem.h
-class Dynamics;      // dynamics/dynamics.h: implemented once, compiled per backend and precision
-class Roster;        // host/engine/roster.h
+struct BodyProblem;   // host/problems/body_problem.h
+class Dynamics;       // dynamics/dynamics.h: implemented once, compiled per backend and precision
+class OwnBodiesSink;  // host/own_bodies.h
+class Roster;         // host/engine/roster.h
 
 class World {
  public:
@@ -175,6 +177,12 @@ class World {
   /// Whether a body is in the simulation now.
   bool has_body(int id) const;
   BodyStates states() const;
+  /// states() without bringing them together: each rank gives its bodies to a sink of its own, rank 0 to this one, and the
+  /// others to that of follow_worlds(), or with RankCalls::together to that of their call. begin_own_bodies() comes first.
+  /// What fails on one rank is thrown on all. @param resumed_time  of the restored state [s]; not set: the run is new
+  void begin_own_bodies(OwnBodiesSink& sink, std::optional<double> resumed_time);
+  /// @return how many bodies each rank gave
+  std::vector<std::int64_t> give_own_bodies(OwnBodiesSink& sink);
   /// Constants of all bodies, those that join later included; valid until add(), remove() and restore().
   const BodyConstants& constants() const;
   /// Contacts of the last step; none after overlaps(), restore(), add(), remove(),
@@ -294,7 +302,8 @@ class World {
 
 /// Takes part in the worlds that rank 0 makes of this scene, on the ranks above it; WorldOptions::ranks is theirs. Returns
 /// after rank 0 called release_followers(). What fails here alone ends all ranks, see Ranks::abort().
-void follow_worlds(const Scene& scene, const WorldOptions& options);
+/// @param sink  gets the bodies of this rank when rank 0 calls give_own_bodies(); null: it does not
+void follow_worlds(const Scene& scene, const WorldOptions& options, OwnBodiesSink* sink = nullptr);
 
 /// On rank 0: the others return from follow_worlds().
 void release_followers(Ranks& ranks);

@@ -1,6 +1,7 @@
 #pragma once
 // Errors that all ranks have.
 
+#include <new>
 #include <string>
 
 #include "host/error.h"
@@ -32,6 +33,22 @@ void throw_on_all(Ranks* ranks, bool has_failed, F&& fail) {
   }
   for (const std::string& text : gather_texts(*ranks, message))
     if (!text.empty()) throw CommonError(text);
+}
+
+/// Calls work() on all ranks, none of which waits in it for another. When it fails on any, throws on all of them what
+/// the lowest has to say. @param ranks  null: there are none  @throws CommonError
+template <class F>
+void on_all_ranks(Ranks* ranks, F&& work) {
+  if (ranks == nullptr) return work();
+  std::string fault;
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+    fault = "host memory exhausted";
+  } catch (const std::exception& error) {
+    fault = error.what();
+  }
+  throw_on_all(ranks, !fault.empty(), [&] { throw RunError(fault); });
 }
 
 }  // namespace scree

@@ -18,6 +18,8 @@ enum class Call : std::int32_t {
   end,
   step,
   states,
+  begin_own_bodies,
+  give_own_bodies,
   contacts,
   overlaps,
   joints,
@@ -124,6 +126,14 @@ class LeadingDynamics final : public Dynamics {
   BodyStates states() override {
     return led(Call::states, [&] { return own_->states(); });
   }
+  void begin_own_bodies(OwnBodiesSink& sink, std::optional<double> resumed_time) override {
+    const Order order{
+        Call::begin_own_bodies, resumed_time ? 1 : 0, Vec3d{resumed_time.value_or(0), 0, 0}, {}};
+    led(order, [&] { own_->begin_own_bodies(sink, resumed_time); });
+  }
+  std::vector<std::int64_t> give_own_bodies(OwnBodiesSink& sink) override {
+    return led(Call::give_own_bodies, [&] { return own_->give_own_bodies(sink); });
+  }
   const BodyConstants& constants() const override { return own_->constants(); }
   std::vector<ContactRecord> contacts() override {
     return led(Call::contacts, [&] { return own_->contacts(); });
@@ -186,13 +196,24 @@ class LeadingDynamics final : public Dynamics {
 };
 
 /// What rank 0 asked for, on the simulation of this rank.
-void obey(Ranks& ranks, const Order& order, Dynamics& own) {
+void obey(Ranks& ranks, const Order& order, Dynamics& own, OwnBodiesSink* sink) {
+  const auto given = [&]() -> OwnBodiesSink& {
+    if (sink != nullptr) return *sink;
+    throw std::logic_error("follow_worlds() was given no sink for the bodies of its rank");
+  };
   switch (order.call) {
     case Call::step:
       own.step(nullptr);
       return;
     case Call::states:
       own.states();
+      return;
+    case Call::begin_own_bodies:
+      own.begin_own_bodies(given(),
+                           order.number != 0 ? std::optional<double>(order.first.x) : std::nullopt);
+      return;
+    case Call::give_own_bodies:
+      own.give_own_bodies(given());
       return;
     case Call::contacts:
       own.contacts();
@@ -246,7 +267,7 @@ std::unique_ptr<Dynamics> lead(std::shared_ptr<Ranks> ranks, const MakeDynamics&
   return std::make_unique<LeadingDynamics>(std::move(ranks), std::move(own));
 }
 
-void follow(Ranks& ranks, const MakeDynamics& make) {
+void follow(Ranks& ranks, const MakeDynamics& make, OwnBodiesSink* sink) {
   std::unique_ptr<Dynamics> own;
   for (;;) {
     const Order order = tell(ranks, {});
@@ -258,7 +279,7 @@ void follow(Ranks& ranks, const MakeDynamics& make) {
       } else if (order.call == Call::end) {
         own.reset();
       } else if (own != nullptr) {
-        together(ranks, order.call != Call::step, [&] { obey(ranks, order, *own); });
+        together(ranks, order.call != Call::step, [&] { obey(ranks, order, *own, sink); });
       }
     } catch (const CommonError&) {  // rank 0 tells of it
     } catch (const InputError&) {

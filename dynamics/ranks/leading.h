@@ -17,7 +17,8 @@ std::unique_ptr<Dynamics> lead(std::shared_ptr<Ranks> ranks, const MakeDynamics&
 
 /// On the ranks above: makes simulations and calls them as rank 0 does, until release(). A failure that only this rank has
 /// ends all ranks.
-void follow(Ranks& ranks, const MakeDynamics& make);
+/// @param sink  for Dynamics::give_own_bodies(); may be null
+void follow(Ranks& ranks, const MakeDynamics& make, OwnBodiesSink* sink);
 
 /// On rank 0: ends follow() on the others.
 void release(Ranks& ranks);

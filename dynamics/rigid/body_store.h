@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "dynamics/rigid/constant_array.h"
 #include "dynamics/rigid/move_rows.h"
 #include "dynamics/rigid/shared_constants.h"
+#include "host/own_bodies.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
 #include "kernels/backend/ranks.h"
@@ -342,6 +344,39 @@ class BodyStore {
     };
     for_each_chunk(0, ranges_.owned_count, scatter_chunk);
     for_each_chunk(ranges_.fixed_begin, ranges_.count, scatter_chunk);
+    return out;
+  }
+
+  /// Owned bodies by rising ids, in chunks: all arrays of the backend stay as they are. @param with_fixed  those that are
+  /// not free, too
+  OwnBodies own_bodies(bool with_fixed) {
+    std::vector<Index> place(static_cast<std::size_t>(ranges_.owned_count));
+    std::iota(place.begin(), place.end(), Index(0));
+    for (Index i = ranges_.fixed_begin; with_fixed && i < ranges_.count; ++i) place.push_back(i);
+    OwnBodies out;
+    {
+      const std::vector<Index> id = ids();
+      const auto id_at = [&](Index i) { return id[static_cast<std::size_t>(i)]; };
+      std::sort(place.begin(), place.end(), [&](Index a, Index b) { return id_at(a) < id_at(b); });
+      out.id.reserve(place.size());
+      for (const Index i : place) out.id.push_back(id_at(i));
+    }
+    Buffer<B, Index> on_backend(*b_);
+    const auto append = [&](Index n, auto& array, auto& to) {
+      using Value = std::remove_pointer_t<decltype(array.data())>;
+      Buffer<B, Value> rows(*b_, n);
+      for_each(*b_, n, Gather<Value>{on_backend.view(n), array.view(), rows.view(n)});
+      for (const Value& value : download(*b_, rows.view(n))) to.emplace_back(value);
+    };
+    BodyStates& s = out.states;
+    s.position.reserve(place.size()), s.orientation.reserve(place.size());
+    s.velocity.reserve(place.size()), s.angular_velocity.reserve(place.size());
+    for_each_chunk(0, static_cast<Index>(place.size()), [&](Index begin, Index count) {
+      const auto first = place.begin() + begin;
+      upload(*b_, std::vector<Index>(first, first + count), on_backend);
+      append(count, position_, s.position), append(count, orientation_, s.orientation);
+      append(count, velocity_, s.velocity), append(count, angular_velocity_, s.angular_velocity);
+    });
     return out;
   }
 

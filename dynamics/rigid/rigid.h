@@ -215,6 +215,20 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return own;
   }
 
+  void begin_own_bodies(OwnBodiesSink& sink, std::optional<double> resumed_time) override {
+    on_all_ranks(ranks_.get(), [&] { sink.begin(this->constants(), resumed_time); });
+  }
+  std::vector<std::int64_t> give_own_bodies(OwnBodiesSink& sink) override {
+    if (!shared_) return Dynamics::give_own_bodies(sink);
+    std::int64_t given = 0;
+    on_all_ranks(ranks_.get(), [&] {
+      const OwnBodies bodies = store_.own_bodies(/*with_fixed=*/ranks_->rank() == 0);
+      sink.take(time(), bodies, this->constants());
+      given = std::ssize(bodies.id);
+    });
+    return gather(*ranks_, given);
+  }
+
   bool bodies_may_change() const override { return !shared_; }
   bool has_body(int id) const override {
     return loading_.has_come(id) && !std::binary_search(removed_.begin(), removed_.end(), id);

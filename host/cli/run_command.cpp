@@ -16,6 +16,8 @@
 #include "host/io/checkpoint.h"
 #include "host/io/contact_frames.h"
 #include "host/io/forces_csv.h"
+#include "host/io/frame_index.h"
+#include "host/io/frame_piece.h"
 #include "host/io/frames.h"
 #include "host/io/output_directory.h"
 #include "host/io/png_file.h"
@@ -67,13 +69,26 @@ std::int64_t step_target(const RunOptions& options, const Scene& scene) {
   return std::llround(scene.stepping.duration / scene.stepping.time_step);
 }
 
+fs::path output_folder(const RunOptions& options, const Scene& scene) {
+  return options.out.empty() ? fs::path("out") / scene.name : options.out;
+}
+
 /// Files that grow during a run.
 struct RunFiles {
+  /// @param rank_count  that write frames in pieces
   /// @param resumed_step, resumed_time  of the checkpoint that the run goes on from
   RunFiles(const OutputDirectory& directory, const Scene& scene, Precision precision,
-           std::optional<std::int64_t> resumed_step, std::optional<double> resumed_time)
-      : frames(directory.frames(), scene, precision, resumed_time),
-        wall_frames(directory.wall_frames(), scene, resumed_time) {
+           int rank_count, std::optional<std::int64_t> resumed_step,
+           std::optional<double> resumed_time)
+      : wall_frames(directory.wall_frames(), scene, resumed_time) {
+    if (scene.output.frame_pieces) {
+      frame_index.emplace(directory.frames(), scene, precision, rank_count, resumed_time);
+      if (frame_index->frame_count() > 0) pieces_resumed_time = resumed_time;
+      frame_piece.emplace(frame_piece_file(directory.frames(), 0), scene, precision,
+                          wall_frames.body_end());
+    } else {
+      frames.emplace(directory.frames(), scene, precision, resumed_time);
+    }
     if (scene.output.contact_frames)
       contact_frames.emplace(directory.contact_frames(), scene.stepping.time_step, precision,
                              resumed_time);
@@ -83,8 +98,11 @@ struct RunFiles {
       forces.emplace(directory.forces_csv(), ForceTargets(scene), resumed_step);
   }
 
-  FrameWriter frames;
   WallFrameWriter wall_frames;
+  std::optional<FrameWriter> frames;      ///< else in pieces
+  std::optional<FrameIndex> frame_index;  ///< of the pieces
+  std::optional<FramePiece> frame_piece;  ///< of rank 0
+  std::optional<double> pieces_resumed_time;
   std::optional<ContactFrameWriter> contact_frames;
   std::optional<SurfaceFrameWriter> surface_frames;
   std::optional<ForcesCsv> forces;
@@ -122,8 +140,7 @@ class Run {
         scene_text_(std::move(input.text)),
         notice_(std::move(input.notice)),
         world_options_(std::move(input.world)),
-        directory_(options.out.empty() ? fs::path("out") / scene_.name : options.out,
-                   existing_output(options), scene_text_,
+        directory_(output_folder(options, scene_), existing_output(options), scene_text_,
                    {"/duration", "/max_time", "/max_iterations", "/output"}),
         target_(step_target(options, scene_)),
         card_(dynamics_card(scene_.dynamics.type)),
@@ -167,7 +184,8 @@ class Run {
     if (!options_.quiet)
       for (const std::string& note : notes_) say(note);
     if (!notice_.empty() && !options_.quiet) say(notice_);
-    RunFiles files(directory_, scene_, world_options_.precision, resumed_step, resumed_time);
+    RunFiles files(directory_, scene_, world_options_.precision, rank_count(), resumed_step,
+                   resumed_time);
     if (!made) write_walls(directory_.walls(), scene_);
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
     if (!made) {
@@ -187,6 +205,7 @@ class Run {
       directory_.require_present();  // when it is gone, that is what to tell
       try {
         finish_record(world);
+        if (files.frame_index) files.frame_index->publish();
       } catch (const std::exception&) {
         // The first failure is the one to tell, and often the reason of this one.
       }
@@ -209,6 +228,9 @@ class Run {
     return s;
   }
 
+  int rank_count() const {
+    return world_options_.ranks != nullptr ? world_options_.ranks->count() : 1;
+  }
   bool writes_forces() const { return scene_.output.force_interval > 0; }
 
   /// Another backend or precision would not go on bit for bit.
@@ -276,11 +298,22 @@ class Run {
     // One copy of all states at a time: each waits until the one before it is on disk.
     const auto write_frame = [&] {
       writer.finish();
-      auto states = std::make_shared<BodyStates>(world.states());
+      auto states = std::make_shared<BodyStates>();
+      std::vector<std::int64_t> in_pieces;  // bodies of each rank
+      if (files.frame_piece) {
+        directory_.require_present();
+        in_pieces = world.give_own_bodies(*files.frame_piece);  // all are on disk then
+        *states = files.frame_piece->kept_states();
+      } else {
+        *states = world.states();
+      }
       auto contacts = std::make_shared<std::vector<ContactRecord>>();
       if (files.contact_frames) *contacts = world.contacts();
-      post(writer, [&files, states, contacts, t = world.time()] {
-        files.frames.append(t, *states);
+      post(writer, [&files, states, in_pieces, contacts, t = world.time()] {
+        if (files.frame_index)
+          files.frame_index->append(t, in_pieces);
+        else
+          files.frames->append(t, *states);
         files.wall_frames.append(t, *states);
         if (files.contact_frames) files.contact_frames->append(t, *contacts);
         if (files.surface_frames) files.surface_frames->append(t, *states);
@@ -300,12 +333,14 @@ class Run {
       steps.flush();
       if (files.forces) files.forces->flush();
       auto state = std::make_shared<WorldState>(world.save());
-      post(writer, [this, state, &constants = world.constants()] {
+      post(writer, [this, state, &files, &constants = world.constants()] {
+        if (files.frame_index) files.frame_index->publish();  // a resumed run goes on from it
         write_checkpoint(directory_.checkpoint_file(), *state, constants, scene_text_,
                          world_options_.backend, world_options_.precision);
       });
     };
 
+    if (files.frame_piece) world.begin_own_bodies(*files.frame_piece, files.pieces_resumed_time);
     if (!resumed_step) write_frame();
     double before = world.time();
     while (world.steps_done() < target_ && signals.received() == 0) {
@@ -408,7 +443,7 @@ class Run {
     record_.precision = world_options_.precision;
     record_.device = device.name;
     record_.threads = world_options_.threads > 0 ? world_options_.threads : device.threads;
-    if (world_options_.ranks != nullptr) record_.ranks = world_options_.ranks->count();
+    record_.ranks = rank_count();
     record_.seed = scene_.seed;
     record_.start_time = utc_now();
     record_.resumed_from_step = resumed_from;
@@ -457,11 +492,14 @@ class FollowerGuard {
   Ranks& ranks_;
 };
 
-/// Takes part in the run of rank 0, which alone writes and speaks.
-int follow(const RunInput& input, Ranks& ranks) {
+/// Takes part in the run of rank 0, which alone speaks, and writes all but pieces of frames.
+int follow(const RunOptions& options, const RunInput& input, Ranks& ranks) {
   ignore_requests_to_end();
   try {
-    follow_worlds(input.scene, input.world);
+    FramePiece piece(
+        frame_piece_file(output_folder(options, input.scene) / "frames.vtkhdf", ranks.rank()),
+        input.scene, input.world.precision);
+    follow_worlds(input.scene, input.world, &piece);
   } catch (const std::exception& error) {
     ranks.abort(error.what(), 1);
   }
@@ -480,7 +518,7 @@ int run_on_ranks(const RunOptions& options, const std::shared_ptr<Ranks>& ranks)
   };
   const int code = start_together(*ranks, read);
   if (code != 0) return code;
-  if (ranks->rank() > 0) return follow(*input, *ranks);
+  if (ranks->rank() > 0) return follow(options, *input, *ranks);
   const FollowerGuard guard(*ranks);
   return Run(options, std::move(*input)).go();
 }

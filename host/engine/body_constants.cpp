@@ -25,14 +25,15 @@ PerParticle<double> found_masses(const ParticleSet& set) {
 
 BodyConstants::BodyConstants(const Scene& scene) {
   const auto add_body = [&](std::size_t id, const BodyDescription& body) {
-    if (ranges_.empty() || ranges_.back().bodies.empty()) ranges_.push_back({id, {}, {}});
+    if (ranges_.empty() || ranges_.back().bodies.empty()) ranges_.push_back({id, {}, {}, {}});
     const double mass = body.kind == BodyKind::free ? body.mass : 0;
     ranges_.back().bodies.push_back(
         {bounding_radius(scene, body), mass, body.group, body.kind, body.shape.kind, body.entry});
+    ranges_.back().half_extents.push_back(body.shape.half_extents);
     size_ = id + 1;
   };
   const auto add_set = [&](std::size_t first, const ParticleSet& set) {
-    Range range{first, {}, {}};
+    Range range{first, {}, {}, {}};
     range.particles.radius = set.radius;
     range.particles.density = set.density;
     range.particles.shape = set.shape;
@@ -45,10 +46,19 @@ BodyConstants::BodyConstants(const Scene& scene) {
   for_each_by_id(scene, add_body, add_set);
 }
 
+const BodyConstants::Range& BodyConstants::range_of(std::size_t id) const {
+  return *std::prev(std::upper_bound(ranges_.begin(), ranges_.end(), id,
+                                     [](std::size_t i, const Range& r) { return i < r.begin; }));
+}
+
+Vec3d BodyConstants::half_extents(std::size_t id) const {
+  const Range& range = range_of(id);
+  const std::size_t i = id - range.begin;
+  return range.bodies.empty() ? range.particles.shape[i].half_extents : range.half_extents[i];
+}
+
 BodyConstant BodyConstants::operator[](std::size_t id) const {
-  const auto after = std::upper_bound(ranges_.begin(), ranges_.end(), id,
-                                      [](std::size_t i, const Range& r) { return i < r.begin; });
-  const Range& range = *std::prev(after);
+  const Range& range = range_of(id);
   const std::size_t i = id - range.begin;
   if (!range.bodies.empty()) return range.bodies[i];
   BodyConstant particle;

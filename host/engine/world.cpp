@@ -136,6 +136,12 @@ int World::body_count() const { return dynamics_->body_count(); }
 int World::id_end() const { return dynamics_->id_end(); }
 bool World::has_body(int id) const { return dynamics_->has_body(id); }
 BodyStates World::states() const { return OnDevice(*dynamics_)->states(); }
+void World::begin_own_bodies(OwnBodiesSink& sink, std::optional<double> resumed_time) {
+  OnDevice(*dynamics_)->begin_own_bodies(sink, resumed_time);
+}
+std::vector<std::int64_t> World::give_own_bodies(OwnBodiesSink& sink) {
+  return OnDevice(*dynamics_)->give_own_bodies(sink);
+}
 const BodyConstants& World::constants() const { return dynamics_->constants(); }
 std::vector<ContactRecord> World::contacts() const { return OnDevice(*dynamics_)->contacts(); }
 std::vector<JointRecord> World::joints() const { return OnDevice(*dynamics_)->joints(); }
@@ -298,11 +304,12 @@ Image World::render(const PictureSettings& settings) const {
 std::size_t World::memory() const { return dynamics_->memory(); }
 std::size_t World::peak_memory() const { return std::max(peak_before_, dynamics_->peak_memory()); }
 
-void follow_worlds(const Scene& scene, const WorldOptions& options) {
+void follow_worlds(const Scene& scene, const WorldOptions& options, OwnBodiesSink* sink) {
 #ifdef SCREE_HAS_CUDA
   const CudaDeviceScope scope(options.backend == BackendKind::cuda ? options.device : -1);
 #endif
-  follow(*options.ranks, [&] { return own_dynamics(scene, options); });
+  follow(
+      *options.ranks, [&] { return own_dynamics(scene, options); }, sink);
 }
 void release_followers(Ranks& ranks) { release(ranks); }
 

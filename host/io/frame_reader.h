@@ -1,9 +1,12 @@
 #pragma once
-// Reads frames.vtkhdf (host/io/frames.h) back.
+// Reads frames.vtkhdf (host/io/frames.h) back, also where ranks wrote pieces (host/io/frame_index.h).
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <vector>
 
+#include "host/io/h5.h"
 #include "host/world.h"
 
 namespace scree {
@@ -19,10 +22,16 @@ class FrameReader {
   /// Positions, orientations and velocities of all bodies, by id.
   BodyStates states(std::size_t frame) const;
 
+  /// Positions, orientations, velocities and angular velocities, frame by frame, body by body.
+  using Arrays = std::array<std::vector<double>, 4>;
+
  private:
+  void read_one(const h5::Group& vtk);
+  void read_pieces(const h5::Group& root, const std::filesystem::path& path);
+
   std::size_t bodies_ = 0;
   std::vector<double> times_;
-  std::vector<double> position_, orientation_, velocity_, angular_velocity_;
+  Arrays arrays_;
 };
 
 }  // namespace scree

@@ -9,23 +9,19 @@
 #include <vector>
 
 #include "host/error.h"
+#include "host/io/frame_columns.h"
 #include "host/io/values.h"
 #include "host/io/vtkhdf.h"
-#include "host/scene/bodies_by_id.h"
-#include "host/scene/particle_shapes.h"
 #include "host/scene/scene_summary.h"
-#include "shapes/shape_card.h"
 
 namespace scree {
 namespace {
 
 using vtkhdf::append_number;
 using vtkhdf::topologies;
-constexpr std::array constant_data{"id",    "radius", "half_extents", "mass",
-                                   "group", "kind",   "shape"};
 using Fields = std::span<const FrameField>;
 
-Filled filled(const FrameExtent& extent, Fields fields) {
+Filled filled(const FrameExtent& extent, const FrameFormat& format) {
   const auto frames = static_cast<std::uint64_t>(extent.frames);
   const auto parts = static_cast<std::uint64_t>(extent.parts);
   std::vector<Growing> all{
@@ -33,12 +29,16 @@ Filled filled(const FrameExtent& extent, Fields fields) {
       {"Steps/Values", frames},        {"Steps/PartOffsets", frames},
       {"Steps/NumberOfParts", frames}, {"Steps/PointOffsets", frames},
       {"Steps/CellOffsets", frames},   {"Steps/ConnectivityIdOffsets", frames}};
-  for (const FrameField& field : fields) {
+  const bool is_own = format.bodies == FrameBodies::own;
+  for (const FrameField& field : format.fields) {
     all.push_back({fmt::format("PointData/{}", field.name), extent.points});
     all.push_back({fmt::format("Steps/PointDataOffsets/{}", field.name), frames});
   }
-  for (const char* name : constant_data)
+  for (const std::string& name : constant_names()) {
+    if (is_own) all.push_back({fmt::format("PointData/{}", name), extent.points});
     all.push_back({fmt::format("Steps/PointDataOffsets/{}", name), frames});
+  }
+  if (is_own) all.push_back({"Vertices/Connectivity", extent.most_bodies});
   for (const char* name : topologies) {
     const std::uint64_t cells = name == topologies[0] ? extent.cells : 0;
     all.push_back({fmt::format("{}/NumberOfCells", name), parts});
@@ -58,54 +58,45 @@ void write_values(h5::Group& group, const std::string& name, const std::vector<T
   group.write(name, std::span<const T>(data), columns);
 }
 
-/// Writes f(constants) of all bodies.
-template <class T, class F>
-void write_constant(h5::Group& data, const std::string& name, const BodyConstants& bodies, F f) {
-  std::vector<T> column(bodies.size());
-  for (std::size_t id = 0; id < column.size(); ++id) column[id] = static_cast<T>(f(bodies[id]));
-  write_values(data, name, column);
-}
-
-/// Half edge lengths of the boxes about bodies; zero for spheres, half spaces and meshes.
-template <class Real>
-std::vector<Real> half_extents(const Scene& scene, std::size_t count) {
-  std::vector<Real> column(3 * count, Real(0));
-  const auto write = [&](std::size_t id, const Shape& shape) {
-    for (std::size_t k = 0; k < 3; ++k)
-      column[3 * id + k] = static_cast<Real>(shape.half_extents[static_cast<int>(k)]);
-  };
-  for_each_by_id(
-      scene, [&](std::size_t id, const BodyDescription& body) { write(id, body.shape); },
-      [&](std::size_t first, const ParticleSet& set) {
-        if (are_spheres(set)) return;
-        for (std::size_t i = 0; i < set.position.size(); ++i)
-          write(first + i, particle_shape(set, i));
-      });
-  return column;
-}
-
-template <class Real>
-void write_constants(h5::Group& data, const Scene& scene, const BodyConstants& bodies) {
-  write_values(data, "id", counting(bodies.size()));
-  write_constant<Real>(data, "radius", bodies, [](const BodyConstant& b) {
-    return shape_card(b.shape).is_ball ? b.radius : 0.0;
+/// Calls put(name, columns, numbers of all bodies) for what never changes.
+/// @param id_of(i)  of body i of so many
+template <class Real, class IdOf, class Put>
+void for_each_constant_column(const BodyConstants& bodies, std::size_t count, IdOf id_of, Put put) {
+  for_each_constant<Real>([&](const char* name, auto value) {
+    using Row = NumbersOf<decltype(value)>;
+    std::vector<typename Row::Type> column;
+    column.reserve(count * std::max<std::size_t>(Row::columns, 1));
+    for (std::size_t i = 0; i < count; ++i) Row::append(value(bodies, id_of(i)), column);
+    put(name, Row::columns, column);
   });
-  write_values(data, "half_extents", half_extents<Real>(scene, bodies.size()), 3);
-  write_constant<double>(data, "mass", bodies, [](const BodyConstant& b) { return b.mass; });
-  write_constant<std::int32_t>(data, "group", bodies,
-                               [](const BodyConstant& b) { return b.group; });
-  write_constant<std::uint8_t>(data, "kind", bodies, [](const BodyConstant& b) { return b.kind; });
-  write_constant<std::uint8_t>(data, "shape", bodies,
-                               [](const BodyConstant& b) { return b.shape; });
 }
 
-/// Everything of the file but frames. @tparam Real  number type of the run
 template <class Real>
-void write_empty(h5::Group root, const Scene& scene, Fields fields) {
-  const BodyConstants bodies(scene);
-  const std::uint64_t count = bodies.size();
+void write_constants(h5::Group& data, const BodyConstants& bodies) {
+  for_each_constant_column<Real>(
+      bodies, bodies.size(), [](std::size_t i) { return i; },
+      [&](const char* name, std::uint64_t columns, const auto& column) {
+        write_values(data, name, column, columns);
+      });
+}
+
+template <class Real>
+void append_constants(h5::Group& data, const BodyConstants& bodies,
+                      const std::vector<std::int32_t>& ids) {
+  for_each_constant_column<Real>(
+      bodies, ids.size(), [&](std::size_t i) { return static_cast<std::size_t>(ids[i]); },
+      [&]<class T>(const char* name, std::uint64_t, const std::vector<T>& column) {
+        data.append(name, std::span<const T>(column));
+      });
+}
+
+/// Everything of the file but frames.
+/// @tparam Real  number type of the run  @param all  constants where they are stored once; null: in each frame
+template <class Real>
+void write_empty(h5::Group root, std::uint64_t body_capacity, const BodyConstants* all,
+                 Fields fields) {
   // Chunks are at most one to two megabytes, and small runs get small files.
-  const std::uint64_t point_chunk = std::clamp<std::uint64_t>(count, 64, 65536);
+  const std::uint64_t point_chunk = std::clamp<std::uint64_t>(body_capacity, 64, 65536);
   constexpr std::uint64_t frame_chunk = vtkhdf::frame_chunk;
   h5::Group vtk = vtkhdf::create_poly_data(root);
   vtk.create_growing<std::int64_t>("NumberOfPoints", 0, frame_chunk);
@@ -117,16 +108,26 @@ void write_empty(h5::Group root, const Scene& scene, Fields fields) {
     topology.create_growing<std::int64_t>("NumberOfCells", 0, frame_chunk);
     topology.create_growing<std::int64_t>("NumberOfConnectivityIds", 0, frame_chunk);
     topology.create_growing<std::int64_t>("Offsets", 0, used ? point_chunk : frame_chunk);
-    write_values(topology, "Connectivity", counting(used ? count : 0));
+    if (used && all == nullptr)
+      topology.create_growing<std::int64_t>("Connectivity", 0, point_chunk);
+    else
+      write_values(topology, "Connectivity", counting(used ? body_capacity : 0));
   }
 
   h5::Group data = vtk.create_group("PointData");
-  write_constants<Real>(data, scene, bodies);
+  if (all != nullptr) {
+    write_constants<Real>(data, *all);
+  } else {
+    for_each_constant<Real>([&](const char* name, auto value) {
+      using Row = NumbersOf<decltype(value)>;
+      data.create_growing<typename Row::Type>(name, Row::columns, point_chunk);
+    });
+  }
   for (const FrameField& field : fields)
     data.create_growing<Real>(
         field.name, field.columns > 1 ? static_cast<std::uint64_t>(field.columns) : 0, point_chunk);
 
-  std::vector<std::string> names(constant_data.begin(), constant_data.end());
+  std::vector<std::string> names = constant_names();
   for (const FrameField& field : fields) names.emplace_back(field.name);
   vtkhdf::create_steps(vtk, "PointData", names);
 }
@@ -199,29 +200,20 @@ void write_part(h5::Group& vtk, std::uint64_t bodies) {
   }
 }
 
-/// @param before  the file without this frame  @return the file with it
-FrameExtent extended(const FrameExtent& before, std::uint64_t bodies) {
-  FrameExtent after = before;
-  after.frames += 1;
-  after.points += bodies;
-  if (before.parts == 0 || bodies != before.last_bodies) {
-    after.parts += 1;
-    after.cells += bodies;
-    after.last_bodies = bodies;
-  }
-  return after;
-}
-
 void write_frame(h5::Group vtk, const FrameExtent& before, double time, const BodyStates& states,
-                 Fields fields, Precision precision) {
+                 const FrameFormat& format) {
   const FrameExtent after = extended(before, states.position.size());
+  const bool is_own = format.bodies == FrameBodies::own;
   if (after.parts > before.parts) write_part(vtk, after.last_bodies);
+  if (is_own)
+    vtk.append("Vertices/Connectivity", std::span<const std::int64_t>(vtkhdf::counting(
+                                            before.most_bodies, after.most_bodies)));
   vtk.append("Points", values(states.position));
   h5::Group data = vtk.open_group("PointData");
-  if (precision == Precision::double_precision)
-    append_states<double>(data, states, fields);
+  if (format.precision == Precision::double_precision)
+    append_states<double>(data, states, format.fields);
   else
-    append_states<float>(data, states, fields);
+    append_states<float>(data, states, format.fields);
 
   h5::Group steps = vtk.open_group("Steps");
   const auto first_point = static_cast<std::int64_t>(before.points);
@@ -235,8 +227,9 @@ void write_frame(h5::Group vtk, const FrameExtent& before, double time, const Bo
   steps.append("CellOffsets", std::span<const std::int64_t>(first_cell));
   steps.append("ConnectivityIdOffsets", std::span<const std::int64_t>(first_connectivity));
   h5::Group offsets = steps.open_group("PointDataOffsets");
-  for (const char* name : constant_data) append_number(offsets, name, 0);
-  for (const FrameField& field : fields) append_number(offsets, field.name, first_point);
+  for (const std::string& name : constant_names())
+    append_number(offsets, name, is_own ? first_point : 0);
+  for (const FrameField& field : format.fields) append_number(offsets, field.name, first_point);
   steps.write_attribute<std::int64_t>("NSteps", after.frames);
 }
 
@@ -270,50 +263,91 @@ FrameExtent read_extent(const h5::Group& vtk, const std::filesystem::path& path,
 
 }  // namespace
 
+FrameExtent extended(const FrameExtent& before, std::uint64_t bodies) {
+  FrameExtent after = before;
+  after.frames += 1;
+  after.points += bodies;
+  after.most_bodies = std::max(before.most_bodies, bodies);
+  if (before.parts == 0 || bodies != before.last_bodies) {
+    after.parts += 1;
+    after.cells += bodies;
+    after.last_bodies = bodies;
+  }
+  return after;
+}
+
+void require_filled(const h5::Group& root, const std::filesystem::path& path,
+                    const FrameExtent& extent, const FrameFormat& format) {
+  for (const Growing& dataset : filled(extent, format).datasets)
+    if (root.shape(dataset.name).rows < dataset.rows)
+      throw InputError(
+          fmt::format("cannot continue {}: dataset {} has {} rows, expected {} or more",
+                      path.string(), dataset.name, root.shape(dataset.name).rows, dataset.rows));
+  // Reading nothing checks the type.
+  for (const FrameField& field : format.fields) {
+    const std::string dataset = fmt::format("VTKHDF/PointData/{}", field.name);
+    if (format.precision == Precision::double_precision)
+      root.read(dataset, std::span<double>());
+    else
+      root.read(dataset, std::span<float>());
+  }
+}
+
 FrameWriter::FrameWriter(std::filesystem::path path, const Scene& scene, Precision precision,
                          std::optional<double> resume_time)
     : file_(std::move(path)),
-      fields_(dynamics_card(scene.dynamics.type).frame),
-      precision_(precision) {
-  if (resume_time) resume(scene, *resume_time);
-  if (extent_.frames == 0) start(scene);
-}
-
-void FrameWriter::start(const Scene& scene) {
-  extent_ = FrameExtent{};
+      format_{dynamics_card(scene.dynamics.type).frame, precision, FrameBodies::all} {
   extent_.body_capacity = count_bodies(scene).all();
-  file_.start([&](h5::Group root) {
-    if (precision_ == Precision::double_precision)
-      write_empty<double>(std::move(root), scene, fields_);
+  if (resume_time) resume(*resume_time);
+  if (extent_.frames > 0) return;
+  start([&](h5::Group root) {
+    const BodyConstants bodies(scene);
+    if (precision == Precision::double_precision)
+      write_empty<double>(std::move(root), bodies.size(), &bodies, format_.fields);
     else
-      write_empty<float>(std::move(root), scene, fields_);
+      write_empty<float>(std::move(root), bodies.size(), &bodies, format_.fields);
   });
 }
 
-void FrameWriter::resume(const Scene& scene, double time) {
+FrameWriter::FrameWriter(std::filesystem::path path, Fields fields, Precision precision,
+                         std::uint64_t body_capacity, std::optional<double> resume_time)
+    : file_(std::move(path)), format_{fields, precision, FrameBodies::own} {
+  extent_.body_capacity = body_capacity;
+  if (resume_time) resume(*resume_time);
+  if (extent_.frames > 0) return;
+  start([&](h5::Group root) {
+    if (precision == Precision::double_precision)
+      write_empty<double>(std::move(root), body_capacity, nullptr, fields);
+    else
+      write_empty<float>(std::move(root), body_capacity, nullptr, fields);
+  });
+}
+
+void FrameWriter::start(const Write& write_empty) {
+  const std::uint64_t body_capacity = extent_.body_capacity;
+  extent_ = FrameExtent{};
+  extent_.body_capacity = body_capacity;
+  file_.start(write_empty);
+}
+
+void FrameWriter::resume(double time) {
   const std::filesystem::path& path = file_.path();
   if (!std::filesystem::exists(path)) return;
-  const std::uint64_t bodies = count_bodies(scene).all();
+  const std::uint64_t bodies = extent_.body_capacity;
   std::int64_t frames_found = 0;
   FrameExtent kept;
   try {
     const h5::File file = h5::File::open(path);
     const h5::Group root = file.root();
+    if (root.has(frame_pieces_group))
+      throw InputError(
+          fmt::format("cannot continue {}: it was written in pieces (output.frame_pieces true), "
+                      "this run has false",
+                      path.string()));
     const h5::Group vtk = root.open_group("VTKHDF");
     kept = read_extent(vtk, path, time, &frames_found, &last_time_);
-    for (const Growing& dataset : filled(kept, fields_).datasets)
-      if (root.shape(dataset.name).rows < dataset.rows)
-        throw InputError(
-            fmt::format("cannot continue {}: dataset {} has {} rows, expected {} or more",
-                        path.string(), dataset.name, root.shape(dataset.name).rows, dataset.rows));
-    // Reading nothing checks the type.
-    for (const FrameField& field : fields_) {
-      const std::string dataset = fmt::format("PointData/{}", field.name);
-      if (precision_ == Precision::double_precision)
-        vtk.read(dataset, std::span<double>());
-      else
-        vtk.read(dataset, std::span<float>());
-    }
+    if (format_.bodies == FrameBodies::own) kept.body_capacity = bodies;
+    require_filled(root, path, kept, format_);
   } catch (const h5::Error& error) {
     throw InputError(fmt::format("cannot continue {}", error.what()));
   }
@@ -322,25 +356,40 @@ void FrameWriter::resume(const Scene& scene, double time) {
                                  path.string(), kept.body_capacity, bodies));
   extent_ = kept;
   if (kept.frames == 0 || kept.frames == frames_found) return;
-  file_.cut(filled(kept, fields_), [&](h5::Group root) {
+  file_.cut(filled(kept, format_), [&](h5::Group root) {
     root.open_group("VTKHDF/Steps").write_attribute<std::int64_t>("NSteps", kept.frames);
   });
 }
 
 void FrameWriter::append(double time, const BodyStates& states) {
+  append(time, states, [](const h5::Group&) {});
+}
+
+void FrameWriter::append(double time, const OwnBodies& bodies, const BodyConstants& constants) {
+  append(time, bodies.states, [&](h5::Group data) {
+    if (format_.precision == Precision::double_precision)
+      append_constants<double>(data, constants, bodies.id);
+    else
+      append_constants<float>(data, constants, bodies.id);
+  });
+}
+
+void FrameWriter::append(double time, const BodyStates& states, const Write& write_constants) {
   if (last_time_ && time == *last_time_) return;
   if (last_time_ && time < *last_time_)
     throw RunError(fmt::format("frame at {} s comes after the one at {} s", time, *last_time_));
   const std::size_t bodies = states.position.size();
   if (bodies == 0) return;  // readers have trouble with empty parts
-  if (bodies > extent_.body_capacity || bodies < extent_.last_bodies ||
-      !has_all_rows(states, fields_))
+  const bool may_be_fewer = format_.bodies == FrameBodies::own;
+  if (bodies > extent_.body_capacity || (bodies < extent_.last_bodies && !may_be_fewer) ||
+      !has_all_rows(states, format_.fields))
     throw RunError(
         fmt::format("a frame of {} bodies does not fit the {} of the last frame and the {} "
                     "of the scene",
                     bodies, extent_.last_bodies, extent_.body_capacity));
-  file_.append(filled(extent_, fields_), [&](h5::Group root) {
-    write_frame(root.open_group("VTKHDF"), extent_, time, states, fields_, precision_);
+  file_.append(filled(extent_, format_), [&](h5::Group root) {
+    write_frame(root.open_group("VTKHDF"), extent_, time, states, format_);
+    write_constants(root.open_group("VTKHDF/PointData"));
   });
   extent_ = extended(extent_, bodies);
   last_time_ = time;

@@ -9,6 +9,9 @@
 // 2 kinematic), shape (0 sphere, 1 box, 2 half space, 3 container, 4 mesh). They hold all bodies of
 // the scene; a frame uses as many as had been inserted by then, so bodies may join from frame to
 // frame. The file is a TwinFile: complete at every moment.
+//
+// Where ranks write pieces (host/io/frame_index.h) a file has the bodies of one rank, others in each frame: by rising ids,
+// with all point data in every frame.
 
 #include <cstdint>
 #include <filesystem>
@@ -17,12 +20,29 @@
 
 #include "dynamics/dynamics_card.h"
 #include "host/io/twin_file.h"
+#include "host/own_bodies.h"
 #include "host/scene.h"
 #include "host/world.h"
 
 namespace scree {
 
-/// How much of the file is filled. A part is a list of cells; frames with as many bodies share one.
+/// The group of a file that brings pieces together, see frame_index.h.
+inline constexpr const char* frame_pieces_group = "Pieces";
+
+/// Which bodies the frames of a file have.
+enum class FrameBodies {
+  all,  ///< those that are inserted, by id; what never changes is stored once
+  own   ///< those of a rank; what never changes is stored in each frame
+};
+
+/// What a file of frames holds of each body.
+struct FrameFormat {
+  std::span<const FrameField> fields;                 ///< of the model
+  Precision precision = Precision::single_precision;  ///< of the run
+  FrameBodies bodies = FrameBodies::all;
+};
+
+/// How much of the file is filled. A part is a list of cells; frames with as many bodies as the one before share its part.
 struct FrameExtent {
   std::uint64_t body_capacity = 0;  ///< bodies of the whole scene
   std::int64_t frames = 0;
@@ -30,7 +50,21 @@ struct FrameExtent {
   std::int64_t parts = 0;
   std::uint64_t cells = 0;        ///< of all parts
   std::uint64_t last_bodies = 0;  ///< bodies of the last frame, cells of the last part
+  std::uint64_t most_bodies = 0;  ///< of a frame
+
+  /// Place of the last part in Vertices/Offsets, where each has one row more than cells.
+  std::uint64_t last_offset() const {
+    return cells - last_bodies + static_cast<std::uint64_t>(parts - 1);
+  }
 };
+
+/// @param before  a file without a frame of so many bodies, at least one  @return the file with it
+FrameExtent extended(const FrameExtent& before, std::uint64_t bodies);
+
+/// @throws InputError "cannot continue PATH: ..." when a file holds less than it should, or in another precision; what is no
+///         such file at all throws h5::Error
+void require_filled(const h5::Group& root, const std::filesystem::path& path,
+                    const FrameExtent& extent, const FrameFormat& format);
 
 class FrameWriter {
  public:
@@ -45,12 +79,18 @@ class FrameWriter {
   FrameWriter(std::filesystem::path path, const Scene& scene, Precision precision,
               std::optional<double> resume_time = {});
 
+  /// The same for the bodies of one rank. @param body_capacity  bodies of the whole scene
+  FrameWriter(std::filesystem::path path, std::span<const FrameField> fields, Precision precision,
+              std::uint64_t body_capacity, std::optional<double> resume_time);
+
   /// Adds a frame and publishes it. A frame at the time of the last one is not written again, and
   /// one without bodies is left out.
   /// @param time    simulated time [s], not before the last frame
   /// @param states  bodies inserted so far, by id; never fewer than before
   /// @throws RunError naming the file and the reason; the file keeps the earlier frames
   void append(double time, const BodyStates& states);
+  /// The same for the bodies of one rank. @param constants  of all bodies of the run
+  void append(double time, const OwnBodies& bodies, const BodyConstants& constants);
 
   std::int64_t frame_count() const { return extent_.frames; }
   std::optional<double> last_time() const { return last_time_; }
@@ -59,12 +99,13 @@ class FrameWriter {
   void finish() noexcept { file_.finish(); }
 
  private:
-  void start(const Scene& scene);
-  void resume(const Scene& scene, double time);
+  using Write = TwinFile::Write;
+  void start(const Write& write_empty);
+  void resume(double time);
+  void append(double time, const BodyStates& states, const Write& write_constants);
 
   TwinFile file_;
-  std::span<const FrameField> fields_;  ///< of the model
-  Precision precision_;
+  FrameFormat format_;
   FrameExtent extent_;
   std::optional<double> last_time_;
 };

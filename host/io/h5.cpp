@@ -239,6 +239,37 @@ void Group::write_array(const std::string& name, Type type, const void* values, 
     fail(name, "");
 }
 
+void Group::write_virtual_array(const std::string& name, Type type,
+                                std::span<const RowsElsewhere> rows, std::uint64_t columns) {
+  const Guard guard;
+  Shape all{0, columns};
+  for (const RowsElsewhere& part : rows) all.rows += part.count;
+  const Handle space = space_of(all);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  std::uint64_t first = 0;
+  for (std::size_t i = 0; i < rows.size();) {
+    RowsElsewhere part = rows[i];
+    // What follows in both files is one part: the fewer, the faster files are written and read.
+    for (++i; i < rows.size() && rows[i].file == part.file && rows[i].name == part.name &&
+              rows[i].first == part.first + part.count;
+         ++i)
+      part.count += rows[i].count;
+    const Shape source{part.first + part.count, columns};
+    const Handle from = space_of(source);
+    if (!select_rows(space.id(), all, first, part.count) ||
+        !select_rows(from.id(), source, part.first, part.count) ||
+        H5Pset_virtual(properties.id(), space.id(), part.file.c_str(), part.name.c_str(),
+                       from.id()) < 0)
+      fail(name, "");
+    first += part.count;
+  }
+  H5Sselect_all(space.id());
+  const Handle dataset(H5Dcreate2(handle_.id(), name.c_str(), native(type), space.id(), H5P_DEFAULT,
+                                  properties.id(), H5P_DEFAULT),
+                       H5Dclose);
+  if (dataset.id() < 0) fail(name, "");
+}
+
 void Group::create_growing_array(const std::string& name, Type type, std::uint64_t columns,
                                  std::uint64_t chunk_rows) {
   const Guard guard;

@@ -59,6 +59,14 @@ struct Shape {
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
+/// Rows of an array in a file beside this one.
+struct RowsElsewhere {
+  std::string file;  ///< name, without a folder
+  std::string name;  ///< of the array, from the root group
+  std::uint64_t first = 0;
+  std::uint64_t count = 0;  ///< > 0
+};
+
 /// Owner of one HDF5 identifier.
 class Handle {
  public:
@@ -81,7 +89,7 @@ class Handle {
 struct Bounds;
 
 /// A group of an open file. All names are relative to the group and may contain slashes.
-/// Nothing leaves the file: links to others, external storage and virtual datasets are errors.
+/// Reading never leaves the file: links to others, external storage and virtual datasets are errors.
 /// Every function throws Error.
 class Group {
  public:
@@ -93,6 +101,14 @@ class Group {
   template <class T>
   void write(const std::string& name, std::span<const T> values, std::uint64_t columns = 0) {
     write_array(name, TypeOf<T>::value, values.data(), shape_for(name, values.size(), columns));
+  }
+
+  /// Writes an array whose rows are those of arrays in other files, one after the other: a virtual dataset. They need not be
+  /// there. For other programs: read() does not follow it.
+  template <class T>
+  void write_virtual(const std::string& name, std::span<const RowsElsewhere> rows,
+                     std::uint64_t columns = 0) {
+    write_virtual_array(name, TypeOf<T>::value, rows, columns);
   }
 
   /// Makes an empty array that append() extends, stored in chunks of the given number of rows.
@@ -167,6 +183,8 @@ class Group {
   Handle open_array(const std::string& name) const;
   void count_bytes(const std::string& name, const Handle& dataset, std::uint64_t bytes) const;
   void write_array(const std::string&, Type, const void*, Shape);
+  void write_virtual_array(const std::string&, Type, std::span<const RowsElsewhere>,
+                           std::uint64_t columns);
   void create_growing_array(const std::string&, Type, std::uint64_t columns, std::uint64_t rows);
   void append_array(const std::string&, Type, const void*, std::uint64_t count);
   void read_array(const std::string&, Type, void*, std::uint64_t count, std::uint64_t first) const;

@@ -43,7 +43,8 @@ bool is_own_name(std::string_view name) {
   constexpr std::array<std::string_view, 9> names{
       "run.json",      "steps.csv", "forces.csv",   "frames.vtkhdf",  "contacts.vtkhdf",
       "checkpoint.h5", "walls.obj", "walls.vtkhdf", "surfaces.vtkhdf"};
-  return is_numbered(name, "picture_", ".png") || is_numbered(name, "problem_", ".hdf5") ||
+  return is_numbered(name, "frames_", ".vtkhdf") || is_numbered(name, "picture_", ".png") ||
+         is_numbered(name, "problem_", ".hdf5") ||
          std::find(names.begin(), names.end(), name) != names.end();
 }
 

@@ -79,6 +79,12 @@ WallFrameWriter::WallFrameWriter(std::filesystem::path path, const Scene& scene,
   for (WallSurface& wall : walls_) wall.surface.faces = {};  // they are on disk
 }
 
+std::size_t WallFrameWriter::body_end() const {
+  std::size_t end = 0;
+  for (const WallSurface& wall : walls_) end = std::max(end, wall.body + 1);
+  return end;
+}
+
 Filled WallFrameWriter::filled() const {
   const auto frames = static_cast<std::uint64_t>(extent_.frames);
   std::vector<Growing> all{{"Points", extent_.poses * corner_count_},

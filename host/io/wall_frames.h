@@ -42,6 +42,8 @@ class WallFrameWriter {
   void append(double time, const BodyStates& states);
 
   std::int64_t frame_count() const { return extent_.frames; }
+  /// Ids of the bodies that it shows are below.
+  std::size_t body_end() const;
 
  private:
   void start(const Scene& scene);

@@ -341,6 +341,10 @@ void check_settings(const Scene& scene) {
     refuse("output.force_interval", text(output.force_interval), "must be 0: " + no_contacts);
   if (output.contact_frames && !card.has_contacts)
     refuse("output.contact_frames", "true", "must be false: " + no_contacts);
+  if (output.surface_frames && output.frame_pieces)
+    refuse("output.surface_frames", "true",
+           "must be false with output.frame_pieces: surfaces are written by one rank, from the "
+           "states of all bodies");
   const PictureSettings& picture = output.picture;
   if (!std::isfinite(picture.interval))
     refuse("output.picture.interval", text(picture.interval), "must be a finite number [s]");

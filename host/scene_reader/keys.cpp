@@ -125,7 +125,7 @@ const std::vector<KeyTable>& scene_key_tables() {
       {"stepping", {"max_recovery_speed", "restitution_law", "restitution_threshold"}},
       {"collision", {"envelope", "skin"}},
       {"output",
-       {"frame_interval", "checkpoint_interval", "force_interval", "contact_frames",
+       {"frame_interval", "frame_pieces", "checkpoint_interval", "force_interval", "contact_frames",
         "surface_frames", "picture"}},
       {"picture", {"interval", "width", "height", "color_by", "color_range", "labels", "camera"}},
       {"camera", {"position", "target", "up", "vertical_angle_deg"}},

@@ -130,6 +130,7 @@ void read_dynamics(const Node& node, DynamicsSettings& dynamics) {
 void read_output(const Node& node, OutputSettings& output) {
   node.check_keys(scene_keys("output"));
   node.read("frame_interval", output.frame_interval, kNonNegative, "s");
+  node.read("frame_pieces", output.frame_pieces);
   node.read("checkpoint_interval", output.checkpoint_interval, kNonNegative, "s");
   node.read("force_interval", output.force_interval, kNonNegative, "s");
   node.read("contact_frames", output.contact_frames);

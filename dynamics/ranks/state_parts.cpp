@@ -36,7 +36,8 @@ WorldState rows_of(const WorldState& state, const char* prefix, std::size_t coun
 
 }  // namespace
 
-WorldState shared_part(const WorldState& state, const std::function<bool(const Vec3d&)>& owns) {
+WorldState shared_part(const WorldState& state, const std::function<bool(const Vec3d&)>& owns,
+                       const PartNames& names) {
   const auto& id = state.at<std::int32_t>("body/id");
   const auto& x = state.at<Vec3d>("body/position");
   const std::int32_t id_end = id.empty() ? 0 : *std::max_element(id.begin(), id.end()) + 1;
@@ -47,14 +48,15 @@ WorldState shared_part(const WorldState& state, const std::function<bool(const V
     bodies.push_back(i);
     is_own[static_cast<std::size_t>(id[i])] = 1;
   }
-  const auto is_own_id = [&](std::int32_t body) {
+  const auto is_own_part = [&](std::int32_t name) {
+    const Index body = names.body(name);
     return body >= 0 && body < id_end && is_own[static_cast<std::size_t>(body)] != 0;
   };
   const auto& a = state.at<std::int32_t>("contact/body_a");
   const auto& b = state.at<std::int32_t>("contact/body_b");
   std::vector<std::size_t> contacts;
   for (std::size_t c = 0; c < std::min(a.size(), b.size()); ++c)
-    if (is_own_id(a[c]) || is_own_id(b[c])) contacts.push_back(c);
+    if (is_own_part(a[c]) || is_own_part(b[c])) contacts.push_back(c);
   WorldState part = rows_of(state, "body/", id.size(), bodies);
   for (StateArray& array : rows_of(state, "contact/", a.size(), contacts).arrays)
     part.arrays.push_back(std::move(array));
@@ -114,19 +116,19 @@ void append_contacts(const Bytes& packed, WorldState& contacts) {
         more.values);
 }
 
-void keep_known_contacts(const std::vector<Index>& id, Index owned_count, WorldState& contacts) {
+void keep_known_contacts(const std::vector<Index>& name, Index owned_count, WorldState& contacts) {
   auto& a = contacts.at<std::int32_t>("contact/body_a");
   auto& b = contacts.at<std::int32_t>("contact/body_b");
   const auto& feature = contacts.at<std::uint64_t>("contact/feature");
   auto& impulse = contacts.at<Vec3d>("contact/impulse");
   const std::size_t vectors = a.empty() ? 1 : impulse.size() / a.size();
-  const Index id_end = id.empty() ? 0 : *std::max_element(id.begin(), id.end()) + 1;
-  std::vector<std::uint8_t> is_here(static_cast<std::size_t>(id_end), 0);  // 2: owned
-  for (std::size_t i = 0; i < id.size(); ++i)
-    if (id[i] >= 0)
-      is_here[static_cast<std::size_t>(id[i])] = static_cast<Index>(i) < owned_count ? 2 : 1;
-  const auto state_of = [&](std::int32_t body) {
-    return body >= 0 && body < id_end ? is_here[static_cast<std::size_t>(body)] : 0;
+  const Index end = name.empty() ? 0 : *std::max_element(name.begin(), name.end()) + 1;
+  std::vector<std::uint8_t> is_here(static_cast<std::size_t>(end), 0);  // 2: owned
+  for (std::size_t i = 0; i < name.size(); ++i)
+    if (name[i] >= 0)
+      is_here[static_cast<std::size_t>(name[i])] = static_cast<Index>(i) < owned_count ? 2 : 1;
+  const auto state_of = [&](std::int32_t part) {
+    return part >= 0 && part < end ? is_here[static_cast<std::size_t>(part)] : 0;
   };
   struct Name {
     std::int32_t low, high;

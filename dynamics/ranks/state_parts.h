@@ -1,10 +1,11 @@
 #pragma once
 // Parts of a state of rigid bodies: the bodies and contacts of one rank, and contacts on their way to another one. Contacts
-// are known by the ids of their bodies.
+// are known by the names of the parts that touch, see PartNames.
 
 #include <functional>
 #include <vector>
 
+#include "dynamics/part_names.h"
 #include "host/world_state.h"
 #include "kernels/backend/ranks.h"
 #include "kernels/types.h"
@@ -12,7 +13,8 @@
 namespace scree {
 
 /// The part of a state that a rank needs: the bodies whose places it owns, and their contacts.
-WorldState shared_part(const WorldState& state, const std::function<bool(const Vec3d&)>& owns);
+WorldState shared_part(const WorldState& state, const std::function<bool(const Vec3d&)>& owns,
+                       const PartNames& names);
 /// Only the arrays of contacts.
 WorldState contacts_of(const WorldState& state);
 /// Arrays of contacts without rows.
@@ -23,10 +25,10 @@ Bytes packed_contacts(const WorldState& contacts, const std::vector<std::size_t>
 /// Appends them. @throws RunError when they are not those of packed_contacts()
 void append_contacts(const Bytes& packed, WorldState& contacts);
 
-/// Leaves out contacts that are not among these bodies, and of those that are there twice the later ones. Body A is an
-/// owned one then.
-/// @param id  of all bodies, in storage order; -1 where none is  @param owned_count  of them at the front
-void keep_known_contacts(const std::vector<Index>& id, Index owned_count, WorldState& contacts);
+/// Leaves out contacts that are not among these parts, and of those that are there twice the later ones. Part A is one of an
+/// owned body then.
+/// @param name  of all parts, in storage order; -1 where none is  @param owned_count  of them at the front
+void keep_known_contacts(const std::vector<Index>& name, Index owned_count, WorldState& contacts);
 
 /// Checks that the arrays of a state have a row for each body and for each contact. @param vectors  of an impulse
 /// @throws InputError naming the array

@@ -74,8 +74,6 @@ class BodyLoading {
   /// First id of the bodies that a program added, and whether they came.
   Index first_added() const { return id_end_ - added_count_; }
   bool has_added() const { return has_added_; }
-  /// Of all bodies that there can ever be.
-  Index id_count() const { return id_end_; }
 
  private:
   /// Uploads bodies, which get the next ids, and frees the host's memory of them as it goes.

@@ -12,6 +12,7 @@
 #include "dynamics/rigid/constant_array.h"
 #include "dynamics/rigid/move_rows.h"
 #include "dynamics/rigid/shared_constants.h"
+#include "dynamics/rigid/storage_room.h"
 #include "host/own_bodies.h"
 #include "host/world.h"
 #include "kernels/backend/backend.h"
@@ -168,11 +169,7 @@ class BodyStore {
   /// Makes room for so many free bodies and ghosts. It may move fixed bodies in storage.
   /// @throws RunError when storage cannot be numbered
   void make_room(Offset places) {
-    if (places <= capacity()) return;
-    constexpr Offset kMost = std::numeric_limits<Index>::max();
-    const Offset most = kMost - ranges_.fixed_count();
-    if (places > most) throw_no_room_for_bodies(places, most);
-    set_capacity(static_cast<Index>(std::min(most, places + places / kSpareShare + kSpare)));
+    if (places > capacity()) set_capacity(grown_room(places, ranges_.fixed_count()));
   }
   /// @param places  no fewer than free bodies and ghosts there are
   void set_capacity(Index places) {
@@ -400,9 +397,6 @@ class BodyStore {
   }
 
  private:
-  /// Places beyond those asked for: one in so many, and some.
-  static constexpr Offset kSpareShare = 16, kSpare = 64;
-
   /// Row k becomes that of place order[k].
   void gather_owned(const std::vector<Index>& order) {
     Buffer<B, Index> on_backend(*b_);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <unordered_set>
 
+#include "dynamics/part_names.h"
 #include "kernels/contact/contact_key.h"
 
 namespace scree {
@@ -58,12 +59,10 @@ void change_state(const ContactNaming& naming, const std::vector<int>& removed,
                   const WorldState& own, WorldState& s) {
   change_bodies(removed, own, s);
   const std::vector<std::int32_t>& before = s.at<std::int32_t>("run/naming");
-  const std::vector<std::int32_t>& owner = s.at<std::int32_t>("run/part_owner");
-  const int ids_before = before[0];
-  const int more = naming.id_count - ids_before;
+  const PartNames names_before{before[0], s.at<std::int32_t>("run/part_owner")};
+  const int more = naming.id_count - names_before.id_count;
   const auto is_gone = [&](int name) {
-    const int id = name < ids_before ? name : owner[static_cast<std::size_t>(name - ids_before)];
-    return std::binary_search(removed.begin(), removed.end(), id);
+    return std::binary_search(removed.begin(), removed.end(), names_before.body(name));
   };
   auto& body_a = s.at<std::int32_t>("contact/body_a");
   auto& body_b = s.at<std::int32_t>("contact/body_b");
@@ -82,7 +81,7 @@ void change_state(const ContactNaming& naming, const std::vector<int>& removed,
   keep_rows(body_b, 1, stays);
   for (std::vector<std::int32_t>* names : {&body_a, &body_b})
     for (std::int32_t& name : *names)
-      if (name >= ids_before) name += more;
+      if (name >= names_before.id_count) name += more;
   // Without spheres there was one group: that of contacts with arms.
   const auto layout = static_cast<ContactLayout>(before[1]);
   if (layout == ContactLayout::general && naming.layout == ContactLayout::mixed)

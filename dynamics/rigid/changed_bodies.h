@@ -10,7 +10,7 @@ namespace scree {
 
 /// What names of contacts stand for in a run.
 struct ContactNaming {
-  Index id_count = 0;  ///< of all bodies that there can ever be; names of parts of compounds follow
+  Index id_count = 0;  ///< see PartNames
   ContactLayout layout = ContactLayout::radial;
 };
 

@@ -23,11 +23,17 @@ namespace scree {
 template <class B, class Real>
 class Obstacles {
  public:
-  /// @param fixed_begin  storage index of the first fixed or kinematic body
-  Obstacles(B& b, const Scene& scene, Index fixed_begin)
-      : shapes_(b), vertices_(b), triangles_(b), ranges_(b) {
+  /// @param fixed_begin       storage index of the first fixed or kinematic body
+  /// @param fixed_part_begin  that of its first part; none: there is room for all parts of free bodies before it
+  Obstacles(B& b, const Scene& scene, Index fixed_begin,
+            std::optional<Index> fixed_part_begin = std::nullopt)
+      : fixed_part_begin_(fixed_part_begin.value_or(fixed_begin + more_free_parts(scene))),
+        shapes_(b),
+        vertices_(b),
+        triangles_(b),
+        ranges_(b) {
     Index fixed = fixed_begin;
-    Index fixed_part = first_fixed_part(scene, fixed_begin);
+    Index fixed_part = fixed_part_begin_;
     const auto add = [&](std::size_t body_id, const BodyDescription& body) {
       const auto id = static_cast<Index>(body_id);
       const bool is_free = body.kind == BodyKind::free;
@@ -59,11 +65,18 @@ class Obstacles {
             ranges_.view(range_count_), hulls_->view()};
   }
 
-  /// Fixed bodies move back in storage by so many places.
+  /// Place of the first part of a fixed body, which is that of the first fixed body where there are no compounds.
+  Index fixed_part_begin() const { return fixed_part_begin_; }
+
+  /// Fixed bodies move back in storage by so many places. Where there are compounds, walls are known by the places of parts.
   void follow_fixed_bodies(B& b, Index shift) {
-    for (ShapeRecord<Real>& record : data_.shapes)
-      if (record.body >= 0) record.body += shift;
-    upload(b, data_.shapes, shapes_);
+    const bool has_compounds = !data_.parts.empty();
+    shift_records(b, shift, [&](bool is_compound) { return is_compound == has_compounds; });
+  }
+  /// The same of parts of fixed bodies, in runs with compounds.
+  void follow_fixed_parts(B& b, Index shift) {
+    fixed_part_begin_ += shift;
+    shift_records(b, shift, [](bool is_compound) { return !is_compound; });
   }
 
   /// [parts] id of the body of each.
@@ -128,20 +141,28 @@ class Obstacles {
     data_.first_part.push_back(static_cast<Index>(data_.parts.size()));
   }
 
-  /// Place of the first part of a fixed body, which is that of the first fixed body where there are no compounds.
-  static Index first_fixed_part(const Scene& scene, Index fixed_begin) {
-    Index place = fixed_begin;
+  /// Changes the places in storage of fixed bodies, or of their parts. @param moves  moves(is it one of a compound)
+  template <class F>
+  void shift_records(B& b, Index shift, F&& moves) {
+    for (ShapeRecord<Real>& record : data_.shapes)
+      if (record.body >= 0 && moves(shape_card(record.kind).is_compound)) record.body += shift;
+    upload(b, data_.shapes, shapes_);
+  }
+
+  /// How many more parts free bodies have than there are of them.
+  static Index more_free_parts(const Scene& scene) {
+    Index more = 0;
     for_each_by_id(
         scene,
         [&](std::size_t, const BodyDescription& body) {
-          if (body.kind == BodyKind::free) place += part_count(scene, body.shape) - 1;
+          if (body.kind == BodyKind::free) more += part_count(scene, body.shape) - 1;
         },
         [&](std::size_t, const ParticleSet& set) {
           if (are_spheres(set)) return;
           for (std::size_t i = 0; i < set.position.size(); ++i)
-            place += part_count(scene, set.shape[i]) - 1;
+            more += part_count(scene, set.shape[i]) - 1;
         });
-    return place;
+    return more;
   }
   static Index part_count(const Scene& scene, const Shape& shape) {
     return static_cast<Index>(part_count_of(scene, shape));
@@ -194,6 +215,7 @@ class Obstacles {
     upload(b, ranges, ranges_);
   }
 
+  Index fixed_part_begin_;
   ObstacleData<Real> data_;
   std::unordered_map<Index, Index> shape_of_id_;
   std::map<int, Index> place_of_mesh_, hull_of_mesh_;  ///< by index in Scene::meshes

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collision/body_order.h"
+#include "dynamics/part_names.h"
 #include "dynamics/ranks/decomposition.h"
 #include "dynamics/ranks/gather.h"
 #include "dynamics/ranks/partners.h"
@@ -55,10 +56,11 @@ class RankShare {
 
   /// Brings ghosts up to date with their owners; chooses new ones where some are missing.
   /// @param range   of the step
+  /// @param parts   how far bodies reach that have parts
   /// @return  whether there are other ghosts, or in other places: see new_places()
-  bool renew(BodyStore<B, Real>& store, const ContactRange& range) {
+  bool renew(BodyStore<B, Real>& store, const ContactRange& range, const PartReach<Real>& parts) {
     const BodyView<Real> bodies = store.view();
-    const ReachOfBody<Real> reach{{bodies, range, {}}};
+    const ReachOfBody<Real> reach{{bodies, range, {}}, parts};
     reduce<BallExtent>(*b_, bodies.owned_count, MeasureReach<Real>{reach},
                        StoreResult<BallExtent>{own_extent_.data()});
     const std::vector<BallExtent> all =
@@ -140,12 +142,13 @@ class RankShare {
   }
 
   /// Cuts space anew where the work of ranks is uneven, and gives bodies to the ranks in whose space they are. Contacts, by
-  /// ids, go with them. @param work  of this rank
-  void move_bodies(BodyStore<B, Real>& store, double work, WorldState& contacts) {
+  /// names, go with them. @param work  of this rank
+  void move_bodies(BodyStore<B, Real>& store, double work, const PartNames& names,
+                   WorldState& contacts) {
     const std::vector<Vec3d> x = store.owned_positions();
     if (imbalance(work) > kMostImbalance) cut_anew(x, work);
     const std::vector<Index> id = store.owned_ids();
-    send_contacts(id, x, contacts);
+    send_contacts(id, x, names, contacts);
     move_to(store, id, [&](std::size_t i, Index) { return decomposition_.owner(x[i]); });
   }
 
@@ -177,12 +180,13 @@ class RankShare {
   /// Contacts of bodies that leave go to their new owners; they stay here too, where the other body may be owned.
   /// @param x  of owned bodies
   void send_contacts(const std::vector<Index>& id, const std::vector<Vec3d>& x,
-                     WorldState& contacts) {
+                     const PartNames& names, WorldState& contacts) {
     std::vector<std::pair<Index, int>> new_owner;  // by id, of those that leave
     for (std::size_t i = 0; i < x.size(); ++i)
       if (!owns(x[i])) new_owner.emplace_back(id[i], decomposition_.owner(x[i]));
     std::sort(new_owner.begin(), new_owner.end());
-    const auto owner_of = [&](Index body) {
+    const auto owner_of = [&](Index name) {
+      const Index body = names.body(name);
       const auto found =
           std::lower_bound(new_owner.begin(), new_owner.end(), std::pair<Index, int>{body, -1});
       return found != new_owner.end() && found->first == body ? found->second : -1;

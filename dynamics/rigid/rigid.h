@@ -55,9 +55,11 @@ class RigidDynamics final : public ModelOn<B, Real> {
         motion_(scene_),
         store_(backend(), plan.places, summary_.fixed_count, shared_constants(scene_),
                summary_.solid_spheres),
-        loads_(backend(), summary_.free_capacity + summary_.fixed_count),
-        obstacles_(backend(), scene_, store_.fixed_begin()),
-        parts_(backend(), obstacles_.data(), obstacles_.shapes(), store_.ranges(), periodic_box()),
+        loads_(backend(), id_count()),
+        obstacles_(backend(), scene_, store_.fixed_begin(),
+                   ranks_ ? std::optional(store_.fixed_begin()) : std::nullopt),
+        parts_(backend(), obstacles_.data(), obstacles_.shapes(), summary_.fixed_count,
+               obstacles_.fixed_part_begin(), periodic_box()),
         detector_(backend(), collision_settings(scene_, summary_, near_pairs), obstacles_.data()),
         assembly_(backend(), scene_, summary_, obstacles_.shapes()),
         joints_(backend(), scene_),
@@ -67,8 +69,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
         solver_(make_step_solver()),
         shared_(ranks_ ? std::make_unique<SharedState<B, Real>>(
                              backend(), *ranks_, std::move(plan.decomposition),
-                             summary_.median_diameter, joined_bodies(scene_), store_, detector_,
-                             *solver_, vectors())
+                             summary_.median_diameter, joined_bodies(scene_), store_, parts_,
+                             PartNames{id_count(), obstacles_.part_owners()},
+                             parts_.reach(obstacles_.data()), detector_, *solver_, vectors())
                        : nullptr),
         loading_(scene_, store_, obstacles_, owned_here()) {
     if (shared_) {
@@ -78,6 +81,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
       assembly_.set_ghosts(&shared_->ghosts());
       impacts_.set_ghosts(&shared_->ghosts());
       store_.before_fixed_move([this](Index shift) { follow_fixed_bodies(shift); });
+      parts_.before_fixed_move([this](Index shift) {
+        obstacles_.follow_fixed_parts(backend(), shift);
+        follow_walls(shift);
+      });
     }
     loading_.load_first();
     motion_.set(store_, 0, 1);
@@ -358,9 +365,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     s.insertions_done = loading_.insertions_done();
     if (shared_) {
       put_contacts_aside();
-      shared_->save(loading_.id_end(), s);
+      shared_->save(s);
     } else {
-      save_state(backend(), store_, parts_, detector_, *solver_, s);
+      save_state(backend(), store_, parts_, id_count(), detector_, *solver_, s);
     }
     joints_.save(backend(), s);
     if (tracks_forces_) forces_.save(s);
@@ -377,7 +384,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (shared_) {
       shared_->restore(s);
     } else {
-      restore_state(backend(), s, vectors(), store_, parts_, detector_, *solver_);
+      restore_state(backend(), s, vectors(), store_, parts_, id_count(), detector_, *solver_);
     }
     joints_.restore(backend(), s);
     if (tracks_forces_) restore_forces(s);
@@ -420,8 +427,16 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   /// The room for free bodies changes: fixed ones move back by so many places.
   void follow_fixed_bodies(Index shift) {
-    shared_->remember_contacts();
     obstacles_.follow_fixed_bodies(backend(), shift);
+    if (parts_.is_used()) {
+      parts_.forget();  // detection knows walls by the places of parts
+    } else {
+      follow_walls(shift);
+    }
+  }
+  /// Walls get other places among what detection sees.
+  void follow_walls(Index shift) {
+    shared_->remember_contacts();
     detector_.follow_fixed_bodies(backend(), shift);
   }
 
@@ -458,7 +473,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     return shared_ ? added_over_ranks(*ranks_, own) : own;
   }
 
-  ContactNaming naming() const { return {loading_.id_count(), summary_.layout}; }
+  ContactNaming naming() const { return {id_count(), summary_.layout}; }
+  /// Of all bodies that there can ever be.
+  Index id_count() const { return summary_.free_capacity + summary_.fixed_count; }
   int vectors() const { return vectors_per_contact(summary_.layout); }
   /// Marks belong to contacts, and solvers do without any as well.
   bool keeps_marks() const { return solver_->keeps_marks() && joints_.count() == 0; }

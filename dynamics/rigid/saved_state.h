@@ -12,15 +12,16 @@
 
 namespace scree {
 
+/// @param id_count  of all bodies that there can ever be
 template <class B, class Real>
-void save_state(B& b, BodyStore<B, Real>& store, PartStore<B, Real>& parts,
+void save_state(B& b, BodyStore<B, Real>& store, PartStore<B, Real>& parts, Index id_count,
                 const ContactDetector<B, Real>& detector, const Solver<B, Real>& solver,
                 WorldState& s) {
   std::vector<std::uint64_t> key;
   std::vector<Vec3d> impulse;
   detector.save(b, key, impulse);  // first: needs room to convert
   store.save_owned(s);
-  NamedContacts names = names_of(key, detector.keys(), parts.names(store.view(), store.ids()));
+  NamedContacts names = names_of(key, detector.keys(), parts.names(store.ids(), id_count));
   s.add("contact/body_a", std::move(names.body_a));
   s.add("contact/body_b", std::move(names.body_b));
   s.add("contact/feature", std::move(names.feature));
@@ -47,10 +48,10 @@ struct RememberedContacts {
   }
 };
 
-/// @param id  [count] of all bodies, in storage order  @param vectors  of an impulse
+/// @param name  [count] of all parts, in storage order, see PartNames  @param vectors  of an impulse
 /// @throws InputError when they are not contacts of these bodies
 inline RememberedContacts remembered_contacts(const WorldState& s, const ContactKeys& rule,
-                                              const std::vector<Index>& id, Index owned_count,
+                                              const std::vector<Index>& name, Index owned_count,
                                               std::size_t vectors) {
   RememberedContacts contacts;
   contacts.impulse = s.at<Vec3d>("contact/impulse");
@@ -70,7 +71,7 @@ inline RememberedContacts remembered_contacts(const WorldState& s, const Contact
   require_contact_rows({names.body_b.size(), names.feature.size(),
                         contacts.mark.empty() ? names.body_a.size() : contacts.mark.size()},
                        names.body_a.size());
-  PlacedContacts placed = keys_of(names, rule, id, owned_count);
+  PlacedContacts placed = keys_of(names, rule, name, owned_count);
   contacts.key = std::move(placed.key);
   for (std::size_t c = 0; c < contacts.key.size(); ++c) {
     if (placed.is_flipped[c] == 0) continue;
@@ -82,10 +83,12 @@ inline RememberedContacts remembered_contacts(const WorldState& s, const Contact
   return contacts;
 }
 
-/// @param vectors  of an impulse  @throws InputError when the state is not one of these bodies
+/// @param vectors   of an impulse
+/// @param id_count  of all bodies that there can ever be
+/// @throws InputError when the state is not one of these bodies
 template <class B, class Real>
 void restore_state(B& b, const WorldState& s, int vectors, BodyStore<B, Real>& store,
-                   PartStore<B, Real>& parts, ContactDetector<B, Real>& detector,
+                   PartStore<B, Real>& parts, Index id_count, ContactDetector<B, Real>& detector,
                    Solver<B, Real>& solver) {
   const auto n = static_cast<std::size_t>(store.owned_count());
   const std::vector<std::int32_t>& id = s.at<std::int32_t>("body/id");
@@ -95,7 +98,7 @@ void restore_state(B& b, const WorldState& s, int vectors, BodyStore<B, Real>& s
   parts.forget();
   const BodyView<Real> seen = parts.place(store.view());
   const RememberedContacts contacts =
-      remembered_contacts(s, detector.name_elements(seen), parts.names(store.view(), store.ids()),
+      remembered_contacts(s, detector.name_elements(seen), parts.names(store.ids(), id_count),
                           seen.owned_count, static_cast<std::size_t>(vectors));
   detector.restore(b, contacts.key, contacts.impulse);
   // Marks of a checkpoint of version 1 are in the memory of the solver, and are lost.

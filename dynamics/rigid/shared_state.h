@@ -17,14 +17,20 @@ class SharedState {
  public:
   /// @param diameter  median of the free bodies [m]
   /// @param joined    ids of the free bodies that joints hold together
-  /// @param store, detector, solver  of the run; they outlive this object
+  /// @param store, parts, detector, solver  of the run; they outlive this object
+  /// @param names     of parts
+  /// @param reach     of bodies with parts
   /// @param vectors   of the impulse of a contact
   SharedState(B& b, Ranks& ranks, Decomposition decomposition, double diameter,
               std::vector<std::array<Index, 2>> joined, BodyStore<B, Real>& store,
+              PartStore<B, Real>& parts, PartNames names, const PartReach<Real>& reach,
               ContactDetector<B, Real>& detector, Solver<B, Real>& solver, int vectors)
       : b_(&b),
         ranks_(&ranks),
         store_(&store),
+        parts_(&parts),
+        part_names_(std::move(names)),
+        reach_(reach),
         detector_(&detector),
         solver_(&solver),
         vectors_(vectors),
@@ -36,16 +42,16 @@ class SharedState {
   /// Owned bodies changed places, and contacts have their new names.
   void follow(BodyOrder<B>& order) { share_.follow(order); }
 
-  /// Contacts of the last step by the ids of their bodies, until there are ghosts again: before bodies change places.
+  /// Contacts of the last step by names, until there are ghosts again: before bodies, or their parts, change places.
   void remember_contacts() {
     if (remembered_) return;
     remembered_ = no_contacts();
     std::vector<std::uint64_t> key;
     detector_->save(*b_, key, remembered_->at<Vec3d>("contact/impulse"));
-    NamedContacts names = names_of(key, detector_->keys(), store_->ids());
-    remembered_->at<std::int32_t>("contact/body_a") = std::move(names.body_a);
-    remembered_->at<std::int32_t>("contact/body_b") = std::move(names.body_b);
-    remembered_->at<std::uint64_t>("contact/feature") = std::move(names.feature);
+    NamedContacts named = names_of(key, detector_->keys(), names());
+    remembered_->at<std::int32_t>("contact/body_a") = std::move(named.body_a);
+    remembered_->at<std::int32_t>("contact/body_b") = std::move(named.body_b);
+    remembered_->at<std::uint64_t>("contact/feature") = std::move(named.feature);
   }
 
   /// Before a step: inserts bodies, and gives those that left the space of this rank to the ones where they are.
@@ -59,22 +65,29 @@ class SharedState {
     remember_contacts();
     drop_ghosts();
     insert();
-    share_.move_bodies(*store_, work, *remembered_);
+    share_.move_bodies(*store_, work, part_names_, *remembered_);
+    parts_->forget();
   }
 
   /// Brings ghosts up to date; where there are others, remembered contacts follow them.
   void renew_ghosts(const ContactRange& range) {
-    if (!share_.renew(*store_, range)) return;
-    const Index owned = store_->owned_count();
+    if (!share_.renew(*store_, range, reach_)) return;
     if (!remembered_) {
-      detector_->rename_ghosts(*b_, owned, share_.new_places(owned));
-      return;
+      const std::vector<Index> places =
+          parts_->follow_ghosts(store_->view(), share_.new_places(store_->owned_count()));
+      if (!remembered_) {  // there was room for their parts
+        detector_->rename_ghosts(*b_, parts_->place(store_->view()).owned_count, places);
+        return;
+      }
+    } else {
+      parts_->forget();
     }
-    const std::vector<Index> ids = store_->ids();
-    keep_known_contacts(ids, owned, *remembered_);
+    const BodyView<Real> seen = parts_->place(store_->view());
+    const std::vector<Index> known_names = names();
+    keep_known_contacts(known_names, seen.owned_count, *remembered_);
     const RememberedContacts known =
-        remembered_contacts(*remembered_, detector_->name_elements(store_->view()), ids, owned,
-                            static_cast<std::size_t>(vectors_));
+        remembered_contacts(*remembered_, detector_->name_elements(seen), known_names,
+                            seen.owned_count, static_cast<std::size_t>(vectors_));
     detector_->restore(*b_, known.key, known.impulse);
     remembered_.reset();
   }
@@ -84,7 +97,9 @@ class SharedState {
   void with_all_bodies(F&& draw) {
     remember_contacts();
     const Index own = store_->owned_count(), room = store_->capacity();
+    const Index part_room = parts_->capacity();
     share_.gather_bodies(*store_);
+    parts_->forget();
     std::string fault;
     try {
       if (ranks_->rank() == 0) draw();
@@ -93,19 +108,21 @@ class SharedState {
     }
     store_->set_owned_count(own);
     store_->set_capacity(room);
+    parts_->set_capacity(part_room);
+    parts_->forget();
     share_.forget();
     throw_on_all(ranks_, !fault.empty(), [&] { throw RunError(fault); });
   }
 
-  /// The whole state, on every rank; each then goes on as one that was restored from it. @param id_end  of all bodies
-  void save(Index id_end, WorldState& s) {
+  /// The whole state, on every rank; each then goes on as one that was restored from it.
+  void save(WorldState& s) {
     remember_contacts();
     WorldState own = *remembered_;
     store_->save_owned(own);
     s.arrays = gather_arrays(*ranks_, own).arrays;
-    std::vector<Index> all(static_cast<std::size_t>(id_end));
+    std::vector<Index> all(static_cast<std::size_t>(part_names_.end()));
     std::iota(all.begin(), all.end(), Index(0));
-    keep_known_contacts(all, id_end, s);  // once, where two ranks have them
+    keep_known_contacts(all, part_names_.end(), s);  // once, where two ranks have them
     s.add("solver/memory", solver_->memory());
     restore(s);
   }
@@ -118,9 +135,11 @@ class SharedState {
     share_.set_decomposition(Decomposition::of(work_samples(x), ranks_->count()));
     drop_ghosts();
     share_.send_to_owners(*store_, id, x);
-    const WorldState own = shared_part(s, [&](const Vec3d& place) { return share_.owns(place); });
+    const WorldState own = shared_part(
+        s, [&](const Vec3d& place) { return share_.owns(place); }, part_names_);
     store_->arrange(own.at<std::int32_t>("body/id"));
     store_->restore_owned(own);
+    parts_->forget();
     detector_->restore(*b_, {}, {});
     remembered_ = contacts_of(own);
     solver_->restore_memory(s.at<double>("solver/memory"));
@@ -134,6 +153,9 @@ class SharedState {
   static constexpr std::int64_t kPatience = 256;
   /// Slack of ghosts, over the median diameter.
   static constexpr double kSlack = 0.2;
+
+  /// Of all parts as they were listed last, in storage order.
+  std::vector<Index> names() const { return parts_->names(store_->ids(), part_names_.id_count); }
 
   void drop_ghosts() { store_->set_owned_count(store_->owned_count()); }
 
@@ -158,11 +180,15 @@ class SharedState {
   B* b_;
   Ranks* ranks_;
   BodyStore<B, Real>* store_;
+  PartStore<B, Real>* parts_;
+  PartNames part_names_;
+  PartReach<Real> reach_;
   ContactDetector<B, Real>* detector_;
   Solver<B, Real>* solver_;
   int vectors_;
   RankShare<B, Real> share_;
-  std::optional<WorldState> remembered_;  ///< contacts by ids, while places of ghosts are not known
+  std::optional<WorldState>
+      remembered_;  ///< contacts by names, while places of ghosts are not known
 };
 
 }  // namespace scree

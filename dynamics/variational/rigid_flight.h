@@ -11,11 +11,11 @@ namespace scree {
 template <class B>
 class RigidFlight {
  public:
-  /// @param data, shapes, capacity, box  see PartStore
+  /// @param data, shapes, fixed_count, fixed_begin, box  see PartStore
   RigidFlight(B& b, Index bodies, const ObstacleData<double>& data,
-              Span<const ShapeRecord<double>> shapes, const BodyRanges& capacity,
+              Span<const ShapeRecord<double>> shapes, Index fixed_count, Index fixed_begin,
               const PeriodicBox& box)
-      : parts_(b, data, shapes, capacity, box),
+      : parts_(b, data, shapes, fixed_count, fixed_begin, box),
         islands_(b, bodies),
         way_(b, bodies),
         q_(b, bodies),

@@ -55,7 +55,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
     most_impacts_ = kMostImpacts.of(scene_.dynamics.parameters);
     if (has_convex_bodies(scene_))
       rigid_.emplace(backend(), summary_.free_capacity, obstacles_.data(), obstacles_.shapes(),
-                     store_.ranges(), box_);
+                     summary_.fixed_count, obstacles_.fixed_part_begin(), box_);
     BodyLoading<B, double>(scene_, store_, obstacles_).load_first();
     walls_.refresh(backend(), seen(), {}, {});
     require_apart();

@@ -62,9 +62,12 @@ struct BodyBalls {
   }
   /// Zero for bodies that are not binned [m].
   SCREE_HD float radius(Index i) const {
+    if (bodies.is_fixed(i) && bodies.shape[i] >= 0) return 0;
+    return radius(i, bodies.radius[i]);
+  }
+  /// The same of a body that reaches so far about its center [m].
+  SCREE_HD float radius(Index i, double own) const {
     const bool is_sphere = bodies.shape[i] < 0;
-    if (bodies.is_fixed(i) && !is_sphere) return 0;
-    const double own = bodies.radius[i];
     const double speed = norm(course_velocity(bodies, range, i));
     double radius = own + 0.5 * (range.envelope + spare.skin) + range.margin_of(i) +
                     range.fall_of(own) + 0.5 * range.h * steps(i, speed) * speed;

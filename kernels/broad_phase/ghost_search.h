@@ -3,6 +3,7 @@
 // of another rank's bodies. See BodyBalls: no other body can have a contact with one of theirs in the step.
 
 #include "kernels/backend/backend.h"
+#include "kernels/bodies/parts.h"
 #include "kernels/broad_phase/binning.h"
 
 namespace scree {
@@ -48,13 +49,19 @@ SCREE_HD inline double squared_distance(const BallExtent& a, const BallExtent& b
   return sum;
 }
 
-/// The ball of a body with the largest margin that it may get around impacts; empty where its state is out of range.
+/// The ball of an owned body with the largest margin that it may get around impacts; empty where its state is out of range.
+///
+/// That of a compound holds those of its parts. A part at arm a with radius r moves with the velocity of the body and w x a,
+/// less what locks take away, so its ball is about a place that is at most |a| + h |w| |a| / 2 from the center of that of the
+/// body. With half of its way, h (|v| + |w| |a|) / 2, and h |w| r for turning, all of it is within
+/// (|a| + r) (1 + h |w|) + h |v| / 2, which is what a body of radius |a| + r gets.
 template <class Real>
 struct ReachOfBody {
   BodyBalls<Real> balls;
+  PartReach<Real> parts;
 
   SCREE_HD double radius(Index i) const {
-    const double r = balls.radius(i);
+    const double r = balls.radius(i, parts(balls.bodies, i));
     return r > 0 ? r + 2 * balls.range.margin_limit * static_cast<double>(balls.bodies.radius[i])
                  : 0.0;
   }

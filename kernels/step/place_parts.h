@@ -3,18 +3,8 @@
 
 #include "kernels/bodies/parts.h"
 #include "kernels/step/integrate.h"
-#include "shapes/compound.h"
 
 namespace scree {
-
-/// Number of the compound that a body is; -1: it is none.
-template <class Real>
-SCREE_HD Index compound_of(const BodyView<Real>& bodies, Span<const ShapeRecord<Real>> shapes,
-                           Index i) {
-  const Index shape = bodies.shape[i];
-  if (shape < 0 || shapes[shape].kind != shapes::Compound::kind) return -1;
-  return shapes[shape].mesh;
-}
 
 /// How many parts each body has that there is.
 template <class Real>

@@ -7,28 +7,11 @@
 #include <cmath>
 
 #include "host/state_hash.h"
-#include "tests/host/scene/shape_samples.h"
+#include "tests/physics/compound_scenes.h"
 #include "tests/physics/round_bodies.h"
 
 namespace scree::physics {
 namespace {
-
-using test::ball_of;
-using test::box_of;
-using test::part;
-using test::round_of;
-
-BodyDescription& add_compound(Scene& scene, const Vec3d& position, std::vector<ShapePart> parts,
-                              BodyKind kind = BodyKind::free,
-                              SharedMass shared = SharedMass::once) {
-  BodyDescription body;
-  body.kind = kind;
-  body.position = position;
-  set_compound(scene, body, std::move(parts), shared);
-  if (kind == BodyKind::free) set_mass_from_density(body, 1000);
-  scene.bodies.push_back(body);
-  return scene.bodies.back();
-}
 
 /// A brick of eight bricks.
 std::vector<ShapePart> eighths(const Vec3d& half) {
@@ -38,15 +21,6 @@ std::vector<ShapePart> eighths(const Vec3d& half) {
         box_of(0.5 * half),
         0.5 * Vec3d{k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z}));
   return parts;
-}
-/// Three balls in a row that overlap, along x.
-std::vector<ShapePart> three_balls(double radius, double spacing) {
-  return {part(ball_of(radius), {-spacing, 0, 0}), part(ball_of(radius), {}),
-          part(ball_of(radius), {spacing, 0, 0})};
-}
-std::vector<ShapePart> cross_of_bars(double half, double thick) {
-  return {part(box_of({half, thick, thick}), {}), part(box_of({thick, half, thick}), {}),
-          part(box_of({thick, thick, half}), {})};
 }
 
 /// What is hit moves as a whole: its parts are stopped by solid walls farther off than a part alone could be pushed.
@@ -216,44 +190,6 @@ TEST(CompoundBodies, LieAcrossAPeriodicSide) {
   for (int k = 0; k < 200; ++k) world.step();
   EXPECT_NEAR(world.states().position[0].z, 0.1, 1e-6);
   EXPECT_NEAR(world.states().position[2].z, 0.1 + std::sqrt(0.04 - 0.0064), 1e-4);
-}
-
-Scene pile_of_compounds() {
-  Scene scene = empty_scene(2e-3, 0.5);
-  scene.stepping.skin = -1;
-  solve_to(scene, 1e-6);
-  scene.solver.max_iterations = 400;
-  std::mt19937 random(4);
-  std::uniform_real_distribution<double> u(-1, 1);
-  for (int layer = 0; layer < 4; ++layer)
-    for (int k = 0; k < 9; ++k) {
-      const Vec3d site{0.17 * (k % 3 - 1), 0.17 * (k / 3 - 1), 0.12 + 0.17 * layer};
-      BodyDescription body;
-      body.position = site;
-      const double a = u(random), b = u(random), c = u(random);
-      body.orientation = exp_map(Vec3d{a, b, c});
-      switch ((k + layer) % 4) {
-        case 0:
-          set_compound(scene, body, three_balls(0.04, 0.03));
-          break;
-        case 1:
-          set_compound(scene, body, cross_of_bars(0.07, 0.02));
-          break;
-        case 2:
-          set_compound(
-              scene, body,
-              {part(round_of("cylinder", 0.015, 0.06), {}), part(ball_of(0.03), {0, 0, 0.05}),
-               part(round_of("cone", 0.03, 0.04), {0, 0, -0.04})},
-              SharedMass::each_part);
-          break;
-        default:
-          body.shape = k % 2 == 0 ? ball_of(0.05) : box_of({0.05, 0.04, 0.03});
-      }
-      set_mass_from_density(body, 1000);
-      scene.bodies.push_back(body);
-    }
-  add_tank(scene, -0.28, 0.28, -0.28, 0.28);
-  return scene;
 }
 
 TEST(CompoundBodies, APileComesToRestWithTheSameBitsOnAnyNumberOfThreads) {

@@ -62,6 +62,22 @@ TEST(SharedContacts, KeepTheirSignWhenTheBodiesExchangeTheirRoles) {
   EXPECT_EQ(impulse[2].x, 5);
 }
 
+/// Contacts belong to the owners of the bodies whose parts touch.
+TEST(SharedContacts, AreThoseOfTheBodiesThatHaveTheParts) {
+  const PartNames names{5, {0, 0, 0, 3, 3}};  // parts 6 and 7 of body 0, and 9 of body 3
+  WorldState s =
+      contacts({6, 9, 4, 7, 1, 12}, {-1, 1, 2, 9, 2, 4}, {0, 0, 0, 0, 0, 0}, std::vector<Vec3d>(6));
+  s.add("body/id", std::vector<std::int32_t>{0, 1, 2, 3, 4});
+  s.add("body/position", std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}});
+  const auto rows_of = [&](auto&& owns) {
+    return shared_part(s, owns, names).template at<std::int32_t>("contact/body_a");
+  };
+  using Rows = std::vector<std::int32_t>;
+  EXPECT_EQ(rows_of([](const Vec3d& x) { return x.x < 1; }), (Rows{6, 7}));
+  EXPECT_EQ(rows_of([](const Vec3d& x) { return x.x == 3; }), (Rows{9, 7}));
+  EXPECT_EQ(rows_of([](const Vec3d& x) { return x.x == 4; }), (Rows{4, 12}));
+}
+
 TEST(SharedContacts, TravelWithAllTheirVectors) {
   const WorldState from =
       contacts({1, 2}, {3, -1}, {7, 8}, {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}});

@@ -113,35 +113,31 @@ TEST_P(CompoundsOnRanks, FlyOverBordersAsOnOneRank) {
   EXPECT_GT(shared.states.position[0].x, 0.5);
 }
 
-/// What is known of contacts goes over borders with bodies, and stays where storage grows and orders change: the solver needs
-/// as many iterations as on one rank.
-TEST_P(CompoundsOnRanks, WarmStartsGoOverBorders) {
-  Scene scene = empty_scene(1e-3, 0.5);
+/// A column of dumbbells, each on both balls of the one below, along which a clump flies: ghosts change whenever it comes near
+/// others, and bodies move to other ranks. What is known of contacts stays: a solve that starts without the impulses at a border
+/// takes as long as the first one.
+TEST_P(CompoundsOnRanks, WarmStartsLastWhileGhostsChange) {
+  Scene scene = empty_scene(1e-3, 0);
+  scene.gravity = {-kGravity, 0, 0};
   solve_to(scene, 1e-8);
-  scene.solver.max_iterations = 20000;
-  add_plane(scene);
-  // Columns of bricks of balls that slide along over the borders, by two rows that stay behind.
-  const auto brick = [](double r) {
-    std::vector<ShapePart> parts;
-    for (const double x : {-r, r})
-      for (const double y : {-r, r}) parts.push_back(part(ball_of(r), {x, y, 0}));
-    return parts;
+  add_plane(scene, {1, 0, 0});
+  for (int k = 0; k < 24; ++k)
+    add_parts(scene, {0.02 + 0.04 * k, 0, 0},
+              {part(ball_of(0.02), {0, -0.03, 0}), part(ball_of(0.02), {0, 0.03, 0})});
+  add_parts(scene, {-1, 0.1, 0.1}, three_balls(0.02, 0.03)).velocity = {10, 0, 0};
+  for (std::size_t k = 1; k < scene.bodies.size(); ++k)
+    scene.bodies[k].locks = k + 1 < scene.bodies.size() ? lock_all & ~lock_x : 0;
+  constexpr int kSteps = 400;
+  const auto most_at_rest = [](const RunResult& run) {
+    int most = 0;
+    for (std::size_t k = 100; k < kSteps; ++k) most = std::max(most, run.reports[k].iterations);
+    return most;
   };
-  for (int column = 0; column < 10; ++column)
-    for (int level = 0; level < 4; ++level)
-      add_parts(scene, {0.1 * column, 0.05 * (column % 2), 0.02 + 0.04 * level}, brick(0.02))
-          .velocity = {column % 2 == 0 ? 1.5 : 0, 0, 0};
-  scene.materials[0].friction = 0.02;
-  const RunResult alone = run_on(1, scene, 300), shared = run_on(GetParam(), scene, 300);
-  int one = 0, more = 0;
-  for (std::size_t k = 20; k < alone.reports.size(); ++k) {
-    ASSERT_TRUE(shared.reports[k].converged);
-    one += alone.reports[k].iterations, more += shared.reports[k].iterations;
-    EXPECT_EQ(shared.reports[k].contact_count, alone.reports[k].contact_count) << "step " << k;
-  }
-  RecordProperty("iterations", std::to_string(more) + " of " + std::to_string(one));
-  EXPECT_LT(more, 1.1 * one + 50);
-  EXPECT_LT(largest_difference(shared.states.position, alone.states.position), 1e-5);
+  const RunResult one = run_on(1, scene, kSteps), more = run_on(GetParam(), scene, kSteps);
+  EXPECT_LT(most_at_rest(more), 150);
+  EXPECT_LT(most_at_rest(one), 150);
+  EXPECT_GT(one.reports[0].iterations, 200) << "a cold start takes as few";
+  EXPECT_GT(more.reports.back().ghost_share, 0);
 }
 
 TEST(CompoundsOnRanks, RepeatTheirBits) {

@@ -317,10 +317,11 @@ TEST(AffineModel, PartsOfStepsFollowTheTurnAndResumedRunsHaveTheSameBits) {
   scene.bodies[0].position = {0, 0, 0.06};
   scene.bodies[0].angular_velocity = {40, 0, 0};
   add_plane(scene);
+  constexpr int kSteps = 60;  // it tumbles for some four seconds
   World one(scene, cpu_options(1));
   WorldState state;
-  double parts = 0, before = 0;
-  for (int k = 0; k < 40; ++k) {
+  double parts = 0, before = 0, least = 1e300;
+  for (int k = 0; k < kSteps; ++k) {
     if (k == 4) state = one.save();
     const StepReport report = one.step();
     if (k == 0) parts = report.own[kPartsColumn];
@@ -328,12 +329,13 @@ TEST(AffineModel, PartsOfStepsFollowTheTurnAndResumedRunsHaveTheSameBits) {
       EXPECT_GE(report.own[kPartsColumn], 0.5 * before);
     }
     before = report.own[kPartsColumn];
+    least = std::min(least, before);
   }
   EXPECT_GE(parts, 8);
-  EXPECT_EQ(before, 1);
+  EXPECT_EQ(least, 1);
   World other(scene, cpu_options(2));
   other.restore(state);
-  for (int k = 4; k < 40; ++k) other.step();
+  for (int k = 4; k < kSteps; ++k) other.step();
   EXPECT_EQ(state_hash(one.states()), state_hash(other.states()));
   state.at<double>("affine/earlier_step") = {-1};
   EXPECT_THROW(other.restore(state), InputError);

@@ -43,7 +43,9 @@ Scene thrown_block() {
 /// Rows of a rank are those of states(), which rank 0 has of all.
 void expect_rows(const OwnBodies& own, const BodyStates& all, std::set<int>& seen) {
   for (std::size_t k = 0; k < own.id.size(); ++k) {
-    if (k > 0) EXPECT_LT(own.id[k - 1], own.id[k]);
+    if (k > 0) {
+      EXPECT_LT(own.id[k - 1], own.id[k]);
+    }
     EXPECT_TRUE(seen.insert(own.id[k]).second) << own.id[k];
     const auto id = static_cast<std::size_t>(own.id[k]);
     EXPECT_EQ(own.states.position[k], all.position[id]);

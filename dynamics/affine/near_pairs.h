@@ -42,8 +42,8 @@ class NearPairs {
         near_(b),
         counts_(b, 1) {}
 
-  /// Lists all pairs of features whose boxes come within a distance while bodies move straight from one place to another,
-  /// but those of bodies that do not touch: those of pairs_near(), to the last bit on the CPU.
+  /// Lists all pairs of features that come within a distance of each other while bodies move straight from one place to
+  /// another, each at any time, but those of bodies that do not touch. Of others it lists some whose boxes come so near.
   /// @param from, to  by body
   /// @throws std::runtime_error when there are more than can be numbered
   void build(B& b, const SurfaceTables<B>& tables, Span<const AffineVec> from,

@@ -32,7 +32,7 @@ struct MarkActive {
     const NearPair& pair = near.pairs[i];
     const Four rest = near.rest_of(pair);
     is_active[i] =
-        barrier.acts(nearest_points(pair.kind, points_of(near, pair, rest, q)).squared) ? 1 : 0;
+        barrier.acts(squared_distance(pair.kind, points_of(near, pair, rest, q))) ? 1 : 0;
   }
 };
 

@@ -25,7 +25,7 @@ SCREE_HD inline double contact_energy(const ContactPair& pair, const Barrier& ba
 }
 SCREE_HD inline double contact_energy(const ContactPair& pair, const Barrier& barrier,
                                       const Four& x) {
-  return contact_energy(pair, barrier, nearest_points(pair.kind, x).squared, mollifier(pair, x));
+  return contact_energy(pair, barrier, squared_distance(pair.kind, x), mollifier(pair, x));
 }
 
 SCREE_HD inline Four contact_gradient(const ContactPair& pair, const Barrier& barrier,

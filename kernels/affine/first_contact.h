@@ -38,13 +38,13 @@ struct ApartAlong {
 /// The best of some directions: below the distance only where features are degenerate, and by rounding.
 SCREE_HD inline ApartAlong apart_directions(PairKind kind, const Four& x) {
   const int split = first_points(kind);
-  const Nearest n = nearest_points(kind, x);
-  ApartAlong best{normalized(n.gap), 0};
+  const Vec3d gap = nearest_place(kind, x).gap;
+  ApartAlong best{normalized(gap), 0};
   best.apart = apart_along(x, split, best.direction);
   // The plane of the triangle or of both edges, whose direction does not depend on a small gap.
   const Vec3d plane = kind == PairKind::point_triangle ? cross(x[2] - x[1], x[3] - x[1])
                                                        : cross(x[1] - x[0], x[3] - x[2]);
-  const Vec3d direction = normalized(dot(plane, n.gap) < 0 ? -plane : plane);
+  const Vec3d direction = normalized(dot(plane, gap) < 0 ? -plane : plane);
   const double across = apart_along(x, split, direction);
   return across > best.apart ? ApartAlong{direction, across} : best;
 }

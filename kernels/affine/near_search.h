@@ -223,15 +223,18 @@ struct SearchFeature {
     const Index own = c.own(), other = c.other();
     const Feature feature = at.surfaces.features[items[item].feature];
     const Bounds box = swept(at.from[own], at.to[own], at.surfaces.corners, feature);
-    const Bounds wide = box.widened(at.reach(at.boxes[own].rounding + at.boxes[other].rounding));
     const AffineVec start = at.from[other], end = at.to[other];
     const SurfaceRecord& tree = at.surfaces.surface(other);
+    const BodySpaceBox seen =
+        SearchedBody(start, end, tree.radius)
+            .around(at.from[own], at.to[own], at.surfaces.corners, feature,
+                    at.reach(at.boxes[own].rounding + at.boxes[other].rounding));
     Index node = tree.tree[3 - feature.count];
     const Index stop = tree.tree[4 - feature.count];
     Index hits = 0;
     while (node < stop) {
       const TreeNode n = at.surfaces.nodes[node];
-      if (!comes_into(wide, start, end, n)) {
+      if (!seen.meets(n)) {
         node = n.after(node);
         continue;
       }

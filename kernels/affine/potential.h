@@ -127,7 +127,7 @@ struct EnergyOfTerm {
     if (i < p.near.pairs.size) {
       const NearPair& pair = p.near.pairs[i];
       const Four rest = p.near.rest_of(pair), x = points_of(p.near, pair, rest, q);
-      e.squared = nearest_points(pair.kind, x).squared;
+      e.squared = squared_distance(pair.kind, x);
       states.squared[i] = e.squared;
       states.elements[i] = 0;
       if (!p.barrier.acts(e.squared)) return e;
@@ -190,7 +190,7 @@ struct TouchOfPair {
   SCREE_HD FirstTouch operator()(Index i) const {
     const NearPair& pair = near.pairs[i];
     const Four x = points_of(near, pair, near.rest_of(pair), q);
-    return {nearest_points(pair.kind, x).squared <= squared ? i : Index(-1)};
+    return {squared_distance(pair.kind, x) <= squared ? i : Index(-1)};
   }
 };
 

@@ -196,4 +196,70 @@ SCREE_HD inline double rounding_of(const AffineVec& from, const AffineVec& to, d
   return kRounding * largest;
 }
 
+/// A box in coordinates of a body, where its trees are as they were made.
+struct BodySpaceBox {
+  Vec3d center, half;  ///< [m]
+
+  SCREE_HD bool meets(const TreeNode& n) const {
+    return !(std::abs(n.center[0] - center.x) > n.half[0] + half.x ||
+             std::abs(n.center[1] - center.y) > n.half[1] + half.y ||
+             std::abs(n.center[2] - center.z) > n.half[2] + half.z);
+  }
+};
+
+/// A body that goes straight from one place to another, as what comes near is looked for in its trees.
+struct SearchedBody {
+  Vec3d center;         ///< at the start
+  Vec3d across[3];      ///< rows of A^-1 there
+  Vec3d low, high;      ///< least and largest coordinates of the ways of its points [m]
+  bool is_flat = true;  ///< A has no inverse to speak of: all of the body is searched
+
+  SCREE_HD SearchedBody(const AffineVec& from, const AffineVec& to, double radius)
+      : center(from.node[0]) {
+    const Vec3d *a = from.node + 1, *b = to.node + 1;
+    const Vec3d normal = cross(a[1], a[2]);
+    const double volume = dot(a[0], normal);
+    across[0] = (1 / volume) * normal;
+    across[1] = (1 / volume) * cross(a[2], a[0]);
+    across[2] = (1 / volume) * cross(a[0], a[1]);
+    double length = 0, inverse = 0;
+    for (int k = 0; k < 3; ++k) length += norm2(a[k]), inverse += norm2(across[k]);
+    is_flat = !(length * inverse < 1e8);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d turn{b[0][k] - a[0][k], b[1][k] - a[1][k], b[2][k] - a[2][k]};
+      const double most = radius * norm(turn), way = to.node[0][k] - center[k];
+      low[k] = way - most < 0 ? way - most : 0;
+      high[k] = way + most > 0 ? way + most : 0;
+    }
+  }
+
+  /// A box that meets all nodes which may come within a reach, along every axis of the world, of a feature of another body on
+  /// its way, at any times; and more of them.
+  SCREE_HD BodySpaceBox around(const AffineVec& from, const AffineVec& to,
+                               Span<const Vec3d> corners, const Feature& feature,
+                               double reach) const {
+    if (is_flat) return {{}, {1e300, 1e300, 1e300}};
+    Bounds box;
+    double far = 0;
+    for (int k = 0; k < 6; ++k) {
+      if (k >= 2 * feature.count) break;
+      const Vec3d at = point_of(k % 2 == 0 ? from : to, corners[feature.corner[k / 2]]) - center;
+      box.add(Vec3d{dot(across[0], at), dot(across[1], at), dot(across[2], at)});
+      const double own = norm2(at);
+      far = own > far ? own : far;
+    }
+    far = 1e-11 * std::sqrt(far);  // what rounding of the inverse may do
+    // A point of the body that is at x some time was at x less its way till then.
+    const Vec3d shift = -0.5 * (low + high), room = 0.5 * (high - low) + Vec3d{reach, reach, reach};
+    BodySpaceBox seen;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d& r = across[k];
+      seen.center[k] = 0.5 * (box.low[k] + box.high[k]) + dot(r, shift);
+      seen.half[k] = 0.5 * (box.high[k] - box.low[k]) + std::abs(r.x) * room.x +
+                     std::abs(r.y) * room.y + std::abs(r.z) * room.z + far * norm(r);
+    }
+    return seen;
+  }
+};
+
 }  // namespace scree::affine

@@ -144,13 +144,13 @@ TEST_F(ContactPotentialTest, NearestPointsAreThoseOfASearch) {
 TEST_F(ContactPotentialTest, DegenerateFeaturesHaveADistance) {
   Four x;  // a triangle that is a segment, one that is a point, parallel edges, edges in a line
   x[0] = {0.5, 2, 0}, x[1] = {0, 0, 0}, x[2] = {1, 0, 0}, x[3] = {2, 0, 0};
-  EXPECT_EQ(nearest_point_triangle(x).squared, 4);
+  EXPECT_EQ(squared_distance(PairKind::point_triangle, x), 4);
   x[2] = x[3] = x[1];
-  EXPECT_EQ(nearest_point_triangle(x).squared, 4.25);
+  EXPECT_EQ(squared_distance(PairKind::point_triangle, x), 4.25);
   x[0] = {0, 1, 0}, x[1] = {3, 1, 0}, x[2] = {1, 0, 0}, x[3] = {2, 0, 0};
-  EXPECT_EQ(nearest_edge_edge(x).squared, 1);
+  EXPECT_EQ(squared_distance(PairKind::edge_edge, x), 1);
   x[0] = {5, 0, 0}, x[1] = {8, 0, 0};
-  EXPECT_EQ(nearest_edge_edge(x).squared, 9);
+  EXPECT_EQ(squared_distance(PairKind::edge_edge, x), 9);
 }
 
 TEST_F(ContactPotentialTest, DerivativesOfDistancesAreThoseOfDifferences) {

@@ -124,11 +124,15 @@ class Minimizer {
       StageClock<B> timer(*b_);
       assemble(p, q);
       report.assembly_ms += timer.lap();
-      const auto solved = solve();
+      const double rough = iteration == 0 ? rough_tolerance(at, settings) : kExact;
+      bool has_step = solve(rough, report);
+      StepSums sums = measure(p, q);
+      if (has_step && rough > kExact && sums.size < settings.tolerance) {
+        has_step = solve(kExact, report);
+        sums = measure(p, q);
+      }
       report.linear_ms += timer.lap();
-      report.linear_iterations += solved.iterations;
-      if (!solved.is_solved && solver_.is_direct()) break;  // there is no step
-      const StepSums sums = measure(p, q);
+      if (!has_step) break;
       report.residual = sums.size;
       // The last step is taken too: bodies slower than the tolerance move, and free ones exactly.
       const bool is_last = sums.size < settings.tolerance;
@@ -180,6 +184,8 @@ class Minimizer {
   double take_near_ms() { return std::exchange(near_ms_, 0); }
 
  private:
+  /// Tolerances of conjugate gradients.
+  static constexpr double kRough = 1e-2, kExact = 1e-4;
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
   /// Widest room about ways [reach].
@@ -222,15 +228,25 @@ class Minimizer {
     for_each(*b_, p.rows(), MoveBody{p.body_of_row, q, step_.view(), share, moved});
   }
 
-  /// The Newton step of the system that was assembled.
-  typename BlockSolver<B>::Report solve() {
-    // Of conjugate gradients: with 1e-6 Newton's method takes hardly fewer steps.
-    constexpr double kTolerance = 1e-4;
+  /// The Newton step of the system that was assembled. @return whether there is one
+  bool solve(double tolerance, MinimizerReport& report) {
     const BlockSystemView system{diagonal_.view(), mixed_.view(block_count_), right_.view()};
-    if (!linked_.is_on()) return solver_.solve(*b_, system, step_.view(), kTolerance);
-    const auto solved = solver_.solve(*b_, linked_.carry(*b_, system), linked_.step(), kTolerance);
-    linked_.follow(*b_, step_.view());
-    return solved;
+    typename BlockSolver<B>::Report solved;
+    if (linked_.is_on()) {
+      solved = solver_.solve(*b_, linked_.carry(*b_, system), linked_.step(), tolerance);
+      linked_.follow(*b_, step_.view());
+    } else {
+      solved = solver_.solve(*b_, system, step_.view(), tolerance);
+    }
+    report.linear_iterations += solved.iterations;
+    return solved.is_solved || !solver_.is_direct();
+  }
+
+  /// Tolerance of the first system of a minimization: what is wrong with its step is shorter than a step that ends it, and is made
+  /// up for by those behind it. One that ends it is worked out exactly.
+  double rough_tolerance(const EnergySum& at, const MinimizerSettings& settings) const {
+    if (solver_.is_direct() || linked_.is_on()) return kExact;  // elastic bodies take few steps
+    return std::clamp(0.1 * settings.tolerance / at.off, kExact, kRough);
   }
 
   /// Near pairs that the barrier acts on. @return how many

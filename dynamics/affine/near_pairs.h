@@ -13,7 +13,7 @@ namespace scree::affine {
 
 /// One host read a search. Lists are written into room for somewhat more than the last search needed; where that is not
 /// enough the search is made again with more, so that none is ever cut short.
-/// Memory: 24 bytes a near pair, 84 a feature that comes near another body, 16 a block, 56 a pair of near bodies, 130 a body.
+/// Memory: 24 bytes a near pair, 84 a part of a feature that comes near another body, 16 a block, 56 a pair of near bodies, 130 a body.
 /// Each body costs its box and two ways down the tree of bodies; each pair of near bodies costs a test for each 32 features of
 /// the smaller one, and each feature that is left a way down a tree of the other body, or two where more than sixteen are near it.
 template <class B>
@@ -78,6 +78,14 @@ class NearPairs {
   /// So few bodies are tested each with each, which is as fast as a tree and takes fewer launches.
   static constexpr Index kFew = B::kIsDevice ? 256 : 32;
   static constexpr bool is_few(Index bodies) { return bodies <= kFew; }
+  /// Items of a feature: as many as a device has threads for, if that is few features.
+  static Index parts_of(Index features) {
+    constexpr Index kMostParts = 32, kThreads = 1 << 19;
+    Index parts = 1;
+    if constexpr (B::kIsDevice)
+      while (parts < kMostParts && features <= kThreads / (2 * parts)) parts *= 2;
+    return parts;
+  }
   /// Most items of one pass.
   static constexpr Offset kMostItems = std::numeric_limits<Index>::max() - 1;
 
@@ -107,6 +115,8 @@ class NearPairs {
     const auto candidates = static_cast<Index>(room_.bodies);
     const auto blocks = static_cast<Index>(room_.blocks);
     const auto features = static_cast<Index>(room_.features);
+    parts_ = parts_of(features);
+    const Index searches = parts_ * features;
     reserve_lists();
     find_bodies(b, at, filter);
     const SearchSums sums = this->sums(static_cast<Index>(at.boxes.size));
@@ -126,13 +136,14 @@ class NearPairs {
     SearchFeature feature{at,
                           sums.features,
                           std::as_const(item_).view(features),
-                          {kept_.view(FoundFeatures::kKept * room_.features), room_.features},
-                          count_.view(features),
+                          {kept_.view(FoundFeatures::kKept * Offset{searches}), searches},
+                          count_.view(searches),
                           {},
                           {},
-                          {}};
-    for_each(b, features, feature);
-    add_up(b, features, pairs_);
+                          {},
+                          parts_};
+    for_each(b, searches, feature);
+    add_up(b, searches, pairs_);
     for_each(b, candidates, MarkTouching{sums, count_.view(candidates)});
     add_up(b, candidates, touching_);
     const Span<const Offset> touching = running(touching_, candidates);
@@ -141,7 +152,7 @@ class NearPairs {
     feature.begin = sums.pairs;
     feature.touching = touching;
     feature.found = near_.view(room_.pairs);
-    for_each(b, features, feature);
+    for_each(b, searches, feature);
     for_each(b, 1, SumUpSearch{sums, touching, counts_.data()});
   }
 
@@ -179,7 +190,7 @@ class NearPairs {
     return {running(bodies_, is_few(n) ? n * n : n),
             running(blocks_, static_cast<Index>(room_.bodies)),
             running(features_, static_cast<Index>(room_.blocks)),
-            running(pairs_, static_cast<Index>(room_.features))};
+            running(pairs_, parts_ * static_cast<Index>(room_.features)), parts_};
   }
 
   void reserve_lists() {
@@ -192,11 +203,11 @@ class NearPairs {
     features_.reserve_discard(room_.blocks + 1);
     mask_.reserve_discard(room_.blocks);
     item_.reserve_discard(room_.features);
-    kept_.reserve_discard(FoundFeatures::kKept * room_.features);
-    pairs_.reserve_discard(room_.features + 1);
+    const Offset items = parts_ * room_.features;
+    kept_.reserve_discard(FoundFeatures::kKept * items);
+    pairs_.reserve_discard(items + 1);
     near_.reserve_discard(room_.pairs);
-    count_.reserve_discard(
-        std::max({bodies_.capacity(), room_.bodies, room_.blocks, room_.features}));
+    count_.reserve_discard(std::max({bodies_.capacity(), room_.bodies, room_.blocks, items}));
   }
 
   /// Whether all that was found had room. Sets the rooms for the next search, which that many and a few more will have.
@@ -237,6 +248,7 @@ class NearPairs {
   Buffer<B, SearchCounts> counts_;
   SearchCounts found_;
   SearchCounts room_{256, 1024, 1024, 1024, 0};
+  Index parts_ = 1;  ///< of features
 };
 
 }  // namespace scree::affine

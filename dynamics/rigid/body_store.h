@@ -18,6 +18,7 @@
 #include "kernels/backend/backend.h"
 #include "kernels/backend/ranks.h"
 #include "kernels/bodies/body_view.h"
+#include "kernels/bodies/locks.h"
 #include "kernels/bodies/permute.h"
 
 namespace scree {
@@ -95,8 +96,10 @@ class BodyStore {
       const bool moves = d.kind == BodyKind::free;
       position_.push_back(d.position);
       orientation_.emplace_back(d.orientation);
-      velocity_.emplace_back(moves ? Vec3<Real>(d.velocity) : Vec3<Real>{});
-      angular_velocity_.emplace_back(moves ? Vec3<Real>(d.angular_velocity) : Vec3<Real>{});
+      const unsigned linear = moves ? free_linear_axes(d.locks) : 0;
+      const unsigned angular = moves ? free_angular_axes(d.locks) : 0;
+      velocity_.push_back(Vec3<Real>(on_axes(d.velocity, linear)));
+      angular_velocity_.push_back(Vec3<Real>(on_axes(d.angular_velocity, angular)));
       inertia_.emplace_back(moves ? Vec3<Real>(d.inertia) : Vec3<Real>{});
       inv_mass_.push_back(moves ? static_cast<Real>(1 / d.mass) : Real(0));
       radius_.push_back(static_cast<Real>(radius));

@@ -39,16 +39,23 @@ static_assert(sizeof(LaneBlock) == sizeof(Dense<12>));
 struct RowVectors {
   double2 x[kPairs], r[kPairs], p[kPairs], s[kPairs];
   Index place, end;
-  Index unused[2];
+  unsigned wanted;  ///< bit b: block b has a row that wants z of this one
+  unsigned unused;
 };
+
+/// What blocks meet with.
+struct alignas(16) Sums {
+  double of_warp[kWarps];
+  double of_block[2][kMostBlocks];  ///< in turn
+  Index first_row[kMostBlocks + 2];
+};
+static_assert(kWarps == 16 && kMostBlocks == 16);  // halves of a warp
 
 /// Bytes of shared memory besides the blocks of the matrix.
 struct Needs {
-  std::size_t z, partial, row;
+  std::size_t z, sums, row;
   __host__ __device__ explicit Needs(std::size_t rows)
-      : z(rows * sizeof(AffineVec)),
-        partial(2 * kMostBlocks * kWarps * sizeof(double)),
-        row(sizeof(RowVectors)) {}
+      : z(rows * sizeof(AffineVec)), sums(sizeof(Sums)), row(sizeof(RowVectors)) {}
 };
 /// Most rows of a block.
 inline std::size_t most_own_rows(std::size_t rows, std::size_t mixed, unsigned blocks) {
@@ -119,16 +126,11 @@ struct Lane {
   }
 };
 
-/// Sum over eight lanes, the same bits in all of them.
-__device__ inline double total_of_eight(double mine) {
+/// Sum over as many lanes, the same bits in all of them.
+template <int kCount>
+__device__ double lanes_total(double mine) {
 #pragma unroll
-  for (int step = 4; step > 0; step /= 2) mine += __shfl_xor_sync(kAll, mine, step);
-  return mine;
-}
-/// Sum over a warp, the same bits in all lanes.
-__device__ inline double warp_total(double mine) {
-#pragma unroll
-  for (int step = 16; step > 0; step /= 2) mine += __shfl_xor_sync(kAll, mine, step);
+  for (int step = kCount / 2; step > 0; step /= 2) mine += __shfl_xor_sync(kAll, mine, step);
   return mine;
 }
 
@@ -143,8 +145,8 @@ struct Block {
   Lane at;
   GradientVectors v;
   Index first, count;  ///< its rows
-  double* z;           ///< of all rows
-  double* partial;     ///< [2][blocks][kWarps]
+  double* z;           ///< of all rows; only those are kept up to date that rows of this block want
+  Sums* sums;
   RowVectors* rows;
   LaneBlock* resident;  ///< the first blocks of the rows
   Index* column;        ///< of each, which row of z it takes
@@ -152,12 +154,15 @@ struct Block {
 
   __device__ Block(const GradientVectors& of, Index all, unsigned char* shared, unsigned bytes)
       : v(of) {
-    first = first_row(v.lists, all, own, blocks);
-    count = first_row(v.lists, all, own + 1, blocks) - first;
     const Needs needs(static_cast<std::size_t>(all));
     z = reinterpret_cast<double*>(shared);
-    partial = reinterpret_cast<double*>(shared + needs.z);
-    rows = reinterpret_cast<RowVectors*>(shared + needs.z + needs.partial);
+    sums = reinterpret_cast<Sums*>(shared + needs.z);
+    if (threadIdx.x <= blocks)
+      sums->first_row[threadIdx.x] = first_row(v.lists, all, threadIdx.x, blocks);
+    __syncthreads();
+    first = sums->first_row[own];
+    count = sums->first_row[own + 1] - first;
+    rows = reinterpret_cast<RowVectors*>(shared + needs.z + needs.sums);
     resident = reinterpret_cast<LaneBlock*>(rows + count);
     const auto* const end = shared + bytes;
     resident_count = static_cast<Index>((end - reinterpret_cast<unsigned char*>(resident)) /
@@ -184,12 +189,17 @@ struct Block {
     return {&m.value, is_turned, is_turned ? m.row : m.column};
   }
 
+  __device__ unsigned block_of(Index row) const {
+    unsigned b = 0;
+    while (sums->first_row[b + 1] <= row) ++b;
+    return b;
+  }
+
   __device__ void load() const {
     for_each_row([&](Index k) {
       const Index row = first + k, begin = v.lists.begin[row];
       const Index others = v.lists.begin[row + 1] - begin;
       const Index to = begin - v.lists.begin[first] + 2 * k;
-      if (at.lane == 0) rows[k].place = to, rows[k].end = to + 2 + others;
       if (to < resident_count) at.copy(v.inverse[row], false, resident[to]);
       if (to + 1 < resident_count) {
         at.copy(v.diagonal[row], false, resident[to + 1]);
@@ -200,6 +210,10 @@ struct Block {
         at.copy(*o.value, o.is_turned, resident[to + 2 + e]);
         column[to + 2 + e] = o.column;
       }
+      unsigned wanted = 1u << own;
+      for (Index e = at.lane; e < others; e += 32) wanted |= 1u << block_of(other(row, e).column);
+      wanted = __reduce_or_sync(kAll, wanted);
+      if (at.lane == 0) rows[k].place = to, rows[k].end = to + 2 + others, rows[k].wanted = wanted;
     });
     __syncwarp();
   }
@@ -234,25 +248,29 @@ struct Block {
     return at.whole(sum);
   }
 
-  /// Gives z of row k to all blocks.
+  /// Gives z of row k to the blocks that want it: traffic between them is what an iteration waits for.
   __device__ void show(Index k, double2 mine) const {
     mine = {__shfl_sync(kAll, mine.x, at.pair), __shfl_sync(kAll, mine.y, at.pair)};
     if (at.lane >= 30) return;
     auto* const to = reinterpret_cast<double2*>(z + 12 * (first + k)) + at.pair;
-    for (unsigned b = static_cast<unsigned>(at.lane / kPairs); b < blocks; b += 5)
-      *cluster.map_shared_rank(to, b) = mine;
+    const unsigned wanted = rows[k].wanted;
+    for (auto b = static_cast<unsigned>(at.lane / kPairs); b < blocks; b += 5)
+      if ((wanted >> b & 1) != 0) *cluster.map_shared_rank(to, b) = mine;
   }
   /// Sum over the cluster, the same bits in all threads. What was shown before is there then.
   /// @param round  0 or 1, in turn  @param mine  zero but in the first eight lanes
   __device__ double meet(int round, double mine) const {
-    double* const sums = partial + round * kMostBlocks * kWarps;
-    mine = total_of_eight(mine);
-    for (auto b = static_cast<unsigned>(at.lane); at.lane < 8 && b < blocks; b += 8)
-      *cluster.map_shared_rank(sums + own * kWarps + warp, b) = mine;
+    mine = lanes_total<8>(mine);
+    if (at.lane == 0) sums->of_warp[warp] = mine;
+    __syncthreads();
+    if (warp == 0) {
+      const double sum = lanes_total<kWarps>(sums->of_warp[at.lane % kWarps]);
+      if (at.lane < static_cast<int>(blocks))
+        *cluster.map_shared_rank(&sums->of_block[round][own], static_cast<unsigned>(at.lane)) = sum;
+    }
     cluster.sync();  // not the aligned one: lanes of a warp need not be together here
-    double sum = 0;
-    for (unsigned k = static_cast<unsigned>(at.lane); k < blocks * kWarps; k += 32) sum += sums[k];
-    return warp_total(sum);
+    const auto b = static_cast<unsigned>(at.lane) % kMostBlocks;
+    return lanes_total<kMostBlocks>(b < blocks ? sums->of_block[round][b] : 0);
   }
 };
 
@@ -373,7 +391,7 @@ class ClusterGradients {
     const std::size_t own = cluster_gradients::most_own_rows(rows, mixed, blocks_);
     // At most half of the blocks stay in memory beyond that of the cluster.
     const std::size_t matrix = 2 * (rows + mixed) * sizeof(Dense<12>) / blocks_;
-    return needs.z + needs.partial + own * needs.row + matrix / 2 <= bytes_;
+    return needs.z + needs.sums + own * needs.row + matrix / 2 <= bytes_;
   }
 
   /// @param v  its state is set

@@ -48,13 +48,14 @@ struct SearchSums {
   Span<const Offset> bodies;    ///< pairs of bodies, by what they were found from
   Span<const Offset> blocks;    ///< by candidate
   Span<const Offset> features;  ///< by block
-  Span<const Offset> pairs;     ///< by feature
+  Span<const Offset> pairs;     ///< by item of a feature
+  Index parts = 1;              ///< items of a feature, see SearchFeature
 
   /// First near pair of a candidate, or of those behind it.
   SCREE_HD Index first_pair(Index candidate) const {
     const Offset block = at_most(blocks[candidate], features.size - 1);
-    const Offset feature = at_most(features[block], pairs.size - 1);
-    return static_cast<Index>(pairs[feature]);
+    const Offset item = at_most(features[block] * parts, pairs.size - 1);
+    return static_cast<Index>(pairs[item]);
   }
 
  private:
@@ -189,11 +190,13 @@ struct FoundFeatures {
   SCREE_HD Index at(Index item, Index k) const { return feature[k * room + item]; }
 };
 
-/// Near pairs of one feature, counted or written. Bytes: nodes of the other tree, 32 each, and the corners of a few features,
-/// from the caches; 4 to 68 written, then read with 24 written a pair.
+/// Near pairs of one feature, counted or written, in parts: each goes through so much of the other tree, as it lies in memory, so
+/// that a device need not wait for the few features that meet most of it. Bytes: nodes of the other tree, 32 each, and the
+/// corners of a few features, from the caches; 4 to 68 written, then read with 24 written a pair.
 struct SearchFeature {
   static constexpr const char* name = "affine_search_feature";
   static constexpr Index kSerialBelow = 64;
+  static constexpr int kBlockThreads = kWaitingThreads;
   SearchBodies at;
   Span<const Offset> features;  ///< running sums
   Span<const FeatureItem> items;
@@ -202,9 +205,10 @@ struct SearchFeature {
   Span<const Offset> begin;     ///< running sum of count
   Span<const Offset> touching;  ///< by candidate: those before it that have near pairs
   Span<NearPair> found;         ///< out, with `begin`
+  Index parts = 1;              ///< items of a feature
 
   SCREE_HD void operator()(Index item) const {
-    if (item >= all_of(features)) {
+    if (item / parts >= all_of(features)) {
       if (begin.empty()) count[item] = 0;
     } else if (begin.empty()) {
       count[item] = search(item, -1);
@@ -219,9 +223,10 @@ struct SearchFeature {
  private:
   /// @param place  of the first pair in the list; -1: keeps the first few. @return how many there are
   SCREE_HD Index search(Index item, Offset place) const {
-    const Candidate c = at.candidates[items[item].candidate];
+    const FeatureItem own_item = items[item / parts];
+    const Candidate c = at.candidates[own_item.candidate];
     const Index own = c.own(), other = c.other();
-    const Feature feature = at.surfaces.features[items[item].feature];
+    const Feature feature = at.surfaces.features[own_item.feature];
     const Bounds box = swept(at.from[own], at.to[own], at.surfaces.corners, feature);
     const AffineVec start = at.from[other], end = at.to[other];
     const SurfaceRecord& tree = at.surfaces.surface(other);
@@ -229,8 +234,10 @@ struct SearchFeature {
         SearchedBody(start, end, tree.radius)
             .around(at.from[own], at.to[own], at.surfaces.corners, feature,
                     at.reach(at.boxes[own].rounding + at.boxes[other].rounding));
-    Index node = tree.tree[3 - feature.count];
-    const Index stop = tree.tree[4 - feature.count];
+    const Index root = tree.tree[3 - feature.count], part = item % parts;
+    const Offset nodes = tree.tree[4 - feature.count] - root;
+    Index node = root + static_cast<Index>(nodes * part / parts);
+    const Index stop = root + static_cast<Index>(nodes * (part + 1) / parts);
     Index hits = 0;
     while (node < stop) {
       const TreeNode n = at.surfaces.nodes[node];
@@ -257,8 +264,9 @@ struct SearchFeature {
   /// Corners come before triangles, and of two edges that of the first body before the other.
   SCREE_HD void put(Offset place, Index item, Index against) const {
     if (place >= found.size) return;
-    const Index candidate = items[item].candidate, small = at.candidates[candidate].small;
-    const Feature own = at.surfaces.features[items[item].feature];
+    const FeatureItem own_item = items[item / parts];
+    const Index candidate = own_item.candidate, small = at.candidates[candidate].small;
+    const Feature own = at.surfaces.features[own_item.feature];
     const Feature other = at.surfaces.features[against];
     const bool own_first = own.count == 2 ? small == 0 : own.count == 1;
     const Feature first = own_first ? own : other, second = own_first ? other : own;

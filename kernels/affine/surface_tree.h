@@ -199,11 +199,15 @@ SCREE_HD inline double rounding_of(const AffineVec& from, const AffineVec& to, d
 /// A box in coordinates of a body, where its trees are as they were made.
 struct BodySpaceBox {
   Vec3d center, half;  ///< [m]
+  double slack =
+      0;  ///< by which boxes of leaves may stick out of those above them, as floats are [m]
 
+  /// Never a leaf without all that is above it: then a search that begins in the middle of a tree finds the same.
   SCREE_HD bool meets(const TreeNode& n) const {
-    return !(std::abs(n.center[0] - center.x) > n.half[0] + half.x ||
-             std::abs(n.center[1] - center.y) > n.half[1] + half.y ||
-             std::abs(n.center[2] - center.z) > n.half[2] + half.z);
+    const double more = n.is_leaf() ? 0 : slack;
+    return !(std::abs(n.center[0] - center.x) > n.half[0] + half.x + more ||
+             std::abs(n.center[1] - center.y) > n.half[1] + half.y + more ||
+             std::abs(n.center[2] - center.z) > n.half[2] + half.z + more);
   }
 };
 
@@ -212,10 +216,11 @@ struct SearchedBody {
   Vec3d center;         ///< at the start
   Vec3d across[3];      ///< rows of A^-1 there
   Vec3d low, high;      ///< least and largest coordinates of the ways of its points [m]
+  double slack;         ///< see BodySpaceBox
   bool is_flat = true;  ///< A has no inverse to speak of: all of the body is searched
 
   SCREE_HD SearchedBody(const AffineVec& from, const AffineVec& to, double radius)
-      : center(from.node[0]) {
+      : center(from.node[0]), slack(1e-6 * radius) {
     const Vec3d *a = from.node + 1, *b = to.node + 1;
     const Vec3d normal = cross(a[1], a[2]);
     const double volume = dot(a[0], normal);
@@ -238,7 +243,7 @@ struct SearchedBody {
   SCREE_HD BodySpaceBox around(const AffineVec& from, const AffineVec& to,
                                Span<const Vec3d> corners, const Feature& feature,
                                double reach) const {
-    if (is_flat) return {{}, {1e300, 1e300, 1e300}};
+    if (is_flat) return {{}, {1e300, 1e300, 1e300}, slack};
     Bounds box;
     double far = 0;
     for (int k = 0; k < 6; ++k) {
@@ -252,6 +257,7 @@ struct SearchedBody {
     // A point of the body that is at x some time was at x less its way till then.
     const Vec3d shift = -0.5 * (low + high), room = 0.5 * (high - low) + Vec3d{reach, reach, reach};
     BodySpaceBox seen;
+    seen.slack = slack;
     for (int k = 0; k < 3; ++k) {
       const Vec3d& r = across[k];
       seen.center[k] = 0.5 * (box.low[k] + box.high[k]) + dot(r, shift);

@@ -34,9 +34,10 @@ struct ContactRange {
   }
 };
 
-/// Velocity of a body in the step before contacts act, v* = v + h M^-1 f with respect to locked
-/// axes, less that which loads give to free bodies [m/s]. Only relative velocities make contacts,
-/// and so most bodies keep the bits of their velocities.
+/// Velocity of a body, or of a part of one, in the step before contacts act, v* = v + h M^-1 f with
+/// respect to locked axes, less that which loads give to free bodies [m/s]. Only relative velocities
+/// make contacts, and so most bodies keep the bits of their velocities. Bodies have no velocity along
+/// locked axes, but parts of bodies that turn have.
 template <class Real>
 SCREE_HD Vec3<double> course_velocity(const BodyView<Real>& bodies, const ContactRange& range,
                                       Index i) {
@@ -45,7 +46,7 @@ SCREE_HD Vec3<double> course_velocity(const BodyView<Real>& bodies, const Contac
   if (bodies.is_fixed(i)) return v - range.gravity_step;
   const unsigned free = free_linear_axes(bodies.locks[i]);
   if (free == 7u) return v;
-  return on_axes(v + range.gravity_step, free) - range.gravity_step;
+  return v + on_axes(range.gravity_step, free) - range.gravity_step;
 }
 
 /// Radius of a body about its center that covers all it may touch within the step,

@@ -199,8 +199,7 @@ SCREE_HD inline double rounding_of(const AffineVec& from, const AffineVec& to, d
 /// A box in coordinates of a body, where its trees are as they were made.
 struct BodySpaceBox {
   Vec3d center, half;  ///< [m]
-  double slack =
-      0;  ///< by which boxes of leaves may stick out of those above them, as floats are [m]
+  double slack = 0;    ///< by which leaves may stick out of boxes above them, as floats are [m]
 
   /// Never a leaf without all that is above it: then a search that begins in the middle of a tree finds the same.
   SCREE_HD bool meets(const TreeNode& n) const {

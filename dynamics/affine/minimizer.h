@@ -124,10 +124,10 @@ class Minimizer {
       StageClock<B> timer(*b_);
       assemble(p, q);
       report.assembly_ms += timer.lap();
-      const double rough = iteration == 0 ? rough_tolerance(at, settings) : kExact;
-      bool has_step = solve(rough, report);
+      const double tolerance = iteration == 0 ? rough_tolerance(at, settings) : kExact;
+      bool has_step = solve(tolerance, report);
       StepSums sums = measure(p, q);
-      if (has_step && rough > kExact && sums.size < settings.tolerance) {
+      if (has_step && tolerance > kExact && sums.size < settings.tolerance) {
         has_step = solve(kExact, report);
         sums = measure(p, q);
       }

@@ -48,6 +48,13 @@ SCREE_HD inline double node_weight(const Vec3d& rest, int node) {
   return node == 0 ? 1.0 : rest[node - 1];
 }
 
+/// Column k of the cofactors of A, which are J A^-T. @param k  1 to 3, as of nodes
+SCREE_HD inline Vec3d cofactor(const AffineVec& q, int k) {
+  return cross(q.node[k % 3 + 1], q.node[(k + 1) % 3 + 1]);
+}
+/// J, the determinant of A.
+SCREE_HD inline double determinant(const AffineVec& q) { return dot(q.node[1], cofactor(q, 1)); }
+
 /// Where a point of the body is, or how it moves. @param rest  its coordinates X [m]
 SCREE_HD inline Vec3d point_of(const AffineVec& q, const Vec3d& rest) {
   return q.node[0] + rest.x * q.node[1] + rest.y * q.node[2] + rest.z * q.node[3];

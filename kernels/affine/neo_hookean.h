@@ -20,10 +20,6 @@ struct Lame {
 /// Energy of what is flat or inside out: above all others.
 inline constexpr double kInvertedEnergy = 1e290;
 
-SCREE_HD inline double determinant(const AffineVec& q) {
-  return dot(q.node[1], cross(q.node[2], q.node[3]));
-}
-
 SCREE_HD inline double neo_hookean_energy(const Lame& lame, const AffineVec& q) {
   const double j = determinant(q);
   if (!(j > 0)) return kInvertedEnergy;
@@ -36,8 +32,7 @@ SCREE_HD inline double neo_hookean_energy(const Lame& lame, const AffineVec& q) 
 SCREE_HD inline AffineVec neo_hookean_gradient(const Lame& lame, const AffineVec& q) {
   const double j = determinant(q), pull = (lame.volume * std::log(j) - lame.shear) / j;
   AffineVec g;
-  for (int k = 1; k < 4; ++k)
-    g.node[k] = lame.shear * q.node[k] + pull * cross(q.node[k % 3 + 1], q.node[(k + 1) % 3 + 1]);
+  for (int k = 1; k < 4; ++k) g.node[k] = lame.shear * q.node[k] + pull * cofactor(q, k);
   return g;
 }
 

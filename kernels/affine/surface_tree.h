@@ -221,11 +221,8 @@ struct SearchedBody {
   SCREE_HD SearchedBody(const AffineVec& from, const AffineVec& to, double radius)
       : center(from.node[0]), slack(1e-6 * radius) {
     const Vec3d *a = from.node + 1, *b = to.node + 1;
-    const Vec3d normal = cross(a[1], a[2]);
-    const double volume = dot(a[0], normal);
-    across[0] = (1 / volume) * normal;
-    across[1] = (1 / volume) * cross(a[2], a[0]);
-    across[2] = (1 / volume) * cross(a[0], a[1]);
+    const double per_volume = 1 / determinant(from);
+    for (int k = 0; k < 3; ++k) across[k] = per_volume * cofactor(from, k + 1);
     double length = 0, inverse = 0;
     for (int k = 0; k < 3; ++k) length += norm2(a[k]), inverse += norm2(across[k]);
     is_flat = !(length * inverse < 1e8);

@@ -96,6 +96,8 @@ if wants ranks; then
   [ "$(id -u)" -ne 0 ] || launch+=(--allow-run-as-root)
   stage ranks_tests 120 $bin/scree_tests_parity --gtest_filter='ParityRanks*'
   grep -E "^\[  (PASSED|FAILED|SKIPPED)|tests ran" "$out/ranks_tests.log" | tail -n 20
+  stage ranks_cli 200 $bin/scree_tests_cli --gtest_filter='CliRankGpus*'
+  grep -E "^\[  (PASSED|FAILED|SKIPPED)|tests ran" "$out/ranks_cli.log" | tail -n 20
   parts=$(mktemp -d)
   for n in 2 4; do
     if [ "$gpus" -lt $n ]; then
@@ -107,6 +109,11 @@ if wants ranks; then
     stage "ranks_scaling_$n" 150 "${launch[@]}" -n $n $bin/scree bench scaling --backend cuda --sizes 1e6,4e6 --warmup 100 \
       --steps 10 --json "$parts/scaling_$n.json"
     tail -n 8 "$out/ranks_scaling_$n.log"
+    for transport in nccl hosts; do # what is measured above goes to peers
+      stage "ranks_scaling_${n}_$transport" 100 "${launch[@]}" -n $n $bin/scree bench scaling --backend cuda --sizes 1e6 \
+        --warmup 100 --steps 10 --transport $transport --json "$parts/scaling_${n}_$transport.json"
+      tail -n 3 "$out/ranks_scaling_${n}_$transport.log"
+    done
   done
   if [ "$gpus" -ge 2 ]; then
     stage ranks_memcheck 120 "${launch[@]}" -n 2 compute-sanitizer --tool memcheck --error-exitcode 9 \

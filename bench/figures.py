@@ -146,6 +146,7 @@ def draw_scaling(documents):
                 if r["kind"] == kind:
                     bodies = r["bodies"] // (r["ranks"] if kind == "weak" else 1)
                     each = " on each rank" if kind == "weak" else ""
+                    each += {"nccl": " over NCCL", "hosts": " through hosts"}.get(r.get("transport"), "")
                     groups[f"{short(bodies)} bodies{each}; {machine(d)}"].append((r["ranks"], r["efficiency"]))
         for label, points in groups.items():
             curve(axes, points, label)

@@ -4,6 +4,8 @@ set(SCREE_CUDA AUTO CACHE STRING "CUDA backend: AUTO (when a compiler is found),
 set_property(CACHE SCREE_CUDA PROPERTY STRINGS AUTO ON OFF)
 set(SCREE_MPI AUTO CACHE STRING "Runs on several processes by MPI: AUTO (when it is found), ON or OFF")
 set_property(CACHE SCREE_MPI PROPERTY STRINGS AUTO ON OFF)
+set(SCREE_NCCL AUTO CACHE STRING "Messages between GPUs by NCCL: AUTO (with CUDA and MPI, when it is found), ON or OFF")
+set_property(CACHE SCREE_NCCL PROPERTY STRINGS AUTO ON OFF)
 set(SCREE_CUDA_ARCHITECTURES AUTO CACHE STRING
   "CUDA architectures to build for, for instance 80;90; AUTO: those of the GPUs of this machine, 90 without one")
 set(SCREE_EXTRA_SOLVERS "" CACHE STRING "Headers of further solvers of steps (a list), as CONTRIBUTING.md describes them")

@@ -93,6 +93,13 @@ std::unique_ptr<Dynamics> make_together(Ranks& ranks, const MakeDynamics& make) 
   throw std::logic_error("a rank failed without a reason");
 }
 
+/// Every rank is here, rank 0 maybe with an error on its way.
+void end_with_others(Ranks& ranks, std::unique_ptr<Dynamics>& own) {
+  ranks.end_together(true);
+  own.reset();
+  ranks.end_together(false);
+}
+
 class LeadingDynamics final : public Dynamics {
   // First, because the type that it returns follows from what it calls.
   template <class F>
@@ -111,7 +118,7 @@ class LeadingDynamics final : public Dynamics {
   ~LeadingDynamics() override {
     try {
       tell(*ranks_, {Call::end, 0, {}, {}});
-      own_.reset();
+      end_with_others(*ranks_, own_);
     } catch (const std::exception&) {  // the others are gone
     }
   }
@@ -277,7 +284,7 @@ void follow(Ranks& ranks, const MakeDynamics& make, OwnBodiesSink* sink) {
         if (own != nullptr) throw std::logic_error("rank 0 leads one World at a time");
         own = make_together(ranks, make);
       } else if (order.call == Call::end) {
-        own.reset();
+        end_with_others(ranks, own);
       } else if (own != nullptr) {
         together(ranks, order.call != Call::step, [&] { obey(ranks, order, *own, sink); });
       }

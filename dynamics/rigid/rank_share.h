@@ -10,6 +10,7 @@
 
 #include "collision/body_order.h"
 #include "dynamics/part_names.h"
+#include "dynamics/ranks/common_error.h"
 #include "dynamics/ranks/decomposition.h"
 #include "dynamics/ranks/gather.h"
 #include "dynamics/ranks/partners.h"
@@ -286,6 +287,9 @@ class RankShare {
       if (static_cast<int>(r) < ranks_->rank()) lower += came[r];
     }
     ghosts_.set(*b_, std::move(peers), std::move(sent));
+    if (!ghosts_.transport_fault().empty())
+      throw CommonError("transport " + to_string(ranks_->transport()) + ": " +
+                        ghosts_.transport_fault());
     store.set_ghost_count(ghosts, lower);
     store.clear_room();
     old_ids_ = std::exchange(ids_, store.ghost_ids());

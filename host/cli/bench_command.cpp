@@ -141,6 +141,7 @@ CLI::App* add_bench_command(CLI::App& app, BenchOptions& options) {
       command->add_subcommand("scaling", "whole steps on one rank and on all of mpirun -n N");
   add_bed_options(*scaling, options.scaling);
   add_steps_options(*scaling, options.scaling);
+  add_transport_option(*scaling, options.scaling.target);
   scaling->footer(
       "Sizes are those of one rank. Weak scaling: as many bodies on each of the ranks; strong: as "
       "many on\nall. Efficiency is of the time for an application of the operator.");

@@ -25,6 +25,7 @@ constexpr int kMostDevices = 1024;
 CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
   CLI::App* command = app.add_subcommand("run", "Simulate a scene");
   add_target_options(*command, options.target);
+  add_transport_option(*command, options.target);
   command->add_option("--steps", options.steps, "time steps (default: the scene's duration)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1'000'000'000'000}))
       ->take_last();
@@ -200,6 +201,14 @@ void add_backend_options(CLI::App& command, RunTarget& target, const std::string
       ->type_name("KEY=VALUE")
       ->take_all()
       ->expected(1);
+}
+
+void add_transport_option(CLI::App& command, RunTarget& target) {
+  command
+      .add_option("--transport", target.transport,
+                  "between the GPUs of ranks: peer, nccl, hosts, or auto, the first of these that "
+                  "works (default: auto)")
+      ->take_last();
 }
 
 void add_target_options(CLI::App& command, RunTarget& target) {

@@ -31,4 +31,7 @@ void add_backend_options(CLI::App& command, RunTarget& target, const std::string
 /// Adds SCENE and the options above to a command.
 void add_target_options(CLI::App& command, RunTarget& target);
 
+/// Adds --transport, to commands that several ranks run together.
+void add_transport_option(CLI::App& command, RunTarget& target);
+
 }  // namespace scree

@@ -12,6 +12,7 @@
 #include "host/cli/options.h"
 #include "host/error.h"
 #include "host/ranks/mpi_ranks.h"
+#include "host/ranks/nccl_messages.h"
 #include "host/scene_reader/scene_schema.h"
 #include "host/version.h"
 #include "host/world.h"
@@ -73,6 +74,7 @@ int print_info(const InfoOptions& options) {
   const char* assertions = "on";
 #endif
   const std::string mpi = mpi_version().empty() ? "not built" : mpi_version();
+  const std::string nccl = nccl_version().empty() ? "not built" : nccl_version();
   const std::vector<std::string> problem_solvers = assembled_solver_names();
   if (options.json) {
     nlohmann::json out = {
@@ -82,6 +84,7 @@ int print_info(const InfoOptions& options) {
         {"assertions", assertions},
         {"built_with_cuda", built_with_cuda},
         {"mpi", mpi},
+        {"nccl", nccl},
         {"dynamics", dynamics_names()},
         {"solvers", solver_names()},
         {"problem_solvers", problem_solvers},
@@ -103,6 +106,7 @@ int print_info(const InfoOptions& options) {
   fmt::print("compiler    {}; assertions {}; CUDA {}\n", __VERSION__, assertions,
              built_with_cuda ? "built in" : "not built in");
   fmt::print("MPI         {}\n", mpi);
+  fmt::print("NCCL        {}\n", nccl);
   const char* heading = "dynamics";
   for (const DynamicsCard& card : dynamics_cards())
     fmt::print("{:<12}{:<22}{}\n", std::exchange(heading, ""), card.name, card.description);

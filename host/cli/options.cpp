@@ -9,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/ranks/mpi_ranks.h"
+#include "host/ranks/nccl_messages.h"
 
 namespace scree {
 namespace fs = std::filesystem;
@@ -27,6 +28,25 @@ int threads_of(const Ranks& ranks) {
   const auto processors = static_cast<int>(::sysconf(_SC_NPROCESSORS_ONLN));
   const auto bound_to = static_cast<int>(std::thread::hardware_concurrency());
   return std::max(1, std::min(bound_to, processors / local_rank(ranks).count));
+}
+
+Transport transport_of(const std::string& name) {
+  for (const Transport each :
+       {Transport::automatic, Transport::peer, Transport::nccl, Transport::hosts})
+    if (name == to_string(each)) return each;
+  throw InputError(
+      fmt::format("--transport: \"{}\" is not allowed: expected auto, peer, nccl or hosts", name));
+}
+
+/// Sets how devices of ranks exchange data. @param ranks  or null
+void set_transport(const std::string& name, BackendKind backend, Ranks* ranks) {
+  if (name.empty()) return;
+  const Transport transport = transport_of(name);
+  if (backend != BackendKind::cuda)
+    throw InputError(fmt::format("--transport {}: is for the backend cuda, this is cpu", name));
+  if (transport == Transport::nccl && nccl_version().empty())
+    throw InputError("--transport nccl: this scree is built without NCCL");
+  if (ranks != nullptr) ranks->set_transport(transport);
 }
 
 }  // namespace
@@ -106,6 +126,7 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
     options.device = 0;
     if (ranks != nullptr && options.threads == 0) options.threads = threads_of(*ranks);
   }
+  set_transport(target.transport, options.backend, ranks.get());
   return options;
 }
 

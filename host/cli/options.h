@@ -17,6 +17,7 @@ struct RunTarget {
   int threads = 0;                     ///< 0: all
   int device = -1;                     ///< CUDA device; negative: not given, the first
   double memory = 0;                   ///< limit [MiB]; 0: what is free
+  std::string transport;               ///< between GPUs of ranks; empty: auto
   std::vector<std::string> overrides;  ///< key.path=value
   bool json = false;
 };

@@ -228,6 +228,11 @@ class Run {
     return s;
   }
 
+  /// How GPUs of ranks exchange data; empty: there are none.
+  std::string transport() const {
+    if (world_options_.backend != BackendKind::cuda || world_options_.ranks == nullptr) return {};
+    return to_string(world_options_.ranks->used_transport());
+  }
   int rank_count() const {
     return world_options_.ranks != nullptr ? world_options_.ranks->count() : 1;
   }
@@ -365,13 +370,15 @@ class Run {
     steps.flush();
     if (files.forces) files.forces->flush();
     progress.finish();
+    record_.transport = transport();
     record_.status = signals.received() == 0 ? RunStatus::done : RunStatus::interrupted;
     if (signals.received() != 0)
       progress.note("interrupted: checkpoint written, continue with --resume");
     if (!options_.quiet) progress.note(summary());
     if (!options_.quiet && record_.ranks > 1)
-      progress.note(fmt::format("{} ranks; at most {:.3g} times the mean of bodies on one",
-                                record_.ranks, largest_share_));
+      progress.note(fmt::format(
+          "{} ranks{}; at most {:.3g} times the mean of bodies on one", record_.ranks,
+          record_.transport.empty() ? "" : ", transport " + record_.transport, largest_share_));
     if (record_.totals.stopped() > 0) {
       progress.note(fmt::format(
           "warning: spheres were stopped {} times at a box or mesh wall that their contacts of the "
@@ -513,8 +520,12 @@ int run_on_ranks(const RunOptions& options, const std::shared_ptr<Ranks>& ranks)
     require_solver(input->scene, input->world);
     require_memory(input->scene, input->world);
     report.scene = input->text;
-    report.arithmetic = fmt::format("backend {} in {}", to_string(input->world.backend),
-                                    to_string(input->world.precision));
+    report.arithmetic =
+        fmt::format("backend {} in {}, transport {}", to_string(input->world.backend),
+                    to_string(input->world.precision), to_string(ranks->transport()));
+    if (input->scene.output.frame_pieces)
+      report.folder =
+          fs::absolute(output_folder(options, input->scene)).lexically_normal().string();
   };
   const int code = start_together(*ranks, read);
   if (code != 0) return code;

@@ -120,6 +120,7 @@ void write_run_record(const std::filesystem::path& path, const RunRecord& record
   json["device"] = record.device;
   json["threads"] = record.threads;
   if (record.ranks > 1) json["ranks"] = record.ranks;
+  if (!record.transport.empty()) json["transport"] = record.transport;
   json["seed"] = record.seed;
   json["bodies"] = record.body_count;
   json["start_time"] = record.start_time;

@@ -69,7 +69,8 @@ struct RunRecord {
   Precision precision = Precision::single_precision;
   std::string device;  ///< name of the processor or GPU
   int threads = 0;
-  int ranks = 1;  ///< that simulate together
+  int ranks = 1;          ///< that simulate together
+  std::string transport;  ///< between their GPUs; empty: they have none
   std::uint64_t seed = 0;
   int body_count = 0;       ///< of the whole scene, all kinds
   std::string start_time;   ///< utc_now() at the start

@@ -23,7 +23,7 @@ std::string named(std::size_t rank) { return "rank " + std::to_string(rank); }
 struct Reports {
   std::vector<int> codes;
   std::vector<std::uint64_t> scenes;  ///< checksums
-  std::vector<std::string> errors, programs, arithmetic;
+  std::vector<std::string> errors, programs, arithmetic, folders;
 };
 
 Agreement agreement_of(const Reports& all) {
@@ -44,6 +44,9 @@ Agreement agreement_of(const Reports& all) {
   if (const std::size_t r = first_other(all.arithmetic); r > 0)
     return {kBadInput, named(r) + " would compute with " + all.arithmetic[r] + ", rank 0 with " +
                            all.arithmetic[0]};
+  if (const std::size_t r = first_other(all.folders); r > 0)
+    return {kBadInput,
+            named(r) + " would write to " + all.folders[r] + ", rank 0 to " + all.folders[0]};
   return {};
 }
 
@@ -58,6 +61,7 @@ Agreement agree(Ranks& ranks, const RankReport& own) {
   all.errors = gather_texts(ranks, own.error);
   all.scenes = gather(ranks, scene.value());
   all.arithmetic = gather_texts(ranks, own.arithmetic);
+  all.folders = gather_texts(ranks, own.folder);
   return agreement_of(all);
 }
 

@@ -9,11 +9,13 @@ namespace scree {
 
 /// What a rank has to say.
 struct RankReport {
-  int code = 0;            ///< exit code that it would end with; 0: it can start
-  std::string error;       ///< why it cannot
-  std::string program;     ///< version and commit
-  std::string scene;       ///< text of the scene, overrides applied; empty when it cannot start
-  std::string arithmetic;  ///< backend and precision, for people; empty when it cannot start
+  int code = 0;         ///< exit code that it would end with; 0: it can start
+  std::string error;    ///< why it cannot
+  std::string program;  ///< version and commit
+  std::string scene;    ///< text of the scene, overrides applied; empty when it cannot start
+  std::string
+      arithmetic;      ///< backend, precision and transport, for people; empty when it cannot start
+  std::string folder;  ///< where it writes; empty: nowhere
 };
 
 /// What all do, the same on all.
@@ -23,7 +25,7 @@ struct Agreement {
 };
 
 /// A collective call. Told is the lowest rank that has another program than rank 0, else that cannot start, else that has
-/// another scene or arithmetic. It is named unless all ranks have the same error. What differs is bad input, code 2.
+/// another scene, arithmetic or folder. It is named unless all ranks have the same error. What differs is bad input, code 2.
 Agreement agree(Ranks& ranks, const RankReport& own);
 
 }  // namespace scree

@@ -15,6 +15,7 @@
 #include "host/io/printable.h"
 #include "host/io/streams.h"
 #include "host/ranks/launch.h"
+#include "host/ranks/nccl_messages.h"
 
 namespace scree {
 namespace {
@@ -153,6 +154,8 @@ class MpiRanks final : public Ranks {
     wait(requests, expected);
   }
 
+  DeviceMessages* device_messages() override { return messages_.get(); }
+
   [[noreturn]] void abort(const std::string& reason, int exit_code) override {
     constexpr std::size_t most_printed = 4000;
     say("scree: rank " + std::to_string(rank_) + ": " + printable(reason, most_printed));
@@ -223,6 +226,7 @@ class MpiRanks final : public Ranks {
   int rank_ = 0;
   int count_ = 1;
   LocalRank local_;
+  std::unique_ptr<DeviceMessages> messages_ = nccl_messages();
   bool is_broken_ = false;
 };
 

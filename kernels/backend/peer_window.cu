@@ -1,9 +1,8 @@
 #include <algorithm>
-#include <cstring>
-#include <random>
 
 #include "kernels/backend/over_ranks.h"
 #include "kernels/backend/peer_window.cuh"
+#include "kernels/backend/rank_devices.h"
 
 namespace scree {
 namespace {
@@ -11,20 +10,8 @@ namespace {
 /// How the others reach the memory of a rank.
 struct Offer {
   cudaIpcMemHandle_t handle{};
-  cudaUUID_t card{};
   unsigned char* address = nullptr;
-  int device = 0;
-  std::uint64_t process = 0;
 };
-
-/// A number that no other process has, as far as chance goes.
-std::uint64_t this_process() {
-  static const std::uint64_t number = [] {
-    std::random_device random;
-    return std::uint64_t{random()} << 32 | random();
-  }();
-  return number;
-}
 
 /// Whether a call did what it should; forgets the error otherwise.
 bool done(cudaError_t error) {
@@ -41,24 +28,12 @@ bool can_reach(int from, int device) {
   return error == cudaErrorPeerAccessAlreadyEnabled || done(error);
 }
 
-/// Whether each rank has a device of its own.
-bool have_own_devices(const std::vector<Offer>& offers) {
-  for (std::size_t r = 0; r < offers.size(); ++r)
-    for (std::size_t q = 0; q < r; ++q)
-      if (std::memcmp(&offers[r].card, &offers[q].card, sizeof(cudaUUID_t)) == 0) return false;
-  return true;
-}
-
-bool have_one_process(const std::vector<Offer>& offers) {
-  return std::any_of(offers.begin() + 1, offers.end(),
-                     [&](const Offer& o) { return o.process == offers.front().process; });
-}
-
 }  // namespace
 
 PeerWindow<Cuda>::~PeerWindow() {
-  // A rank that failed is alone here: the memory goes with the process.
-  if (std::uncaught_exceptions() > exceptions_) return;
+  // A rank that failed may be alone here: the memory goes with the process.
+  const bool is_alone = ranks_ == nullptr || !ranks_->ends_together();
+  if (is_alone && std::uncaught_exceptions() > exceptions_) return;
   try {
     close();
   } catch (const std::exception&) {  // another rank ended: the driver takes the memory back
@@ -81,36 +56,32 @@ bool PeerWindow<Cuda>::reserve(Ranks& ranks, std::size_t bytes) {
 void PeerWindow<Cuda>::open(Ranks& ranks, std::size_t size) {
   ranks_ = &ranks;
   const auto me = static_cast<std::size_t>(ranks.rank());
+  const std::vector<RankDevice> devices = gather(ranks, this_device());
   Offer own;
-  own.process = this_process();
-  bool works = done(cudaGetDevice(&own.device));
-  cudaDeviceProp properties{};
-  works = works && done(cudaGetDeviceProperties(&properties, own.device));
-  own.card = properties.uuid;
   void* memory = nullptr;
   // Zeros, because a program knows by the number of a meeting what has come: none is the 0th.
   const std::size_t all = kBoardBytes + kRooms * size;
-  works = works && done(cudaMalloc(&memory, all));
+  // Handles are of this host alone.
+  bool works = ranks.count_here() == ranks.count() && done(cudaMalloc(&memory, all));
   works = works && done(cudaMemset(memory, 0, all)) && done(cudaDeviceSynchronize());
   own.address = static_cast<unsigned char*>(memory);
   works = works && done(cudaIpcGetMemHandle(&own.handle, memory));
   const std::vector<Offer> offers = gather(ranks, own);
   memory_.assign(offers.size(), nullptr);
   is_opened_.assign(offers.size(), false);
-  has_threads_ = have_one_process(offers);
-  can_meet_ = offers.size() <= PeerBoard::kMostRanks && have_own_devices(offers);
+  has_threads_ = share_a_process(devices);
+  can_meet_ = offers.size() <= PeerBoard::kMostRanks && have_own_cards(devices);
   memory_[me] = own.address;
   size_ = size;
   for (std::size_t r = 0; works && r < offers.size(); ++r) {
     if (r == me) continue;
     const Offer& other = offers[r];
-    if (own.process == other.process) {
-      works = can_reach(own.device, other.device);
+    if (devices[me].process == devices[r].process) {
+      works = can_reach(devices[me].number, devices[r].number);
       memory_[r] = other.address;
       continue;
     }
     void* opened = nullptr;
-    // Fails for a GPU of another host.
     works = done(cudaIpcOpenMemHandle(&opened, other.handle, cudaIpcMemLazyEnablePeerAccess));
     memory_[r] = static_cast<unsigned char*>(opened);
     is_opened_[r] = works;

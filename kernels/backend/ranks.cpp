@@ -16,6 +16,20 @@ std::vector<Ranks::Message> messages_of(std::vector<Bytes>& of_rank, int own) {
 
 }  // namespace
 
+std::string to_string(Transport transport) {
+  switch (transport) {
+    case Transport::automatic:
+      return "auto";
+    case Transport::peer:
+      return "peer";
+    case Transport::nccl:
+      return "nccl";
+    case Transport::hosts:
+      return "hosts";
+  }
+  return "";
+}
+
 std::vector<Bytes> all_to_all(Ranks& ranks, std::vector<Bytes> to) {
   const auto n = static_cast<std::size_t>(ranks.count());
   const auto me = static_cast<std::size_t>(ranks.rank());

@@ -1,6 +1,6 @@
 #pragma once
 // Several processes, or threads, that simulate one scene together: who they are, and how data go from one to another. Data
-// are in host memory; what a device holds is copied there first.
+// are in host memory; those of devices may have another way (device_messages.h, peer_window.h).
 
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +12,19 @@
 #include "kernels/types.h"
 
 namespace scree {
+
+/// How data go from the device of one rank to that of another.
+enum class Transport : std::int32_t {
+  automatic,  ///< the first of the others that works
+  peer,       ///< each writes into the memory of the others: for GPUs of one host with peer access
+  nccl,       ///< by NCCL: where each rank is a process with a GPU of its own
+  hosts       ///< through the memory of hosts, as all data of a CPU
+};
+
+/// "auto", "peer", "nccl" or "hosts".
+std::string to_string(Transport transport);
+
+class DeviceMessages;
 
 /// A group of ranks, as one of them sees it. Calls are collective: all ranks make the same ones in the same order, each
 /// from one thread.
@@ -37,25 +50,41 @@ class Ranks {
   /// two ranks have at most one for each other. Returns when all are there.
   virtual void exchange(const std::vector<Message>& send, const std::vector<Message>& receive) = 0;
 
+  /// How devices send each other messages; null: they do not.
+  virtual DeviceMessages* device_messages() { return nullptr; }
+
   /// Ends all ranks because this one cannot go on; the text names it and the reason. Ranks that wait for this one do not
   /// wait on.
   [[noreturn]] virtual void abort(const std::string& reason, int exit_code) = 0;
 
-  /// Messages and bytes that this rank has sent so far, those of gather() to itself not counted.
+  /// Messages and bytes that this rank has sent so far, those of gather() to itself and what is written to peers not counted.
   struct Traffic {
     std::int64_t messages = 0;
     std::int64_t bytes = 0;
   };
   Traffic sent() const { return sent_; }
-
- protected:
+  /// Also for what devices send each other.
   void count_sent(std::int64_t messages, std::size_t bytes) {
     sent_.messages += messages;
     sent_.bytes += static_cast<std::int64_t>(bytes);
   }
 
+  /// The same on all ranks, before a World is made with them.
+  void set_transport(Transport transport) { transport_ = transport; }
+  Transport transport() const { return transport_; }
+  /// What devices use, once they have ghosts; else automatic.
+  void note_transport(Transport used) { used_ = used; }
+  Transport used_transport() const { return used_; }
+
+  /// All ranks are about to end a World together, also where one of them does so because of an error.
+  void end_together(bool ends) { ends_together_ = ends; }
+  bool ends_together() const { return ends_together_; }
+
  private:
   Traffic sent_;
+  Transport transport_ = Transport::automatic;
+  Transport used_ = Transport::automatic;
+  bool ends_together_ = false;
 };
 
 /// One value of each rank, in their order.

@@ -2,10 +2,12 @@
 // Which owned bodies this rank shows to others, and where in storage it keeps copies of theirs.
 
 #include <cstring>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "kernels/backend/device_messages.h"
 #include "kernels/backend/over_ranks.h"
 #include "kernels/backend/peer_window.h"
 #include "kernels/bodies/body_ranges.h"
@@ -133,7 +135,7 @@ struct RenumberSent {
 template <class B>
 class Ghosts {
  public:
-  explicit Ghosts(B& b) : sent_(b), window_(b) {}
+  explicit Ghosts(B& b) : sent_(b), packed_(b), arrived_(b), window_(b) {}
 
   Index count() const { return count_; }
 
@@ -146,12 +148,21 @@ class Ghosts {
     count_ = 0;
     for (const GhostPeer& peer : peers_) count_ += peer.count;
     Ranks& ranks = *b.ranks();
-    is_direct_ = ranks.count() <= PeerBoard::kMostRanks &&
-                 window_.reserve(ranks, static_cast<std::size_t>(count_) * kMostRow);
-    if (!is_direct_) return;
-    tell_places(ranks);
-    link(ranks);
+    transport_ = working_transport(ranks);
+    ranks.note_transport(transport_);
+    note_fault(ranks);
+    if (transport_ == Transport::peer) {
+      tell_places(ranks);
+      link(ranks);
+      return;
+    }
+    wait_for_messages(b);
+    packed_.reserve_discard(Offset{sent_count_} * kMostRow);
+    arrived_.reserve_discard(Offset{count_} * kMostRow);
   }
+
+  /// Why the transport that was asked for does not work, the same on all ranks; empty: it does. Data go through hosts then.
+  const std::string& transport_fault() const { return fault_; }
 
   /// Follows a reordering of the owned bodies. @param new_of_old  new storage index of each
   void follow(B& b, Span<const Index> new_of_old) {
@@ -163,30 +174,43 @@ class Ghosts {
   template <class... T>
   void update(B& b, Span<T>... rows) const {
     send(b, rows...);
-    if (is_direct_) {
+    if (transport_ == Transport::peer) {
       b.synchronize();
       any(*b.ranks(), false);  // all have sent
     }
     receive(b, rows...);
   }
 
-  /// The two halves of update(), for callers that wait for the backend and exchange something else between them.
+  /// The two halves of update(), for callers that wait for the backend and exchange something else between them. All ranks
+  /// make both calls together; the second may be left out.
   template <class... T>
   void send(B& b, Span<T>... rows) const {
     using Arrays = RowArrays<T...>;
     static_assert(Arrays::kBytes <= kMostRow);
     if constexpr (B::kIsDevice) {
-      if (!is_direct_) return;
-      turn_ = 1 - turn_;
-      for_each(b, sent_count_, PushRows<Arrays>{links_, Arrays(rows...), turn_});
+      if (transport_ == Transport::peer) {
+        turn_ = 1 - turn_;
+        for_each(b, sent_count_, PushRows<Arrays>{links_, Arrays(rows...), turn_});
+      } else if (transport_ == Transport::nccl) {
+        wait_for_messages(b);
+        pack(b, Arrays(rows...));
+        messages_->exchange(sent_messages<Arrays>(packed_.data()),
+                            received_messages<Arrays>(arrived_.data()), b.stream());
+        are_sent_ = true;
+      }
     }
   }
   template <class... T>
   void receive(B& b, Span<T>... rows) const {
     using Arrays = RowArrays<T...>;
     if constexpr (B::kIsDevice) {
-      if (is_direct_) {
+      if (transport_ == Transport::peer) {
         unpack(b, links_.rooms + turn_ * links_.room_bytes, Arrays(rows...));
+        return;
+      }
+      if (transport_ == Transport::nccl) {
+        wait_for_messages(b);
+        unpack(b, arrived_.data(), Arrays(rows...));
         return;
       }
     }
@@ -194,7 +218,9 @@ class Ghosts {
   }
 
   /// For programs that exchange velocities themselves, in the rooms from kFirstOfPrograms on; null where they cannot.
-  const GhostLinks* links() const { return is_direct_ && window_.can_meet() ? &links_ : nullptr; }
+  const GhostLinks* links() const {
+    return transport_ == Transport::peer && window_.can_meet() ? &links_ : nullptr;
+  }
   static constexpr int kFirstOfPrograms = 2;
   /// Whether ranks are threads of one process.
   bool has_threads() const { return window_.has_threads(); }
@@ -202,32 +228,81 @@ class Ghosts {
  private:
   static constexpr Index kMostRow = 104;  ///< bytes: the state of a body in double
 
+  /// The first way that works, of those that are allowed; the same on all ranks.
+  Transport working_transport(Ranks& ranks) {
+    if constexpr (B::kIsDevice) {
+      const Transport asked = ranks.transport();
+      const bool is_free = asked == Transport::automatic;
+      if ((is_free || asked == Transport::peer) && ranks.count() <= PeerBoard::kMostRanks &&
+          window_.reserve(ranks, static_cast<std::size_t>(count_) * kMostRow))
+        return Transport::peer;
+      messages_ = ranks.device_messages();
+      if ((is_free || asked == Transport::nccl) && messages_ != nullptr && messages_->open(ranks))
+        return Transport::nccl;
+    }
+    return Transport::hosts;
+  }
+
+  void note_fault(Ranks& ranks) {
+    const Transport asked = ranks.transport();
+    fault_.clear();
+    if (!B::kIsDevice || asked == Transport::automatic || asked == transport_) return;
+    if (asked == Transport::peer) {
+      fault_ = "GPUs of ranks cannot write into each other's memory";
+    } else {
+      fault_ = messages_ != nullptr ? messages_->fault() : "there is none between these ranks";
+    }
+  }
+
+  /// What was sent before is done, for what is put in line now.
+  void wait_for_messages(B& b) const {
+    if constexpr (B::kIsDevice)
+      if (std::exchange(are_sent_, false)) messages_->wait(b.stream());
+  }
+
+  /// Rows of the bodies to send, into `packed_`.
+  template <class Arrays>
+  void pack(B& b, const Arrays& arrays) const {
+    for_each(b, sent_count_,
+             PackRows<Arrays>{std::as_const(sent_).view(sent_count_), arrays, packed_.data()});
+  }
   template <class Arrays>
   void unpack(B& b, const unsigned char* from, const Arrays& arrays) const {
     if (count_ > 0) for_each(b, count_, UnpackRows<Arrays>{from, first(), arrays});
   }
 
+  /// One for each peer that gets something, of rows as pack() lays them out.
   template <class Arrays>
-  void exchange_on_hosts(B& b, const Arrays& arrays) const {
-    Buffer<B, unsigned char> bytes(b, static_cast<Offset>(sent_count_) * Arrays::kBytes);
-    for_each(b, sent_count_,
-             PackRows<Arrays>{std::as_const(sent_).view(sent_count_), arrays, bytes.data()});
-    std::vector<unsigned char> out = download(b, bytes.view());
-    std::vector<unsigned char> in(bytes_of<Arrays>(count_));
-    std::vector<Ranks::Message> send, receive;
+  std::vector<Ranks::Message> sent_messages(unsigned char* from) const {
+    std::vector<Ranks::Message> messages;
+    for (const GhostPeer& peer : peers_)
+      if (peer.send_count > 0)
+        messages.push_back({peer.rank, from + bytes_of<Arrays>(peer.send_begin),
+                            bytes_of<Arrays>(peer.send_count)});
+    return messages;
+  }
+  template <class Arrays>
+  std::vector<Ranks::Message> received_messages(unsigned char* to) const {
+    std::vector<Ranks::Message> messages;
     Index arrived = 0;
     for (const GhostPeer& peer : peers_) {
-      if (peer.send_count > 0)
-        send.push_back({peer.rank, out.data() + bytes_of<Arrays>(peer.send_begin),
-                        bytes_of<Arrays>(peer.send_count)});
       if (peer.count > 0)
-        receive.push_back(
-            {peer.rank, in.data() + bytes_of<Arrays>(arrived), bytes_of<Arrays>(peer.count)});
+        messages.push_back(
+            {peer.rank, to + bytes_of<Arrays>(arrived), bytes_of<Arrays>(peer.count)});
       arrived += peer.count;
     }
-    b.ranks()->exchange(send, receive);
-    upload(b, in, bytes);
-    unpack(b, bytes.data(), arrays);
+    return messages;
+  }
+
+  template <class Arrays>
+  void exchange_on_hosts(B& b, const Arrays& arrays) const {
+    pack(b, arrays);
+    std::vector<unsigned char> out = download(
+        b, std::as_const(packed_).view(static_cast<Offset>(bytes_of<Arrays>(sent_count_))));
+    std::vector<unsigned char> in(bytes_of<Arrays>(count_));
+    b.ranks()->exchange(sent_messages<Arrays>(out.data()), received_messages<Arrays>(in.data()));
+    upload(b, in, arrived_);
+    unpack(b, arrived_.data(), arrays);
   }
 
   /// Each rank tells the others where their rows come among those it gets.
@@ -273,12 +348,16 @@ class Ghosts {
 
   std::vector<GhostPeer> peers_;
   Buffer<B, Index> sent_;
+  mutable Buffer<B, unsigned char> packed_, arrived_;  ///< rows, unless they go to peers themselves
   PeerWindow<B> window_;
-  GhostLinks links_;  ///< when is_direct_
+  std::string fault_;
+  DeviceMessages* messages_ = nullptr;  ///< of the transport "nccl"
+  GhostLinks links_;                    ///< of the transport "peer"
   Index sent_count_ = 0;
   Index count_ = 0;
-  bool is_direct_ = false;  ///< through the window, not through hosts
-  mutable int turn_ = 0;    ///< room of the last exchange
+  Transport transport_ = Transport::hosts;
+  mutable bool are_sent_ = false;  ///< messages that nobody has waited for
+  mutable int turn_ = 0;           ///< room of the last exchange
 };
 
 }  // namespace scree

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/io/checkpoint.h"
+#include "host/ranks/nccl_messages.h"
 #include "tests/cli/frame_count.h"
 #include "tests/cli/rank_runs.h"
 #include "tests/steps_file.h"
@@ -155,13 +156,16 @@ TEST_F(CliRanks, ARankThatIsKilledEndsAllAndTheCheckpointStays) {
 }
 
 /// Without a launcher nothing of MPI is needed, whatever the build.
-TEST(CliInfo, NamesMpi) {
+TEST(CliInfo, NamesMpiAndNccl) {
   const Scratch scratch;
   const std::string mpi = mpi_version().empty() ? "not built" : mpi_version();
   const Result text = scree(scratch, {"info"});
   EXPECT_NE(text.out.find("MPI         " + mpi + "\n"), std::string::npos) << text.out;
   const Result json = scree(scratch, {"info", "--json"});
   EXPECT_EQ(nlohmann::json::parse(json.out).at("mpi"), mpi);
+  const std::string nccl = nccl_version().empty() ? "not built" : nccl_version();
+  EXPECT_NE(text.out.find("NCCL        " + nccl + "\n"), std::string::npos) << text.out;
+  EXPECT_EQ(nlohmann::json::parse(json.out).at("nccl"), nccl);
 }
 
 /// A launcher of several processes, by its variables: each would be a run of its own in the same folder.

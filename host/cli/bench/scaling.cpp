@@ -22,8 +22,9 @@ struct Scaled {
   StepFigures figures;
   double largest_share = 1;
   double ghost_share = 0;
-  double messages = 0;  ///< of rank 0, a step
-  double bytes = 0;     ///< the same
+  double messages = 0;    ///< of rank 0, a step
+  double bytes = 0;       ///< the same
+  std::string transport;  ///< between GPUs of ranks
   Json start;
 };
 
@@ -41,6 +42,8 @@ Scaled measure(BedBench bench, const BedParams& bed, const std::shared_ptr<Ranks
   s.ghost_share = reports.back().ghost_share;
   s.messages = static_cast<double>(after.messages - before.messages) / bench.steps();
   s.bytes = static_cast<double>(after.bytes - before.bytes) / bench.steps();
+  if (ranks != nullptr && bench.world_options().backend == BackendKind::cuda)
+    s.transport = to_string(ranks->used_transport());
   s.start = run.start;
   return s;
 }
@@ -56,9 +59,11 @@ void tell(Table& table, BenchRecord& record, const char* kind, int ranks, const 
              fixed(f.ms("collision").mean, 3), fixed(f.ms("solve").mean, 3),
              fixed(f.ms("total").mean, 3), efficiency ? fixed(*efficiency, 3) : "-",
              fixed(s.largest_share, 3), fixed(s.ghost_share, 4),
+             s.transport.empty() ? "-" : s.transport,
              ranks > 1 ? fixed(s.messages / applications, 1) : "-",
              ranks > 1 ? fixed(s.bytes / applications / 1024, 1) : "-"});
   Json result = {{"kind", kind}, {"ranks", ranks}};
+  if (!s.transport.empty()) result["transport"] = s.transport;
   if (efficiency) result["efficiency"] = *efficiency;
   result["largest_share"] = s.largest_share;
   result["ghost_share"] = s.ghost_share;
@@ -78,7 +83,8 @@ int measure_scaling(const BedOptions& options, const std::shared_ptr<Ranks>& ran
     bench.print_title();
     fmt::print(
         "settled bed, warm steps to quality; mean ms; one rank alone, then {} together\n"
-        "messages and KiB: that rank 0 sends in an application of the operator\n",
+        "messages and KiB: that rank 0 sends in an application of the operator, but for what GPUs "
+        "write to peers\n",
         count);
   }
   Table table({{"scaling"},
@@ -94,6 +100,7 @@ int measure_scaling(const BedOptions& options, const std::shared_ptr<Ranks>& ran
                {"efficiency"},
                {"largest share", 13},
                {"ghosts", 8},
+               {"transport"},
                {"messages", 8},
                {"KiB", 8}});
   for (const int size : bench.sizes()) {

@@ -11,7 +11,9 @@
 namespace scree {
 namespace {
 
-RankReport ready() { return {0, "", "0.1.0 (abc)", "{\"name\": \"a\"}", "backend cpu in float"}; }
+RankReport ready() {
+  return {0, "", "0.1.0 (abc)", "{\"name\": \"a\"}", "backend cpu in float", "/out"};
+}
 
 /// All ranks agree on one thing, which is given back. @param reports  of each rank
 Agreement agreed(const std::vector<RankReport>& reports) {
@@ -68,6 +70,8 @@ TEST(RankAgreement, OfDifferentErrorsTheFirstIsTold) {
 
 TEST(RankAgreement, WhatDiffersIsNamedWithItsRank) {
   std::vector<RankReport> reports(4, ready());
+  reports[1].folder = "/tmp";
+  EXPECT_EQ(agreed(reports).message, "rank 1 would write to /tmp, rank 0 to /out");
   reports[3].arithmetic = "backend cuda in float";
   EXPECT_EQ(agreed(reports).message,
             "rank 3 would compute with backend cuda in float, rank 0 with backend cpu in float");

@@ -5,6 +5,7 @@
 
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
+#include "dynamics/affine/led_islands.h"
 #include "dynamics/affine/minimizer.h"
 #include "dynamics/affine/solids.h"
 #include "dynamics/model_on.h"
@@ -262,7 +263,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (setup_.led.empty()) return 0;
     for (;;) {
       const int missed = count_missed(p, settings.tolerance);
-      if (strain() > kMostSqueeze || (missed > 0 && p.lead >= kMostLead)) {
+      if (squeeze(p) > kMostSqueeze || (missed > 0 && p.lead >= kMostLead)) {
         const double stiffness = p.barrier.stiffness;
         set_out(p, scheme, /*blocked=*/true);
         p.barrier.stiffness = stiffness;
@@ -276,6 +277,19 @@ class AffineDynamics final : public ModelOn<B, double> {
       p.lead *= 10;
       minimizer_.minimize(p, next_.view(), settings, done);
     }
+  }
+  /// Largest strain at the end of the step of a body that led ones may push.
+  double squeeze(const affine::Potential& p) {
+    const double of_all = strain();
+    if (!(of_all > kMostSqueeze)) return of_all;
+    const std::vector<bool> is_near =
+        affine::bodies_near_led(setup_, download(backend(), p.near.bodies));
+    const std::vector<AffineVec> q = download(backend(), next_.view());
+    double most = 0;
+    for (std::size_t body = 0; body < q.size(); ++body)
+      if (is_near[body] && !setup_.bodies[body].lame.is_elastic())
+        most = std::max(most, affine::strain_norm(q[body]));
+    return most;
   }
   /// Largest strain of a body at the end of the step.
   double strain() {

@@ -25,7 +25,7 @@ namespace {
 void check_locks(std::uint8_t locks, const std::string& path) {
   const int turns = std::popcount(static_cast<unsigned>(locks >> 3));
   if (turns == 1)
-    refuse(path + ".locks", "one locked axis of rotation",
+    refuse(path + ".lock", "one locked axis of rotation",
            "must be none, two or three: turning about two axes is no linear equation of an affine "
            "body");
 }

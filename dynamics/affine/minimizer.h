@@ -127,7 +127,8 @@ class Minimizer {
       const double tolerance = iteration == 0 ? rough_tolerance(at, settings) : kExact;
       bool has_step = solve(tolerance, report);
       StepSums sums = measure(p, q);
-      if (has_step && tolerance > kExact && sums.size < settings.tolerance) {
+      const auto ends = [&] { return sums.size < settings.tolerance && sums.stick < kStick; };
+      if (has_step && tolerance > kExact && ends()) {
         has_step = solve(kExact, report);
         sums = measure(p, q);
       }
@@ -135,7 +136,8 @@ class Minimizer {
       if (!has_step) break;
       report.residual = sums.size;
       // The last step is taken too: bodies slower than the tolerance move, and free ones exactly.
-      const bool is_last = sums.size < settings.tolerance;
+      // What sticks is stiff: however much a contact lacks to hold, the step of one that sticks is short.
+      const bool is_last = ends();
       if (is_last && sums.size == 0) return;
       if (!is_last && (iteration == settings.most_iterations || !(sums.size < 1e300))) break;
       ++report.iterations;
@@ -186,6 +188,8 @@ class Minimizer {
  private:
   /// Tolerances of conjugate gradients.
   static constexpr double kRough = 1e-2, kExact = 1e-4;
+  /// Change of a slip that sticks, over that at which it slides, below which a step may be the last.
+  static constexpr double kStick = 0.02;
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
   /// Widest room about ways [reach].
@@ -218,9 +222,8 @@ class Minimizer {
     return fetch(*b_, share_.data()).value;
   }
   StepSums measure(const Potential& p, Span<const AffineVec> q) {
-    reduce<StepSums>(*b_, p.rows(),
-                     MeasureStep{p.bodies, p.body_of_row, q, step_.view(), right_.view(),
-                                 from_.view(), to_.view()},
+    reduce<StepSums>(*b_, MeasureStep::items(p),
+                     MeasureStep{p, q, step_.view(), right_.view(), from_.view(), to_.view()},
                      StoreResult<StepSums>{sums_.data()});
     return fetch(*b_, sums_.data());
   }

@@ -1,6 +1,7 @@
 #pragma once
 // The joints of a scene: their place in the problem of a step, and their impulses from step to step.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "host/world.h"
 #include "host/world_state.h"
 #include "kernels/backend/over_ranks.h"
+#include "kernels/step/driven_joints.h"
 #include "kernels/step/joint_correction.h"
 #include "solvers/body_contacts.h"
 #include "solvers/contact_passes.h"
@@ -114,6 +116,28 @@ inline std::vector<std::array<Index, 2>> joined_bodies(const Scene& scene) {
   return out;
 }
 
+/// Whether motor, spring, friction or limits act in a joint.
+inline bool is_driven(const Joint& joint) {
+  return joint.motor || joint.friction > 0 || std::isfinite(joint.limits[0]) ||
+         std::isfinite(joint.limits[1]) || joint.kind == JointKind::cable ||
+         joint.kind == JointKind::spring;
+}
+
+/// Driven joints of the free body that has the most of them.
+inline int most_drives(const Scene& scene) {
+  std::vector<int> count(scene.bodies.size());
+  int most = 0;
+  for (const Joint& joint : scene.joints) {
+    if (!is_driven(joint)) continue;
+    for (const int id : joint.bodies) {
+      if (id == kWorldBody) continue;
+      const auto body = static_cast<std::size_t>(id);
+      if (scene.bodies[body].kind == BodyKind::free) most = std::max(most, ++count[body]);
+    }
+  }
+  return most;
+}
+
 template <class B, class Real>
 class Joints {
  public:
@@ -138,6 +162,7 @@ class Joints {
       may_break_ =
           may_break_ || std::isfinite(joint.break_force) || std::isfinite(joint.break_moment);
     }
+    most_drives_ = most_drives(scene);
     upload(b, frames, frames_);
     fill(b, state_.view(), JointState{});
     forget(b);
@@ -218,15 +243,29 @@ class Joints {
     }
   }
 
-  /// Makes the impulses of joints a better guess of those of the problem of join(): see HeldJoints. Only where the problem is
-  /// in host memory.
-  void guess(B& b, const ContactProblem<Real>& problem, Span<Vec3<Real>> gamma) {
-    if constexpr (!B::kIsDevice) {
-      using R = JointedRows<Real>;
-      const Index owned = problem.bodies.owned_count;
-      Buffer<B, Twist<Real>> velocity(b, owned);  // under the impulses that there are
-      ContactPasses<R, B, Real>::gather_velocities(b, problem, gamma, velocity.view());
-      held_.improve(problem, velocity.view(), gamma);
+  /// Makes the impulses of joints a better guess of those of the problem of join(): of joints with drives by a few steps among
+  /// them, since a solver stops at once where a weak motor or spring is all that is missing, in each step anew; of held rows,
+  /// where the problem is in host memory and starts from impulses of the step before, see HeldJoints.
+  void guess(B& b, const ContactProblem<Real>& problem, Span<Vec3<Real>> gamma, bool is_warm) {
+    const bool has_held = !B::kIsDevice && is_warm;
+    if (most_drives_ == 0 && !has_held) return;
+    Buffer<B, Twist<Real>> velocity(b, problem.bodies.owned_count);
+    const auto gather = [&] {
+      ContactPasses<JointedRows<Real>, B, Real>::gather_velocities(b, problem, gamma,
+                                                                   velocity.view());
+    };
+    const int rounds = has_held && most_drives_ > 0 ? 2 : 1;
+    for (int round = 0; round < rounds; ++round) {
+      const int passes = most_drives_ > 1 ? kDrivePasses : most_drives_;
+      for (int pass = 0; pass < passes; ++pass) {
+        gather();
+        for_each(b, here_, SolveDrivenJoints<Real>{problem, velocity.view(), gamma});
+      }
+      if constexpr (!B::kIsDevice) {
+        if (!has_held) continue;
+        gather();
+        held_.improve(problem, velocity.view(), gamma);
+      }
     }
   }
 
@@ -397,6 +436,9 @@ class Joints {
   Buffer<B, Sums<1>> here_count_;
   Buffer<B, Index> is_counted_;  ///< with several ranks: of each joint, see MarkCountedJoints
   GroupContacts<B> lists_;
+  /// Steps of driven joints that share bodies.
+  static constexpr int kDrivePasses = 8;
+  int most_drives_ = 0;  ///< of a free body
   HeldJoints<Real> held_;
 };
 

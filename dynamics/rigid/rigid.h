@@ -50,6 +50,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       : ModelOn<B, Real>(std::move(on), scene),
         ranks_(std::move(plan.ranks)),
         scene_(std::move(scene)),
+        steepest_(steepest_friction(scene_, summary.median_diameter)),
         gravity_(scene_.gravity),
         summary_(summary),
         motion_(scene_),
@@ -169,9 +170,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     }
 
     const double tolerance =
-        residual_tolerance(scene_.solver.stop, reference, summary_.median_diameter, h);
-    if (joints_.count() > 0 && tolerance > 0 && scene_.solver.warm_start)
-      joints_.guess(b, problem, gamma);
+        residual_tolerance(scene_.solver.stop, reference, summary_.median_diameter, h, steepest_);
+    if (joints_.count() > 0 && tolerance > 0)
+      joints_.guess(b, problem, gamma, scene_.solver.warm_start);
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
       correct_joints(bodies, problem, gamma, tolerance, stats, stored);
@@ -512,7 +513,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       before = error;
       if (stored != nullptr) store_biases(backend(), problem, *stored);
       const SolveStats first = stats;
-      if (scene_.solver.warm_start) joints_.guess(backend(), problem, gamma);
+      joints_.guess(backend(), problem, gamma, scene_.solver.warm_start);
       stats = solver_->solve(backend(), problem, gamma, tolerance);
       stats.iterations += first.iterations;
       stats.applications += first.applications;
@@ -587,6 +588,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   std::shared_ptr<Ranks> ranks_;  ///< null: this process alone
   Scene scene_;                   ///< without the descriptions already loaded
+  double steepest_ = 1;           ///< see residual_tolerance()
   Vec3d gravity_;                 ///< [m/s^2]
   SceneSummary summary_;
   PrescribedMotion motion_;

@@ -23,14 +23,28 @@ inline double reference_speed(const LoadSums* loads, const Vec3d& gravity_step,
   return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
 }
 
+/// Largest coefficient of friction, rolling and spinning ones over a radius; 1 where friction is convex.
+inline double steepest_friction(const Scene& scene, double diameter) {
+  double most = 1;
+  if (!scene.solver.exact_coulomb) return most;
+  for (const Material& pair : all_pair_values(scene))
+    most = std::max({most, pair.friction, 2 * pair.rolling_friction / diameter,
+                     2 * pair.spinning_friction / diameter});
+  return most;
+}
+
 /// RMS residual at which the solver stops [m/s].
 /// @param reference  v* [m/s]
 /// @param diameter   median of the free bodies [m]
+/// @param steepest   with exact friction the largest coefficient: the residual of a contact that slides is what it is short of
+///                   its gap, over that. Else 1
 inline double residual_tolerance(const StopRule& stop, double reference, double diameter,
-                                 double time_step) {
+                                 double time_step, double steepest) {
   const double length = diameter / time_step;
   const auto level = [&](double speed, double depth) {
-    return reference > 0 ? std::min(speed * reference, depth * length) : depth * length;
+    const double most =
+        reference > 0 ? std::min(speed * reference, depth * length) : depth * length;
+    return most / std::max(steepest, 1.0);
   };
   switch (stop.level) {
     case StopRule::Level::quality:

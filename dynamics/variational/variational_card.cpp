@@ -37,14 +37,14 @@ void check_body(const BodyDescription& body, std::size_t id) {
     refuse(path + ".shape", fmt::format("\"{}\"", shape.name),
            "must be one of its parts: walls of the dynamics \"variational\" are no compounds");
   if (body.kind == BodyKind::free && body.locks != 0)
-    refuse(path + ".locks", fmt::format("{} locked axes", std::popcount(body.locks)),
+    refuse(path + ".lock", fmt::format("{} locked axes", std::popcount(body.locks)),
            "must be none: bodies of the dynamics \"variational\" move along all axes");
 }
 
 void check_set(const ParticleSet& set) {
   const std::string path = set.entry >= 0 ? fmt::format("particles[{}]", set.entry) : "particles";
   if (set.locks != 0)
-    refuse(path + ".locks", fmt::format("{} locked axes", std::popcount(set.locks)),
+    refuse(path + ".lock", fmt::format("{} locked axes", std::popcount(set.locks)),
            "must be none: bodies of the dynamics \"variational\" move along all axes");
 }
 

@@ -111,7 +111,35 @@ std::optional<Fault> drive_fault(const Joint& joint) {
   if (joint.kind == JointKind::spring && joint.stiffness == 0 && joint.damping == 0)
     return Fault{"stiffness", "0 without damping", "a spring must pull or damp"};
   if (auto fault = amount_fault("break_force", joint.break_force, false, true)) return fault;
+  if (card.has_two_points && !std::isinf(joint.break_moment))
+    return Fault{"break_moment", fmt::format("{:g} of a \"{}\"", joint.break_moment, card.name),
+                 "between two points no moment acts; take break_force"};
   return amount_fault("break_moment", joint.break_moment, false, true);
+}
+
+/// Where space repeats, a body is held at the image of its point nearest to it: what a joint measures along its axis goes no
+/// farther than half a period.
+std::optional<Fault> period_fault(const Scene& scene, const Joint& joint) {
+  if (joint.kind != JointKind::slider && joint.kind != JointKind::cylindrical) return std::nullopt;
+  const Periodicity& space = scene.periodicity;
+  for (int k = 0; k < 3; ++k) {
+    const double along = std::abs(joint.axis[k]);
+    constexpr double kStraight = 1e-6;
+    if (!space.periodic[static_cast<std::size_t>(k)] || along < kStraight) continue;
+    const double half = 0.5 * (space.upper[k] - space.lower[k]);
+    if (along < 1 - kStraight)
+      return Fault{"axis", vector_text(joint.axis),
+                   "must be along a direction in which space repeats, or across it"};
+    const auto [low, high] = joint.limits;
+    for (const double limit : {low, high})
+      if (!std::isinf(limit) && !(std::abs(limit) < half))
+        return Fault{"limits", fmt::format("[{:g}, {:g}]", low, high),
+                     fmt::format("must be nearer than half of the period, {:g} [m]", half)};
+    if (joint.motor && joint.motor->stiffness > 0 && !(std::abs(joint.motor->position) < half))
+      return Fault{"motor.position", fmt::format("{:g}", joint.motor->position),
+                   fmt::format("must be nearer than half of the period, {:g} [m]", half)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -133,6 +161,7 @@ std::optional<Fault> joint_fault(const Scene& scene, const Joint& joint) {
     return Fault{"bodies", "a joint of two bodies that are not free",
                  "one of them must be free to follow the other"};
   if (auto fault = geometry_fault(joint)) return fault;
+  if (auto fault = period_fault(scene, joint)) return fault;
   return drive_fault(joint);
 }
 

@@ -112,8 +112,15 @@ Overlaps find_overlaps(Scene scene, const WorldOptions& options) {
   if (found.pairs > 0) return found;
   try {
     require_memory(scene, options);
+  } catch (const std::runtime_error& error) {
+    found.not_looked_for = error.what();
+    return found;
+  }
+  try {
     const World world(std::move(scene), options);
     return overlaps_among(world.overlaps(), world.constants());
+  } catch (const InputError&) {  // a run would be refused, too
+    throw;
   } catch (const std::runtime_error& error) {  // no room, or more pairs than can be numbered
     found.not_looked_for = error.what();
     return found;

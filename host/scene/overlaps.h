@@ -26,6 +26,7 @@ struct Overlaps {
 Overlaps overlaps_among(const std::vector<ContactRecord>& contacts, const BodyConstants& body);
 
 /// Those of a scene at its start. Takes one detection of contacts on the backend of the options.
+/// @throws InputError  what a run would be refused for
 Overlaps find_overlaps(Scene scene, const WorldOptions& options);
 
 /// A body as its scene file lists it, such as "bodies[3]" or "particles[0] #12"; by its id when the

@@ -31,7 +31,8 @@ void read_stop(const Node& node, StopRule& stop) {
 double read_parameter(const Node& node, const SolverParameter& parameter) {
   if (parameter.choices.empty()) {
     const std::string expected = parameter.expected();
-    return node.number({parameter.low, parameter.high, true, true, expected.c_str()}, "");
+    return node.number(
+        {parameter.low, parameter.high, !parameter.is_low_allowed, true, expected.c_str()}, "");
   }
   std::vector<std::pair<std::string, double>> named;
   for (const char* name : parameter.choices)

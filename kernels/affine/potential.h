@@ -197,29 +197,76 @@ struct TouchOfPair {
   }
 };
 
-/// Of a Newton step: its largest way of a corner, its slope, and how far its end is from the ways that the list of near
-/// pairs was made for.
+/// Of a Newton step: its largest way of a corner, its slope, how far its end is from the ways that the list of near pairs was made
+/// for, and by how much it changes what sticks.
 struct StepSums {
-  double size = 0;   ///< [m]
+  double size = 0;  ///< [m]
+  double stick =
+      0;  ///< largest change of a slip that sticks before or after it, over that at which it slides
   double slope = 0;  ///< gradient times step
   double stray = 0;  ///< [m]
   SCREE_HD void combine(const StepSums& o) {
     size = o.size > size ? o.size : size;
     slope += o.slope;
     stray = o.stray > stray ? o.stray : stray;
+    stick = o.stick > stick ? o.stick : stick;
   }
 };
+/// Items: rows, then slips, then driven joints. Bytes: 500 a row; 240 a slip and 500 of its bodies, mostly from the caches.
 struct MeasureStep {
   static constexpr const char* name = "affine_measure_step";
-  Span<const BodyConstant> bodies;
-  Span<const Index> body_of_row;
+  Potential p;
   Span<const AffineVec> q;            ///< by body
   Span<const AffineVec> step, right;  ///< by row
   Span<const AffineVec> from, to;     ///< by body, ways of the list
 
-  SCREE_HD StepSums operator()(Index row) const {
-    const Index b = body_of_row[row];
-    const double radius = bodies[b].radius;
+  static SCREE_HD Index items(const Potential& p) {
+    return p.rows() + static_cast<Index>(p.slips.size + p.drives.size);
+  }
+
+  SCREE_HD StepSums operator()(Index i) const {
+    if (i < p.rows()) return of_row(i);
+    i -= p.rows();
+    StepSums s;
+    s.stick = i < p.slips.size ? stick(p.slips[i])
+                               : stick(p.drives[i - static_cast<Index>(p.slips.size)]);
+    return s;
+  }
+
+ private:
+  /// The Newton step of a body; zero where it rests.
+  SCREE_HD AffineVec step_of(Index body) const {
+    const Index row = p.bodies[body].row;
+    return row >= 0 ? step[row] : AffineVec{};
+  }
+  SCREE_HD double stick(const Slip& slip) const {
+    const Four rest = p.rest_of(slip);
+    const AffineVec first = step_of(slip.body[0]), second = step_of(slip.body[1]);
+    Four change;
+    for (int k = 0; k < 4; ++k)
+      change[k] = point_of(k < first_points(slip.kind) ? first : second, rest[k]);
+    double u[2], d[2];
+    slip_of(slip.contact, p.moved(slip, rest, q), u);
+    slip_of(slip.contact, change, d);
+    const double before = u[0] * u[0] + u[1] * u[1];
+    const double after = (u[0] + d[0]) * (u[0] + d[0]) + (u[1] + d[1]) * (u[1] + d[1]);
+    const double bound = p.law.slip * p.law.slip;
+    if (before >= bound && after >= bound) return 0;
+    return std::sqrt(d[0] * d[0] + d[1] * d[1]) / p.law.slip;
+  }
+  SCREE_HD double stick(const DriveTerm& drive) const {
+    const double way = drive.way(p.start, q);
+    double change = 0;
+    for (int side = 0; side < 2; ++side)
+      change += dot(drive.slope[side], step_of(drive.body[side]));
+    const double motor = drive.motor.unbound(way, change);
+    const double friction = drive.friction.unbound(way, change);
+    return motor > friction ? motor : friction;
+  }
+
+  SCREE_HD StepSums of_row(Index row) const {
+    const Index b = p.body_of_row[row];
+    const double radius = p.bodies[b].radius;
     const AffineVec way = to[b] - from[b];
     const AffineVec end = q[b] + step[row] - from[b];
     const double length = dot(way, way);

@@ -210,8 +210,9 @@ struct JointRow {
 template <class Real>
 SCREE_HD void factorize(JointRow<Real>& joint, double (&block)[kJointTriangle], unsigned held) {
   // What rounding leaves of a pivot that is zero. A true one is as small where a body is 1e6 times
-  // smaller than its distance from the anchor.
-  constexpr double kRounding = 1e-13;
+  // smaller than its distance from the anchor. A row that locked axes hold has nothing else: its own
+  // entry is the square of what rounding turns its axis by.
+  constexpr double kRounding = 1e-13, kTurned = 1e-26;
   double trace = 0;
   int count = 0;
   for (int k = 0; k < kJointRows; ++k) {
@@ -231,7 +232,7 @@ SCREE_HD void factorize(JointRow<Real>& joint, double (&block)[kJointTriangle], 
       for (int k = 0; k < j; ++k)
         entry -= block[triangle_place(i, k)] * block[triangle_place(j, k)];
       if (i == j) {
-        entry = entry > kRounding * whole ? std::sqrt(entry) : 0;
+        entry = entry > kRounding * whole && whole > kTurned ? std::sqrt(entry) : 0;
         joint.factor[triangle_place(i, i)] = static_cast<Real>(entry > 0 ? 1 / entry : 0);
       } else {
         const double pivot = block[triangle_place(j, j)];

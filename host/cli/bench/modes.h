@@ -33,6 +33,7 @@ struct SceneBenchOptions {
                    .backend = {},
                    .precision = {},
                    .threads = 0,
+                   .transport = {},
                    .overrides = {},
                    .json = false};
   int warmup = 50;   ///< steps before measuring
@@ -49,6 +50,7 @@ struct AffineBenchOptions {
                    .backend = {},
                    .precision = "double",
                    .threads = 0,
+                   .transport = {},
                    .overrides = {},
                    .json = false};
   int warmup = 20;   ///< steps before measuring

@@ -168,6 +168,51 @@ TEST(AffineModel, ABlockOnASteepSlopeSlidesAsCoulombSays) {
   EXPECT_NEAR(world.states().velocity[1].x - from, expected, 0.01 * expected);
 }
 
+// A contact that sticks is stiff: its Newton step is short however much it lacks to hold. Tolerances of a large scene are longer:
+// that of one of 20 m is 2 cm/s a step, and its share of the speed is off by as much.
+TEST(AffineModel, ABlockSlidesInALargeScene) {
+  for (const double length : {1.0, 5.0, 20.0}) {
+    for (const double friction : {0.2, 0.3, 0.35}) {
+      Scene scene = affine_scene(0.01, friction);
+      physics::tilt(scene, 20);
+      physics::add_wall_box(scene, {0.4 * length, 0, -0.05}, {0.5 * length, 0.2, 0.05});
+      scene.dynamics.parameters["reach"] = 1e-3;
+      add_box(scene, {0, 0, 0.0255}, {0.05, 0.05, 0.025}, 0.5);
+      World world(scene, cpu_options());
+      const int body = 1;
+      const double slope = physics::radians(20);
+      const double expected = kGravity * (std::sin(slope) - friction * std::cos(slope));
+      for (int k = 0; k < 10; ++k) world.step();
+      const double from = world.states().velocity[body].x;
+      for (int k = 0; k < 20; ++k) world.step();
+      EXPECT_NEAR(world.states().velocity[body].x - from, 0.2 * expected,
+                  (length > 5 ? 0.2 : 0.03) * 0.2 * expected + 2e-3)
+          << length << " m, friction " << friction;
+    }
+  }
+}
+
+// A strained body that no prescribed one can reach does not stop it.
+TEST(AffineModel, APrescribedBodyMovesBesideASqueezedOne) {
+  Scene scene = affine_scene(0.01, 0.5);
+  scene.dynamics.parameters["reach"] = 1e-3;
+  physics::add_wall_box(scene, {0, 0, -0.5}, {1, 1, 0.5});
+  add_box(scene, {0, 0, 0.0508}, {0.05, 0.05, 0.05}, 1);
+  add_box(scene, {0, 0, 0.1518}, {0.05, 0.05, 0.05}, 1e4);
+  BodyDescription& pusher =
+      physics::add_wall_box(scene, {10, 0, 1}, {0.25, 0.25, 0.025}, BodyKind::kinematic);
+  Motion motion;
+  motion.kind = Motion::Kind::linear;
+  motion.velocity = {0, 0.5, 0};
+  pusher.motion = motion;
+  World world(scene, cpu_options());
+  StepReport report;
+  for (int k = 0; k < 20; ++k) report = world.step();
+  EXPECT_GT(report.own[max_strain], 0.01);
+  EXPECT_EQ(report.own[blocked], 0);
+  EXPECT_NEAR(world.states().position[3].y, 0.1, 1e-4);
+}
+
 /// A rod that hangs by a hinge at its end.
 Scene hinged_rod(double rule, double h) {
   Scene scene = affine_scene(h, 0, rule);

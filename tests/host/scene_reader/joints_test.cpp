@@ -6,7 +6,7 @@
 #include "host/world_state.h"
 #include "tests/host/input_files.h"
 #include "tests/host/scene_texts.h"
-#include "tests/physics/scene_builder.h"
+#include "tests/physics/joint_scenes.h"
 
 namespace scree {
 namespace {
@@ -210,6 +210,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "damp"},
         Refusal{"StiffnessOfCable", line("cable", R"(, "stiffness": 5)"),
                 "joints[0].stiffness: a joint of type \"cable\" has no such key"},
+        Refusal{
+            "BreakMomentOfALine", line("cable", R"(, "break_moment": 4)"),
+            "joints[0].break_moment: 4 of a \"cable\" is not allowed: between two points no moment "
+            "acts; take break_force"},
         Refusal{"BreakForce", hinge(R"("break_force": 0)"),
                 "joints[0].break_force: 0 is not allowed: must be positive"},
         Refusal{"BreakMoment", hinge(R"("break_moment": -2)"),
@@ -263,6 +267,32 @@ Scene hanging_ball() {
   physics::add_sphere(scene, {}, 0.1, 1);
   scene.joints.push_back({JointKind::hinge, {kWorldBody, 0}, {0, 0, 1}, {0, 1, 0}});
   return scene;
+}
+
+// What a joint measures in space that repeats is that of the nearest image.
+TEST(Joints, ThatLeaveHalfAPeriodAreRefused) {
+  Scene scene = physics::empty_scene(1e-3, 0);
+  physics::add_sphere(scene, {}, 0.1, 1);
+  scene.periodicity.periodic = {true, false, false};
+  scene.periodicity.lower = {-0.5, -1, -1};
+  scene.periodicity.upper = {0.5, 1, 1};
+  Joint slider = physics::joint_of(JointKind::slider, kWorldBody, 0, {}, {1, 0, 0});
+  scene.joints = {slider};
+  EXPECT_EQ(refusal([&] { validate(scene); }), "no error");
+  scene.joints[0].limits = {-0.2, 0.75};
+  EXPECT_THAT(
+      refusal([&] { validate(scene); }),
+      HasSubstr("joints[0].limits: [-0.2, 0.75] is not allowed: must be nearer than half of "
+                "the period, 0.5 [m]"));
+  scene.joints[0] = slider;
+  scene.joints[0].motor = JointMotor{.position = 0.7, .stiffness = 10};
+  EXPECT_THAT(refusal([&] { validate(scene); }), HasSubstr("joints[0].motor.position: 0.7"));
+  scene.joints[0] = slider;
+  scene.joints[0].axis = normalized(Vec3d{1, 1, 0});
+  EXPECT_THAT(refusal([&] { validate(scene); }),
+              HasSubstr("must be along a direction in which space repeats, or across it"));
+  scene.joints[0].axis = {0, 1, 0};
+  EXPECT_EQ(refusal([&] { validate(scene); }), "no error");
 }
 
 TEST(Joints, AreRefusedWithSolversThatDoNotKnowThem) {

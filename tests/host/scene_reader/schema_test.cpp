@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "dynamics/dynamics_card.h"
 #include "host/scene_reader.h"
 #include "host/scene_reader/keys.h"
 #include "host/scene_reader/scene_schema.h"
@@ -154,6 +155,29 @@ TEST(Schema, ShapesWithAKeyInCommonReadTheSameType) {
   const std::string fault = fault_of([&] { reader::require_same_types(cards); });
   for (const char* word : {"\"sphere\"", "\"ellipsoid\"", "\"radius\""})
     EXPECT_NE(fault.find(word), std::string::npos) << fault;
+}
+
+/// What a card says of a range, the reader and messages follow.
+TEST(Schema, ValuesAtTheLowEndOfARangeAreReadWhereTheyAreInIt) {
+  int allowed = 0;
+  for (const DynamicsCard& card : dynamics_cards()) {
+    for (const SolverParameter& parameter : card.parameters) {
+      if (!parameter.choices.empty()) continue;
+      const Json ball = {{"shape", "sphere"}, {"radius", 0.1}, {"density", 1000}};
+      const Json scene = {{"time_step", 1e-3},
+                          {"duration", 0},
+                          {"bodies", {ball}},
+                          {"dynamics", {{"type", card.name}, {parameter.key, parameter.low}}}};
+      const auto read = [&] { return parse_scene(scene.dump(), "scene.json", "."); };
+      if (!parameter.is_low_allowed) {
+        EXPECT_THROW(read(), std::exception) << parameter.key;
+        continue;
+      }
+      ++allowed;
+      EXPECT_EQ(read().dynamics.parameters.at(parameter.key), parameter.low) << parameter.key;
+    }
+  }
+  EXPECT_GE(allowed, 6);
 }
 
 }  // namespace

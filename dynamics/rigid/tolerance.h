@@ -37,14 +37,15 @@ inline double steepest_friction(const Scene& scene, double diameter) {
 /// @param reference  v* [m/s]
 /// @param diameter   median of the free bodies [m]
 /// @param steepest   with exact friction the largest coefficient: the residual of a contact that slides is what it is short of
-///                   its gap, over that. Else 1
+///                   its gap, over that. Beyond 10 the levels follow it; below they bound overlaps well enough
 inline double residual_tolerance(const StopRule& stop, double reference, double diameter,
                                  double time_step, double steepest) {
   const double length = diameter / time_step;
   const auto level = [&](double speed, double depth) {
     const double most =
         reference > 0 ? std::min(speed * reference, depth * length) : depth * length;
-    return most / std::max(steepest, 1.0);
+    constexpr double kSteep = 10;
+    return most / std::max(steepest / kSteep, 1.0);
   };
   switch (stop.level) {
     case StopRule::Level::quality:

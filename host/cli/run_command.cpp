@@ -419,8 +419,9 @@ class Run {
             ? fmt::format("solver.max_iterations {}, solver.max_outer_iterations {}",
                           solver.max_iterations, solver.max_outer_iterations)
             : fmt::format("solver.max_iterations {}", solver.max_iterations);
-    return fmt::format("{} of {} steps ended at the iteration cap ({}) above the tolerance",
-                       t.steps_not_converged(), t.steps(), cap);
+    const char* other = own != nullptr ? ", or where rounding hid all lower energies," : "";
+    return fmt::format("{} of {} steps ended at the iteration cap ({}){} above the tolerance",
+                       t.steps_not_converged(), t.steps(), cap, other);
   }
 
   std::string summary() const {

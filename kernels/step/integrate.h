@@ -88,16 +88,36 @@ SCREE_HD void rotate_free(Real h, const Vec3<Real>& moments, Quat<Real>& q, Vec3
   w += rotate(q, hadamard(inverse, rotate_back(q, missing)));
 }
 
+/// The same for a body that may turn about two axes of the world only: what holds the third gives a moment about that one, so the
+/// momentum about the others stays. By the midpoint rule, as midpoint_turn().
+/// @param axes  bit k set: axis k may turn
+template <class Real>
+SCREE_HD void rotate_on_axes(Real h, const Vec3<Real>& moments, unsigned axes, Quat<Real>& q,
+                             Vec3<Real>& w) {
+  const Vec3<Real> momentum = rotated_diagonal(q, moments) * w;
+  const auto rate = [&](const Quat<Real>& at) {
+    return inverse_on_axes(rotated_diagonal(at, moments), axes) * momentum;
+  };
+  Vec3<Real> w_mid = w;
+  for (int k = 0; k < 10; ++k) w_mid = rate(exp_map((h / 2) * w_mid) * q);
+  q = normalized(exp_map(h * w_mid) * q);
+  w = rate(q);
+}
+
 /// Turns body i for a step. @param q, w  orientation and the solved angular velocity, in and out
 template <class Real>
 SCREE_HD void turn_body(const BodyView<Real>& bodies, Index i, Real h, Quat<Real>& q,
                         Vec3<Real>& w) {
   const Vec3<Real> moments = bodies.moments(i);
   const bool isotropic = moments.x == moments.y && moments.y == moments.z;
-  if (isotropic || free_angular_axes(bodies.locks[i]) != 7u) {
+  const unsigned axes = free_angular_axes(bodies.locks[i]);
+  const bool has_two = axes == 3u || axes == 5u || axes == 6u;
+  if (isotropic || !(axes == 7u || has_two)) {
     q = normalized(exp_map(h * w) * q);
-  } else {
+  } else if (axes == 7u) {
     rotate_free(h, moments, q, w);
+  } else {
+    rotate_on_axes(h, moments, axes, q, w);
   }
 }
 

@@ -60,7 +60,7 @@ TEST(VariationalRefusals, WhatItDoesNotHaveIsNamed) {
               }),
               AllOf(HasSubstr("body 2.kind"), HasSubstr("free or fixed")));
   EXPECT_THAT(refusal([](Scene& s) { s.bodies[1].locks = lock_x | lock_y; }),
-              AllOf(HasSubstr("body 1.locks"), HasSubstr("2 locked axes")));
+              AllOf(HasSubstr("body 1.lock"), HasSubstr("2 locked axes")));
   EXPECT_THAT(refusal([](Scene& s) {
                 ParticleSet set;
                 set.position = {{5, 0, 0}};
@@ -69,7 +69,7 @@ TEST(VariationalRefusals, WhatItDoesNotHaveIsNamed) {
                 set.locks = lock_rotation;
                 s.particles = {set};
               }),
-              HasSubstr("particles.locks"));
+              HasSubstr("particles.lock"));
   EXPECT_THAT(refusal([](Scene& s) {
                 s.insertions.emplace_back();
                 s.insertions[0].time = 0.1;

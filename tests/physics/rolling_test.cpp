@@ -14,6 +14,21 @@ std::string rolling_model_name(const ::testing::TestParamInfo<Model>& info) {
 INSTANTIATE_TEST_SUITE_P(SingleBody, Rolling, ::testing::Values(Model::convex, Model::exact),
                          rolling_model_name);
 
+// The residual of a contact that slides falls with its friction, however far its bodies are into each other. Levels know that.
+TEST_P(Rolling, AFloorOfAnyFrictionHolds) {
+  for (const double mu : {10.0, 1e3, 1e5, 1e6}) {
+    Scene scene = empty_scene(1e-3, mu, GetParam());
+    scene.solver.stop = {};  // quality
+    add_plane(scene);
+    add_sphere(scene, {0, 0, 0.05}, 0.05, 1).velocity = {1, 0, 0};
+    World world = reference_world(scene);
+    for (int k = 0; k < 500; ++k) world.step();
+    const BodyStates s = world.states();
+    EXPECT_NEAR(s.position[1].z, 0.05, 1e-3 * 0.05) << mu;
+    EXPECT_NEAR(s.velocity[1].x, 5.0 / 7, 1e-3) << mu;
+  }
+}
+
 TEST_P(Rolling, A15_SlideTurnsIntoRolling) {
   const double v0 = 2, mu = 0.2, r = 1;
   Scene scene = empty_scene(1e-3, mu, GetParam());

@@ -154,6 +154,34 @@ FreeTopErrors precess_freely(double h, double duration) {
   return worst;
 }
 
+// What locks an axis gives a moment about that one, which does no work.
+TEST(Rotation, ALockedAxisKeepsTheMomentumAboutTheOthers) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3d spin{4, 3, 2};
+    spin[axis] = 0;
+    Scene scene = top(1e-3, spin);
+    scene.bodies[0].orientation = exp_map(Vec3d{0.6, -0.4, 0.5});
+    scene.bodies[0].locks = static_cast<std::uint8_t>(lock_rx << axis);
+    World world = reference_world(scene);
+    const auto momentum = [&] {
+      const BodyStates s = world.states();
+      const Vec3d w = rotate_back(s.orientation[0], s.angular_velocity[0]);
+      return rotate(s.orientation[0], Vec3d{1 * w.x, 2 * w.y, 3 * w.z});
+    };
+    const Vec3d start = momentum();
+    const double energy = 0.5 * dot(start, spin);
+    for (int k = 0; k < 2000; ++k) world.step();
+    const Vec3d end = momentum(), w = world.states().angular_velocity[0];
+    EXPECT_EQ(w[axis], 0);
+    for (int other = 0; other < 3; ++other)
+      if (other != axis) {
+        EXPECT_NEAR(end[other], start[other], 1e-9) << axis << other;
+      }
+    EXPECT_GT(norm(w - spin), 0.1);
+    EXPECT_NEAR(0.5 * dot(end, w), energy, 1e-4 * energy);
+  }
+}
+
 TEST(Rotation, TopOnAStickingTipPrecessesToSecondOrder) {
   const FreeTopErrors coarse = precess_freely(1e-3, 2), fine = precess_freely(5e-4, 2);
   for (const auto& [name, c, f] :

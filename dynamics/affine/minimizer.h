@@ -188,9 +188,9 @@ class Minimizer {
  private:
   /// Tolerances of conjugate gradients.
   static constexpr double kRough = 1e-2, kExact = 1e-4;
-  /// Change of a slip that sticks, over that at which it slides, below which a step may be the last: a contact that is asked for
-  /// more than it holds by a share x takes no shorter steps than sqrt(x).
-  static constexpr double kStick = 0.1;
+  /// Change of a slip that may stick or slide, over that at which it slides, below which a step may be the last: a contact that is
+  /// asked for more than it holds by a share x takes no shorter steps than sqrt(x).
+  static constexpr double kStick = 0.05;
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
   /// Widest room about ways [reach].

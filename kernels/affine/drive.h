@@ -15,10 +15,13 @@ struct BoundedSpring {
   double most = 0;       ///< [N or N m]; zero: there is none
 
   SCREE_HD bool is_bound(double way) const { return stiffness * std::abs(way - rest) >= most; }
-  /// How much a change of the way is of that from rest to the bound; zero where the force is bound before and after, or has none.
-  SCREE_HD double unbound(double way, double change) const {
+  /// How much of the way from rest to the bound a Newton step is that comes to the bound or leaves it; zero where it does not, since
+  /// the force is linear there.
+  SCREE_HD double undecided(double way, double change) const {
     if (!(most > 0) || !(most < INFINITY)) return 0;
-    if (is_bound(way) && is_bound(way + change) && (way < rest) == (way + change < rest)) return 0;
+    const double end = way + change;
+    if (is_bound(way) == is_bound(end) && (!is_bound(way) || (way < rest) == (end < rest)))
+      return 0;
     return std::abs(change) * stiffness / most;
   }
   SCREE_HD double energy(double way) const {

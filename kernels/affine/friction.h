@@ -40,6 +40,15 @@ struct SlipLaw {
   SCREE_HD double force_per_slip(double y) const {
     return y >= slip ? 1 / y : (2 - y / slip) / slip;
   }
+  /// How much a Newton step changes a slip that may come to stick or to slide, over `slip`; zero where that is known. As f1 is
+  /// 2 r - r^2 with r = y / slip, a step by d leaves a force of d^2, and the next one is d^2 / (2 (1 - r)): a contact that stays below
+  /// 1 with twice that sticks.
+  SCREE_HD double undecided(double before, double after, double change) const {
+    if (before >= slip && after >= slip) return 0;
+    const double r = after / slip, d = change / slip;
+    if (before < slip && after < slip && r + d * d / (1 - r) < 1) return 0;
+    return d;
+  }
   /// f1'(y).
   SCREE_HD double stiffness(double y) const { return y >= slip ? 0 : 2 * (1 - y / slip) / slip; }
 };

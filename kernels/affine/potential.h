@@ -198,11 +198,11 @@ struct TouchOfPair {
 };
 
 /// Of a Newton step: its largest way of a corner, its slope, how far its end is from the ways that the list of near pairs was made
-/// for, and by how much it changes what sticks.
+/// for, and by how much it changes what may stick or slide.
 struct StepSums {
   double size = 0;  ///< [m]
   double stick =
-      0;  ///< largest change of a slip that sticks before or after it, over that at which it slides
+      0;  ///< largest change of a slip that may stick or slide, over that where it slides
   double slope = 0;  ///< gradient times step
   double stray = 0;  ///< [m]
   SCREE_HD void combine(const StepSums& o) {
@@ -250,17 +250,16 @@ struct MeasureStep {
     slip_of(slip.contact, change, d);
     const double before = u[0] * u[0] + u[1] * u[1];
     const double after = (u[0] + d[0]) * (u[0] + d[0]) + (u[1] + d[1]) * (u[1] + d[1]);
-    const double bound = p.law.slip * p.law.slip;
-    if (before >= bound && after >= bound) return 0;
-    return std::sqrt(d[0] * d[0] + d[1] * d[1]) / p.law.slip;
+    return p.law.undecided(std::sqrt(before), std::sqrt(after),
+                           std::sqrt(d[0] * d[0] + d[1] * d[1]));
   }
   SCREE_HD double stick(const DriveTerm& drive) const {
     const double way = drive.way(p.start, q);
     double change = 0;
     for (int side = 0; side < 2; ++side)
       change += dot(drive.slope[side], step_of(drive.body[side]));
-    const double motor = drive.motor.unbound(way, change);
-    const double friction = drive.friction.unbound(way, change);
+    const double motor = drive.motor.undecided(way, change);
+    const double friction = drive.friction.undecided(way, change);
     return motor > friction ? motor : friction;
   }
 

@@ -176,12 +176,18 @@ TEST_F(CliRankGpus, CompoundsStepAsOnOneGpuAndTheirFramesComeInPieces) {
   run(2, "two", {"--resume", "--steps", "20"});
   const WorldState one = read_checkpoint(scratch / "one/checkpoint.h5").state;
   const WorldState two = read_checkpoint(scratch / "two/checkpoint.h5").state;
-  const auto& v = one.at<Vec3d>("body/velocity");
-  const auto& w = two.at<Vec3d>("body/velocity");
+  const auto by_id = [](const WorldState& state) {
+    const auto& id = state.at<std::int32_t>("body/id");
+    const auto& velocity = state.at<Vec3d>("body/velocity");
+    std::map<std::int32_t, Vec3d> of;
+    for (std::size_t i = 0; i < id.size(); ++i) of[id[i]] = velocity[i];
+    return of;
+  };
+  const std::map<std::int32_t, Vec3d> v = by_id(one), w = by_id(two);
   ASSERT_EQ(v.size(), 200u);
   ASSERT_EQ(w.size(), v.size());
   EXPECT_GT(read_steps_csv(scratch / "one/steps.csv").back().contact_count, 20);
-  for (std::size_t i = 0; i < v.size(); ++i) EXPECT_LT(norm(w[i] - v[i]), 1e-7) << "body " << i;
+  for (const auto& [id, velocity] : v) EXPECT_LT(norm(w.at(id) - velocity), 1e-7) << "body " << id;
 
   run(2, "whole", {});
   run(2, "pieces", {"--set", "output.frame_pieces=true"});

@@ -177,7 +177,7 @@ TEST(Rotation, ALockedAxisKeepsTheMomentumAboutTheOthers) {
       if (other != axis) {
         EXPECT_NEAR(end[other], start[other], 1e-9) << axis << other;
       }
-    EXPECT_GT(norm(w - spin), 0.1);
+    EXPECT_GT(norm(w - spin), 0.01);
     EXPECT_NEAR(0.5 * dot(end, w), energy, 1e-4 * energy);
   }
 }

@@ -50,7 +50,7 @@ TEST(RankAgreement, AnErrorOfAllIsToldWithoutARank) {
 TEST(RankAgreement, AnErrorOfOneNamesItAndEndsAllWithItsCode) {
   for (const std::size_t failing : {0u, 2u}) {
     std::vector<RankReport> reports(4, ready());
-    reports[failing] = {1, "host memory exhausted", ready().program, "", ""};
+    reports[failing] = {1, "host memory exhausted", ready().program, "", "", ""};
     const Agreement end = agreed(reports);
     EXPECT_EQ(end.code, 1);
     EXPECT_EQ(end.message, "rank " + std::to_string(failing) + ": host memory exhausted");

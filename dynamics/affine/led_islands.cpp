@@ -1,19 +1,14 @@
 #include "dynamics/affine/led_islands.h"
 
-#include <numeric>
+#include "host/disjoint_sets.h"
 
 namespace scree::affine {
 
 std::vector<bool> bodies_near_led(const AffineSetup& setup, const std::vector<BodyPair>& near) {
   const std::size_t count = setup.bodies.size();
-  std::vector<std::size_t> parent(count);
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t body) {
-    while (parent[body] != body) body = parent[body] = parent[parent[body]];
-    return body;
-  };
+  DisjointSets sets(count);
   const auto join = [&](std::size_t a, std::size_t b) {
-    if (setup.bodies[a].row >= 0 && setup.bodies[b].row >= 0) parent[root(a)] = root(b);
+    if (setup.bodies[a].row >= 0 && setup.bodies[b].row >= 0) sets.join(a, b);
   };
   for (const BodyPair& pair : near)
     join(static_cast<std::size_t>(pair.body[0]), static_cast<std::size_t>(pair.body[1]));
@@ -23,9 +18,9 @@ std::vector<bool> bodies_near_led(const AffineSetup& setup, const std::vector<Bo
   for (std::size_t body = setup.scene_bodies + 1; body < count; ++body) join(body - 1, body);
   std::vector<bool> has_led(count), reached(count);
   for (std::size_t body = 0; body < count; ++body)
-    if (setup.bodies[body].is_led) has_led[root(body)] = true;
+    if (setup.bodies[body].is_led) has_led[sets.root(body)] = true;
   for (std::size_t body = 0; body < count; ++body)
-    reached[body] = setup.bodies[body].row >= 0 && has_led[root(body)];
+    reached[body] = setup.bodies[body].row >= 0 && has_led[sets.root(body)];
   return reached;
 }
 

@@ -95,9 +95,9 @@ std::unique_ptr<Dynamics> make_together(Ranks& ranks, const MakeDynamics& make) 
 
 /// Every rank is here, rank 0 maybe with an error on its way.
 void end_with_others(Ranks& ranks, std::unique_ptr<Dynamics>& own) {
-  ranks.end_together(true);
+  ranks.set_ends_together(true);
   own.reset();
-  ranks.end_together(false);
+  ranks.set_ends_together(false);
 }
 
 class LeadingDynamics final : public Dynamics {

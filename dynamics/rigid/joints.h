@@ -116,19 +116,12 @@ inline std::vector<std::array<Index, 2>> joined_bodies(const Scene& scene) {
   return out;
 }
 
-/// Whether motor, spring, friction or limits act in a joint.
-inline bool is_driven(const Joint& joint) {
-  return joint.motor || joint.friction > 0 || std::isfinite(joint.limits[0]) ||
-         std::isfinite(joint.limits[1]) || joint.kind == JointKind::cable ||
-         joint.kind == JointKind::spring;
-}
-
 /// Driven joints of the free body that has the most of them.
 inline int most_drives(const Scene& scene) {
   std::vector<int> count(scene.bodies.size());
   int most = 0;
   for (const Joint& joint : scene.joints) {
-    if (!is_driven(joint)) continue;
+    if (!drive_of(joint).is_used()) continue;
     for (const int id : joint.bodies) {
       if (id == kWorldBody) continue;
       const auto body = static_cast<std::size_t>(id);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -287,9 +288,8 @@ class RankShare {
       if (static_cast<int>(r) < ranks_->rank()) lower += came[r];
     }
     ghosts_.set(*b_, std::move(peers), std::move(sent));
-    if (!ghosts_.transport_fault().empty())
-      throw CommonError("transport " + to_string(ranks_->transport()) + ": " +
-                        ghosts_.transport_fault());
+    if (const std::string fault = ghosts_.transport_fault(*ranks_); !fault.empty())
+      throw CommonError("transport " + to_string(ranks_->transport()) + ": " + fault);
     store.set_ghost_count(ghosts, lower);
     store.clear_room();
     old_ids_ = std::exchange(ids_, store.ghost_ids());

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <system_error>
+
+#include "host/disjoint_sets.h"
 
 namespace scree::ipc {
 namespace {
@@ -59,21 +60,11 @@ int drop_flat_triangles(TriangleMesh& mesh) {
 }
 
 std::vector<TriangleMesh> components(const TriangleMesh& mesh) {
-  std::vector<int> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[static_cast<std::size_t>(v)] != v) {
-      int& up = parent[static_cast<std::size_t>(v)];
-      up = parent[static_cast<std::size_t>(up)];
-      v = up;
-    }
-    return v;
-  };
+  DisjointSets sets(mesh.vertices.size());
+  const auto root = [&](int v) { return sets.root(static_cast<std::size_t>(v)); };
   for (const auto& triangle : mesh.triangles)
-    for (const int v : triangle) {
-      const int a = root(v), b = root(triangle[0]);
-      parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
+    for (const int v : triangle)
+      sets.join(static_cast<std::size_t>(v), static_cast<std::size_t>(triangle[0]));
   std::vector<bool> is_used(mesh.vertices.size(), false);
   for (const auto& triangle : mesh.triangles)
     for (const int v : triangle) is_used[static_cast<std::size_t>(v)] = true;
@@ -81,7 +72,7 @@ std::vector<TriangleMesh> components(const TriangleMesh& mesh) {
   std::vector<int> part_of(mesh.vertices.size(), -1), number(mesh.vertices.size(), -1);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (!is_used[v]) continue;
-    int& part = part_of[static_cast<std::size_t>(root(static_cast<int>(v)))];
+    int& part = part_of[sets.root(v)];
     if (part < 0) {
       part = static_cast<int>(parts.size());
       parts.emplace_back().name = mesh.name;
@@ -93,7 +84,7 @@ std::vector<TriangleMesh> components(const TriangleMesh& mesh) {
   for (const auto& triangle : mesh.triangles) {
     std::array<int, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) corners[k] = number[static_cast<std::size_t>(triangle[k])];
-    const int part = part_of[static_cast<std::size_t>(root(triangle[0]))];
+    const int part = part_of[root(triangle[0])];
     parts[static_cast<std::size_t>(part)].triangles.push_back(corners);
   }
   return parts;

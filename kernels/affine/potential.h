@@ -200,9 +200,8 @@ struct TouchOfPair {
 /// Of a Newton step: its largest way of a corner, its slope, how far its end is from the ways that the list of near pairs was made
 /// for, and by how much it changes what may stick or slide.
 struct StepSums {
-  double size = 0;  ///< [m]
-  double stick =
-      0;  ///< largest change of a slip that may stick or slide, over that where it slides
+  double size = 0;   ///< [m]
+  double stick = 0;  ///< largest change of a slip that may stick or slide, over that limit
   double slope = 0;  ///< gradient times step
   double stray = 0;  ///< [m]
   SCREE_HD void combine(const StepSums& o) {

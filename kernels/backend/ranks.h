@@ -77,7 +77,7 @@ class Ranks {
   Transport used_transport() const { return used_; }
 
   /// All ranks are about to end a World together, also where one of them does so because of an error.
-  void end_together(bool ends) { ends_together_ = ends; }
+  void set_ends_together(bool ends) { ends_together_ = ends; }
   bool ends_together() const { return ends_together_; }
 
  private:

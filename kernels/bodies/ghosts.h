@@ -150,7 +150,6 @@ class Ghosts {
     Ranks& ranks = *b.ranks();
     transport_ = working_transport(ranks);
     ranks.note_transport(transport_);
-    note_fault(ranks);
     if (transport_ == Transport::peer) {
       tell_places(ranks);
       link(ranks);
@@ -162,7 +161,12 @@ class Ghosts {
   }
 
   /// Why the transport that was asked for does not work, the same on all ranks; empty: it does. Data go through hosts then.
-  const std::string& transport_fault() const { return fault_; }
+  std::string transport_fault(const Ranks& ranks) const {
+    const Transport asked = ranks.transport();
+    if (!B::kIsDevice || asked == Transport::automatic || asked == transport_) return {};
+    if (asked == Transport::peer) return "GPUs of ranks cannot write into each other's memory";
+    return messages_ != nullptr ? messages_->fault() : "there is none between these ranks";
+  }
 
   /// Follows a reordering of the owned bodies. @param new_of_old  new storage index of each
   void follow(B& b, Span<const Index> new_of_old) {
@@ -241,17 +245,6 @@ class Ghosts {
         return Transport::nccl;
     }
     return Transport::hosts;
-  }
-
-  void note_fault(Ranks& ranks) {
-    const Transport asked = ranks.transport();
-    fault_.clear();
-    if (!B::kIsDevice || asked == Transport::automatic || asked == transport_) return;
-    if (asked == Transport::peer) {
-      fault_ = "GPUs of ranks cannot write into each other's memory";
-    } else {
-      fault_ = messages_ != nullptr ? messages_->fault() : "there is none between these ranks";
-    }
   }
 
   /// What was sent before is done, for what is put in line now.
@@ -350,7 +343,6 @@ class Ghosts {
   Buffer<B, Index> sent_;
   mutable Buffer<B, unsigned char> packed_, arrived_;  ///< rows, unless they go to peers themselves
   PeerWindow<B> window_;
-  std::string fault_;
   DeviceMessages* messages_ = nullptr;  ///< of the transport "nccl"
   GhostLinks links_;                    ///< of the transport "peer"
   Index sent_count_ = 0;

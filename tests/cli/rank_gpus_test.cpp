@@ -136,16 +136,7 @@ TEST_F(CliRankGpus, ARankThatIsKilledEndsTheOtherOverNccl) {
   command.insert(command.end(), endless.begin(), endless.end());
   command.insert(command.end(), {"--set", "duration=1000"});
   Program program = start(2, command);
-  ASSERT_TRUE(eventually([&] {
-    return fs::exists(out / "checkpoint.h5") && line_count(contents(out / "steps.csv")) > 5;
-  }));
-  const auto begin = std::chrono::steady_clock::now();
-  ::kill(process(1), SIGKILL);
-  const Result result = program.wait();
-  EXPECT_NE(result.code, 0) << result.err;
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
-  EXPECT_TRUE(eventually([&] { return ::kill(process(0), 0) != 0; }));
-  EXPECT_GT(read_checkpoint(out / "checkpoint.h5").state.step, 0);
+  expect_all_end_without(1, 2, program, out);
 }
 
 /// Dumbbells that fall on a floor and each other.

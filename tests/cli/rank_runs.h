@@ -1,6 +1,7 @@
 #pragma once
 // Runs the program scree on several ranks, as `mpirun -n 3 scree run SCENE` does.
 
+#include "host/io/checkpoint.h"
 #include "host/ranks/mpi_ranks.h"
 #include "tests/cli/program.h"
 
@@ -85,6 +86,21 @@ class CliRanks : public testing::Test {
 
   pid_t process(int rank) const {
     return static_cast<pid_t>(std::stol(contents(scratch / ("pid." + std::to_string(rank)))));
+  }
+
+  /// Kills a rank once its run has a checkpoint and some steps: all end within 30 s, with an error, and the checkpoint stays.
+  void expect_all_end_without(int killed, int ranks, Program& program, const fs::path& out) const {
+    ASSERT_TRUE(eventually([&] {
+      return fs::exists(out / "checkpoint.h5") && line_count(contents(out / "steps.csv")) > 5;
+    }));
+    const auto begin = std::chrono::steady_clock::now();
+    ::kill(process(killed), SIGKILL);
+    const Result result = program.wait();
+    EXPECT_NE(result.code, 0) << result.err;
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+    for (int rank = 0; rank < ranks; ++rank)
+      EXPECT_TRUE(eventually([&] { return ::kill(process(rank), 0) != 0; })) << rank;
+    EXPECT_GT(read_checkpoint(out / "checkpoint.h5").state.step, 0);
   }
 
   Scratch scratch;

@@ -136,17 +136,7 @@ TEST_F(CliRanks, ARankThatIsKilledEndsAllAndTheCheckpointStays) {
     const fs::path out = scratch / ("killed_" + std::to_string(killed));
     const Arguments endless{"--quiet", "--set", "duration=1000", "--out", out.string()};
     Program program = start(3, by_rank(scene, scene, endless));
-    ASSERT_TRUE(eventually([&] {
-      return fs::exists(out / "checkpoint.h5") && line_count(contents(out / "steps.csv")) > 5;
-    }));
-    const auto begin = std::chrono::steady_clock::now();
-    ::kill(process(killed), SIGKILL);
-    const Result result = program.wait();
-    EXPECT_NE(result.code, 0) << result.err;
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
-    for (const int rank : {0, 1, 2})
-      EXPECT_TRUE(eventually([&] { return ::kill(process(rank), 0) != 0; })) << rank;
-
+    expect_all_end_without(killed, 3, program, out);
     const std::int64_t done = read_checkpoint(out / "checkpoint.h5").state.step;
     const Result resumed = scree(
         scratch, run_arguments(scene, out, {"--resume", "--steps", std::to_string(done + 5)}));

@@ -44,6 +44,15 @@ inline Scene falling_boxes(double rule) {
   return scene;
 }
 
+/// A prescribed box that goes straight on.
+inline void add_pusher(Scene& scene, const Vec3d& position, const Vec3d& half,
+                       const Vec3d& velocity) {
+  Motion motion;
+  motion.kind = Motion::Kind::linear;
+  motion.velocity = velocity;
+  physics::add_wall_box(scene, position, half, BodyKind::kinematic).motion = motion;
+}
+
 /// Two bodies on hinges with a motor that turns the first one several times, friction and limits.
 inline Scene driven_pair() {
   Scene scene = affine_scene(0.002, 0, 1);

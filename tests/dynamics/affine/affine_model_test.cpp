@@ -199,12 +199,7 @@ TEST(AffineModel, APrescribedBodyMovesBesideASqueezedOne) {
   physics::add_wall_box(scene, {0, 0, -0.5}, {1, 1, 0.5});
   add_box(scene, {0, 0, 0.0508}, {0.05, 0.05, 0.05}, 1);
   add_box(scene, {0, 0, 0.1518}, {0.05, 0.05, 0.05}, 1e4);
-  BodyDescription& pusher =
-      physics::add_wall_box(scene, {10, 0, 1}, {0.25, 0.25, 0.025}, BodyKind::kinematic);
-  Motion motion;
-  motion.kind = Motion::Kind::linear;
-  motion.velocity = {0, 0.5, 0};
-  pusher.motion = motion;
+  add_pusher(scene, {10, 0, 1}, {0.25, 0.25, 0.025}, {0, 0.5, 0});
   World world(scene, cpu_options());
   StepReport report;
   for (int k = 0; k < 20; ++k) report = world.step();
@@ -391,12 +386,7 @@ TEST(AffineModel, ALedBoxPushesAndStopsWhereItIsBlocked) {
   scene.gravity = {};
   add_box(scene, {0.3, 0, 0}, {0.1, 0.1, 0.1}, 8);
   physics::add_wall_box(scene, {1.0, 0, 0}, {0.1, 0.3, 0.3});
-  BodyDescription& pusher =
-      physics::add_wall_box(scene, {0, 0, 0}, {0.1, 0.1, 0.1}, BodyKind::kinematic);
-  Motion motion;
-  motion.kind = Motion::Kind::linear;
-  motion.velocity = {1, 0, 0};
-  pusher.motion = motion;
+  add_pusher(scene, {0, 0, 0}, {0.1, 0.1, 0.1}, {1, 0, 0});
   World world(scene, cpu_options());
   StepReport report;
   for (int k = 0; k < 40; ++k) {

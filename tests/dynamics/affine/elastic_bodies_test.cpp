@@ -174,12 +174,7 @@ TEST(ElasticBodies, AreCarriedByWhatTheyAreAttachedTo) {
 TEST(ElasticBodies, FollowWhatIsLed) {
   Scene scene = affine_scene(0.01, 0);
   add_elastic_box(scene, {0, 0, 0.3}, {0.1, 0.1, 0.4}, {1, 1, 4}, kDensity, {1e6, 0.3});
-  BodyDescription& led = physics::add_wall_box(scene, {0, 0, 0}, {0.2, 0.2, 0.05});
-  led.kind = BodyKind::kinematic;
-  Motion motion;
-  motion.kind = Motion::Kind::linear;
-  motion.velocity = {0.5, 0, 0};
-  led.motion = motion;
+  add_pusher(scene, {0, 0, 0}, {0.2, 0.2, 0.05}, {0.5, 0, 0});
   scene.attachments.push_back({0, 1, {-1, -1, 0.09}, {1, 1, 0.11}});
   World world(scene, cpu_options());
   StepReport report;

@@ -9,13 +9,12 @@ namespace scree {
 
 /// What a rank has to say.
 struct RankReport {
-  int code = 0;         ///< exit code that it would end with; 0: it can start
-  std::string error;    ///< why it cannot
-  std::string program;  ///< version and commit
-  std::string scene;    ///< text of the scene, overrides applied; empty when it cannot start
-  std::string
-      arithmetic;      ///< backend, precision and transport, for people; empty when it cannot start
-  std::string folder;  ///< where it writes; empty: nowhere
+  int code = 0;            ///< exit code that it would end with; 0: it can start
+  std::string error;       ///< why it cannot
+  std::string program;     ///< version and commit
+  std::string scene;       ///< text of the scene, overrides applied; empty when it cannot start
+  std::string arithmetic;  ///< backend, precision and transport; empty when it cannot start
+  std::string folder;      ///< where it writes; empty: nowhere
 };
 
 /// What all do, the same on all.

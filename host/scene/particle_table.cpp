@@ -1,5 +1,7 @@
 #include "host/scene/particle_table.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <string>
 #include <unordered_map>
@@ -36,6 +38,16 @@ double positive(const CsvReader& csv, int column, const char* unit) {
   const double value = csv.number(column);
   if (!(value > 0)) csv.refuse(column, std::string("must be positive [") + unit + "]");
   return value;
+}
+
+/// A whole number from zero on.
+int number_below(const CsvReader& csv, int column, int end) {
+  const double value = csv.number(column);
+  if (!(value >= 0 && value < end && value == std::floor(value)))
+    csv.refuse(
+        column,
+        fmt::format("must be a whole number from 0 to {}, that of a shape in the scene", end - 1));
+  return static_cast<int>(value);
 }
 
 /// Numbers names in the order in which a column first gives them.
@@ -77,9 +89,16 @@ class Column {
 
 }  // namespace
 
-ParticleTable read_particle_csv(const std::filesystem::path& file) {
-  CsvReader csv(file, {"x", "y", "z", "vx", "vy", "vz", "radius", "mass", "density", "id", "qw",
-                       "qx", "qy", "qz", "wx", "wy", "wz", "group", "material"});
+ParticleTable read_particle_csv(const std::filesystem::path& file, int shapes) {
+  CsvReader csv(file,
+                {"x",  "y",  "z",  "vx", "vy", "vz", "radius", "mass",     "density", "id",   "qw",
+                 "qx", "qy", "qz", "wx", "wy", "wz", "group",  "material", "scale",   "shape"});
+  if (shapes > 0 && csv.find("radius") >= 0)
+    csv.fail("the column \"radius\" is of spheres; bodies with a shape have a \"scale\"");
+  for (const char* column : {"scale", "shape"})
+    if (shapes == 0 && csv.find(column) >= 0)
+      csv.fail(fmt::format("the column \"{}\" goes with a shape in the scene, and none is given",
+                           column));
   int at_position[3];
   int at_velocity[3];
   int at_spin[3];
@@ -90,6 +109,8 @@ ParticleTable read_particle_csv(const std::filesystem::path& file) {
   const int at_density = csv.find("density");
   const int at_group = csv.find("group");
   const int at_material = csv.find("material");
+  const int at_scale = csv.find("scale");
+  const int at_shape = csv.find("shape");
   const std::size_t rows = csv.line_count();
   ParticleTable table;
   ParticleSet& particles = table.particles;
@@ -102,6 +123,8 @@ ParticleTable read_particle_csv(const std::filesystem::path& file) {
   Column<double> density(at_density >= 0, rows);
   Column<int> group(at_group >= 0, rows);
   Column<int> material(at_material >= 0, rows);
+  Column<double> scale(at_scale >= 0, rows);
+  Column<int> shape(at_shape >= 0, rows);
   Names groups(table.groups);
   Names materials(table.materials);
   while (csv.next()) {
@@ -114,6 +137,8 @@ ParticleTable read_particle_csv(const std::filesystem::path& file) {
     density.read([&] { return positive(csv, at_density, "kg/m^3"); });
     group.read([&] { return groups.index_of(csv, at_group); });
     material.read([&] { return materials.index_of(csv, at_material); });
+    scale.read([&] { return positive(csv, at_scale, "-"); });
+    shape.read([&] { return number_below(csv, at_shape, shapes); });
   }
   velocity.move_to(particles.velocity);
   spin.move_to(particles.angular_velocity);
@@ -123,6 +148,8 @@ ParticleTable read_particle_csv(const std::filesystem::path& file) {
   density.move_to(particles.density);
   group.move_to(particles.group);
   material.move_to(particles.material);
+  scale.move_to(table.scale);
+  shape.move_to(table.shape);
   return table;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Many spheres read from a file: CSV written by other programs, or a checkpoint of an earlier run.
+// Many bodies read from a file: CSV written by other programs, or spheres of a checkpoint of an earlier run.
 
 #include <filesystem>
 #include <string>
@@ -10,17 +10,20 @@
 namespace scree {
 
 struct ParticleTable {
-  /// What the file says of its spheres; properties it is silent about are uniform and have their
-  /// defaults. Groups and materials are indices into the lists below.
+  /// What the file says of its particles; properties it is silent about are uniform and have their
+  /// defaults. Groups and materials are indices into the lists below. Shapes are not set.
   ParticleSet particles;
+  PerParticle<double> scale;           ///< of the shape [-]; uniform: the file has no such column
+  PerParticle<int> shape;              ///< number in the list `shapes` of the scene; the same
   std::vector<std::string> groups;     ///< names found in the file
   std::vector<std::string> materials;  ///< names found in the file
 };
 
-/// Reads a CSV file with the columns x, y, z and any of vx vy vz radius mass density qw qx qy qz
-/// wx wy wz (world frame) group material id (not used). SI units.
+/// Reads a CSV file with the columns x, y, z and any of vx vy vz mass density qw qx qy qz wx wy wz (world frame) group
+/// material id (not used), and radius, or of bodies with shapes scale and shape. SI units.
+/// @param shapes  in the list `shapes` of the scene; 0: the particles are spheres
 /// @throws InputError naming file, line, column and value
-ParticleTable read_particle_csv(const std::filesystem::path& file);
+ParticleTable read_particle_csv(const std::filesystem::path& file, int shapes);
 
 /// Reads the spheres of a checkpoint with their masses and states, in the order of their ids.
 /// @throws InputError naming the file and what is wrong with it

@@ -18,8 +18,14 @@ struct ParticleShapes {
 /// Reads `radius`, or else `shape` or `shapes` with `scale`.
 ParticleShapes read_particle_shapes(const Node& node, Draft& draft);
 
-/// Refuses the keys that say something of shapes and of scales.
-void refuse_particle_shapes(const Node& node, const std::string& why);
+/// The same of particles from a file, which may give radii. None: spheres, whose `radius` is not read.
+ParticleShapes read_shapes_of_file(const Node& node, Draft& draft);
+
+/// @param named  whose fault it is
+/// @param scale  of each particle, from a file; uniform: there are none
+/// @throws InputError where a shape cannot have a scale
+void check_scales(const Node& named, const ParticleShapes& shapes, const PerParticle<double>& scale,
+                  std::size_t count);
 
 /// Gives a set the shapes, sizes and groups of placed particles, and takes their centers over.
 /// @param scene  has the meshes

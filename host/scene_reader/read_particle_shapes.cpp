@@ -93,10 +93,17 @@ void add_shape(const Node& node, Draft& draft, ParticleShapes& read) {
 }
 
 /// Reads the shape of all particles. What the entry says beside it, it says of the particles.
-void add_only_shape(const Node& node, Draft& draft, ParticleShapes& read) {
+/// @param is_from_file  then `file` is that of the particles
+void add_only_shape(const Node& node, bool is_from_file, Draft& draft, ParticleShapes& read) {
+  const Node kind = node.at("shape", "");
+  const bool needs_file = kind.json() == "mesh" || (kind.json() == "hull" && !node.has("points"));
+  if (is_from_file && needs_file)
+    kind.fail(
+        "the file is that of the particles; give a shape with a file of its own in the list "
+        "shapes");
   Json shape = node.json();
   for (const std::string& key : own_particle_keys())
-    if (key != "shape" && key != "radius" && key != "file") shape.erase(key);
+    if (key != "shape" && key != "radius" && (key != "file" || is_from_file)) shape.erase(key);
   add_shape(Node(shape, node.path(), node.source()), draft, read);
   read.size.weights = {1.0};
 }
@@ -133,46 +140,70 @@ void set_groups(const ParticleShapes& from, const PerParticle<int>& shape, Parti
   set.group = PerParticle<int>(std::move(groups));
 }
 
-void check_scale(const Node& node, const ParticleShapes& read) {
+/// @param low,high  ends of the scales that are drawn
+void check_scale(const Node& node, const ParticleShapes& read, double low, double high) {
   for (const Shape& shape : read.shapes) {
     const ShapeCard& card = shape_card(shape.kind);
     if (card.scaled == nullptr) node.fail(fmt::format("a {} cannot be scaled", card.name));
-    for (const double factor : {read.size.scale.smallest(), read.size.scale.largest()})
+    for (const double factor : {low, high})
       if (const auto fault = card.fault(scaled(shape, factor)))
         node.fail(fmt::format("a scale of {} makes the {} of a {} {}, {}", factor, fault->field,
                               card.name, fault->value, fault->expected));
   }
 }
 
-}  // namespace
-
-ParticleShapes read_particle_shapes(const Node& node, Draft& draft) {
-  const auto one = node.find("shape"), several = node.find("shapes"), scale = node.find("scale");
-  if (one && several) several->fail("give either shape or shapes");
-  if (!one && !several) {
-    const std::string why = "this key goes with a shape, and none is given; spheres have a radius";
-    node.refuse_keys(keys_of_shapes_alone(), why);
-    if (scale) scale->fail(why);
-    return {{}, {}, read_law(node.at("radius", "must be positive [m]"), "radius", "m")};
-  }
+/// The shapes of an entry that has `shape` or `shapes`.
+ParticleShapes read_given_shapes(const Node& node, bool is_from_file, Draft& draft) {
+  const auto several = node.find("shapes"), scale = node.find("scale");
   RadiusLaw law;
   law.low = law.high = 1;
   ParticleShapes read{{}, {}, scale ? read_law(*scale, "scale", "-") : law};
-  if (one) {
-    add_only_shape(node, draft, read);
+  if (!several) {
+    add_only_shape(node, is_from_file, draft, read);
   } else {
+    if (node.has("shape")) several->fail("give either shape or shapes");
     const std::string why = "give it in the entries of shapes; here, a scale is for all of them";
     node.refuse_keys(keys_of_shapes_alone(), why);
-    node.refuse_keys({"radius", "file"}, why);
+    node.refuse_keys({"radius"}, why);
+    if (!is_from_file) node.refuse_keys({"file"}, why);
     add_shapes(*several, draft, read);
   }
-  if (scale) check_scale(*scale, read);
+  if (scale) check_scale(*scale, read, read.size.scale.smallest(), read.size.scale.largest());
   return read;
 }
 
-void refuse_particle_shapes(const Node& node, const std::string& why) {
-  node.refuse_keys({"shape", "shapes", "scale"}, why);
+/// Refuses the keys that say something of shapes and of scales.
+void refuse_without_shape(const Node& node) {
+  const std::string why = "this key goes with a shape, and none is given; spheres have a radius";
   node.refuse_keys(keys_of_shapes_alone(), why);
+  node.refuse_keys({"scale"}, why);
+}
+
+bool has_shape(const Node& node) { return node.has("shape") || node.has("shapes"); }
+
+}  // namespace
+
+ParticleShapes read_particle_shapes(const Node& node, Draft& draft) {
+  if (has_shape(node)) return read_given_shapes(node, false, draft);
+  refuse_without_shape(node);
+  return {{}, {}, read_law(node.at("radius", "must be positive [m]"), "radius", "m")};
+}
+
+ParticleShapes read_shapes_of_file(const Node& node, Draft& draft) {
+  if (has_shape(node)) return read_given_shapes(node, true, draft);
+  refuse_without_shape(node);
+  return {{}, {}, RadiusLaw{}};
+}
+
+void check_scales(const Node& named, const ParticleShapes& shapes, const PerParticle<double>& scale,
+                  std::size_t count) {
+  if (scale.uniform()) return;
+  double low = scale[0], high = scale[0];
+  for (std::size_t i = 1; i < count; ++i) {
+    low = std::min(low, scale[i]);
+    high = std::max(high, scale[i]);
+  }
+  check_scale(named, shapes, low, high);
 }
 
 void set_placed(const ParticleShapes& from, PlacedSpheres placed, const Scene& scene,

@@ -232,38 +232,83 @@ PerParticle<int> renumbered(const PerParticle<int>& index, std::size_t count,
   return PerParticle<int>(std::move(out));
 }
 
-void read_file(const Node& node, const ParticleSet& common, Orientations orientations,
-               Velocities velocities, Draft& draft) {
-  refuse_particle_shapes(node, "particles of the layout \"file\" are spheres");
-  const Node named = node.at("file", "must be the name of a .csv or .h5 file");
+/// Shapes and sizes of the particles of a file: as its columns say, else drawn.
+PlacedSpheres with_sizes(const ParticleShapes& shapes, ParticleTable& table,
+                         RandomNumbers& random) {
+  PlacedSpheres placed;
+  placed.center = std::move(table.particles.position);
+  const std::size_t count = placed.center.size();
+  if (shapes.size.is_constant() && table.scale.uniform()) {
+    placed.scale = shapes.size.scale.smallest();
+    placed.radius = shapes.size.smallest();
+    return placed;
+  }
+  std::vector<double> scale(count), radius(count);
+  std::vector<int> shape(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const SizeLaw::Size drawn = shapes.size.draw(random);
+    scale[i] = table.scale.uniform() ? drawn.scale : table.scale[i];
+    shape[i] = table.shape.uniform() ? drawn.shape : table.shape[i];
+    radius[i] = scale[i] * shapes.size.radii[static_cast<std::size_t>(shape[i])];
+  }
+  placed.scale = PerParticle<double>(std::move(scale));
+  placed.radius = PerParticle<double>(std::move(radius));
+  placed.shape = PerParticle<int>(std::move(shape));
+  return placed;
+}
+
+/// Reads the table that an entry names, which has one particle or more.
+ParticleTable read_table(const Node& named, int shapes) {
   const std::filesystem::path path = named.file();
   ParticleTable table;
-  if (path.extension() == ".h5") {
+  if (path.extension() != ".h5") {
+    table = read_particle_csv(path, shapes);
+  } else if (shapes == 0) {
     table.particles = read_checkpoint_particles(path);
   } else {
-    table = read_particle_csv(path);
+    named.refuse("must be a .csv file: of checkpoints, spheres are read, and a shape is given");
   }
-  ParticleSet& set = table.particles;
-  if (set.position.empty()) named.refuse("the file holds no particles");
-  std::vector<int> groups;
-  std::vector<int> materials;
-  for (const std::string& name : table.groups) groups.push_back(group_index(name, draft));
-  for (const std::string& name : table.materials)
-    materials.push_back(material_index(named, name, draft));
+  if (table.particles.position.empty()) named.refuse("the file holds no particles");
+  return table;
+}
+
+void set_radii(const Node& node, ParticleSet& set) {
   const auto radius = node.find("radius");
   const double default_radius = radius ? radius->number(kPositive, "m") : 0;
   if (set.radius.uniform()) set.radius = default_radius;
   if (!(set.radius[0] > 0))
     node.fail_missing("radius", "the file has no radius column, so one is needed here [m]");
+}
+
+void read_file(const Node& node, std::size_t index, const ParticleSet& common,
+               Orientations orientations, Velocities velocities, Draft& draft) {
+  const Node named = node.at("file", "must be the name of a .csv or .h5 file");
+  const ParticleShapes shapes = read_shapes_of_file(node, draft);
+  ParticleTable table = read_table(named, static_cast<int>(shapes.shapes.size()));
+  ParticleSet& set = table.particles;
+  const std::size_t count = set.position.size();
+  std::vector<int> groups;
+  std::vector<int> materials;
+  for (const std::string& name : table.groups) groups.push_back(group_index(name, draft));
+  for (const std::string& name : table.materials)
+    materials.push_back(material_index(named, name, draft));
+  const PerParticle<int> own_group = set.group;
+  set.group = common.group;
+  if (shapes.shapes.empty()) {
+    set_radii(node, set);
+  } else {
+    check_scales(named, shapes, table.scale, count);
+    RandomNumbers random(draft.scene.seed, index);
+    set_placed(shapes, with_sizes(shapes, table, random), draft.scene, set);
+  }
+  if (!own_group.uniform()) set.group = renumbered(own_group, count, groups);
   if (set.density.uniform()) set.density = common.density;
   if (set.mass.uniform() && !(set.density[0] > 0))
     node.fail_missing("density",
                       "the file has no mass or density column, so one is needed here [kg/m^3]");
   if (set.angular_velocity.uniform()) set.angular_velocity = common.angular_velocity;
-  const std::size_t count = set.position.size();
   if (set.orientation.uniform()) set.orientation = orientations.draw(count);
   if (set.velocity.uniform()) set.velocity = velocities.draw(common.velocity[0], count);
-  set.group = set.group.uniform() ? common.group : renumbered(set.group, count, groups);
   set.material =
       set.material.uniform() ? common.material : renumbered(set.material, count, materials);
   set.locks = common.locks;
@@ -307,7 +352,7 @@ void read_particles(const Node& node, std::size_t index, Draft& draft) {
   Orientations orientations(node, draft.scene.seed, index);
   Velocities velocities(node, draft.scene.seed, index);
   if (layout == Layout::file) {
-    read_file(node, common, orientations, velocities, draft);
+    read_file(node, index, common, orientations, velocities, draft);
     return;
   }
   if (common.density[0] == 0) node.fail_missing("density", "must be positive [kg/m^3]");

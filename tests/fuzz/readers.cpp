@@ -159,7 +159,7 @@ void edit_and_use(const std::string& reader, const char* kind, int version, std:
 void give(const std::string& reader, std::string_view bytes) {
   if (reader == "scene") return read_scene_bytes(bytes);
   if (reader == "particles")
-    return read_as_file(bytes, ".csv", [](const fs::path& path) { read_particle_csv(path); });
+    return read_as_file(bytes, ".csv", [](const fs::path& path) { read_particle_csv(path, 0); });
   if (reader == "mesh") return read_mesh_bytes(bytes);
   if (reader == "heights") return read_height_bytes(bytes);
   if (reader == "motion") return read_motion_bytes(bytes);

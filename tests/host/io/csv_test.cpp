@@ -22,7 +22,7 @@ TEST(ParticleCsv, ReadsAllColumnsInAnyOrder) {
       "7, 3, 2, 1, 4, 5, 6, 0.5, 2, 0, 1, 0, 0, 7, 8, +9, left, glass\r\n"
       "# in between\n"
       "8, 3, 2, 1, 4, 5, 6, 1e-1, 2, 0, 1, 0, 0, 7, 8, 9, right, glass");
-  const ParticleTable table = read_particle_csv(file);
+  const ParticleTable table = read_particle_csv(file, 0);
   const ParticleSet& p = table.particles;
   ASSERT_EQ(p.position.size(), 2u);
   EXPECT_EQ(p.position[0], Vec3d(1, 2, 3));
@@ -40,7 +40,7 @@ TEST(ParticleCsv, ReadsAllColumnsInAnyOrder) {
 }
 
 TEST(ParticleCsv, MissingColumnsAreLeftToTheCaller) {
-  const ParticleTable table = read_particle_csv(write_file("p.csv", "\xEF\xBB\xBFx,y,z\n1,2,3\n"));
+  const ParticleTable table = read_particle_csv(write_file("p.csv", "\xEF\xBB\xBFx,y,z\n1,2,3\n"), 0);
   ASSERT_EQ(table.particles.position.size(), 1u);
   EXPECT_TRUE(table.particles.radius.uniform());
   EXPECT_TRUE(table.particles.group.uniform());
@@ -56,7 +56,7 @@ class BadParticleCsv : public testing::TestWithParam<BadTable> {};
 
 TEST_P(BadParticleCsv, IsRefusedByName) {
   const auto file = write_file("p.csv", GetParam().content);
-  EXPECT_THAT(refusal([&] { read_particle_csv(file); }),
+  EXPECT_THAT(refusal([&] { read_particle_csv(file, 0); }),
               StartsWith(file.string() + ": " + GetParam().message));
 }
 
@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.name); });
 
 TEST(ParticleCsv, RefusesAMissingFile) {
-  EXPECT_EQ(refusal([] { read_particle_csv("nowhere.csv"); }), "nowhere.csv: no such file");
+  EXPECT_EQ(refusal([] { read_particle_csv("nowhere.csv", 0); }), "nowhere.csv: no such file");
 }
 
 TEST(MotionCsv, ReadsTimesPositionsAndOrientations) {

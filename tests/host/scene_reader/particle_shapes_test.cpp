@@ -350,21 +350,108 @@ TEST(ParticleShapes, OrientationsAreRefusedByPathAndExpectation) {
       ".rotation_deg: give either orientation or rotation_deg");
 }
 
-TEST(ParticleShapes, OfAFileAreSpheres) {
-  const std::string path = test::write_file("three.csv", "x,y,z\n0,0,1\n0,0,2\n0,0,3\n").string();
-  const auto file = [&](const std::string& keys) {
-    return R"({"layout": "file", "density": 1, "file": ")" + path + "\"" + keys + "}";
+/// Particles of a CSV file of that header and those rows; further keys after it.
+Scene of_file(const std::string& text, const std::string& keys) {
+  const std::string path = test::write_file("table.csv", text).string();
+  return parsed(with_particles(R"({"layout": "file", "density": 1000, "file": ")" + path + "\"" +
+                               keys + "}"));
+}
+const std::string kThree = "x,y,z\n0,0,1\n0,0,2\n0,0,3\n";
+
+TEST(ParticleShapes, OfAFileHaveTheShapeOfTheEntry) {
+  const Scene scene =
+      of_file("x,y,z,qw,qx,qy,qz,mass\n1,2,3,0,1,0,0,24\n4,5,6,1,0,0,0,6\n", ", " + kBox);
+  const ParticleSet& set = scene.particles.at(0);
+  EXPECT_TRUE(set.shape.uniform());
+  EXPECT_TRUE(set.radius.uniform());
+  EXPECT_EQ(set.position[1], Vec3d(4, 5, 6));
+  EXPECT_EQ(set.shape[1].half_extents, Vec3d(0.05, 0.1, 0.15));
+  EXPECT_EQ(set.radius[0], norm(Vec3d(0.05, 0.1, 0.15)));
+  const BodyDescription body = particle_body(set, 0);
+  EXPECT_EQ(body.orientation.x, 1);
+  EXPECT_NEAR(body.mass, 24, 1e-13);
+  EXPECT_NEAR(body.inertia.x, 24 / 3.0 * (0.1 * 0.1 + 0.15 * 0.15), 1e-13);
+  EXPECT_NE(
+      of_file(kThree, R"(, "radius": 0.1, "orientation": "random")").particles[0].orientation[0].w,
+      of_file(kThree, R"(, "radius": 0.1, "orientation": "random")").particles[0].orientation[1].w);
+}
+
+TEST(ParticleShapes, OfAFileHaveTheShapesAndScalesOfItsColumns) {
+  const Scene scene =
+      of_file("x,y,z,shape,scale\n0,0,1,2,0.5\n0,0,2,0,2\n0,0,3,1,1\n", ", " + kMix);
+  const ParticleSet& set = scene.particles.at(0);
+  EXPECT_EQ(particle_kind(set, 0), shapes::Sphere::kind);
+  EXPECT_EQ(set.radius[0], 0.05);
+  EXPECT_EQ(particle_kind(set, 1), shapes::Box::kind);
+  EXPECT_EQ(set.shape[1].half_extents, Vec3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(particle_kind(set, 2), shapes::Capsule::kind);
+  // Of balls alone the radius is all.
+  const Scene balls =
+      of_file("x,y,z,scale\n0,0,1,0.5\n0,0,2,3\n", R"(, "shape": "sphere", "radius": 0.1)");
+  EXPECT_TRUE(are_spheres(balls.particles[0]));
+  EXPECT_NEAR(balls.particles[0].radius[0], 0.05, 1e-17);
+  EXPECT_NEAR(balls.particles[0].radius[1], 0.3, 1e-16);
+}
+
+TEST(ParticleShapes, OfAFileAreDrawnWhereItsColumnsDoNotTell) {
+  std::string rows = "x,y,z\n";
+  for (int k = 0; k < 400; ++k) rows += std::to_string(k) + ",0,0\n";
+  const ParticleSet set =
+      of_file(rows, ", " + kMix + R"(, "scale": {"min": 0.5, "max": 1})").particles.at(0);
+  const auto counts = particle_shape_counts(set);
+  EXPECT_NEAR(static_cast<double>(counts.at(shapes::Box::kind)), 100, 30);
+  EXPECT_NEAR(static_cast<double>(counts.at(shapes::Capsule::kind)), 200, 40);
+  std::set<double> radii;
+  for (std::size_t k = 0; k < 400; ++k) radii.insert(set.radius[k]);
+  EXPECT_EQ(radii.size(), 400u);
+  EXPECT_GE(*radii.begin(), 0.05);
+  EXPECT_LE(*radii.rbegin(), norm(Vec3d(0.05, 0.1, 0.15)));
+}
+
+TEST(ParticleShapes, GroupsOfAFileComeBeforeThoseOfShapes) {
+  const std::string keys =
+      R"(, "shapes": [{"shape": "box", "size": [1, 1, 1], "group": "bricks"}])";
+  const Scene scene = of_file("x,y,z,group\n0,0,1,upper\n0,0,2,bricks\n", keys);
+  const auto name = [](const Scene& of, std::size_t k) {
+    return of.groups.at(static_cast<std::size_t>(of.particles.at(0).group[k]));
   };
-  const auto message = [&](const std::string& keys) {
-    return refusal([&] { parsed(with_particles(file(keys))); });
+  EXPECT_EQ(name(scene, 0), "upper");
+  EXPECT_EQ(name(scene, 1), "bricks");
+  EXPECT_EQ(name(of_file(kThree, keys), 2), "bricks");
+}
+
+TEST(ParticleShapes, OfAFileAreRefusedByWhatIsWrong) {
+  const auto message = [](const std::string& text, const std::string& keys) {
+    return refusal([&] { of_file(text, keys); });
   };
-  const std::string why = ": particles of the layout \"file\" are spheres";
-  EXPECT_EQ(message(", " + kBox), "x.json: particles[0].shape" + why);
-  EXPECT_EQ(message(", " + kMix), "x.json: particles[0].shapes" + why);
-  EXPECT_EQ(message(R"(, "radius": 0.1, "scale": 2)"), "x.json: particles[0].scale" + why);
-  EXPECT_EQ(message(R"(, "radius": 0.1, "size": [1, 1, 1])"), "x.json: particles[0].size" + why);
-  const Scene turned = parsed(with_particles(file(R"(, "radius": 0.1, "orientation": "random")")));
-  EXPECT_NE(turned.particles[0].orientation[0].w, turned.particles[0].orientation[1].w);
+  using testing::EndsWith;
+  EXPECT_THAT(message("x,y,z,radius\n0,0,1,1\n", ", " + kBox),
+              EndsWith("table.csv: line 1: the column \"radius\" is of spheres; bodies with a "
+                       "shape have a \"scale\""));
+  EXPECT_THAT(message("x,y,z,scale\n0,0,1,1\n", R"(, "radius": 1)"),
+              EndsWith("the column \"scale\" goes with a shape in the scene, and none is given"));
+  EXPECT_THAT(message("x,y,z,shape\n0,0,1,3\n", ", " + kMix),
+              EndsWith("table.csv: line 2, column \"shape\": 3 is not allowed: must be a whole "
+                       "number from 0 to 2, "
+                       "that of a shape in the scene"));
+  EXPECT_THAT(message("x,y,z,shape\n0,0,1,0.5\n", ", " + kMix),
+              testing::HasSubstr("0.5 is not allowed"));
+  EXPECT_THAT(message("x,y,z,scale\n0,0,1,0\n", ", " + kBox),
+              testing::HasSubstr("must be positive [-]"));
+  EXPECT_THAT(message(kThree, R"(, "shape": "hull")"),
+              EndsWith("particles[0].shape: the file is that of the particles; give a shape with a "
+                       "file of its own in "
+                       "the list shapes"));
+  EXPECT_THAT(message(kThree, R"(, "radius": 0.1, "size": [1, 1, 1])"),
+              EndsWith("particles[0].size: this key goes with a shape, and none is given; spheres "
+                       "have a radius"));
+  const std::string old = test::write_file("old.h5", "").string();
+  EXPECT_THAT(
+      refusal([&] {
+        parsed(with_particles(R"({"layout": "file", "density": 1, "file": ")" + old + "\", " +
+                              kBox + "}"));
+      }),
+      EndsWith("must be a .csv file: of checkpoints, spheres are read, and a shape is given"));
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ class ContactDetector {
   }
   /// Gives back the memory of the last step, once everything is matched.
   void forget() { memory_.forget(); }
-  /// Remembers the impulses of the present contacts for the next step, and takes their memory over.
+  /// Remembers impulses of the present contacts for the next step to start from, and takes their memory over.
   void keep(int vectors, Buffer<B, Vec3<Real>>&& impulse) {
     memory_.keep(std::move(found_.key), contact_count_, vectors, std::move(impulse));
   }

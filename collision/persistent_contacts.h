@@ -25,7 +25,7 @@ class PersistentContacts {
   /// [count()], or empty when none were kept.
   Span<const Index> marks() const { return mark_.view(mark_count_); }
 
-  /// Warm start: impulses of contacts that were there before, zero for new ones.
+  /// Warm start: what is remembered of contacts that were there before, zero for new ones.
   /// Bytes per contact (float, one vector): 28 read, 12 written, and a few cached reads to find it.
   /// @param vectors  impulse vectors per contact, next to each other
   /// @param impulse  [vectors * keys.size] out [N s]
@@ -40,7 +40,7 @@ class PersistentContacts {
 
   /// Remembers a step; the memory of keys and impulses passes to this object.
   /// @param key      [count] ascending
-  /// @param impulse  [vectors * count] [N s]
+  /// @param impulse  [vectors * count] that the next step is to start from [N s]
   void keep(Buffer<B, std::uint64_t>&& key, Index count, int vectors,
             Buffer<B, Vec3<Real>>&& impulse) {
     key_ = std::move(key);

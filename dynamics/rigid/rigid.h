@@ -74,7 +74,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
                              PartNames{id_count(), obstacles_.part_owners()},
                              parts_.reach(obstacles_.data()), detector_, *solver_, vectors())
                        : nullptr),
-        loading_(scene_, store_, obstacles_, owned_here()) {
+        loading_(scene_, store_, obstacles_, owned_here()),
+        impulse_(backend()) {
     if (shared_) {
       backend().set_ranks(ranks_.get());
       solver_->set_ghosts(&shared_->ghosts());
@@ -132,6 +133,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
       fill(b, gamma, Vec3<Real>{});
       joints_.forget(b);
     }
+    Buffer<B, Vec3<Real>> guess(b, vectors);
+    copy(b, Span<const Vec3<Real>>(gamma.first(vectors)), guess.view());
     Buffer<B, Index> mark(b, keeps_marks() ? contacts.count : 0);
     if (keeps_marks()) detector_.match_marks(b, mark.view());
     detector_.forget();  // the last step, in favor of the solver's memory
@@ -194,7 +197,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
     loads_.finish();
     throw_on_all(ranks_.get(), moved.bad_body >= 0, [&] { report_bad_body(moved.bad_body); });
     moved = over_ranks(backend(), moved);
-    detector_.keep(vectors_per_contact(summary_.layout), std::move(impulse));
+    for_each(b, static_cast<Index>(vectors),
+             AverageImpulses<Real>{gamma.first(vectors), guess.view()});
+    detector_.keep(vectors_per_contact(summary_.layout), std::move(guess));
+    impulse_ = std::move(impulse);
     if (keeps_marks()) detector_.keep_marks(std::move(mark));
     has_solved_contacts_ = true;
     this->count_step();
@@ -483,11 +489,13 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
   /// Impulses of the contacts that there are; empty when no step found them.
   Span<const Vec3<Real>> solved_impulses() const {
-    return has_solved_contacts_ ? detector_.impulses() : Span<const Vec3<Real>>{};
+    return has_solved_contacts_ ? impulse_.view(detector_.impulses().size)
+                                : Span<const Vec3<Real>>{};
   }
   void forget_solved_contacts() {
     impacts_.forget();
     has_solved_contacts_ = false;
+    impulse_.release();
     kept_records_.clear();
   }
   std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
@@ -607,6 +615,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   std::unique_ptr<SharedState<B, Real>> shared_;  ///< null without ranks
   std::vector<int> removed_;                      ///< ids of bodies that are no more, rising
   BodyLoading<B, Real> loading_;
+  Buffer<B, Vec3<Real>> impulse_;  ///< of the contacts that the detector has, if they are solved
   std::vector<ContactRecord> kept_records_;  ///< of the last step, see put_contacts_aside()
   bool has_solved_contacts_ = false;         ///< the detector has those of the last step
 };

@@ -149,8 +149,8 @@ double in_warm_start(const Sizes& s, bool near_pairs) {
 double force_sums(const Sizes& s) { return s.scene.output.force_interval > 0 ? 12 : 0; }
 
 double in_solver(const Sizes& s, bool near_pairs) {
-  const HeldBytes bytes =
-      HeldBytes{state_of_body(s), contact_set(s) + s.impulse + s.marks} + problem(s) + solver(s);
+  const HeldBytes bytes = HeldBytes{state_of_body(s), contact_set(s) + 2 * s.impulse + s.marks} +
+                          problem(s) + solver(s);
   return bytes.body + (near_pairs ? near_pair_list(s) : 0) +
          kContacts * (bytes.contact + force_sums(s));
 }

@@ -69,6 +69,27 @@ struct MatchImpulses {
   }
 };
 
+/// What impulses of the next step start from: the mean of the steps so far, in which old ones fade.
+///
+/// A solve leaves errors e in the velocities at contacts, and they are gaps in the step after. Bodies at rest have impulses
+/// s + e_k - 2 e_(k-1) + e_(k-2) in step k, where s carries their weight and each e is an impulse that would make that error: the step takes its
+/// own error in, and errors of the two steps before out again. The next step wants s - 2 e_k + e_(k-1), so that it starts
+/// 3 e_k - 3 e_(k-1) + e_(k-2) away with the impulses of this step, and 2 e_k - e_(k-1) with s: half as far. In the mean errors cancel.
+template <class Real>
+struct AverageImpulses {
+  static constexpr const char* name = "average_impulses";
+  /// Weight of this step. Of 0.15 to 0.5 none needs fewer iterations in all scenes that were tried.
+  static constexpr Real kNewest = static_cast<Real>(0.25);
+  Span<const Vec3<Real>> impulse;  ///< found in this step
+  Span<Vec3<Real>> guess;          ///< in: this step started from it; out: the next one does
+
+  SCREE_HD void operator()(Index k) const {
+    const Vec3<Real> was = guess[k], is = impulse[k];
+    const bool goes_on = norm2(was) > 0 && norm2(is) > 0;
+    guess[k] = goes_on ? was + kNewest * (is - was) : is;
+  }
+};
+
 /// What the solver left at the same contact in the step before, -1 at a new contact.
 struct MatchMarks {
   static constexpr const char* name = "match_marks";

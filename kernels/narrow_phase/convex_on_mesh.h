@@ -132,7 +132,8 @@ struct ConvexOnMesh {
   }
 
   /// Whether a body may leave the surface around triangle t along a direction in the frame of the mesh: what of the
-  /// triangle is farthest along it is farther than all around it.
+  /// triangle is farthest along it is farther than all around it. Of an edge that is the triangle behind it. The surface
+  /// may rise again at the ends of a sharp edge: there it belongs to others.
   SCREE_HD bool is_way_out(Index t, const Vec3d& way) const {
     const MeshTriangle& triangle = meshes.triangles[t];
     double height[3], longest = 0, top = -1e300;
@@ -143,14 +144,23 @@ struct ConvexOnMesh {
       height[k] = dot(x, way);
       top = height[k] > top ? height[k] : top;
     }
+    const auto is_top = [&](int k) { return height[k] >= top - kFlat * longest; };
+    const auto rises = [&](Index from, Index to) {
+      const Vec3d up = Vec3d(meshes.points[to]) - Vec3d(meshes.points[from]);
+      return dot(up, way) > kFlat * norm(up);
+    };
+    const int tops = is_top(0) + is_top(1) + is_top(2);
     for (int k = 0; k < 3; ++k) {
-      if (height[k] < top - kFlat * longest) continue;
-      const MeshVertex& vertex = meshes.vertices[triangle.vertex[k]];
-      for (Index j = 0; j < vertex.neighbor_count; ++j) {
-        const Vec3d to = Vec3d(meshes.points[meshes.neighbors[vertex.first_neighbor + j]]) -
-                         Vec3d(meshes.points[triangle.vertex[k]]);
-        if (dot(to, way) > kFlat * norm(to)) return false;
+      if (!is_top(k)) continue;
+      if (tops == 2) {
+        if (!is_top((k + 1) % 3)) continue;
+        const MeshEdge& edge = meshes.edges[triangle.edge[k]];
+        const Index behind = edge.opposite[edge.triangle[0] == t ? 1 : 0];
+        return behind < 0 || !rises(triangle.vertex[k], behind);
       }
+      const MeshVertex& vertex = meshes.vertices[triangle.vertex[k]];
+      for (Index j = 0; j < vertex.neighbor_count; ++j)
+        if (rises(triangle.vertex[k], meshes.neighbors[vertex.first_neighbor + j])) return false;
     }
     return true;
   }

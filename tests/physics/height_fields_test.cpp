@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "host/scene/height_field.h"
 #include "host/scene_reader.h"
 #include "host/state_hash.h"
@@ -227,6 +230,73 @@ TEST(HeightFields, NoSpeedLeadsThrough) {
       EXPECT_GT(seen, 2000);
     }
   }
+}
+
+/// Lets bodies of a shape, turned in all ways, fall on a field. @return  how many centers came below its surface
+int count_fallen_through(const HeightGrid& grid, double lx, double ly, const std::string& shape,
+                         const std::vector<Vec3d>& places, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Scene scene = empty_scene(1e-3, 0.5);
+  solve_to(scene, 1e-7);
+  scene.gravity = {0, 0, -kGravity};
+  add_field(scene, grid, lx, ly, 0.05);
+  const BodyDescription body =
+      read_scene(test::write_file("shape.json", R"({"time_step": 1, "duration": 1, "bodies": [{)" +
+                                                    shape + R"(, "density": 1000}]})"))
+          .bodies.at(0);
+  for (const Vec3d& x : places) {
+    scene.bodies.push_back(body);
+    scene.bodies.back().position = x;
+    if (seed > 0)
+      scene.bodies.back().orientation =
+          normalized(Quatd{normal(random), normal(random), normal(random), normal(random)});
+  }
+  World world = reference_world(scene);
+  std::vector<char> is_through(scene.bodies.size(), 0);
+  for (int k = 0; k < 300; ++k) {
+    world.step();
+    const BodyStates s = world.states();
+    for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+      const Vec3d& x = s.position[i];
+      if (std::abs(x.x) < 0.45 * lx && std::abs(x.y) < 0.45 * ly && !is_above(grid, lx, ly, x))
+        is_through[i] = 1;
+    }
+  }
+  return static_cast<int>(std::count(is_through.begin(), is_through.end(), 1));
+}
+
+const char* const kRoundShapes[]{
+    R"("shape": "ellipsoid", "size": [0.1, 0.08, 0.06])",
+    R"("shape": "capsule", "radius": 0.04, "length": 0.05)",
+    R"("shape": "cone", "radius": 0.04, "length": 0.1, "rotation_deg": {"axis": [1, 0, 0], "angle": 180})",
+    R"("shape": "cylinder", "radius": 0.04, "length": 0.1)",
+    R"("shape": "ellipsoid", "size": [0.08, 0.06, 0.04], "rounding": 0.01)",
+    R"("shape": "box", "size": [0.1, 0.08, 0.06])"};
+
+// Edges go down from the middle on two sides and up on the others: one that is sharp meets such that are not.
+TEST(HeightFields, SaddlesHoldBodiesOfAllShapes) {
+  for (const double height : {0.06, 0.005, 0.001}) {
+    const HeightGrid grid = grid_of(3, 3, 0.4, 0.4, [&](double x, double y) {
+      return height * (std::abs(x) - std::abs(y)) / 0.2;
+    });
+    for (const char* shape : kRoundShapes)
+      for (const Vec3d& x : {Vec3d{0, 0, 0.1}, Vec3d{0.02, 0, 0.1}, Vec3d{-0.01, 0.015, 0.1}})
+        EXPECT_EQ(count_fallen_through(grid, 0.4, 0.4, shape, {x}, 0), 0)
+            << shape << " over " << height << " m at " << x.x << " " << x.y;
+  }
+}
+
+TEST(HeightFields, HillsHoldBodiesOfAllShapes) {
+  constexpr double kTurn = 6.283185307179586;
+  const HeightGrid grid = grid_of(31, 25, 1.5, 1.2, [](double x, double y) {
+    return 0.02 * std::sin(kTurn * x / 0.5) * std::cos(kTurn * y / 0.4);
+  });
+  std::vector<Vec3d> places;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 5; ++j) places.push_back({-0.5 + 0.2 * i, -0.4 + 0.2 * j, 0.1});
+  for (const char* shape : kRoundShapes)
+    EXPECT_EQ(count_fallen_through(grid, 1.5, 1.2, shape, places, 7), 0) << shape;
 }
 
 TEST(HeightFields, AMovingOneCarriesWhatLiesOnIt) {

@@ -374,8 +374,9 @@ class Polytope {
 
 }  // namespace convex_parts
 
-/// Faces are preferred to other directions of overlap that are better by less than this part of the size.
-inline constexpr double kFaceBias = 1e-4;
+/// Faces are preferred to other directions of overlap that are better by less than this part of the size. Ellipsoids lie
+/// flat on none, and over an edge between faces that are nearly parallel they are deepest along neither normal.
+inline constexpr double kFaceBias = 1e-4, kFaceBiasOfEllipsoids = 1e-9;
 
 namespace convex_parts {
 
@@ -456,7 +457,9 @@ SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, doubl
   }
   search.state = CoreSearch::State::overlapping;
   const double most_apart = by_edges > -polytope.depth ? by_edges : -polytope.depth;
-  if (by_face >= most_apart - kFaceBias * least) {
+  using Form = ConvexCore::Form;
+  const bool is_round = a.form == Form::ellipsoid || b.form == Form::ellipsoid;
+  if (by_face >= most_apart - (is_round ? kFaceBiasOfEllipsoids : kFaceBias) * least) {
     search.point[0] = face;
     search.separation = by_face;
   } else if (by_edges >= -polytope.depth - 1e-9 * size) {

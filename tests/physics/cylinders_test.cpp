@@ -86,12 +86,14 @@ TEST(Cylinders, AFlatDiscThatSpinsIsSlowedByItsRim) {
 }
 
 // It tips when the line of gravity leaves its base: tan(theta) = R / (L / 2).
+// By Coulomb's law itself: convex friction lifts a rim that slides, which feeds a wobble, and within half a degree of the
+// limit a cylinder may tip after seconds.
 TEST(Cylinders, OneOnASlopeStandsUntilItsCenterIsOverItsRim) {
   constexpr double kRadius = 0.05, kLength = 0.3;
   const double limit = std::atan(kRadius / (kLength / 2)) * 180 / kPi;
-  for (const double turn : {0.0, 0.4}) {
+  for (const double turn : {0.0, 0.2, 0.4, 0.7}) {
     for (const double beyond : {-0.5, 0.5}) {
-      Scene scene = empty_scene(5e-3, 0.8);
+      Scene scene = empty_scene(5e-3, 0.8, Model::exact);
       solve_to(scene, 1e-9);
       tilt(scene, limit + beyond);
       scene.bodies.push_back(

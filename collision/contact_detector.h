@@ -289,7 +289,6 @@ ContactRange ContactDetector<B, Real>::range_of(const BodyView<Real>& bodies, do
   ContactRange range{settings_.envelope, h, settings_.period, {}, gravity_step};
   range.fall = fall > 0.5 * settings_.envelope ? 0.5 * fall : 0;
   range.margin_limit = settings_.margin_limit;
-  range.lift = std::min(settings_.lift, 1.0);  // bodies are looked for as far as they move
   if (free_linear_axes(bodies.locks.shared) == 7u) {
     range.first_held = std::min(bodies.locks.first, bodies.fixed_begin);
   }

@@ -21,8 +21,6 @@ struct ContactRange {
   /// where half the envelope covers that.
   double fall = 0;
   double margin_limit = 0;  ///< largest margin, as a fraction of the diameter [-]
-  double lift =
-      0;  ///< see needed_envelope(); more than is found on the ways of bodies is not looked for
   /// Bodies below this storage index are free along all axes: loads give all of them gravity_step.
   Index first_held = 0;
 

@@ -38,8 +38,8 @@ struct FlagNearPairs {
       const std::uint32_t bit = 1u << (k - first);
       if (is_sphere(body) && is_sphere(other)) {
         const ContactGeometry g = sphere_sphere(d, body.radius, other.radius);
-        const double speed = separation_speed(g, body.motion, other.motion);
-        if (needed_envelope(g.gap, speed, test.range.h) <= reach) touch |= bit;
+        if (is_listed(g.gap, separation_speed(g, body.motion, other.motion), reach, test.range.h))
+          touch |= bit;
       } else if (is_near_pair(
                      body, other, d,
                      reach + test.range.h * most_speed(body, other.motion, other.radius))) {

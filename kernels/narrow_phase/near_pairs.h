@@ -94,7 +94,6 @@ struct LoadedPair {
 
   BodySample body, other;
   double h;      ///< [s]
-  double lift;   ///< see needed_envelope()
   double reach;  ///< gap up to which contacts are listed [m]
   double wider;  ///< the same of the search, so that its result holds for wider margins [m]
   double most;   ///< bodies that are farther apart have no contact [m]
@@ -107,8 +106,8 @@ struct LoadedPair {
   SCREE_HD auto listed(SameList& same) const {
     return [this, &same](const ContactGeometry& found) {
       const ContactGeometry g = order.in_memory(found);
-      const Vec3d u = contact_velocity(g, body.motion, other.motion);
-      return same.lists(needed_envelope(g.gap, g.normal, u, h, lift), reach);
+      const double speed = separation_speed(g, body.motion, other.motion);
+      return same.lists(needed_envelope(g.gap, speed, h), reach);
     };
   }
   /// To begin with: nothing is decided.
@@ -123,7 +122,6 @@ struct LoadedPair {
       : body(test.load(i)),
         other(test.load(j)),
         h(test.range.h),
-        lift(test.range.lift),
         reach(test.reach(i, body, j, other)),
         wider(reach + kSlack * test.range.envelope),
         most(wider + h * most_speed(body, other.motion, other.radius)),

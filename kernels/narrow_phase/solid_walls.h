@@ -87,8 +87,7 @@ struct SphereOnSolid {
     return same != nullptr ? same->lists(needed, envelope) : needed <= envelope;
   }
   SCREE_HD bool is_contact(const ContactGeometry& g) const {
-    const Vec3d u = contact_velocity(g, a.motion, solid.motion);
-    return lists(needed_envelope(g.gap, g.normal, u, range.h, range.lift));
+    return lists(needed_envelope(g.gap, separation_speed(g, a.motion, solid.motion), range.h));
   }
   /// Along a normal, every point of the wall body approaches the center of A as the point
   /// there does [m/s].
@@ -142,25 +141,20 @@ struct SphereOnSolid {
   }
 
   /// Whether a contact with what is closest at the start is listed. Where the step leads farther,
-  /// on_way() finds what is beyond the envelope, and from where it is met; but not what only lifts.
+  /// on_way() finds what is beyond the envelope, and from where it is met.
   SCREE_HD bool is_met(const ContactGeometry& g, bool is_fast) const {
-    if (!is_fast) return is_contact(g);
-    const Vec3d u = contact_velocity(g, a.motion, solid.motion);
-    const double needed = needed_envelope(g.gap, g.normal, u, range.h, range.lift);
-    const bool only_lifts = needed < 0 && g.gap + range.h * dot(g.normal, u) >= 0;
-    return lists(only_lifts ? needed : g.gap);
+    return is_fast ? lists(g.gap) : is_contact(g);
   }
 
   /// Calls found(t, point, g) for the listed contacts with what is closest at the start.
   template <class Found>
   SCREE_HD void closest_points(const Vec3d& d, bool is_fast, Found&& found) const {
-    visit_sphere_mesh(meshes, meshes.meshes[solid.mesh], in_mesh(d),
-                      is_fast && !(range.lift > 0) ? a.radius + envelope + slack : reach(d),
-                      [&](Index t, const MeshPoint& point) {
-                        const ContactGeometry g =
-                            mesh_contact(a, solid, d, point.offset, point.normal);
-                        if (is_met(g, is_fast)) found(t, point, g);
-                      });
+    visit_sphere_mesh(
+        meshes, meshes.meshes[solid.mesh], in_mesh(d),
+        is_fast ? a.radius + envelope + slack : reach(d), [&](Index t, const MeshPoint& point) {
+          const ContactGeometry g = mesh_contact(a, solid, d, point.offset, point.normal);
+          if (is_met(g, is_fast)) found(t, point, g);
+        });
   }
 
   template <class Emit>
@@ -280,8 +274,8 @@ struct PairOnSolid {
   SCREE_HD void visit(double envelope, double slack, SameList& same, Emit& emit) const {
     const double most = envelope + slack + farthest_way();
     const auto is_wanted = [&](const ContactGeometry& g) {
-      const Vec3d u = contact_velocity(g, a.motion, solid.motion);
-      return same.lists(needed_envelope(g.gap, g.normal, u, range.h, range.lift), envelope);
+      return same.lists(
+          needed_envelope(g.gap, separation_speed(g, a.motion, solid.motion), range.h), envelope);
     };
     reached_images(envelope + slack).for_each(range.period, [&](std::uint32_t image) {
       if (solid.kind == shapes::Mesh::kind) {

@@ -66,9 +66,9 @@ SCREE_HD void visit_planes(Span<const WallPlane> planes, const ContactRange& ran
     const int corners = plane_corners<kMix>(a);
     for (int corner = 0; corner < corners; ++corner) {
       const ContactGeometry g = plane_contact<kMix>(a, plane, corner);
-      if (g.gap > envelope) {
-        const Vec3d u = contact_velocity(g, a.motion, plane.motion);
-        if (!(needed_envelope(g.gap, g.normal, u, range.h, range.lift) <= envelope)) continue;
+      if (g.gap > envelope &&
+          !is_listed(g.gap, separation_speed(g, a.motion, plane.motion), envelope, range.h)) {
+        continue;
       }
       emit(keys.plane_element(p, corner));
     }

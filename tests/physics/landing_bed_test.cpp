@@ -1,5 +1,5 @@
 // Coulomb's law itself while a bed of grains lands, with the settings of a scene that says nothing
-// of its solver: steps end at the residual asked for, whatever the friction is. And bodies that land while they slide.
+// of its solver: steps end at the residual asked for, whatever the friction is.
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <string>
 
 #include "host/scene/bed_scene.h"
-#include "tests/physics/floors.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -33,55 +32,6 @@ TEST(LandingBed, ExactStepsConvergeAtAnyFriction) {
     passes /= kSteps;
     EXPECT_GE(converged, 27) << mu << ": " << passes << " passes, residual " << worst << " m/s";
     EXPECT_LT(passes, 2000) << mu;
-  }
-}
-
-class SlidingLanding : public ::testing::TestWithParam<Floor> {};
-INSTANTIATE_TEST_SUITE_P(On, SlidingLanding,
-                         ::testing::Values(Floor::plane, Floor::box, Floor::mesh, Floor::hull));
-
-// Convex friction holds a body that slides h mu |u_t| above the ground. One that comes to be listed below that height is
-// thrown up to it: with these numbers at up to 1.8 m/s, where it lands with 0.2.
-TEST_P(SlidingLanding, DoesNotBounce) {
-  constexpr double kSpeed = 10, kFriction = 0.5, kRadius = 0.1;
-  for (const double h : {2e-3, 1e-3, 5e-4}) {
-    for (const bool is_box : {false, true}) {
-      for (const double height : {0.0121, 0.0128, 0.0134}) {
-        Scene scene = empty_scene(h, kFriction);
-        scene.gravity = {0, 0, -kGravity};
-        add_floor(scene, GetParam(), 20);
-        BodyDescription& body = is_box
-                                    ? add_box(scene, {0, 0, kRadius + height}, {0.1, 0.1, 0.1}, 1)
-                                    : add_sphere(scene, {0, 0, kRadius + height}, kRadius, 1);
-        body.velocity = {kSpeed, 0, -0.2};
-        World world = reference_world(scene);
-        const double lift = h * kFriction * kSpeed, start = std::max(height, lift);
-        for (int k = 0; k * h < 0.06; ++k) {
-          world.step();
-          const BodyStates s = world.states();
-          ASSERT_LT(s.position[1].z, kRadius + start + 1e-3)
-              << "h " << h << (is_box ? " box" : " sphere") << " step " << k;
-          ASSERT_LT(s.velocity[1].z, 0.1)
-              << "h " << h << (is_box ? " box" : " sphere") << " step " << k;
-        }
-      }
-    }
-  }
-}
-
-TEST(SlidingLanding, OnABodyDoesNotBounce) {
-  for (const bool is_box : {false, true}) {
-    Scene scene = empty_scene(1e-3, 0.5);
-    scene.gravity = {0, 0, -kGravity};
-    add_box(scene, {0, 0, -1}, {20, 20, 1}, 1e9).locks = lock_all;
-    BodyDescription& body = is_box ? add_box(scene, {0, 0, 0.1121}, {0.1, 0.1, 0.1}, 1)
-                                   : add_sphere(scene, {0, 0, 0.1121}, 0.1, 1);
-    body.velocity = {10, 0, -0.2};
-    World world = reference_world(scene);
-    for (int k = 0; k < 60; ++k) {
-      world.step();
-      ASSERT_LT(world.states().velocity[1].z, 0.1) << "step " << k;
-    }
   }
 }
 

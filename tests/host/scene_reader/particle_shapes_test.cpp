@@ -431,11 +431,11 @@ TEST(ParticleShapes, OfAFileAreRefusedByWhatIsWrong) {
   EXPECT_THAT(message("x,y,z,scale\n0,0,1,1\n", R"(, "radius": 1)"),
               EndsWith("the column \"scale\" goes with a shape in the scene, and none is given"));
   EXPECT_THAT(message("x,y,z,shape\n0,0,1,3\n", ", " + kMix),
-              EndsWith("table.csv: line 2, column \"shape\": 3 is not allowed: must be a whole "
+              EndsWith("table.csv: line 2, column \"shape\": \"3\" is not allowed: must be a whole "
                        "number from 0 to 2, "
                        "that of a shape in the scene"));
   EXPECT_THAT(message("x,y,z,shape\n0,0,1,0.5\n", ", " + kMix),
-              testing::HasSubstr("0.5 is not allowed"));
+              testing::HasSubstr("\"0.5\" is not allowed"));
   EXPECT_THAT(message("x,y,z,scale\n0,0,1,0\n", ", " + kBox),
               testing::HasSubstr("must be positive [-]"));
   EXPECT_THAT(message(kThree, R"(, "shape": "hull")"),

@@ -175,18 +175,10 @@ TEST(ContactGeometryTest, SwappingExchangesTheBodies) {
 }
 
 TEST(ContactGeometryTest, ListingLooksOneStepAhead) {
-  EXPECT_EQ(needed_envelope(0.1, 5, 1), 0.1);
-  EXPECT_EQ(needed_envelope(0.5, -0.25, 1), 0.25);
-}
-
-TEST(ContactGeometryTest, ListingKnowsHowFarSlidingLifts) {
-  const Vec3d n{0, 0, 1};
-  EXPECT_EQ(needed_envelope(0.5, n, {3, 4, -0.25}, 0.125, 0), 0.5 - 0.125 * 0.25);
-  // The row asks for u_n + gap / h >= lift |u_t|.
-  EXPECT_EQ(needed_envelope(0.5, n, {3, 4, -0.25}, 0.125, 0.5), 0.5 - 0.125 * 0.25);
-  EXPECT_LT(needed_envelope(0.25, n, {3, 4, -0.25}, 0.125, 0.5), 0);
-  EXPECT_EQ(needed_envelope(0.25, n, {3, 4, 1}, 0.125, 0.5), 0.25);
-  EXPECT_EQ(needed_envelope(-0.5, n, {3, 4, 1}, 0.125, 0.5), -0.5);
+  EXPECT_TRUE(is_listed(0.1, 5, 0.1, 1));
+  EXPECT_FALSE(is_listed(0.11, 0, 0.1, 1));
+  EXPECT_TRUE(is_listed(0.5, -0.4, 0.1, 1));
+  EXPECT_FALSE(is_listed(0.5, -0.39, 0.1, 1));
 }
 
 }  // namespace

@@ -303,6 +303,10 @@ class Session {
     if (options_.reference.empty()) return;
     if (reference_is_solver_) {
       report.reference = find_reference(p, options_.reference, o);
+      const AssembledResult& found = report.reference->result;
+      if (found.status == AssembledStatus::unsupported)
+        throw InputError(fmt::format("--reference: {} gives none for {}: {}", options_.reference,
+                                     p.name, found.note));
       return;
     }
     const fs::path path = options_.reference;

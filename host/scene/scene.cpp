@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <tuple>
 
@@ -156,7 +157,20 @@ std::optional<Fault> samples_fault(const Motion& motion) {
   return std::nullopt;
 }
 
-std::optional<Fault> motion_fault(const BodyDescription& body) {
+/// A pose at the end of a step does not tell how many times a body has turned round in it.
+std::optional<Fault> turn_fault(const Motion& motion, double time_step) {
+  const std::string expected = fmt::format(
+      "must turn the body by less than half a turn in a time step of {} s [rad/s]", time_step);
+  if (motion.kind == Motion::Kind::rotating &&
+      !(std::abs(motion.rate) * time_step < std::numbers::pi))
+    return Fault{"motion.rate", text(motion.rate), expected};
+  if (motion.kind == Motion::Kind::linear &&
+      !(norm(motion.angular_velocity) * time_step < std::numbers::pi))
+    return Fault{"motion.angular_velocity", text(motion.angular_velocity), expected};
+  return std::nullopt;
+}
+
+std::optional<Fault> motion_fault(const BodyDescription& body, double time_step) {
   const Motion& motion = body.motion;
   if (motion.kind == Motion::Kind::none) return std::nullopt;
   if (body.kind != BodyKind::kinematic)
@@ -185,7 +199,7 @@ std::optional<Fault> motion_fault(const BodyDescription& body) {
   if (swinging && !std::isfinite(motion.phase))
     return Fault{"motion.phase", text(motion.phase), "must be a finite number [rad]"};
   if (motion.kind == Motion::Kind::sampled) return samples_fault(motion);
-  return std::nullopt;
+  return turn_fault(motion, time_step);
 }
 
 }  // namespace
@@ -220,7 +234,7 @@ std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body)
                  fmt::format("must be an index below {}", scene.groups.size())};
   if (body.locks > lock_all)
     return Fault{"lock", fmt::format("{}", body.locks), "must be bits 0 to 5"};
-  if (auto fault = motion_fault(body)) return fault;
+  if (auto fault = motion_fault(body, scene.stepping.time_step)) return fault;
   if (auto fault = own_fault(scene, body)) return fault;
   if (auto fault = elasticity_fault(scene, body)) return fault;
   return range_fault(scene, body);

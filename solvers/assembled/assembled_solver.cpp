@@ -104,6 +104,7 @@ AssembledResult AssembledSolver::solve(const AssembledProblem& problem,
   } else if (!convex && own.convex) {
     run_de_saxce_loop(*this, p, o, monitor);
   } else {
+    monitor.check(0, o.guess);
     monitor.fail(AssembledStatus::unsupported, "the method solves the exact model only");
   }
   if (!monitor.converged()) explain(p, own, monitor);

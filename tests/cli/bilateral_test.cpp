@@ -12,9 +12,9 @@ using nlohmann::json;
 fs::path put_pendulum(const Scratch& scratch) {
   const Result run =
       scree(scratch, {"run", "pendulum", "--backend", "cpu", "--precision", "double", "--steps",
-                      "40", "--dump-problem", "40", "--quiet", "--out", (scratch / "a").string()});
+                      "39", "--dump-problem", "39", "--quiet", "--out", (scratch / "a").string()});
   EXPECT_EQ(run.code, 0) << run.err;
-  return scratch / "a/problem_40.hdf5";
+  return scratch / "a/problem_39.hdf5";
 }
 
 json solved(const Scratch& scratch, const fs::path& problem, const Arguments& more) {

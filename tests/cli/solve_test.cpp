@@ -255,6 +255,25 @@ TEST(CliSolve, ASolutionFileIsAReferenceInBothModels) {
   }
 }
 
+/// A solver that does not know the law gives no reference, and its solution has the residual of the guess.
+TEST(CliSolve, ASolverThatDidNotRunIsNoReference) {
+  const Scratch scratch;
+  const std::string file = put_problem(scratch / "a.hdf5", simple_problem(3, 4)).string();
+  const Result refused = scree(scratch, {"solve", file, "--model", "convex", "--solver", "jacobi",
+                                         "--reference", "pgs_box"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("--reference: pgs_box gives none for a: the method solves the exact"),
+            std::string::npos)
+      << refused.err;
+  const json run = solve_json(scratch, {file, "--model", "convex", "--solver", "pgs_box"})
+                       .at("problems")
+                       .at(0)
+                       .at("runs")
+                       .at(0);
+  EXPECT_EQ(run.at("status"), "unsupported");
+  EXPECT_GT(run.at("residual"), 1e-3);
+}
+
 TEST(CliSolve, ADamagedSolutionIsRefused) {
   const Scratch scratch;
   const std::string file = put_problem(scratch / "a.hdf5", simple_problem(3, 4)).string();

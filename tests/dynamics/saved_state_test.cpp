@@ -110,7 +110,12 @@ TEST(SavedState, NamesContactsAsTheWorldDoes) {
     if (b[c] < 0) continue;
     ++between_bodies;
     ASSERT_EQ(told.count({a[c], b[c]}), 1u) << a[c] << " and " << b[c];
-    EXPECT_EQ(told.at({a[c], b[c]}), s.at<Vec3d>("contact/impulse")[c]);
+    // A mean of steps, unless the contact is open or was before.
+    const Vec3d last = told.at({a[c], b[c]}), mean = s.at<Vec3d>("contact/impulse")[c];
+    EXPECT_EQ(norm(mean) > 0, norm(last) > 0);
+    if (norm(last) > 0) {
+      EXPECT_GT(dot(mean, last), 0);
+    }
   }
   EXPECT_GT(between_bodies, 100);
   EXPECT_LT(between_bodies, static_cast<int>(a.size()));

@@ -50,13 +50,15 @@ TEST_P(CompoundsOnRanks, OneStepFromTheSameStateIsThatOfOneRank) {
   for (const char* solver : {"apgd", "jacobi", "gauss_seidel_colored"}) {
     SCOPED_TRACE(solver);
     Scene scene = pile_on_a_table();
-    const WorldState start = landed(scene, 0.35);
+    const WorldState start = landed(scene, 0.28);
     scene.solver.name = solver;
     solve_to(scene, 1e-12);
     const auto [one, more] =
         compared_step(GetParam(), scene, start, 1e-10 * std::max(1.0, largest_speed(start)));
     ASSERT_GT(one.contact_count, 60);
-    EXPECT_TRUE(one.converged && more.converged);
+    EXPECT_TRUE(one.converged && more.converged)
+        << one.residual_rms << " m/s after " << one.iterations << " iterations, "
+        << more.residual_rms << " after " << more.iterations;
     EXPECT_NEAR(more.max_penetration, one.max_penetration, 1e-10 * one.max_penetration);
     EXPECT_NEAR(more.kinetic_energy, one.kinetic_energy, 1e-8 * one.kinetic_energy);
   }

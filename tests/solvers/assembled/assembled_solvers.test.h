@@ -301,7 +301,7 @@ TEST_F(BackendNewton, SaysHowItFailedInTheMinMaxForm) {
   EXPECT_EQ(redundant.note, "no solution of the linear system is found");
   const AssembledResult convex = solver->solve(chains(2, 2), to(1e-8, AssembledModel::convex));
   EXPECT_EQ(convex.status, AssembledStatus::unsupported);
-  EXPECT_GT(convex.residual, 1e-3) << "of the guess, which it gives back";
+  EXPECT_GT(convex.residual.relative, 1e-3) << "of the guess, which it gives back";
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ TEST(ParticleCsv, ReadsAllColumnsInAnyOrder) {
 }
 
 TEST(ParticleCsv, MissingColumnsAreLeftToTheCaller) {
-  const ParticleTable table = read_particle_csv(write_file("p.csv", "\xEF\xBB\xBFx,y,z\n1,2,3\n"), 0);
+  const ParticleTable table =
+      read_particle_csv(write_file("p.csv", "\xEF\xBB\xBFx,y,z\n1,2,3\n"), 0);
   ASSERT_EQ(table.particles.position.size(), 1u);
   EXPECT_TRUE(table.particles.radius.uniform());
   EXPECT_TRUE(table.particles.group.uniform());

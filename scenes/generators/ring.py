@@ -17,14 +17,13 @@ def main():
     parser.add_argument("scene", type=Path, help="file to write; the table lies beside it")
     parser.add_argument("--bricks", type=int, default=110000, help="about so many (default: %(default)s)")
     parser.add_argument("--courses", type=int, default=20, help="bricks above each other (default: %(default)s)")
-    parser.add_argument("--joint", type=float, default=0.02, help="least gap beside a brick [m] (default: %(default)s)")
     parser.add_argument("--ball", action="store_true", help="with a ball")
     options = parser.parse_args()
 
     per_course = round(options.bricks / options.courses)
     turn = 2 * math.pi / per_course
-    # Corners of the inside come nearest to each other.
-    radius = 0.5 + 0.5 / math.tan(turn / 2) + 0.5 * options.joint / math.sin(turn / 2)
+    joint = 0.02  # between corners of the inside, which come nearest to each other [m]
+    radius = 0.5 + 0.5 / math.tan(turn / 2) + 0.5 * joint / math.sin(turn / 2)
     table = options.scene.with_suffix(".csv")
     with open(table, "w") as out:
         out.write("x,y,z,qw,qx,qy,qz\n")
@@ -52,4 +51,5 @@ def main():
           f"{radius:.1f} m from the middle")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "collision/body_order.h"
 #include "tests/backend_fixture.h"
@@ -39,6 +40,20 @@ class PersistentContactsTest : public BackendTest<Real> {
   }
 };
 TYPED_TEST_SUITE(PersistentContactsTest, Reals);
+
+TYPED_TEST(PersistentContactsTest, AMeanGoesOnWhereAContactCarriesAgain) {
+  using Vec = Vec3<TypeParam>;
+  const Vec zero{}, before{1, 0, 4}, found{3, 2, 8};
+  Buffer<TestBackend, Vec> impulse = this->buffer(std::vector<Vec>{found, found, zero, zero});
+  Buffer<TestBackend, Vec> guess = this->buffer(std::vector<Vec>{before, zero, before, zero});
+  for_each(this->backend(), 4,
+           AverageImpulses<TypeParam>{std::as_const(impulse).view(4), guess.view(4)});
+  const std::vector<Vec> mean = download(this->backend(), std::as_const(guess).view(4));
+  EXPECT_EQ(mean[0], Vec(2, 1, 6));
+  EXPECT_EQ(mean[1], found) << "new, or open before";
+  EXPECT_EQ(mean[2], zero) << "open now";
+  EXPECT_EQ(mean[3], zero);
+}
 
 TYPED_TEST(PersistentContactsTest, MatchFindsOldImpulsesAndZeroForNew) {
   for (const int vectors : {1, 2}) {

@@ -266,7 +266,7 @@ int count_fallen_through(const HeightGrid& grid, double lx, double ly, const std
   return static_cast<int>(std::count(is_through.begin(), is_through.end(), 1));
 }
 
-const char* const kRoundShapes[]{
+const char* const kShapes[]{
     R"("shape": "ellipsoid", "size": [0.1, 0.08, 0.06])",
     R"("shape": "capsule", "radius": 0.04, "length": 0.05)",
     R"("shape": "cone", "radius": 0.04, "length": 0.1, "rotation_deg": {"axis": [1, 0, 0], "angle": 180})",
@@ -280,7 +280,7 @@ TEST(HeightFields, SaddlesHoldBodiesOfAllShapes) {
     const HeightGrid grid = grid_of(3, 3, 0.4, 0.4, [&](double x, double y) {
       return height * (std::abs(x) - std::abs(y)) / 0.2;
     });
-    for (const char* shape : kRoundShapes)
+    for (const char* shape : kShapes)
       for (const Vec3d& x : {Vec3d{0, 0, 0.1}, Vec3d{0.02, 0, 0.1}, Vec3d{-0.01, 0.015, 0.1}})
         EXPECT_EQ(count_fallen_through(grid, 0.4, 0.4, shape, {x}, 0), 0)
             << shape << " over " << height << " m at " << x.x << " " << x.y;
@@ -295,7 +295,7 @@ TEST(HeightFields, HillsHoldBodiesOfAllShapes) {
   std::vector<Vec3d> places;
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 5; ++j) places.push_back({-0.5 + 0.2 * i, -0.4 + 0.2 * j, 0.1});
-  for (const char* shape : kRoundShapes)
+  for (const char* shape : kShapes)
     EXPECT_EQ(count_fallen_through(grid, 1.5, 1.2, shape, places, 7), 0) << shape;
 }
 

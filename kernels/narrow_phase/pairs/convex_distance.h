@@ -458,8 +458,8 @@ SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, doubl
   search.state = CoreSearch::State::overlapping;
   const double most_apart = by_edges > -polytope.depth ? by_edges : -polytope.depth;
   using Form = ConvexCore::Form;
-  const bool is_round = a.form == Form::ellipsoid || b.form == Form::ellipsoid;
-  if (by_face >= most_apart - (is_round ? kFaceBiasOfEllipsoids : kFaceBias) * least) {
+  const bool has_ellipsoid = a.form == Form::ellipsoid || b.form == Form::ellipsoid;
+  if (by_face >= most_apart - (has_ellipsoid ? kFaceBiasOfEllipsoids : kFaceBias) * least) {
     search.point[0] = face;
     search.separation = by_face;
   } else if (by_edges >= -polytope.depth - 1e-9 * size) {

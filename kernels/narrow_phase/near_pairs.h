@@ -179,8 +179,9 @@ struct FindPairContacts {
   }
 };
 
-/// Programs in parts have their stack in memory: with six blocks of 64 threads on a multiprocessor one waits while another runs.
-inline constexpr int kPartBlocks = 6;
+/// Programs in parts have their stack in memory: with four blocks of 64 threads on a multiprocessor one waits while another runs,
+/// and with more their stacks put each other out of the nearest cache.
+inline constexpr int kPartBlocks = 4;
 
 /// The first part of a program in parts: how the bodies lie, unless a search before told. It takes the pairs that are too far
 /// apart out, and says which need the second part.

@@ -120,31 +120,9 @@ struct ConvexCore {
     return half.x + half.y + half.z;
   }
 
-  /// The point farthest along a direction, from the center [m].
-  [[gnu::noinline]] SCREE_HD Vec3d support(const Vec3d& n) const {
-    if (form == Form::triangle) {
-      const double a = dot(axis[0], n), b = dot(axis[1], n), c = dot(axis[2], n);
-      return a >= b ? (a >= c ? axis[0] : axis[2]) : (b >= c ? axis[1] : axis[2]);
-    }
-    if (is_round()) {
-      const double x = dot(axis[0], n), y = dot(axis[1], n), across = std::sqrt(x * x + y * y);
-      const double part = across > 0 ? half.x / across : 0;
-      const double up = dot(axis[2], n);
-      if (form == Form::cone && up * (half.z - base()) > across * half.x) return half.z * axis[2];
-      const double end = up < 0 || form == Form::cone ? base() : half.z;
-      return end * axis[2] + (part * x) * axis[0] + (part * y) * axis[1];
-    }
-    if (form == Form::hull) return at(hull.farthest(local(n)));
-    if (form == Form::ellipsoid) {
-      Vec3d x;
-      for (int k = 0; k < 3; ++k) x[k] = half[k] * dot(axis[k], n);
-      const double length = norm(x);
-      for (int k = 0; k < 3; ++k) x[k] *= half[k] / (length > 0 ? length : 1);
-      return world(x);
-    }
-    Vec3d x;
-    for (int k = 0; k < 3; ++k) x += (dot(axis[k], n) < 0 ? -half[k] : half[k]) * axis[k];
-    return x;
+  /// The point farthest along a direction, from the center [m]. That of a hull, which takes longest, is inlined.
+  SCREE_HD Vec3d support(const Vec3d& n) const {
+    return form == Form::hull ? at(hull.farthest(local(n))) : support_of_others(n);
   }
 
   /// What tells the part of a core that faces a direction: of a hull its farthest point. To find it takes long, and face
@@ -265,6 +243,31 @@ struct ConvexCore {
   }
   /// Point k of a hull, from the center [m].
   SCREE_HD Vec3d at(std::uint32_t k) const { return world(hull.scale * hull.point[k]); }
+
+  [[gnu::noinline]] SCREE_HD Vec3d support_of_others(const Vec3d& n) const {
+    if (form == Form::triangle) {
+      const double a = dot(axis[0], n), b = dot(axis[1], n), c = dot(axis[2], n);
+      return a >= b ? (a >= c ? axis[0] : axis[2]) : (b >= c ? axis[1] : axis[2]);
+    }
+    if (is_round()) {
+      const double x = dot(axis[0], n), y = dot(axis[1], n), across = std::sqrt(x * x + y * y);
+      const double part = across > 0 ? half.x / across : 0;
+      const double up = dot(axis[2], n);
+      if (form == Form::cone && up * (half.z - base()) > across * half.x) return half.z * axis[2];
+      const double end = up < 0 || form == Form::cone ? base() : half.z;
+      return end * axis[2] + (part * x) * axis[0] + (part * y) * axis[1];
+    }
+    if (form == Form::ellipsoid) {
+      Vec3d x;
+      for (int k = 0; k < 3; ++k) x[k] = half[k] * dot(axis[k], n);
+      const double length = norm(x);
+      for (int k = 0; k < 3; ++k) x[k] *= half[k] / (length > 0 ? length : 1);
+      return world(x);
+    }
+    Vec3d x;
+    for (int k = 0; k < 3; ++k) x += (dot(axis[k], n) < 0 ? -half[k] : half[k]) * axis[k];
+    return x;
+  }
 
   /// Whether the normal of a round side is nearer to a direction than that of an end. A cone ends in a point above.
   SCREE_HD bool faces_side(double up, double across) const {

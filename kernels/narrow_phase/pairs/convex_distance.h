@@ -90,12 +90,19 @@ class Simplex {
   SCREE_HD bool reduce(double size) {
     best2_ = 1e300;
     for (int k = 0; k < kMost; ++k) weight_[k] = 0;
+    // What is nearest has the point that came last: without it nothing is nearer than before.
     if (count_ == 2) {
       offer_edge<0, 1>();
     } else if (count_ == 3) {
-      offer_triangle<0, 1, 2>();
-    } else if (!offer_faces(size)) {
-      return true;
+      if (!offer_face<0, 1, 2>()) offer_edge<0, 2>(), offer_edge<1, 2>();
+    } else {
+      const int seen = faces_toward_origin(size);
+      if (seen == 0) return true;
+      bool is_found = false;
+      if ((seen & 1) != 0) is_found |= offer_face<1, 2, 3>();
+      if ((seen & 2) != 0) is_found |= offer_face<2, 0, 3>();
+      if ((seen & 4) != 0) is_found |= offer_face<0, 1, 3>();
+      if (!is_found) offer_edge<0, 3>(), offer_edge<1, 3>(), offer_edge<2, 3>();
     }
     int kept = 0;
     for (int k = 0; k < kMost; ++k) {
@@ -112,25 +119,19 @@ class Simplex {
   }
 
  private:
-  SCREE_HD bool offer_faces(double size) {
-    bool is_inside = true;
-    is_inside &= !offer_face<0>(size);
-    is_inside &= !offer_face<1>(size);
-    is_inside &= !offer_face<2>(size);
-    is_inside &= !offer_face<3>(size);
-    return !is_inside;
+  /// Bit k: the face without corner k, of those with the last, is between the origin and that corner.
+  SCREE_HD int faces_toward_origin(double size) const {
+    return is_toward_origin<0>(size) | is_toward_origin<1>(size) << 1 |
+           is_toward_origin<2>(size) << 2;
   }
-  /// The face without corner k, unless the origin is on the side of that corner.
   template <int k>
-  SCREE_HD bool offer_face(double size) {
-    constexpr int i = (k + 1) % 4, j = (k + 2) % 4, l = (k + 3) % 4;
-    const Vec3d e = point_[j].w - point_[i].w, f = point_[l].w - point_[i].w, n = cross(e, f);
-    const double own = dot(point_[k].w - point_[i].w, n), origin = -dot(point_[i].w, n);
+  SCREE_HD int is_toward_origin(double size) const {
+    constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
+    const Vec3d e = point_[i].w - point_[3].w, f = point_[j].w - point_[3].w, n = cross(e, f);
+    const double own = dot(point_[k].w - point_[3].w, n), origin = -dot(point_[3].w, n);
     // A tetrahedron that is flat but for rounding has no inside.
     const double rounding2 = 1e-24 * size * size * norm2(e) * norm2(f);
-    if (own * origin > 0 && own * own > rounding2) return false;
-    offer_triangle<i, j, l>();
-    return true;
+    return own * origin > 0 && own * own > rounding2 ? 0 : 1;
   }
   template <int i, int j>
   SCREE_HD void offer_edge() {
@@ -142,22 +143,19 @@ class Simplex {
     weight_[i] = 1 - t;
     weight_[j] = t;
   }
+  /// @return  whether the origin is over the inside of the triangle
   template <int i, int j, int l>
-  SCREE_HD void offer_triangle() {
+  SCREE_HD bool offer_face() {
     const Vec3d &a = point_[i].w, &b = point_[j].w, &c = point_[l].w;
     const Vec3d n = cross(b - a, c - a);
     const double wa = dot(cross(b, c), n), wb = dot(cross(c, a), n), wc = dot(cross(a, b), n);
-    if (wa > 0 && wb > 0 && wc > 0) {
-      const double part = 1 / (wa + wb + wc);
-      if (!is_nearer(norm2((part * wa) * a + (part * wb) * b + (part * wc) * c))) return;
-      weight_[i] = part * wa;
-      weight_[j] = part * wb;
-      weight_[l] = part * wc;
-      return;
-    }
-    offer_edge<i, j>();
-    offer_edge<j, l>();
-    offer_edge<l, i>();
+    if (!(wa > 0 && wb > 0 && wc > 0)) return false;
+    const double part = 1 / (wa + wb + wc);
+    if (!is_nearer(norm2((part * wa) * a + (part * wb) * b + (part * wc) * c))) return true;
+    weight_[i] = part * wa;
+    weight_[j] = part * wb;
+    weight_[l] = part * wc;
+    return true;
   }
   SCREE_HD bool is_nearer(double found2) {
     if (!(found2 < best2_)) return false;

@@ -10,7 +10,10 @@
 
 namespace scree {
 
-using Reals = ::testing::Types<float, double>;
+#ifndef SCREE_TEST_REALS  // see SCREE_CUDA_TESTS_IN
+#define SCREE_TEST_REALS float, double
+#endif
+using Reals = ::testing::Types<SCREE_TEST_REALS>;
 
 template <class Real>
 class BackendTest : public ::testing::Test {

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "collision/mesh_seams.h"
+
 namespace scree {
 namespace {
 
@@ -33,6 +35,7 @@ class MeshBuilder {
     info.closed = source_.closed;
     first_triangle_ = info.first_triangle;
     weld();
+    find_seams();
     info.triangle_count = static_cast<Index>(triangles_.size());
     order_.resize(triangles_.size());
     std::iota(order_.begin(), order_.end(), 0);
@@ -46,6 +49,9 @@ class MeshBuilder {
   }
 
  private:
+  /// Edges that wait for their second triangle, by their vertices.
+  using OpenEdges = std::map<std::pair<Index, Index>, Index>;
+
   void check() const {
     for (const auto& t : source_.triangles) {
       for (const Index v : t) {
@@ -75,6 +81,17 @@ class MeshBuilder {
                                    welded[static_cast<std::size_t>(t[2])]};
       if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) triangles_.push_back(w);
     }
+  }
+
+  void find_seams() {
+    std::vector<Vec> points;
+    for (auto v = static_cast<std::size_t>(first_vertex_); v < out_.points.size(); ++v)
+      points.emplace_back(out_.points[v]);
+    for (auto& t : triangles_)
+      for (Index& v : t) v -= first_vertex_;
+    seams_ = take_seams(points, triangles_, source_.closed, source_.periods);
+    for (auto& t : triangles_)
+      for (Index& v : t) v += first_vertex_;
   }
 
   /// Of the box around all vertices [m].
@@ -161,7 +178,7 @@ class MeshBuilder {
   }
 
   void add_edges() {
-    std::map<std::pair<Index, Index>, Index> open;  // edges that wait for their second triangle
+    OpenEdges open;
     const auto end = static_cast<Index>(out_.triangles.size());
     for (Index t = first_triangle_; t < end; ++t) {
       MeshTriangle& triangle = out_.triangles[static_cast<std::size_t>(t)];
@@ -173,7 +190,7 @@ class MeshBuilder {
         if (known == open.end()) {
           triangle.edge[k] = static_cast<Index>(out_.edges.size());
           open.emplace(ends, triangle.edge[k]);
-          out_.edges.push_back({{ends.first, ends.second}, {opposite, -1}, {t, -1}});
+          out_.edges.push_back({{ends.first, ends.second}, {opposite, -1}, {t, -1}, 0});
         } else {
           triangle.edge[k] = known->second;
           MeshEdge& edge = out_.edges[static_cast<std::size_t>(known->second)];
@@ -183,6 +200,8 @@ class MeshBuilder {
         }
       }
     }
+    for (const MeshSeam& seam : seams_) join_edges(seam, open);
+    for (const auto& [ends, e] : open) out_.edges[static_cast<std::size_t>(e)].slack = slack();
     for (std::size_t e = out_.edge_normal.size(); e < out_.edges.size(); ++e) {
       Vec sum;
       for (const Index t : out_.edges[e].triangle) {
@@ -190,6 +209,53 @@ class MeshBuilder {
       }
       out_.edge_normal.emplace_back(normalized(sum));
     }
+  }
+
+  /// Joins edges that wait at the upper end with those at the lower: each gets the triangle of the other.
+  void join_edges(const MeshSeam& seam, const OpenEdges& open) {
+    for (const auto& [ends, upper] : open) {
+      const Index u = other_end(seam.before, ends.first), v = other_end(seam.before, ends.second);
+      if (u < 0 || v < 0) continue;
+      const auto found = open.find(std::minmax(u, v));
+      if (found == open.end()) continue;
+      MeshEdge& above = out_.edges[static_cast<std::size_t>(upper)];
+      MeshEdge& below = out_.edges[static_cast<std::size_t>(found->second)];
+      const Index t = above.triangle[0], s = below.triangle[0];
+      if (t == s || above.triangle[1] >= 0 || below.triangle[1] >= 0) continue;
+      const Index of_above = above.opposite[0], of_below = below.opposite[0];
+      join(above, s, image(of_below, seam.period));
+      join(below, t, image(of_above, -seam.period));
+    }
+  }
+  static void join(MeshEdge& edge, Index triangle, Index opposite) {
+    const int place = triangle < edge.triangle[0] ? 0 : 1;
+    if (place == 0) {
+      edge.triangle[1] = edge.triangle[0];
+      edge.opposite[1] = edge.opposite[0];
+    }
+    edge.triangle[place] = triangle;
+    edge.opposite[place] = opposite;
+  }
+  /// The vertex at the other end, or -1.
+  Index other_end(const std::vector<Index>& ends, Index v) const {
+    const auto local = static_cast<std::size_t>(v - first_vertex_);
+    const Index other = local < ends.size() ? ends[local] : -1;
+    return other < 0 ? -1 : first_vertex_ + other;
+  }
+  /// A point of an image of the mesh.
+  Index image(Index v, const Vec& shift) {
+    const Vec exact = point(v) + shift;
+    out_.points.emplace_back(exact);
+    const auto made = static_cast<Index>(out_.points.size()) - 1;
+    image_rounding_ = std::max(image_rounding_, norm(point(made) - exact));
+    return made;
+  }
+  /// Directions to the points of an image are off by their rounding over the length of an edge; centers of bodies are a
+  /// few of these away.
+  float slack() const {
+    double mismatch = 0;
+    for (const MeshSeam& seam : seams_) mismatch = std::max(mismatch, seam.mismatch);
+    return static_cast<float>(2 * mismatch + 16 * image_rounding_);
   }
 
   void add_vertices() {
@@ -211,18 +277,47 @@ class MeshBuilder {
         if (owner[local] < 0) owner[local] = t;
       }
     }
+    std::vector<bool> is_joined(count);
+    for (const MeshSeam& seam : seams_) {
+      for (std::size_t v = 0; v < seam.before.size(); ++v) {
+        if (seam.before[v] < 0) continue;
+        const auto u = static_cast<std::size_t>(seam.before[v]);
+        normal[v] = normal[u] = normal[v] + normal[u];
+        owner[v] = owner[u] = lowest(owner[v], owner[u]);
+        const std::set<Index> above = neighbors[v], below = neighbors[u];
+        add_images(below, seam.after, seam.period, neighbors[v]);
+        add_images(above, seam.before, -seam.period, neighbors[u]);
+        is_joined[v] = is_joined[u] = true;
+      }
+    }
     for (std::size_t v = 0; v < count; ++v) {
       out_.vertices.push_back({static_cast<Index>(out_.neighbors.size()),
-                               static_cast<Index>(neighbors[v].size()), owner[v]});
+                               static_cast<Index>(neighbors[v].size()), owner[v],
+                               is_joined[v] ? slack() : 0});
       out_.neighbors.insert(out_.neighbors.end(), neighbors[v].begin(), neighbors[v].end());
       out_.vertex_normal.emplace_back(normalized(normal[v]));
     }
+    // Images have no neighbors of their own.
+    out_.vertices.resize(out_.points.size(), {0, 0, -1, 0});
+    out_.vertex_normal.resize(out_.points.size());
+  }
+  static Index lowest(Index s, Index t) {
+    if (s < 0 || t < 0) return std::max(s, t);
+    return std::min(s, t);
+  }
+  /// Adds the neighbors of a vertex at the other end, but for those that this end has, too.
+  void add_images(const std::set<Index>& others, const std::vector<Index>& ends, const Vec& shift,
+                  std::set<Index>& neighbors) {
+    for (const Index n : others)
+      if (other_end(ends, n) < 0) neighbors.insert(image(n, shift));
   }
 
   const MeshSource& source_;
   MeshTopology<Real>& out_;
   std::vector<std::array<Index, 3>> triangles_;  ///< of welded vertices, global indices
-  std::vector<Index> order_;                     ///< triangles along the hierarchy
+  std::vector<MeshSeam> seams_;
+  double image_rounding_ = 0;  ///< most of the points of images [m]
+  std::vector<Index> order_;   ///< triangles along the hierarchy
   Index first_vertex_ = 0;
   Index first_triangle_ = 0;
 };

@@ -13,10 +13,13 @@ struct MeshSource {
   std::vector<Vec3<double>> vertices;           ///< [m]
   std::vector<std::array<Index, 3>> triangles;  ///< counter-clockwise seen from outside
   bool closed = true;                           ///< false: both sides are surface
+  /// Those of a periodic domain, in its body's frame, where the wall keeps its direction: a mesh as long as one goes on in
+  /// its image [m].
+  std::vector<Vec3<double>> periods = {};
 };
 
 /// All meshes, concatenated; see MeshView for the fields. Triangles are renumbered
-/// along the hierarchy.
+/// along the hierarchy. Behind the points of a mesh come those of its images that it is joined with.
 template <class Real>
 struct MeshTopology {
   std::vector<Vec3<Real>> points;

@@ -44,7 +44,7 @@ class ObstacleBuffers {
     count_free_shapes(data);
     check_pairs(data);
     for (const Index s : data.walls) {
-      add_wall(s, data.shapes[static_cast<std::size_t>(s)], topology, sources, solids);
+      add_wall(s, data, topology, sources, solids);
     }
     const bool is_mixed = !free_.empty() || !data.parts.empty() ||
                           std::any_of(solids.begin(), solids.end(), [](const WallSolid& solid) {
@@ -150,8 +150,9 @@ class ObstacleBuffers {
     return is_shape(kind) ? shape_card(kind).name : "shape of an unknown kind";
   }
 
-  void add_wall(Index s, const ShapeRecord<Real>& shape, const MeshTopology<Real>& topology,
+  void add_wall(Index s, const ObstacleData<Real>& data, const MeshTopology<Real>& topology,
                 std::vector<PlaneSource>& sources, std::vector<WallSolid>& solids) {
+    const ShapeRecord<Real>& shape = data.shapes[static_cast<std::size_t>(s)];
     if (!is_shape(shape.kind) || shape_card(shape.kind).is_ball) {
       throw std::runtime_error("shape " + std::to_string(s) + " is a " + name_of(shape.kind) +
                                " and cannot be a wall");
@@ -173,6 +174,10 @@ class ObstacleBuffers {
     solid.mesh = shape.mesh;
     solid.half_extents = Vec3d(shape.half_extents);
     solid.rounded = in_double(shape.rounded);
+    if (const auto endless = data.endless.find(s); endless != data.endless.end()) {
+      solid.endless = endless->second.axes;
+      solid.half_extents = endless->second.half_extents;
+    }
     solid.element_offset = static_cast<std::uint32_t>(solid_elements_);
     int bits = 0;
     for (const auto& [a, count] : free_) bits = std::max(bits, bits_of(a, shape.kind));

@@ -2,13 +2,16 @@
 // Shape records of all bodies that are not spheres, and the meshes, for collision and for pictures.
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "collision/hull_buffers.h"
 #include "collision/obstacles.h"
+#include "dynamics/rigid/wall_periods.h"
 #include "host/scene.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/compound.h"
@@ -38,7 +41,7 @@ class Obstacles {
       const auto id = static_cast<Index>(body_id);
       const bool is_free = body.kind == BodyKind::free;
       if (!shape_card(body.shape.kind).is_ball)
-        add_shape(scene, id, body.shape, is_free ? -1 : fixed, is_free ? -1 : fixed_part);
+        add_described(scene, id, body, is_free ? -1 : fixed, is_free ? -1 : fixed_part);
       if (is_free) return;
       ++fixed;
       fixed_part += part_count(scene, body.shape);
@@ -47,7 +50,7 @@ class Obstacles {
       if (are_spheres(set)) return;
       for (std::size_t i = 0; i < set.position.size(); ++i) {
         if (!shape_card(particle_kind(set, i)).is_ball)
-          add_shape(scene, static_cast<Index>(first + i), particle_shape(set, i), -1, -1);
+          add_shape(scene, static_cast<Index>(first + i), particle_shape(set, i), -1, -1, {});
       }
     };
     for_each_by_id(scene, add, add_set);
@@ -108,12 +111,25 @@ class Obstacles {
   }
 
  private:
+  /// A mesh by its index in Scene::meshes, and the periods over which it goes on.
+  using MeshName = std::pair<int, std::vector<std::array<double, 3>>>;
+  using MeshPlaces = std::map<MeshName, Index>;
+
+  void add_described(const Scene& scene, Index id, const BodyDescription& body, Index place,
+                     Index part) {
+    const auto wall = static_cast<Index>(data_.shapes.size());
+    add_shape(scene, id, body.shape, place, part, wall_periods(scene, body));
+    if (const auto endless = endless_wall(scene, body)) data_.endless[wall] = *endless;
+  }
+
   /// @param body  storage index of a fixed or kinematic body; -1: it is free
-  /// @param part  that of its first part
-  void add_shape(const Scene& scene, Index id, const Shape& shape, Index body, Index part) {
+  /// @param part     that of its first part
+  /// @param periods  see wall_periods()
+  void add_shape(const Scene& scene, Index id, const Shape& shape, Index body, Index part,
+                 const std::vector<Vec3d>& periods) {
     shape_of_id_[id] = static_cast<Index>(data_.shapes.size());
     const bool is_compound = shape_card(shape.kind).is_compound;
-    ShapeRecord<Real> own = record(scene, shape, is_compound ? body : part);
+    ShapeRecord<Real> own = record(scene, shape, is_compound ? body : part, periods);
     if (is_compound) own.mesh = static_cast<Index>(data_.first_part.size()) - 1;
     data_.shapes.push_back(own);
     if (is_compound) {
@@ -133,7 +149,7 @@ class Obstacles {
       if (!card.is_ball) {
         r.shape = static_cast<Index>(data_.shapes.size());
         if (place >= 0) data_.walls.push_back(r.shape);
-        data_.shapes.push_back(record(scene, part.shape, place));
+        data_.shapes.push_back(record(scene, part.shape, place, {}));
       }
       if (place >= 0) ++place;
       data_.parts.push_back(r);
@@ -168,15 +184,16 @@ class Obstacles {
     return static_cast<Index>(part_count_of(scene, shape));
   }
 
-  ShapeRecord<Real> record(const Scene& scene, const Shape& shape, Index body) {
+  ShapeRecord<Real> record(const Scene& scene, const Shape& shape, Index body,
+                           const std::vector<Vec3d>& periods) {
     ShapeRecord<Real> r;
     const ShapeCard& card = shape_card(shape.kind);
     r.kind = shape.kind;
     r.rounding = card.rounding == nullptr ? Real(0) : static_cast<Real>(card.rounding(shape));
     r.open_faces = static_cast<std::uint8_t>(shape.open_faces);
-    if (has_hull(shape)) r.mesh = place_of(scene, shape, hull_of_mesh_, data_.hulls);
+    if (has_hull(shape)) r.mesh = place_of(scene, shape, {}, hull_of_mesh_, data_.hulls);
     if (card.has_mesh && !card.is_hull && !card.is_compound)
-      r.mesh = place_of(scene, shape, place_of_mesh_, data_.meshes);
+      r.mesh = place_of(scene, shape, periods, place_of_mesh_, data_.meshes);
     r.body = body;
     r.half_extents = Vec3<Real>(core_half_extents(shape));
     r.rounded = {shape.rounded.core, static_cast<Real>(shape.rounded.radius),
@@ -186,11 +203,13 @@ class Obstacles {
   }
 
   /// Where the mesh of a shape is among those of its sort.
-  static Index place_of(const Scene& scene, const Shape& shape, std::map<int, Index>& places,
-                        std::vector<MeshSource>& meshes) {
-    const auto [place, is_new] = places.emplace(shape.mesh, static_cast<Index>(meshes.size()));
+  static Index place_of(const Scene& scene, const Shape& shape, const std::vector<Vec3d>& periods,
+                        MeshPlaces& places, std::vector<MeshSource>& meshes) {
+    MeshName name{shape.mesh, {}};
+    for (const Vec3d& period : periods) name.second.push_back({period.x, period.y, period.z});
+    const auto [place, is_new] = places.emplace(name, static_cast<Index>(meshes.size()));
     const TriangleMesh& mesh = scene.meshes[static_cast<std::size_t>(shape.mesh)];
-    if (is_new) meshes.push_back({mesh.vertices, mesh.triangles, mesh.closed});
+    if (is_new) meshes.push_back({mesh.vertices, mesh.triangles, mesh.closed, periods});
     return place->second;
   }
 
@@ -218,7 +237,7 @@ class Obstacles {
   Index fixed_part_begin_;
   ObstacleData<Real> data_;
   std::unordered_map<Index, Index> shape_of_id_;
-  std::map<int, Index> place_of_mesh_, hull_of_mesh_;  ///< by index in Scene::meshes
+  MeshPlaces place_of_mesh_, hull_of_mesh_;
   std::optional<HullBuffers<B>> hulls_;
   Buffer<B, ShapeRecord<Real>> shapes_;
   Buffer<B, Vec3<Real>> vertices_;

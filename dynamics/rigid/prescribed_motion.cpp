@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "dynamics/rigid/wall_periods.h"
 #include "host/error.h"
 #include "host/scene/scene_checks.h"
 
@@ -48,8 +49,10 @@ std::vector<T> copied(std::span<const T> rows) {
   return {rows.begin(), rows.end()};
 }
 
-/// @throws InputError when a body cannot move like that
-void require_motion(const Scene& scene, int id, const BodyDescription& body, bool may_turn) {
+/// @param of_scene  the body as the scene has it
+/// @throws InputError when it cannot move like that
+void require_motion(const Scene& scene, int id, const BodyDescription& of_scene,
+                    const BodyDescription& body, bool may_turn) {
   auto fault = body_fault(scene, body);
   if (!fault) fault = periodic_wall_fault(scene, body);
   if (fault)
@@ -59,6 +62,11 @@ void require_motion(const Scene& scene, int id, const BodyDescription& body, boo
     throw InputError(fmt::format(
         "body {}: a motion that turns is not allowed: contacts of this scene have no lever arms, "
         "since none of its walls turns; let one of them be \"rotating\" with rate 0",
+        id));
+  if ((axes_it_goes_on(scene, of_scene) & ~axes_it_goes_on(scene, body)) != 0)
+    throw InputError(fmt::format(
+        "body {}: a motion that turns it like this is not allowed: it goes on over the periodic "
+        "sides; it may turn about the axis that repeats",
         id));
 }
 
@@ -103,7 +111,7 @@ void PrescribedMotion::replace(const Scene& scene, int body, const Motion& motio
   next.body.orientation = pose.orientation;
   next.body.motion = motion;
   next.since = now;
-  require_motion(scene, body, next.body, may_turn);
+  require_motion(scene, body, wall.course.body, next.body, may_turn);
   replaced_[body] = std::move(next);
 }
 
@@ -164,7 +172,7 @@ void PrescribedMotion::restore(const Scene& scene, const WorldState& s, bool may
       course.body.motion = std::move(m);
       course.since = x[0];
       if (!std::isfinite(course.since)) refuse_saved("a time that is not finite");
-      require_motion(scene, id, course.body, may_turn);
+      require_motion(scene, id, kinematic(id).course.body, course.body, may_turn);
       saved[id] = std::move(course);
     }
   }

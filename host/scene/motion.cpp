@@ -90,4 +90,18 @@ bool turns(const Motion& motion) {
   }
 }
 
+bool keeps_direction(const BodyDescription& body, const Vec3d& direction) {
+  constexpr double kRounding = 1e-12;
+  if (!rotates(body)) return true;
+  const Motion& m = body.motion;
+  const auto is_along = [&](const Vec3d& axis) {
+    return norm(cross(axis, direction)) <= kRounding * norm(axis);
+  };
+  if (m.kind == Motion::Kind::linear) return is_along(m.angular_velocity);
+  if (m.kind == Motion::Kind::rotating) return is_along(m.axis);
+  return std::all_of(m.orientations.begin(), m.orientations.end(), [&](const Quatd& q) {
+    return norm(rotate(q, direction) - direction) <= kRounding;
+  });
+}
+
 }  // namespace scree

@@ -24,5 +24,7 @@ Rates rates_between(const Pose& from, const Pose& to, double h);
 /// Whether the body ever turns: decides between contact layouts.
 bool rotates(const BodyDescription& body);
 bool turns(const Motion& motion);
+/// Whether a direction keeps its place on the body: it turns about that, or not at all. @param direction  unit
+bool keeps_direction(const BodyDescription& body, const Vec3d& direction);
 
 }  // namespace scree

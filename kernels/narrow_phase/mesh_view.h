@@ -24,18 +24,21 @@ struct MeshTriangle {
   Index edge[3];
 };
 
-/// An edge with its two triangles; the first owns it.
+/// An edge with its two triangles; the first owns it. Where a mesh goes on in its image both have an edge, whose second
+/// triangle is that of the image.
 struct MeshEdge {
   Index vertex[2];
   Index opposite[2];  ///< third vertex of each triangle, -1 at a border
   Index triangle[2];  ///< lower index first, -1 at a border
+  float slack = 0;    ///< how far rounding may have moved that of an image [m]
 };
 
-/// A vertex; the lowest of its triangles owns it.
+/// A vertex; the lowest of its triangles owns it, those of images among them.
 struct MeshVertex {
   Index first_neighbor;  ///< into MeshView::neighbors
   Index neighbor_count;
   Index owner;
+  float slack = 0;  ///< see MeshEdge
 };
 
 struct MeshInfo {

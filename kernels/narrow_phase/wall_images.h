@@ -18,10 +18,18 @@ SCREE_HD inline int image_count(const Vec3d& period) {
   return image_count(period.x) * image_count(period.y) * image_count(period.z);
 }
 
+/// Whether a wall is the same all along an axis: then it has one image there, whose center goes with the body.
+SCREE_HD inline bool is_endless(const WallSolid& solid, int axis) {
+  return (solid.endless >> axis & 1) != 0;
+}
+
 /// Center of a body to the center of that image of a wall whose middle is nearest to it [m].
 SCREE_HD inline Vec3d nearest_wall(const WallSolid& solid, const Vec3d& period, const Vec3d& x) {
   const Vec3d d = solid.center - x;
-  return minimum_image(d + solid.middle, period) - solid.middle;
+  Vec3d nearest = minimum_image(d + solid.middle, period) - solid.middle;
+  for (int k = 0; k < 3; ++k)
+    if (is_endless(solid, k)) nearest[k] = 0;
+  return nearest;
 }
 
 /// The same to a given image.
@@ -51,6 +59,7 @@ struct WallImages {
       const double d = nearest_wall(solid, period, x)[k] + solid.middle[k];
       const double far = solid.half[k] + reach;
       first[k] = last[k] = kImagesAside;
+      if (is_endless(solid, k)) continue;
       while (first[k] > 0 && d - (kImagesAside - first[k] + 1) * period[k] >= -far) --first[k];
       while (last[k] < 2 * kImagesAside && d + (last[k] + 1 - kImagesAside) * period[k] <= far) {
         ++last[k];

@@ -39,10 +39,11 @@ struct WallSolid {
   Hull hull;                         ///< of a hull, or one that is rounded
   Vec3d center;                      ///< position of the wall body [m]
   Quatd orientation;
-  RigidMotion motion;  ///< on its course, see course_velocity()
-  Vec3d local_middle;  ///< middle of the box about it, body frame [m]
-  Vec3d middle;        ///< the same from the center, world axes [m]
-  Vec3d half;          ///< half the edges of a box about it, world axes [m]
+  RigidMotion motion;        ///< on its course, see course_velocity()
+  Vec3d local_middle;        ///< middle of the box about it, body frame [m]
+  Vec3d middle;              ///< the same from the center, world axes [m]
+  Vec3d half;                ///< half the edges of a box about it, world axes [m]
+  std::uint8_t endless = 0;  ///< bit k: along periodic axis k it is the same everywhere
 };
 
 /// Records follow their fixed bodies, which moved back in storage.

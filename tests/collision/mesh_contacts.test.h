@@ -72,6 +72,37 @@ TYPED_TEST(MeshContactTest, RollingOverInnerEdgesMeetsNoGhost) {
   }
 }
 
+/// A floor that fills a periodic domain, with an edge that float and double round differently.
+MeshSource repeating_floor(int n, double cell) {
+  MeshSource m = flat_floor(n, cell);
+  m.periods = {{n * cell, 0, 0}, {0, n * cell, 0}};
+  return m;
+}
+
+TYPED_TEST(MeshContactTest, AFloorThatGoesOnInItsImagesIsOneContactASphere) {
+  for (const int n : {1, 2, 7}) {
+    const double cell = 2.1 / n, low = -(n / 2) * cell, high = low + 2.1;
+    CollisionScene<TypeParam> s;
+    s.settings.envelope = 0.02;
+    s.settings.period = {2.1, 2.1, 0};
+    const std::vector<double> places{
+        low,         high,       low + 1e-12, high - 1e-12,      low + 1e-8,
+        high - 1e-8, low + 1e-6, high - 1e-6, low + 0.01,        high - 0.01,
+        low + 0.2,   high - 0.2, high + 1e-9, 0.5 * (low + high)};
+    for (const double x : places)
+      for (const double y : places) s.add_free({x, y, 0.3}, 0.29);
+    const Index wall = s.add_mesh_wall({0, 0, 0}, repeating_floor(n, cell));
+    std::vector<Index> count(static_cast<std::size_t>(s.owned_count));
+    for (const auto& contact : this->contacts(s)) {
+      if (contact.b != wall) continue;
+      ++count[contact.a];
+      EXPECT_NEAR(contact.gap, 0.01, 10 * this->kEps);
+      EXPECT_NEAR(contact.normal.z, -1, this->kEps);
+    }
+    for (const Index found : count) EXPECT_EQ(found, 1) << n << " cells";
+  }
+}
+
 TYPED_TEST(MeshContactTest, BoxMeshAgreesWithBox) {
   const Vec3<double> half{0.5, 0.8, 0.3}, center{1, 2, 3};
   const Quat<double> q = exp_map(Vec3<double>{0.5, 1.0, -0.2});

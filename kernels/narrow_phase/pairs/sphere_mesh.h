@@ -47,9 +47,10 @@ SCREE_HD bool is_closest_vertex(const MeshView<Real>& mesh, Index v, double tole
                                 const Vec3d& center) {
   const MeshVertex& vertex = mesh.vertices[v];
   const Vec3d point(mesh.points[v]);
+  const double width = 2 * (tolerance + static_cast<double>(vertex.slack));
   for (Index k = 0; k < vertex.neighbor_count; ++k) {
     const Vec3d along = Vec3d(mesh.points[mesh.neighbors[vertex.first_neighbor + k]]) - point;
-    if (dot(center - point, along) > 2 * tolerance * norm(along)) return false;
+    if (dot(center - point, along) > width * norm(along)) return false;
   }
   return true;
 }
@@ -64,14 +65,15 @@ SCREE_HD bool closest_feature(const MeshView<Real>& mesh, double tolerance, Inde
   int edge = -1;
   for (int k = 0; k < 3; ++k) {
     const MeshEdge& e = mesh.edges[triangle.edge[k]];
-    const EdgeSides sides = edge_sides(mesh, e, tolerance, center);
+    const double width = tolerance + static_cast<double>(e.slack);
+    const EdgeSides sides = edge_sides(mesh, e, width, center);
     inside = inside && !sides.past[e.triangle[0] == t ? 0 : 1];
-    if (e.triangle[0] == t && sides.past[0] && sides.past[1] && sides.from[0] > tolerance &&
-        sides.from[1] > tolerance) {
+    if (e.triangle[0] == t && sides.past[0] && sides.past[1] && sides.from[0] > width &&
+        sides.from[1] > width) {
       edge = k;
     }
     for (int end = 0; end < 2; ++end) {
-      if (sides.from[end] > 2 * tolerance) continue;
+      if (sides.from[end] > 2 * width) continue;
       near_vertex[e.vertex[end] == triangle.vertex[k] ? k : (k + 1) % 3] = true;
     }
   }

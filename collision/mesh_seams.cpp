@@ -1,0 +1,134 @@
+#include "collision/mesh_seams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace scree {
+namespace {
+
+using Vec = Vec3<double>;
+constexpr double kMatch = 1e-6;  ///< of the size of the mesh
+
+const Vec& at(const std::vector<Vec>& points, Index v) {
+  return points[static_cast<std::size_t>(v)];
+}
+Index& at(std::vector<Index>& of, Index v) { return of[static_cast<std::size_t>(v)]; }
+Index at(const std::vector<Index>& of, Index v) { return of[static_cast<std::size_t>(v)]; }
+
+/// Distance up to which points are at the same place [m].
+double tolerance_of(const std::vector<Vec>& points) {
+  if (points.empty()) return 0;
+  Vec low = points.front(), high = low;
+  for (const Vec& x : points)
+    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], x[k]), high[k] = std::max(high[k], x[k]);
+  return kMatch * norm(high - low);
+}
+
+/// How far points reach along a period [m].
+struct Extent {
+  double length;
+  Vec along;  ///< unit
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+
+  Extent(const std::vector<Vec>& points, const Vec& period)
+      : length(norm(period)), along((1 / length) * period) {
+    for (const Vec& x : points)
+      low = std::min(low, dot(x, along)), high = std::max(high, dot(x, along));
+  }
+  bool is_one_period(double tolerance) const { return std::abs(high - low - length) <= tolerance; }
+};
+
+/// Vertices near the plane at a height along a direction.
+std::vector<Index> in_plane(const std::vector<Vec>& points, const Vec& along, double height,
+                            double tolerance) {
+  std::vector<Index> found;
+  for (std::size_t v = 0; v < points.size(); ++v)
+    if (std::abs(dot(points[v], along) - height) <= tolerance)
+      found.push_back(static_cast<Index>(v));
+  return found;
+}
+
+/// Pairs the vertices of both ends.
+MeshSeam paired(const std::vector<Vec>& points, const Vec& period, std::vector<Index> lower,
+                const std::vector<Index>& upper, double tolerance) {
+  MeshSeam seam{period, std::vector<Index>(points.size(), -1),
+                std::vector<Index>(points.size(), -1)};
+  int axis = 0;  // along which they are spread most
+  double widest = -1;
+  for (int k = 0; k < 3; ++k) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Index v : lower)
+      low = std::min(low, at(points, v)[k]), high = std::max(high, at(points, v)[k]);
+    if (high - low > widest) widest = high - low, axis = k;
+  }
+  std::sort(lower.begin(), lower.end(), [&](Index u, Index v) {
+    return std::pair(at(points, u)[axis], u) < std::pair(at(points, v)[axis], v);
+  });
+  for (const Index v : upper) {
+    const Vec wanted = at(points, v) - period;
+    auto u = std::lower_bound(
+        lower.begin(), lower.end(), wanted[axis] - tolerance,
+        [&](Index candidate, double x) { return at(points, candidate)[axis] < x; });
+    for (; u != lower.end() && at(points, *u)[axis] <= wanted[axis] + tolerance; ++u) {
+      const double off = norm(at(points, *u) - wanted);
+      if (off > tolerance || at(seam.after, *u) >= 0) continue;
+      at(seam.before, v) = *u;
+      at(seam.after, *u) = v;
+      seam.mismatch = std::max(seam.mismatch, off);
+      break;
+    }
+  }
+  return seam;
+}
+
+/// Takes out the triangles that face the image of the mesh. @return  false: those of the ends differ, and all were kept
+bool take_inner(const std::vector<Vec>& points, const MeshSeam& seam,
+                std::vector<std::array<Index, 3>>& triangles) {
+  double upper = 0, lower = 0;
+  std::vector<std::array<Index, 3>> kept;
+  for (const auto& t : triangles) {
+    const auto all = [&](const std::vector<Index>& paired_with) {
+      return std::all_of(t.begin(), t.end(), [&](Index v) { return at(paired_with, v) >= 0; });
+    };
+    const double out =
+        dot(cross(at(points, t[1]) - at(points, t[0]), at(points, t[2]) - at(points, t[0])),
+            seam.period);
+    if (out > 0 && all(seam.before)) {
+      upper += out;
+    } else if (out < 0 && all(seam.after)) {
+      lower -= out;
+    } else {
+      kept.push_back(t);
+    }
+  }
+  if (std::abs(upper - lower) > kMatch * upper) return false;
+  triangles = std::move(kept);
+  return true;
+}
+
+}  // namespace
+
+bool spans_period(const std::vector<Vec3<double>>& points, const Vec3<double>& period) {
+  return Extent(points, period).is_one_period(tolerance_of(points));
+}
+
+std::vector<MeshSeam> take_seams(const std::vector<Vec3<double>>& points,
+                                 std::vector<std::array<Index, 3>>& triangles, bool closed,
+                                 const std::vector<Vec3<double>>& periods) {
+  std::vector<MeshSeam> seams;
+  const double tolerance = tolerance_of(points);
+  for (const Vec& period : periods) {
+    const Extent extent(points, period);
+    if (!extent.is_one_period(tolerance)) continue;
+    MeshSeam seam = paired(points, period, in_plane(points, extent.along, extent.low, tolerance),
+                           in_plane(points, extent.along, extent.high, tolerance), tolerance);
+    if (closed && !take_inner(points, seam, triangles)) continue;
+    seams.push_back(std::move(seam));
+  }
+  return seams;
+}
+
+}  // namespace scree

@@ -32,8 +32,8 @@ class Dynamics {
   /// Joints in the last step; none in models without them.
   virtual std::vector<JointRecord> joints() { return {}; }
 
-  /// See World::track_forces(); models without contacts have nothing to sum up.
-  virtual void track_forces() {}
+  /// See World::track_forces(); models without contacts refuse.
+  virtual void track_forces();
   virtual MeanForces take_forces() { return {}; }
 
   /// See World; models that cannot refuse. Bodies are in the simulation, and of the kind that the call is for.
@@ -49,6 +49,8 @@ class Dynamics {
   /// Whether a body is in the simulation now, and the end of the ids of those that were inserted.
   virtual bool has_body(int id) const { return id >= 0 && id < body_count(); }
   virtual int id_end() const { return body_count(); }
+  /// Insertions of the scene that have come. A run cannot take a state of fewer.
+  virtual std::uint64_t insertions_done() const { return 0; }
   /// First call to a new run: the bodies that programs added enter (host/scene/added_bodies.h), others are no more.
   /// @param removed  ids, rising
   virtual void change_bodies(const std::vector<int>& removed);

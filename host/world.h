@@ -153,8 +153,8 @@ class Roster;         // host/engine/roster.h
 
 class World {
  public:
-  /// @throws InputError when the scene is invalid, the backend is not there,
-  ///         or memory cannot hold it
+  /// @throws InputError when the scene is invalid or the backend is not there; std::runtime_error or std::bad_alloc when
+  ///         memory cannot hold it
   World(Scene scene, const WorldOptions& options);
   ~World();
   World(World&&) noexcept;
@@ -189,11 +189,13 @@ class World {
   /// arrays_changed(Written::poses) and a step that failed; on several ranks none after save() and render() either, but
   /// in scenes with contact frames.
   std::vector<ContactRecord> contacts() const;
-  /// What the joints of the scene carried in the last step, in its order.
+  /// What the joints of the scene carried in the last step, in its order. Rigid bodies tell of contacts and joints; other
+  /// models of none.
   std::vector<JointRecord> joints() const;
 
   /// From now on steps sum up what take_forces() tells, and save() holds the sums. A step takes 12
   /// bytes a contact of memory for it, and copies the contacts of walls and between groups to the host.
+  /// @throws InputError in models of dynamics that do not tell
   void track_forces();
   /// Means over the steps since track_forces(), or since the call before. @throws InputError without
   /// track_forces()
@@ -212,18 +214,18 @@ class World {
 
   /// Adds a free body, which is there in the next step. Its material, group, mesh, hull or compound is one of the scene's
   /// (a mesh that none of its bodies has will do). Ids follow those of all bodies that the run can have, insertions to come
-  /// included, and are never given twice. Contacts, impulses and loads of the others stay, and so do tolerance, envelope
+  /// included, and are never given twice, but after restore() of a state in which they were not given. Contacts, impulses and loads of the others stay, and so do tolerance, envelope
   /// and skin; views of arrays and constants() end. It takes about as long as making the World: give many at once to add_all().
   /// @param name  for body(); empty: none
   /// @return its id
   /// @throws InputError naming the body, the value and what was expected, also for shapes that could meet one without a
-  ///         pair function and when memory cannot hold it; the World is then as it was
+  ///         pair function; std::runtime_error or std::bad_alloc when memory cannot hold it; the World is then as it was
   int add(const BodyDescription& body, const std::string& name = {});
   /// The same for several. @param names  one for each, or none
   std::vector<int> add_all(const std::vector<BodyDescription>& bodies,
                            const std::vector<std::string>& names = {});
   /// Removes a free body with its name, contacts, impulses and loads. Ids of the others stay. Takes as long as add().
-  /// @throws InputError naming the body: it is not there, not free, or held by a joint; the World is then as it was
+  /// @throws InputError naming the body: it is not there, not free, or named by a joint, be that broken; the World is then as it was
   void remove(int body);
   /// The same for several.
   void remove_all(const std::vector<int>& bodies);
@@ -231,10 +233,12 @@ class World {
   /// Gravity of the steps from now on [m/s^2]; save() holds it. @throws InputError
   void set_gravity(const Vec3d& gravity);
   /// Of a free body, along its free axes; or of a kinematic one, which has no other motion from now on.
-  /// @param angular_velocity  world frame [rad/s]  @throws InputError for fixed bodies, values out of range
+  /// @param angular_velocity  world frame [rad/s]; of a kinematic one see set_motion()
+  /// @throws InputError for fixed bodies, values out of range
   void set_velocity(int body, const Vec3d& velocity, const Vec3d& angular_velocity = {});
   /// A kinematic body goes on from where it is by this motion, whose times count from now on; save() holds it.
-  /// It may turn in scenes one of whose bodies is not a sphere, or turns as a wall. @throws InputError
+  /// It may turn in scenes where a free body is not a sphere, or a wall turns; a wall that fills a period, about that axis only.
+  /// @throws InputError
   void set_motion(int body, const Motion& motion);
   /// Acts on a free body in the next step, along its free axes; those of several calls add up, and to the arrays
   /// "force" and "torque". Memory as for these. @param force  through the center of mass, world frame [N]
@@ -269,7 +273,8 @@ class World {
 
   /// Bodies that were added or removed are in it.
   WorldState save() const;
-  /// The bodies are those of the state then, whichever a program added or removed since.
+  /// The bodies are those of the state then, whichever came or were removed since. Back over insertions, additions and removals
+  /// it takes as long as making the World.
   /// @throws InputError when the state does not fit the scene
   void restore(const WorldState& state);
 

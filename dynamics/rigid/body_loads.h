@@ -60,15 +60,18 @@ class BodyLoads {
     s.add("run/applied_body", std::move(body));
     s.add("run/applied", by_turns(force, torque));
   }
-  /// Takes them over in a run of other bodies. @param has_body  by id
-  template <class HasBody>
-  void enter(B& b, const WorldState& s, HasBody has_body) {
+  /// Takes them over in a run of other bodies.
+  /// @param is_kept   by id: whether its row stays
+  /// @param has_body  by id: whether what was applied to it for the next step does
+  template <class IsKept, class HasBody>
+  void enter(B& b, const WorldState& s, IsKept is_kept, HasBody has_body) {
     if (!s.has("run/load")) return;
     use(b);
     const std::vector<Vec3d>& load = s.at<Vec3d>("run/load");
     std::vector<Vec3<Real>> force(static_cast<std::size_t>(count_)), torque(force);
-    for (std::size_t id = 0; 2 * id < load.size(); ++id) {
-      if (!has_body(static_cast<Index>(id))) continue;
+    const std::size_t rows = std::min(load.size() / 2, force.size());
+    for (std::size_t id = 0; id < rows; ++id) {
+      if (!is_kept(static_cast<Index>(id))) continue;
       force[id] = Vec3<Real>(load[2 * id]);
       torque[id] = Vec3<Real>(load[2 * id + 1]);
     }

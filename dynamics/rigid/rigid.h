@@ -244,10 +244,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   bool bodies_may_change() const override { return !shared_; }
-  bool has_body(int id) const override {
-    return loading_.has_come(id) && !std::binary_search(removed_.begin(), removed_.end(), id);
-  }
+  bool has_body(int id) const override { return loading_.has_come(id) && !is_removed(id); }
   int id_end() const override { return loading_.id_end(); }
+  std::uint64_t insertions_done() const override { return loading_.insertions_done(); }
   void change_bodies(const std::vector<int>& removed) override {
     removed_ = removed;
     loading_.insert_added();
@@ -271,13 +270,13 @@ class RigidDynamics final : public ModelOn<B, Real> {
     tracks_forces_ = s.has("run/force");
     this->restore(s);
     if (tracks_forces_) forces_.enter(s);
-    loads_.enter(backend(), s, [this](Index id) { return has_body(id); });
+    enter_loads(s);
   }
 
   void restore_after(const WorldState& left, const WorldState& state) override {
     tracks_forces_ = left.has("run/force");
     this->restore(state);
-    loads_.enter(backend(), left, [this](Index id) { return has_body(id); });
+    enter_loads(left);
   }
 
   std::vector<ContactRecord> contacts() override {
@@ -384,10 +383,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   void restore_arrays(const WorldState& s) override {
+    // First what may be refused whatever the bodies are.
+    PrescribedMotion motion = motion_;
+    motion.restore(scene_, s, has_arms());
+    const Vec3d gravity =
+        s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : scene_.gravity;
+    joints_.check(s);
     loading_.insert_first(s.insertions_done);
     store_.drop(removed_);
     forget_solved_contacts();
-    joints_.check(s);
     if (shared_) {
       shared_->restore(s);
     } else {
@@ -395,9 +399,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     }
     joints_.restore(backend(), s);
     if (tracks_forces_) restore_forces(s);
-    motion_.restore(scene_, s, has_arms());
-    gravity_ =
-        s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : scene_.gravity;
+    motion_ = std::move(motion);
+    gravity_ = gravity;
     motion_.set(store_, s.time, s.step + 1);
   }
 
@@ -462,6 +465,16 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
 
   /// Sums of all ranks go on at rank 0.
+  bool is_removed(Index id) const {
+    return std::binary_search(removed_.begin(), removed_.end(), id);
+  }
+  /// Rows of arrays stay for bodies that are still to come.
+  void enter_loads(const WorldState& left) {
+    loads_.enter(
+        backend(), left, [this](Index id) { return !is_removed(id); },
+        [this](Index id) { return has_body(id); });
+  }
+
   void restore_forces(const WorldState& s) {
     if (!shared_ || ranks_->rank() == 0 || !s.has("force/sum")) return forces_.restore(s);
     WorldState own;

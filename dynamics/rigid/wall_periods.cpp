@@ -7,6 +7,7 @@
 #include "dynamics/rigid/collision_settings.h"
 #include "host/scene/motion.h"
 #include "kernels/math/quat.h"
+#include "kernels/narrow_phase/wall_images.h"
 #include "shapes/box.h"
 #include "shapes/cylinder.h"
 #include "shapes/shape_card.h"
@@ -52,8 +53,8 @@ std::optional<EndlessWall> endless_wall(const Scene& scene, const BodyDescriptio
       if (std::abs(axis[own]) < 1 - kRounding * kRounding) continue;
       double& half = wall.half_extents[own];
       if (2 * half < length * (1 - kRounding)) continue;
-      // A period is at least twice the largest free body.
-      half = std::max(half, length);
+      // As far as images are searched: bodies may pass several periods in a step.
+      half = std::max(half, kMostPeriods * length);
       wall.axes = static_cast<std::uint8_t>(wall.axes | 1u << k);
     }
   });

@@ -128,6 +128,7 @@ class VariationalDynamics final : public ModelOn<B, double> {
 
   void set_gravity(const Vec3d& gravity) override {
     require_gravity(gravity, scene_.stepping.time_step);
+    require_gravity_of_periods(scene_.periodicity, gravity);
     scene_.gravity = gravity;
     near_.forget();
   }
@@ -312,11 +313,13 @@ class VariationalDynamics final : public ModelOn<B, double> {
     const auto& id = s.template at<std::int32_t>("body/id");
     const auto n = static_cast<std::size_t>(store_.owned_count());
     if (id.size() != n) throw_wrong_body_count(id.size(), n);
+    const Vec3d gravity =
+        s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : first_gravity_;
+    require_gravity_of_periods(scene_.periodicity, gravity);
     store_.arrange(id);
     store_.restore_owned(s);
     if (rigid_) rigid_->forget();
-    scene_.gravity =
-        s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : first_gravity_;
+    scene_.gravity = gravity;
     near_.forget();
   }
 

@@ -78,6 +78,18 @@ double part_bytes_per_body(const Scene& scene) {
 
 }  // namespace
 
+void require_gravity_of_periods(const Periodicity& periodicity, const Vec3d& gravity) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double g = gravity[static_cast<int>(axis)];
+    if (periodicity.periodic[axis] && g != 0)
+      refuse("gravity", vector_text(gravity),
+             fmt::format("must be 0 along {}, which is periodic: the dynamics \"variational\" "
+                         "keeps the energy of "
+                         "bodies, and it would not be the same in all periods",
+                         "xyz"[axis]));
+  }
+}
+
 bool has_convex_bodies(const Scene& scene) {
   bool has = false;
   for_each_by_id(
@@ -98,15 +110,7 @@ void check_variational(const Scene& scene) {
   for_each_by_id(
       scene, [](std::size_t id, const BodyDescription& body) { check_body(body, id); },
       [](std::size_t, const ParticleSet& set) { check_set(set); });
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double g = scene.gravity[static_cast<int>(axis)];
-    if (scene.periodicity.periodic[axis] && g != 0)
-      refuse("gravity", vector_text(scene.gravity),
-             fmt::format("must be 0 along {}, which is periodic: the dynamics \"variational\" "
-                         "keeps the energy of "
-                         "bodies, and it would not be the same in all periods",
-                         "xyz"[axis]));
-  }
+  require_gravity_of_periods(scene.periodicity, scene.gravity);
 }
 
 double variational_bytes_per_body(const Scene& scene, const WorldOptions&) {

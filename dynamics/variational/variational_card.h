@@ -38,6 +38,8 @@ inline constexpr auto kVariationalState = followed_by(kBodyState, kGravityState)
 
 /// Whether free bodies have other shapes than spheres: then all of them turn as they fly.
 bool has_convex_bodies(const Scene& scene);
+/// @throws InputError for gravity along a periodic axis, where energy would differ from period to period
+void require_gravity_of_periods(const Periodicity& periodicity, const Vec3d& gravity);
 /// @throws InputError naming what of the scene the model does not have
 void check_variational(const Scene& scene);
 double variational_bytes_per_body(const Scene& scene, const WorldOptions& options);

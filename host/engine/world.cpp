@@ -285,15 +285,18 @@ WorldState World::save() const {
 
 void World::restore(const WorldState& state) {
   const bool has_changes = roster_ != nullptr && roster_->has_changes();
-  if (!has_changed_bodies(state) && !has_changes) {
+  const bool goes_back = state.insertions_done < dynamics_->insertions_done();
+  if (!has_changed_bodies(state) && !has_changes && !goes_back) {
     OnDevice(*dynamics_)->restore(state);
     return;
   }
   if (!dynamics_->bodies_may_change() || roster_ == nullptr)
     throw InputError(
-        "the state has bodies that a program added or removed: it takes a World of rigid bodies "
-        "with "
-        "WorldOptions::bodies_may_change, which scree run is not");
+        std::string("the state ") +
+        (goes_back ? "is from before bodies were inserted"
+                   : "has bodies that a program added or removed") +
+        ": it takes a World of rigid bodies with WorldOptions::bodies_may_change, which scree run "
+        "is not");
   become(std::make_unique<Roster>(roster_->restored(state)),
          [&](Dynamics& dynamics, const WorldState& left) { dynamics.restore_after(left, state); });
 }

@@ -172,6 +172,18 @@ TEST(VariationalRefusals, StepsAreShortForPeriodicDomains) {
               AllOf(HasSubstr("too far in a step of 0.1 s"), HasSubstr("period")));
 }
 
+TEST(VariationalRefusals, GravityAlongAPeriodicAxis) {
+  Scene scene = variational_scene(0.01);
+  scene.gravity = {};
+  scene.periodicity.periodic = {true, false, false};
+  scene.periodicity.upper = {4, 4, 4};
+  add_sphere(scene, {1, 1, 1}, 0.5, 1);
+  World world(scene, cpu_options());
+  world.set_gravity({0, 0, -1});
+  EXPECT_THAT(thrown<InputError>([&] { world.set_gravity({1, 0, 0}); }), HasSubstr("along x"));
+  EXPECT_THAT(thrown<InputError>([&] { world.track_forces(); }), HasSubstr("track_forces()"));
+}
+
 /// The same with lists of neighbors, which would grow beyond all bounds before they hold.
 TEST(VariationalRefusals, StepsOfManyBodiesAreShortForPeriodicDomains) {
   Scene scene = gas(5, 0.05, 0.05, 1);

@@ -430,6 +430,47 @@ TEST_P(ChangingBodies, RainGoesOn) {
   EXPECT_EQ(world.body_count(), 4);
 }
 
+TEST_P(ChangingBodies, AStateFromBeforeRainComesBack) {
+  Scene scene = two_spheres();
+  scene.insertions.push_back({.time = 0.2, .bodies = {sphere({0, 3, 2}, 0.1, 1)}});
+  World world = world_of(scene);
+  world.run(0.1);
+  const WorldState before = world.save();
+  world.run(0.2);
+  EXPECT_EQ(world.body_count(), 4);
+  const std::uint64_t after = state_hash(world.states());
+  world.restore(before);
+  EXPECT_EQ(world.steps_done(), 100);
+  EXPECT_EQ(world.body_count(), 3);
+  EXPECT_FALSE(world.has_body(3));
+  world.run(0.2);
+  EXPECT_EQ(state_hash(world.states()), after);
+
+  WorldOptions options;
+  options.backend = backend();
+  options.precision = precision();
+  options.bodies_may_change = false;
+  World fixed(scene, options);
+  fixed.run(0.3);
+  EXPECT_THAT(refusal([&] { fixed.restore(before); }),
+              HasSubstr("is from before bodies were inserted"));
+}
+
+TEST_P(ChangingBodies, LoadsOfBodiesToComeStay) {
+  if (backend() != BackendKind::cpu) GTEST_SKIP() << "writes the array from the host";
+  Scene scene = two_spheres();
+  scene.insertions.push_back({.time = 0.2, .bodies = {sphere({0, 3, 2}, 0.1, 1)}});
+  World world = world_of(scene);
+  const ArrayView force = world.array("force");
+  if (precision() == Precision::double_precision)
+    static_cast<double*>(force.data)[3 * 3] = 100;
+  else
+    static_cast<float*>(force.data)[3 * 3] = 100;
+  world.add(sphere({12, 0, 3}, 0.1, 1));
+  world.run(0.3);
+  EXPECT_NEAR(world.states().velocity[3].x, 10, 10 * tolerance());
+}
+
 TEST_P(ChangingBodies, WhatIsWrongIsRefusedAndChangesNothing) {
   Scene scene = two_spheres();
   scene.joints.push_back({.kind = JointKind::ball, .bodies = {kWorldBody, 2}, .anchor = {5, 0, 3}});

@@ -227,6 +227,21 @@ TEST_P(Control, IsPartOfASavedState) {
   }
 }
 
+TEST_P(Control, AStateOfAnotherSceneIsRefusedAndChangesNothing) {
+  Scene scene = paddle_scene(Motion::Kind::rotating);
+  World other = world_of(scene);
+  other.set_motion(3, *paddle_scene(Motion::Kind::linear).bodies[3].motion);
+  other.run(0.05);
+  const WorldState state = other.save();
+  scene.bodies[3].kind = BodyKind::fixed;
+  scene.bodies[3].motion = Motion{};
+  World world = world_of(scene);
+  world.run(0.01);
+  const std::uint64_t before = state_hash(world.states());
+  EXPECT_THAT(refusal([&] { world.restore(state); }), HasSubstr("body 3 is not kinematic"));
+  EXPECT_EQ(state_hash(world.states()), before);
+}
+
 TEST_P(Control, RunCallsBackAndEndsWhenAskedTo) {
   World world = world_of(flying_bodies());
   int calls = 0;

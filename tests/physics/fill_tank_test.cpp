@@ -1,4 +1,4 @@
-// Rain fills a tank: the one large scene of every merge.
+// Rain fills a tank.
 
 #include <gtest/gtest.h>
 

@@ -40,6 +40,21 @@ Scene thrown_block() {
   return scene;
 }
 
+TEST(OwnBodies, OnesThatAreNoMoreAreNotAmongThem) {
+  const Scene scene = thrown_block();
+  World world = reference_world(scene);
+  world.remove(7);
+  Kept kept;
+  world.begin_own_bodies(kept, {});
+  const std::vector<std::int64_t> given = world.give_own_bodies(kept);
+  ASSERT_EQ(kept.bodies.id.size(), scene.bodies.size() - 1);
+  EXPECT_EQ(given[0], std::ssize(kept.bodies.id));
+  EXPECT_EQ(kept.bodies.id[6], 6);
+  EXPECT_EQ(kept.bodies.id[7], 8);
+  EXPECT_EQ(kept.bodies.states.position.size(), kept.bodies.id.size());
+  EXPECT_EQ(kept.bodies.states.position[7].x, world.states().position[8].x);
+}
+
 /// Rows of a rank are those of states(), which rank 0 has of all.
 void expect_rows(const OwnBodies& own, const BodyStates& all, std::set<int>& seen) {
   for (std::size_t k = 0; k < own.id.size(); ++k) {

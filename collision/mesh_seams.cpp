@@ -51,11 +51,33 @@ std::vector<Index> in_plane(const std::vector<Vec>& points, const Vec& along, do
   return found;
 }
 
-/// Pairs the vertices of both ends.
-MeshSeam paired(const std::vector<Vec>& points, const Vec& period, std::vector<Index> lower,
-                const std::vector<Index>& upper, double tolerance) {
-  MeshSeam seam{period, std::vector<Index>(points.size(), -1),
-                std::vector<Index>(points.size(), -1)};
+/// Finds for the vertices of one end those of the other. @param shift  from that end to this one [m]
+/// @param to  in the order of their coordinates along an axis
+/// @return    false: there is none for one of them
+bool match(const std::vector<Vec>& points, const std::vector<Index>& from,
+           const std::vector<Index>& to, int axis, const Vec& shift, double tolerance,
+           std::vector<Index>& other, double& mismatch) {
+  for (const Index v : from) {
+    const Vec wanted = at(points, v) - shift;
+    double least = tolerance;
+    auto u = std::lower_bound(
+        to.begin(), to.end(), wanted[axis] - tolerance,
+        [&](Index candidate, double x) { return at(points, candidate)[axis] < x; });
+    for (; u != to.end() && at(points, *u)[axis] <= wanted[axis] + tolerance; ++u) {
+      const double off = norm(at(points, *u) - wanted);
+      if (off > least) continue;
+      least = off;
+      at(other, v) = *u;
+    }
+    if (at(other, v) < 0) return false;
+    mismatch = std::max(mismatch, least);
+  }
+  return true;
+}
+
+/// Pairs the vertices of both ends. @return  false: one of them has no other
+bool pair_ends(const std::vector<Vec>& points, std::vector<Index> lower, std::vector<Index> upper,
+               double tolerance, MeshSeam& seam) {
   int axis = 0;  // along which they are spread most
   double widest = -1;
   for (int k = 0; k < 3; ++k) {
@@ -64,24 +86,14 @@ MeshSeam paired(const std::vector<Vec>& points, const Vec& period, std::vector<I
       low = std::min(low, at(points, v)[k]), high = std::max(high, at(points, v)[k]);
     if (high - low > widest) widest = high - low, axis = k;
   }
-  std::sort(lower.begin(), lower.end(), [&](Index u, Index v) {
-    return std::pair(at(points, u)[axis], u) < std::pair(at(points, v)[axis], v);
-  });
-  for (const Index v : upper) {
-    const Vec wanted = at(points, v) - period;
-    auto u = std::lower_bound(
-        lower.begin(), lower.end(), wanted[axis] - tolerance,
-        [&](Index candidate, double x) { return at(points, candidate)[axis] < x; });
-    for (; u != lower.end() && at(points, *u)[axis] <= wanted[axis] + tolerance; ++u) {
-      const double off = norm(at(points, *u) - wanted);
-      if (off > tolerance || at(seam.after, *u) >= 0) continue;
-      at(seam.before, v) = *u;
-      at(seam.after, *u) = v;
-      seam.mismatch = std::max(seam.mismatch, off);
-      break;
-    }
-  }
-  return seam;
+  for (std::vector<Index>* end : {&lower, &upper})
+    std::sort(end->begin(), end->end(), [&](Index u, Index v) {
+      return std::pair(at(points, u)[axis], u) < std::pair(at(points, v)[axis], v);
+    });
+  seam.before.assign(points.size(), -1);
+  seam.after.assign(points.size(), -1);
+  return match(points, upper, lower, axis, seam.period, tolerance, seam.before, seam.mismatch) &&
+         match(points, lower, upper, axis, -seam.period, tolerance, seam.after, seam.mismatch);
 }
 
 /// Takes out the triangles that face the image of the mesh. @return  false: those of the ends differ, and all were kept
@@ -123,8 +135,10 @@ std::vector<MeshSeam> take_seams(const std::vector<Vec3<double>>& points,
   for (const Vec& period : periods) {
     const Extent extent(points, period);
     if (!extent.is_one_period(tolerance)) continue;
-    MeshSeam seam = paired(points, period, in_plane(points, extent.along, extent.low, tolerance),
-                           in_plane(points, extent.along, extent.high, tolerance), tolerance);
+    MeshSeam seam{.period = period};
+    if (!pair_ends(points, in_plane(points, extent.along, extent.low, tolerance),
+                   in_plane(points, extent.along, extent.high, tolerance), tolerance, seam))
+      continue;
     if (closed && !take_inner(points, seam, triangles)) continue;
     seams.push_back(std::move(seam));
   }

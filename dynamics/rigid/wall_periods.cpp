@@ -7,9 +7,9 @@
 #include "dynamics/rigid/collision_settings.h"
 #include "host/scene/motion.h"
 #include "kernels/math/quat.h"
-#include "kernels/narrow_phase/wall_images.h"
 #include "shapes/box.h"
 #include "shapes/cylinder.h"
+#include "shapes/rounded.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
@@ -28,6 +28,13 @@ void visit_kept_axes(const Scene& scene, const BodyDescription& body, F&& visit)
   }
 }
 
+/// Whether a mesh is joined with its image.
+bool is_endless_mesh(const TriangleMesh& mesh, const Vec3d& period) {
+  if (!spans_period(mesh.vertices, period)) return false;
+  auto triangles = mesh.triangles;
+  return !take_seams(mesh.vertices, triangles, mesh.closed, {period}).empty();
+}
+
 }  // namespace
 
 std::vector<Vec3d> wall_periods(const Scene& scene, const BodyDescription& body) {
@@ -35,26 +42,29 @@ std::vector<Vec3d> wall_periods(const Scene& scene, const BodyDescription& body)
   const ShapeCard& card = shape_card(body.shape.kind);
   if (!card.has_mesh || card.is_hull || card.is_compound) return periods;
   visit_kept_axes(scene, body, [&](int, double length, const Vec3d& axis) {
-    const std::vector<Vec3d>& points =
-        scene.meshes[static_cast<std::size_t>(body.shape.mesh)].vertices;
-    if (spans_period(points, length * axis)) periods.push_back(length * axis);
+    const TriangleMesh& mesh = scene.meshes[static_cast<std::size_t>(body.shape.mesh)];
+    if (is_endless_mesh(mesh, length * axis)) periods.push_back(length * axis);
   });
   return periods;
 }
 
 std::optional<EndlessWall> endless_wall(const Scene& scene, const BodyDescription& body) {
   constexpr double kRounding = 1e-6;
-  const bool is_box = body.shape.kind == shapes::Box::kind;
-  if (!is_box && body.shape.kind != shapes::Cylinder::kind) return {};
+  const Shape& shape = body.shape;
+  const bool is_rounded = shape.kind == shapes::Rounded::kind;
+  const ShapeKind core = is_rounded ? shape.rounded.core : shape.kind;
+  const double rounding = is_rounded ? shape.rounded.radius : 0;
+  const bool is_box = core == shapes::Box::kind;
+  if (!is_box && core != shapes::Cylinder::kind) return {};
   EndlessWall wall;
-  wall.half_extents = core_half_extents(body.shape);
+  wall.half_extents = core_half_extents(shape);
   visit_kept_axes(scene, body, [&](int k, double length, const Vec3d& axis) {
     for (int own = is_box ? 0 : 2; own < 3; ++own) {
       if (std::abs(axis[own]) < 1 - kRounding * kRounding) continue;
       double& half = wall.half_extents[own];
-      if (2 * half < length * (1 - kRounding)) continue;
-      // As far as images are searched: bodies may pass several periods in a step.
-      half = std::max(half, kMostPeriods * length);
+      if (2 * (half + rounding) < length * (1 - kRounding)) continue;
+      // Twice the longest way in a step that some models allow, and no more: rounding is measured by it.
+      half = std::max(half, 2 * length);
       wall.axes = static_cast<std::uint8_t>(wall.axes | 1u << k);
     }
   });

@@ -13,7 +13,7 @@ namespace scree {
 /// Periods that the mesh of a fixed or kinematic body spans [m], in its frame: see MeshSource::periods.
 std::vector<Vec3d> wall_periods(const Scene& scene, const BodyDescription& body);
 
-/// The same of boxes that lie along axes of the domain, and of cylinders along one. None: it ends within its period.
+/// The axes that boxes along axes of the domain, and cylinders along one, fill, rounded or not. None: there is no such axis.
 std::optional<EndlessWall> endless_wall(const Scene& scene, const BodyDescription& body);
 
 /// Bits of the axes along which it goes on, whatever its shape.

@@ -69,6 +69,16 @@ std::int64_t step_target(const RunOptions& options, const Scene& scene) {
   return std::llround(scene.stepping.duration / scene.stepping.time_step);
 }
 
+/// A run that is asked for and takes no step would end without a word.
+void require_a_step(const RunOptions& options, const Scene& scene, const fs::path& file) {
+  const SteppingSettings& s = scene.stepping;
+  if (s.duration == 0 || step_target(options, scene) > 0 || options.steps == 0) return;
+  throw InputError(fmt::format(
+      "{}: duration: {} is not allowed: would take no step, must be 0 or at least half of "
+      "time_step, {:g} s, without --steps",
+      file.string(), s.duration, 0.5 * s.time_step));
+}
+
 fs::path output_folder(const RunOptions& options, const Scene& scene) {
   return options.out.empty() ? fs::path("out") / scene.name : options.out;
 }
@@ -118,6 +128,7 @@ struct RunInput {
       throw InputError("--dump-problem is for a run of one rank");
     file = find_scene(options.target.scene);
     scene = read_scene(file, options.target.overrides, &notes);
+    require_a_step(options, scene, file);
     text = scene_text(file, options.target.overrides);
     world = resolve_options(options.target, scene, &notice, ranks);
   }

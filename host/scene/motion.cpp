@@ -98,7 +98,7 @@ bool keeps_direction(const BodyDescription& body, const Vec3d& direction) {
     return norm(cross(axis, direction)) <= kRounding * norm(axis);
   };
   if (m.kind == Motion::Kind::linear) return is_along(m.angular_velocity);
-  if (m.kind == Motion::Kind::rotating) return is_along(m.axis);
+  if (m.kind == Motion::Kind::rotating) return m.rate == 0 || is_along(m.axis);
   return std::all_of(m.orientations.begin(), m.orientations.end(), [&](const Quatd& q) {
     return norm(rotate(q, direction) - direction) <= kRounding;
   });

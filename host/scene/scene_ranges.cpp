@@ -118,10 +118,6 @@ std::optional<Fault> stepping_fault(const Scene& scene) {
     return Fault{"duration", fmt::format("{}", s.duration),
                  fmt::format("would take {:.3g} steps of {:g} s, must be {:g} steps or fewer",
                              s.duration / s.time_step, s.time_step, kMostSteps)};
-  if (s.duration > 0 && s.duration < 0.5 * s.time_step)
-    return Fault{"duration", fmt::format("{}", s.duration),
-                 fmt::format("would take no step, must be 0 or at least half of time_step, {:g} s",
-                             0.5 * s.time_step)};
   if (!is_in_range(scene.gravity)) return too_far("gravity", scene.gravity, "m/s^2");
   if (!is_speed_in_range(s.time_step * norm(scene.gravity), s.time_step))
     return Fault{"gravity", vector_text(scene.gravity),

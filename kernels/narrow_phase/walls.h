@@ -34,10 +34,11 @@ struct WallSolid {
   std::uint32_t element_offset = 0;  ///< of its contact elements among those of all solids
   std::uint32_t first_element = 0;   ///< of its contact elements
   std::uint32_t slots = 1;           ///< contact elements of one image
-  Vec3d half_extents;                ///< of the box about it, or about its core, body frame [m]
-  Rounding<double> rounded;          ///< of a rounded shape
-  Hull hull;                         ///< of a hull, or one that is rounded
-  Vec3d center;                      ///< position of the wall body [m]
+  Vec3d
+      half_extents;  ///< of the box about it, or about its core, body frame [m]; longer where it is endless
+  Rounding<double> rounded;  ///< of a rounded shape
+  Hull hull;                 ///< of a hull, or one that is rounded
+  Vec3d center;              ///< position of the wall body [m]
   Quatd orientation;
   RigidMotion motion;        ///< on its course, see course_velocity()
   Vec3d local_middle;        ///< middle of the box about it, body frame [m]

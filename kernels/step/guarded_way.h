@@ -117,9 +117,13 @@ struct GuardedWay {
   SCREE_HD static Quatd turned(const Frame& f, double time) {
     return norm2(f.turn) > 0 ? exp_map(time * f.turn) * f.orientation : f.orientation;
   }
-  /// Images of a wall are a period apart, which is more than a radius.
-  SCREE_HD static bool is_same(const Frame& a, const Frame& b, double radius) {
-    return a.solid == b.solid && norm(a.center - b.center) < radius;
+  /// Images of a wall are a period apart, which is more than a radius; the only one along an endless axis goes with the sphere.
+  SCREE_HD bool is_same(const Frame& a, const Frame& b, double radius) const {
+    if (a.solid != b.solid) return false;
+    Vec3d apart = a.center - b.center;
+    for (int k = 0; k < 3 && a.solid >= 0; ++k)
+      if (is_endless(walls.solids[a.solid], k)) apart[k] = 0;
+    return norm(apart) < radius;
   }
   SCREE_HD static Vec3d to_world(const Frame& f, double time, const Vec3d& x) {
     if (f.solid < 0) return x;

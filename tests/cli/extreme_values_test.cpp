@@ -46,6 +46,19 @@ TEST(CliExtremeValues, FramesEveryStepWhateverTheIntervalBelowIt) {
   }
 }
 
+TEST(CliExtremeValues, ADurationWithoutAStepIsRefused) {
+  const Scratch scratch;
+  json scene = falling_ball();
+  scene["duration"] = 0.004;
+  const fs::path file = put_scene(scratch, scene);
+  const Result result = scree(scratch, run_arguments(file, scratch / "a"));
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.err.find(file.string() + ": duration: 0.004 is not allowed"), std::string::npos)
+      << result.err;
+  EXPECT_FALSE(fs::exists(scratch / "a"));
+  EXPECT_EQ(scree(scratch, run_arguments(file, scratch / "a", {"--steps", "2"})).code, 0);
+}
+
 TEST(CliExtremeValues, APictureIsNumberedByThoseBeforeItAfterAResume) {
   const Scratch scratch;
   json scene = falling_ball();

@@ -79,27 +79,63 @@ MeshSource repeating_floor(int n, double cell) {
   return m;
 }
 
-TYPED_TEST(MeshContactTest, AFloorThatGoesOnInItsImagesIsOneContactASphere) {
-  for (const int n : {1, 2, 7}) {
-    const double cell = 2.1 / n, low = -(n / 2) * cell, high = low + 2.1;
-    CollisionScene<TypeParam> s;
-    s.settings.envelope = 0.02;
-    s.settings.period = {2.1, 2.1, 0};
-    const std::vector<double> places{
-        low,         high,       low + 1e-12, high - 1e-12,      low + 1e-8,
-        high - 1e-8, low + 1e-6, high - 1e-6, low + 0.01,        high - 0.01,
-        low + 0.2,   high - 0.2, high + 1e-9, 0.5 * (low + high)};
-    for (const double x : places)
-      for (const double y : places) s.add_free({x, y, 0.3}, 0.29);
-    const Index wall = s.add_mesh_wall({0, 0, 0}, repeating_floor(n, cell));
-    std::vector<Index> count(static_cast<std::size_t>(s.owned_count));
-    for (const auto& contact : this->contacts(s)) {
-      if (contact.b != wall) continue;
-      ++count[contact.a];
-      EXPECT_NEAR(contact.gap, 0.01, 10 * this->kEps);
-      EXPECT_NEAR(contact.normal.z, -1, this->kEps);
+TYPED_TEST(MeshContactTest, AFloorThatGoesOnInItsImagesHoldsASphereEverywhere) {
+  for (const double period : {2.1, 0.3, 1.1}) {
+    for (const int n : {1, 2, 7}) {
+      const double cell = period / n, low = -(n / 2) * cell, high = low + period;
+      CollisionScene<TypeParam> s;
+      s.settings.envelope = 0.01 * period;
+      s.settings.period = {period, period, 0};
+      // Rounding decides next to seams, so there are many places there; far from them a sphere has one contact.
+      std::vector<double> places{low, high, 0.5 * (low + high)};
+      for (double off = 1e-12; off < 0.3; off *= 2.3)
+        places.push_back(low + off * period), places.push_back(high - off * period);
+      const std::vector<double> across{low, high - 3e-7, low + 2e-7, low + 0.37 * cell};
+      for (const double x : places)
+        for (const double y : across) {
+          s.add_free({x, y, 0.15 * period}, 0.145 * period);
+          s.add_free({y, x, 0.15 * period}, 0.145 * period);
+        }
+      const Index wall = s.add_mesh_wall({0, 0, 0}, repeating_floor(n, cell));
+      std::vector<Index> count(static_cast<std::size_t>(s.owned_count));
+      for (const auto& contact : this->contacts(s)) {
+        if (contact.b != wall) continue;
+        ++count[contact.a];
+        EXPECT_NEAR(contact.gap, 0.005 * period, 10 * this->kEps);
+        EXPECT_NEAR(contact.normal.z, -1, this->kEps);
+      }
+      for (std::size_t i = 0; i < count.size(); ++i) {
+        const auto& x = s.position[i];
+        EXPECT_GE(count[i], 1) << n << " cells, " << period << " m, at " << x.x << " " << x.y;
+        const auto is_far = [&](double at) { return at - low > 1e-4 && high - at > 1e-4; };
+        if (is_far(x.x) && is_far(x.y)) {
+          EXPECT_EQ(count[i], 1);
+        }
+      }
     }
-    for (const Index found : count) EXPECT_EQ(found, 1) << n << " cells";
+  }
+}
+
+// Faces and edges at a seam are found from points that rounding has put at different places: between them is nothing.
+TYPED_TEST(MeshContactTest, BesideASeamNoSphereFallsThrough) {
+  for (const double period : {2.1, 0.3, 1.1, 0.02}) {
+    const double cell = period / 2, low = -cell, high = low + period;
+    for (const bool is_corner : {false, true}) {
+      CollisionScene<TypeParam> s;
+      s.settings.envelope = 0.01 * period;
+      s.settings.period = {period, period, 0};
+      for (int k = -60; k < 60; ++k) {
+        const double off = 2.5e-8 * k * period;
+        s.add_free({high + off, is_corner ? high + 0.4 * off : low + 0.37 * cell, 0.15 * period},
+                   0.145 * period);
+      }
+      const Index wall = s.add_mesh_wall({0, 0, 0}, repeating_floor(2, cell));
+      std::vector<Index> count(static_cast<std::size_t>(s.owned_count));
+      for (const auto& contact : this->contacts(s))
+        if (contact.b == wall) ++count[contact.a];
+      for (std::size_t i = 0; i < count.size(); ++i)
+        EXPECT_GE(count[i], 1) << period << " m, at " << s.position[i].x - high;
+    }
   }
 }
 

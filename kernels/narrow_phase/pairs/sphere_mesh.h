@@ -7,7 +7,9 @@
 // Whether the foot of the center lies inside a triangle, past an edge or past a vertex is decided
 // from the edge alone, by the same arithmetic for both triangles. A strip around each edge
 // (MeshInfo::tolerance, 1e-11 of the mesh) belongs to the edge, and what is within twice that of a
-// vertex to the vertex: no center falls between two features, and none is claimed twice.
+// vertex to the vertex: no center falls between two features, and none is claimed twice. Where a mesh goes on in its image
+// the arithmetic is not the same: what owns an edge or a vertex there also claims as much more as rounding may be, so
+// that a center may be claimed twice, but not fall between.
 
 #include "kernels/narrow_phase/mesh_view.h"
 #include "kernels/narrow_phase/pairs/sphere_triangle.h"
@@ -18,7 +20,8 @@ namespace scree {
 
 /// Where a center stands relative to one edge.
 struct EdgeSides {
-  bool past[2];  ///< not on the inner side of triangle 0, 1; true at a border
+  bool past[2];    ///< not on the inner side of triangle 0, 1; true at a border
+  bool beside[2];  ///< the same, or on the inner side by no more than the slack of the edge
   double
       from[2];  ///< distance of its foot on the edge from either end [m], negative beyond the end
 };
@@ -32,11 +35,13 @@ SCREE_HD EdgeSides edge_sides(const MeshView<Real>& mesh, const MeshEdge& edge, 
   sides.from[0] = dot(from_a, along);
   sides.from[1] = dot(center - b, -along);
   for (int k = 0; k < 2; ++k) {
-    sides.past[k] = true;
+    sides.past[k] = sides.beside[k] = true;
     if (edge.triangle[k] < 0) continue;
     const Vec3d to_opposite = Vec3d(mesh.points[edge.opposite[k]]) - a;
     const Vec3d inward = to_opposite - dot(to_opposite, along) * along;
-    sides.past[k] = dot(from_a, inward) <= tolerance * norm(inward);
+    const double inside = dot(from_a, inward), length = norm(inward);
+    sides.past[k] = inside <= tolerance * length;
+    sides.beside[k] = inside <= (tolerance + static_cast<double>(edge.slack)) * length;
   }
   return sides;
 }
@@ -47,10 +52,9 @@ SCREE_HD bool is_closest_vertex(const MeshView<Real>& mesh, Index v, double tole
                                 const Vec3d& center) {
   const MeshVertex& vertex = mesh.vertices[v];
   const Vec3d point(mesh.points[v]);
-  const double width = 2 * (tolerance + static_cast<double>(vertex.slack));
   for (Index k = 0; k < vertex.neighbor_count; ++k) {
     const Vec3d along = Vec3d(mesh.points[mesh.neighbors[vertex.first_neighbor + k]]) - point;
-    if (dot(center - point, along) > width * norm(along)) return false;
+    if (dot(center - point, along) > 2 * tolerance * norm(along)) return false;
   }
   return true;
 }
@@ -60,29 +64,31 @@ template <class Real>
 SCREE_HD bool closest_feature(const MeshView<Real>& mesh, double tolerance, Index t,
                               const Vec3d& center, TriangleFeature& feature, int& index) {
   const MeshTriangle& triangle = mesh.triangles[t];
-  bool near_vertex[3] = {false, false, false};  // within its range along one of the edges of t
+  // From each corner along the edges of t, the nearer end.
+  double from_vertex[3] = {INFINITY, INFINITY, INFINITY};
   bool inside = true;
   int edge = -1;
   for (int k = 0; k < 3; ++k) {
     const MeshEdge& e = mesh.edges[triangle.edge[k]];
-    const double width = tolerance + static_cast<double>(e.slack);
-    const EdgeSides sides = edge_sides(mesh, e, width, center);
+    const EdgeSides sides = edge_sides(mesh, e, tolerance, center);
     inside = inside && !sides.past[e.triangle[0] == t ? 0 : 1];
-    if (e.triangle[0] == t && sides.past[0] && sides.past[1] && sides.from[0] > width &&
-        sides.from[1] > width) {
+    if (e.triangle[0] == t && sides.beside[0] && sides.beside[1] && sides.from[0] > tolerance &&
+        sides.from[1] > tolerance) {
       edge = k;
     }
     for (int end = 0; end < 2; ++end) {
-      if (sides.from[end] > 2 * width) continue;
-      near_vertex[e.vertex[end] == triangle.vertex[k] ? k : (k + 1) % 3] = true;
+      double& from = from_vertex[e.vertex[end] == triangle.vertex[k] ? k : (k + 1) % 3];
+      from = sides.from[end] < from ? sides.from[end] : from;
     }
   }
   for (int k = 0; k < 3; ++k) {
     const Index v = triangle.vertex[k];
-    if (!near_vertex[k] || !is_closest_vertex(mesh, v, tolerance, center)) continue;
+    const bool is_owner = mesh.vertices[v].owner == t;
+    const double width = tolerance + (is_owner ? static_cast<double>(mesh.vertices[v].slack) : 0);
+    if (from_vertex[k] > 2 * width || !is_closest_vertex(mesh, v, width, center)) continue;
     feature = TriangleFeature::vertex;
     index = k;
-    return mesh.vertices[v].owner == t;
+    return is_owner;
   }
   feature = edge >= 0 ? TriangleFeature::edge : TriangleFeature::face;
   index = edge;

@@ -63,7 +63,7 @@ std::optional<EndlessWall> endless_wall(const Scene& scene, const BodyDescriptio
       if (std::abs(axis[own]) < 1 - kRounding * kRounding) continue;
       double& half = wall.half_extents[own];
       if (2 * (half + rounding) < length * (1 - kRounding)) continue;
-      // Twice the longest way in a step that some models allow, and no more: rounding is measured by it.
+      // Only what goes farther than that in a step meets its end. No more: rounding is measured by it.
       half = std::max(half, 2 * length);
       wall.axes = static_cast<std::uint8_t>(wall.axes | 1u << k);
     }

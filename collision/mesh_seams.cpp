@@ -18,27 +18,14 @@ const Vec& at(const std::vector<Vec>& points, Index v) {
 Index& at(std::vector<Index>& of, Index v) { return of[static_cast<std::size_t>(v)]; }
 Index at(const std::vector<Index>& of, Index v) { return of[static_cast<std::size_t>(v)]; }
 
-/// Distance up to which points are at the same place [m].
-double tolerance_of(const std::vector<Vec>& points) {
-  if (points.empty()) return 0;
-  Vec low = points.front(), high = low;
-  for (const Vec& x : points)
-    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], x[k]), high[k] = std::max(high[k], x[k]);
-  return kMatch * norm(high - low);
-}
-
-/// How far points reach along a period [m].
+/// How far points reach along a direction [m].
 struct Extent {
-  double length;
-  Vec along;  ///< unit
   double low = std::numeric_limits<double>::infinity(), high = -low;
 
-  Extent(const std::vector<Vec>& points, const Vec& period)
-      : length(norm(period)), along((1 / length) * period) {
+  Extent(const std::vector<Vec>& points, const Vec& along) {
     for (const Vec& x : points)
       low = std::min(low, dot(x, along)), high = std::max(high, dot(x, along));
   }
-  bool is_one_period(double tolerance) const { return std::abs(high - low - length) <= tolerance; }
 };
 
 /// Vertices near the plane at a height along a direction.
@@ -123,21 +110,27 @@ bool take_inner(const std::vector<Vec>& points, const MeshSeam& seam,
 
 }  // namespace
 
-bool spans_period(const std::vector<Vec3<double>>& points, const Vec3<double>& period) {
-  return Extent(points, period).is_one_period(tolerance_of(points));
+double diagonal_of(const std::vector<Vec3<double>>& points) {
+  if (points.empty()) return 0;
+  Vec low = points.front(), high = low;
+  for (const Vec& x : points)
+    for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], x[k]), high[k] = std::max(high[k], x[k]);
+  return norm(high - low);
 }
 
 std::vector<MeshSeam> take_seams(const std::vector<Vec3<double>>& points,
                                  std::vector<std::array<Index, 3>>& triangles, bool closed,
                                  const std::vector<Vec3<double>>& periods) {
   std::vector<MeshSeam> seams;
-  const double tolerance = tolerance_of(points);
+  const double tolerance = kMatch * diagonal_of(points);
   for (const Vec& period : periods) {
-    const Extent extent(points, period);
-    if (!extent.is_one_period(tolerance)) continue;
-    MeshSeam seam{.period = period};
-    if (!pair_ends(points, in_plane(points, extent.along, extent.low, tolerance),
-                   in_plane(points, extent.along, extent.high, tolerance), tolerance, seam))
+    const Vec along = normalized(period);
+    const Extent extent(points, along);
+    if (std::abs(extent.high - extent.low - norm(period)) > tolerance) continue;
+    MeshSeam seam;
+    seam.period = period;
+    if (!pair_ends(points, in_plane(points, along, extent.low, tolerance),
+                   in_plane(points, along, extent.high, tolerance), tolerance, seam))
       continue;
     if (closed && !take_inner(points, seam, triangles)) continue;
     seams.push_back(std::move(seam));

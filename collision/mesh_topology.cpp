@@ -35,13 +35,13 @@ class MeshBuilder {
     info.closed = source_.closed;
     first_triangle_ = info.first_triangle;
     weld();
-    find_seams();
+    cut_at_seams();
     info.triangle_count = static_cast<Index>(triangles_.size());
     order_.resize(triangles_.size());
     std::iota(order_.begin(), order_.end(), 0);
     if (!order_.empty()) add_nodes(0, info.triangle_count);
     info.end_node = static_cast<Index>(out_.nodes.size());
-    info.tolerance = kFeatureTolerance * diagonal();
+    info.tolerance = kFeatureTolerance * diagonal_;
     for (const Index t : order_) add_triangle(triangles_[static_cast<std::size_t>(t)]);
     add_edges();
     add_vertices();
@@ -83,29 +83,17 @@ class MeshBuilder {
     }
   }
 
-  void find_seams() {
+  /// Triangles inside of what the mesh and its images make together are left out.
+  void cut_at_seams() {
     std::vector<Vec> points;
     for (auto v = static_cast<std::size_t>(first_vertex_); v < out_.points.size(); ++v)
       points.emplace_back(out_.points[v]);
+    diagonal_ = diagonal_of(points);
     for (auto& t : triangles_)
       for (Index& v : t) v -= first_vertex_;
     seams_ = take_seams(points, triangles_, source_.closed, source_.periods);
     for (auto& t : triangles_)
       for (Index& v : t) v += first_vertex_;
-  }
-
-  /// Of the box around all vertices [m].
-  double diagonal() const {
-    Vec lower, upper;
-    for (auto v = static_cast<std::size_t>(first_vertex_); v < out_.points.size(); ++v) {
-      for (int k = 0; k < 3; ++k) {
-        const double x = out_.points[v][k];
-        const bool first = v == static_cast<std::size_t>(first_vertex_);
-        lower[k] = first ? x : std::min(lower[k], x);
-        upper[k] = first ? x : std::max(upper[k], x);
-      }
-    }
-    return norm(upper - lower);
   }
 
   Vec point(Index v) const { return Vec(out_.points[static_cast<std::size_t>(v)]); }
@@ -201,7 +189,10 @@ class MeshBuilder {
       }
     }
     for (const MeshSeam& seam : seams_) join_edges(seam, open);
-    for (const auto& [ends, e] : open) out_.edges[static_cast<std::size_t>(e)].slack = slack();
+    for (const auto& [ends, e] : open) {
+      MeshEdge& edge = out_.edges[static_cast<std::size_t>(e)];
+      if (edge.triangle[1] >= 0) edge.slack = slack();
+    }
     for (std::size_t e = out_.edge_normal.size(); e < out_.edges.size(); ++e) {
       Vec sum;
       for (const Index t : out_.edges[e].triangle) {
@@ -315,6 +306,7 @@ class MeshBuilder {
   const MeshSource& source_;
   MeshTopology<Real>& out_;
   std::vector<std::array<Index, 3>> triangles_;  ///< of welded vertices, global indices
+  double diagonal_ = 0;                          ///< of the box around all vertices [m]
   std::vector<MeshSeam> seams_;
   double image_rounding_ = 0;  ///< most of the points of images [m]
   std::vector<Index> order_;   ///< triangles along the hierarchy

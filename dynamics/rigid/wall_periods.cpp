@@ -28,23 +28,24 @@ void visit_kept_axes(const Scene& scene, const BodyDescription& body, F&& visit)
   }
 }
 
-/// Whether a mesh is joined with its image.
-bool is_endless_mesh(const TriangleMesh& mesh, const Vec3d& period) {
-  if (!spans_period(mesh.vertices, period)) return false;
-  auto triangles = mesh.triangles;
-  return !take_seams(mesh.vertices, triangles, mesh.closed, {period}).empty();
+/// Calls visit(axis, period in the frame of the body) for those over which a mesh wall is joined with its images.
+template <class F>
+void visit_periods_of_mesh(const Scene& scene, const BodyDescription& body, F&& visit) {
+  const ShapeCard& card = shape_card(body.shape.kind);
+  if (!card.has_mesh || card.is_hull || card.is_compound) return;
+  const TriangleMesh& mesh = scene.meshes[static_cast<std::size_t>(body.shape.mesh)];
+  visit_kept_axes(scene, body, [&](int k, double length, const Vec3d& axis) {
+    const Vec3d period = length * axis;
+    auto triangles = mesh.triangles;
+    if (!take_seams(mesh.vertices, triangles, mesh.closed, {period}).empty()) visit(k, period);
+  });
 }
 
 }  // namespace
 
 std::vector<Vec3d> wall_periods(const Scene& scene, const BodyDescription& body) {
   std::vector<Vec3d> periods;
-  const ShapeCard& card = shape_card(body.shape.kind);
-  if (!card.has_mesh || card.is_hull || card.is_compound) return periods;
-  visit_kept_axes(scene, body, [&](int, double length, const Vec3d& axis) {
-    const TriangleMesh& mesh = scene.meshes[static_cast<std::size_t>(body.shape.mesh)];
-    if (is_endless_mesh(mesh, length * axis)) periods.push_back(length * axis);
-  });
+  visit_periods_of_mesh(scene, body, [&](int, const Vec3d& period) { periods.push_back(period); });
   return periods;
 }
 
@@ -75,11 +76,7 @@ std::optional<EndlessWall> endless_wall(const Scene& scene, const BodyDescriptio
 std::uint8_t axes_it_goes_on(const Scene& scene, const BodyDescription& body) {
   const std::optional<EndlessWall> wall = endless_wall(scene, body);
   unsigned axes = wall ? wall->axes : 0;
-  for (const Vec3d& period : wall_periods(scene, body)) {
-    const Vec3d along = rotate(body.orientation, period);
-    for (int k = 0; k < 3; ++k)
-      if (std::abs(along[k]) > 0.5 * norm(along)) axes |= 1u << k;
-  }
+  visit_periods_of_mesh(scene, body, [&](int k, const Vec3d&) { axes |= 1u << k; });
   return static_cast<std::uint8_t>(axes);
 }
 

@@ -11,6 +11,7 @@
 #include "host/state_hash.h"
 #include "tests/host/gray_png.h"
 #include "tests/host/input_files.h"
+#include "tests/physics/described_bodies.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -241,15 +242,11 @@ int count_fallen_through(const HeightGrid& grid, double lx, double ly, const std
   solve_to(scene, 1e-7);
   scene.gravity = {0, 0, -kGravity};
   add_field(scene, grid, lx, ly, 0.05);
-  const BodyDescription body =
-      read_scene(test::write_file("shape.json", R"({"time_step": 1, "duration": 1, "bodies": [{)" +
-                                                    shape + R"(, "density": 1000}]})"))
-          .bodies.at(0);
   for (const Vec3d& x : places) {
-    scene.bodies.push_back(body);
-    scene.bodies.back().position = x;
+    BodyDescription& body = add_described(scene, shape);
+    body.position = x;
     if (seed > 0)
-      scene.bodies.back().orientation =
+      body.orientation =
           normalized(Quatd{normal(random), normal(random), normal(random), normal(random)});
   }
   World world = reference_world(scene);

@@ -10,8 +10,7 @@
 
 #include "host/error.h"
 #include "host/scene/height_field.h"
-#include "host/scene_reader.h"
-#include "tests/host/input_files.h"
+#include "tests/physics/described_bodies.h"
 #include "tests/physics/round_bodies.h"
 #include "tests/physics/scene_builder.h"
 
@@ -55,19 +54,6 @@ TEST(PeriodicSeams, ASphereRollsOverOneAsOnAPlane) {
   EXPECT_NEAR(s.position[1].z, 0.1, 1e-6);
 }
 
-/// Adds a free body from the keys of its shape in a scene file.
-BodyDescription& add_body(Scene& scene, const std::string& shape) {
-  const Scene read =
-      read_scene(test::write_file("body.json", R"({"time_step": 1, "duration": 1, "bodies": [{)" +
-                                                   shape + R"(, "density": 1000}]})"));
-  scene.bodies.push_back(read.bodies.at(0));
-  if (!read.meshes.empty()) {
-    scene.bodies.back().shape.mesh = static_cast<int>(scene.meshes.size());
-    scene.meshes.push_back(read.meshes.at(0));
-  }
-  return scene.bodies.back();
-}
-
 const char* const kShapes[]{
     R"("shape": "box", "size": [0.14, 0.12, 0.1])",
     R"("shape": "hull", "points": [[0.07, 0.06, -0.05], [-0.07, 0.06, -0.05],
@@ -88,7 +74,7 @@ TEST(PeriodicSeams, BodiesOfAllShapesSlideOverOneAsOnAPlane) {
   for (const char* shape : kShapes) {
     SCOPED_TRACE(shape);
     Scene scene = periodic_scene(0, 0);
-    BodyDescription& body = add_body(scene, shape);
+    BodyDescription& body = add_described(scene, shape);
     const double height = -lowest(scene, body);
     body.position = {0.7, 0.3, height};
     body.velocity = {0.8, 0.3, 0};
@@ -115,7 +101,7 @@ TEST(PeriodicSeams, WavesGoOn) {
         scene.meshes.clear();
         add_waves(scene, 0.1, 5);
       }
-      BodyDescription& body = add_body(scene, shape);
+      BodyDescription& body = add_described(scene, shape);
       body.position = {0, 0.3, 0.2};
       body.velocity = {3, 0.4, 0};
       World world = reference_world(scene);
@@ -131,9 +117,9 @@ TEST(PeriodicSeams, WavesGoOn) {
 
 /// A fixed box whose edges are rounded.
 BodyDescription rounded_plate() {
-  const Scene read = read_scene(test::write_file("plate.json", R"({"time_step": 1, "duration": 1,
-      "bodies": [{"shape": "box", "kind": "fixed", "size": [2.1, 2.1, 0.2], "rounding": 0.02},
-                 {"shape": "sphere", "radius": 0.1, "density": 1, "position": [0, 0, 9]}]})"));
+  const Scene read = scene_of(
+      R"({"shape": "box", "kind": "fixed", "size": [2.1, 2.1, 0.2], "rounding": 0.02},
+         {"shape": "sphere", "radius": 0.1, "density": 1, "position": [0, 0, 9]})");
   return read.bodies.at(0);
 }
 
@@ -146,7 +132,7 @@ TEST(PeriodicSeams, RoundedPlatesGoOn) {
     scene.bodies.push_back(rounded_plate());
     scene.bodies.back().group = 0;
     scene.bodies.back().position.z = -0.1;
-    BodyDescription& body = add_body(scene, shape);
+    BodyDescription& body = add_described(scene, shape);
     body.position = {0.7, 0.2, 0.05};
     body.velocity = {0.8, 0.3, 0};
     World world = reference_world(scene);
@@ -170,7 +156,7 @@ TEST(PeriodicSeams, PlatesAndRodsGoOn) {
           scene.bodies.push_back(cylinder({0.3, 0, -0.1}, kAlongX, 0.1, length));
           scene.bodies.back().kind = BodyKind::fixed;
         }
-        BodyDescription& body = add_body(scene, shape);
+        BodyDescription& body = add_described(scene, shape);
         const double height = 0.05;
         body.position = {0.7, 0, height};
         body.velocity = {0.8, 0, 0};
@@ -226,7 +212,7 @@ TEST(PeriodicSeams, AlongADrumThatTurnsBodiesKeepTheirSpeed) {
   for (const char* shape : {R"("shape": "sphere", "radius": 0.05)", kShapes[0], kShapes[3]}) {
     SCOPED_TRACE(shape);
     Scene scene = drum_scene();
-    BodyDescription& body = add_body(scene, shape);
+    BodyDescription& body = add_described(scene, shape);
     body.position = {0, 0, -0.42};
     body.velocity = {0, 0.7, 0};
     World world = reference_world(scene);

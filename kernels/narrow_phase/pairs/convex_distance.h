@@ -124,12 +124,13 @@ class Simplex {
     return is_toward_origin<0>(size) | is_toward_origin<1>(size) << 1 |
            is_toward_origin<2>(size) << 2;
   }
+  /// 1: that is so, or the tetrahedron is flat; else 0.
   template <int k>
   SCREE_HD int is_toward_origin(double size) const {
     constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
     const Vec3d e = point_[i].w - point_[3].w, f = point_[j].w - point_[3].w, n = cross(e, f);
     const double own = dot(point_[k].w - point_[3].w, n), origin = -dot(point_[3].w, n);
-    // A tetrahedron that is flat but for rounding has no inside.
+    // One that is flat but for rounding has no inside.
     const double rounding2 = 1e-24 * size * size * norm2(e) * norm2(f);
     return own * origin > 0 && own * own > rounding2 ? 0 : 1;
   }

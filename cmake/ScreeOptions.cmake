@@ -16,8 +16,7 @@ set(SCREE_SANITIZE "" CACHE STRING "Host sanitizers, for instance address;undefi
 set(SCREE_TEST_LAUNCHER "" CACHE STRING "Command (a list) put before the CUDA test program")
 set(SCREE_BATCH 8 CACHE STRING
   "Sources compiled together, of tests and of what runs once, which halves the time for all of them; with 1 a changed one is compiled sooner")
-set(SCREE_CUDA_TESTS_IN "" CACHE STRING
-  "float or double: compile the CUDA test program for that alone, in half the time, where it cannot run; else for both")
+option(SCREE_CUDA_TESTS_AS_PTX "Compile CUDA tests as far as PTX, in a quarter of the time, where they cannot run" OFF)
 option(SCREE_NATIVE "Build for the processor of this machine" ON)
 option(SCREE_WERROR "Treat warnings as errors" OFF)
 option(SCREE_CHECK_SYNC "Synchronize after each kernel launch, so that a fault names its kernel" OFF)

@@ -10,10 +10,7 @@
 
 namespace scree {
 
-#ifndef SCREE_TEST_REALS  // see SCREE_CUDA_TESTS_IN
-#define SCREE_TEST_REALS float, double
-#endif
-using Reals = ::testing::Types<SCREE_TEST_REALS>;
+using Reals = ::testing::Types<float, double>;
 
 template <class Real>
 class BackendTest : public ::testing::Test {

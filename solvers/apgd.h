@@ -8,10 +8,10 @@
 // is the other choice. Memory passes per iteration: one over contacts (112 B in float, 48 of them
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
 // every residual check. L |gamma+ - y|_H of a trial goes with the residual, so that iterations end
-// by themselves where it should be small enough; a check follows, three or four in a solve: at the start, after five times
-// `check_every` iterations, which tells how far the one is from the other, and then after at most twenty times as many.
-// Where that is not known yet, or iterations cannot end by themselves (those of doubles, and of general layouts on a CPU),
-// there is one at least each `check_every` iterations. In the second half of the
+// by themselves where it should be small enough, by what solves before have told; a check follows, two in most solves: one
+// at the start, and that one. There is one at least each twenty times `check_every` iterations.
+// Where nothing is known yet, or iterations cannot end by themselves (those of doubles, and of general layouts on a CPU),
+// it is each `check_every` iterations. In the second half of the
 // iterations allowed there is also one where the residual should be half that of the best iterate.
 // A rejected trial, which is rare, costs one more of both passes; `applications` counts all of
 // them. Spheres take the tuned twins of kernels/solve.
@@ -259,7 +259,7 @@ class Apgd final : public Solver<B, Real> {
       const bool stops = !is_lifted && (this->is_over_ranks() || w.iteration.stops(passes));
       // Checks are where loaded contacts are solved.
       const bool is_sure =
-          stops && gauge_.is_seen() && !(has_blocks && loaded.template may_find<R>(b, passes.p));
+          stops && gauge_.is_known() && !(has_blocks && loaded.template may_find<R>(b, passes.p));
       schedule.set_longest((is_sure ? kLongPatience : kPatience) * params_.check_every);
       const int wait = schedule.next(stats.applications, rms);
       const int left = params_.max_iterations - stats.applications;
@@ -342,7 +342,8 @@ class Apgd final : public Solver<B, Real> {
   /// Loaded contacts are solved exactly this many times in a solve, less one.
   static constexpr int kBlocks = 6;
   static constexpr int kLiftEvery = 5;  ///< iterations between two moves of the lift
-  /// Iterations between residual checks, over check_every, where trials stop by themselves; and once it is known where.
+  /// Iterations between residual checks, over check_every, where loaded contacts are solved at them; and where trials stop by
+  /// themselves.
   static constexpr int kPatience = 5, kLongPatience = 20;
   /// Residual of an iterate that is worth a check, over that of the best one so far.
   static constexpr double kWorth = 0.5;

@@ -8,24 +8,21 @@ namespace scree {
 /// Learns from residual checks how many times the measure the residual is. For the steps of
 /// projected gradients that number hardly changes within a solve and from one time step to the
 /// next: 5 % in settled beds, but for single iterations in which the step size jumps and the
-/// measure is too large. So the largest number seen counts.
+/// measure is too large. So the largest number seen counts, and that of solves before fades slowly.
 class ResidualGauge {
  public:
   void start_solve() {
-    if (seen_ > 0) carried_ = seen_;
-    seen_ = 0;
+    carry(carried());
   }
   /// A residual check.
   void note(double measure, double rms) {
     if (measure > 0) seen_ = std::max(seen_, rms / measure);
   }
   bool is_known() const { return ratio() > 0; }
-  /// By a check of this solve.
-  bool is_seen() const { return seen_ > 0; }
   /// The measure at which a residual should be reached, negative if not known.
   double level(double rms) const { return rms > 0 && is_known() ? kSure * rms / ratio() : -1; }
 
-  double carried() const { return seen_ > 0 ? seen_ : carried_; }
+  double carried() const { return ratio(); }
   void carry(double ratio) { carried_ = ratio, seen_ = 0; }
 
  private:
@@ -35,7 +32,7 @@ class ResidualGauge {
   double ratio() const { return seen_ > 0 ? std::max(seen_, kForget * carried_) : carried_; }
 
   double seen_ = 0;     ///< in this solve
-  double carried_ = 0;  ///< from the last one
+  double carried_ = 0;  ///< from those before
 };
 
 }  // namespace scree

@@ -205,17 +205,28 @@ class MixedContacts {
     const Span<Search> search =
         stores_[static_cast<std::size_t>(store_count_)].template searches_of<Search>(program);
     const auto n = static_cast<Index>(pairs.pair.size);
-    Buffer<B, Index> is_near(b, n), is_open(b, Finishes<P> ? n : 0), list(b, n);
-    Buffer<B, Offset> scan(b, Offset{n} + 1);
+    const Index facets = TellsFacets<P> ? n : 0;
+    Buffer<B, Index> is_near(b, n), is_open(b, Finishes<P> ? n : 0), has_facet(b, facets);
+    Buffer<B, Index> list(b, n), others(b, facets);
+    Buffer<B, Offset> scan(b, Offset{n} + 1), scan_of_others(b, Offset{facets} + 1);
     for_each(b, n, SearchPairs<P, Real>{pairs, before, search, is_near.view(), is_open.view()});
-    const auto flagged = [&](Buffer<B, Index>& flag) -> FlaggedList {
-      exclusive_scan(b, Span<const Index>(flag.view()), scan.view());
-      for_each(b, n, ListFlagged{flag.view(), scan.view(), list.view()});
-      return {list.view(), scan.data() + n};
+    const auto flagged = [&](Buffer<B, Index>& flag, Buffer<B, Offset>& before_each,
+                             Buffer<B, Index>& to) -> FlaggedList {
+      exclusive_scan(b, Span<const Index>(flag.view()), before_each.view());
+      for_each(b, n, ListFlagged{flag.view(), before_each.view(), to.view()});
+      return {to.view(), before_each.data() + n};
     };
     if constexpr (Finishes<P>)
-      for_each(b, n, FinishPairs<P, Real>{pairs, flagged(is_open), search});
-    for_each(b, n, FindSearchedContacts<P, Real>{pairs, flagged(is_near), search});
+      for_each(b, n, FinishPairs<P, Real>{pairs, flagged(is_open, scan, list), search});
+    FlaggedLists near;
+    if constexpr (TellsFacets<P>) {
+      for_each(b, n, SplitByFacets<P>{search, is_near.view(), has_facet.view()});
+      near.first = flagged(has_facet, scan, list);
+      near.second = flagged(is_near, scan_of_others, others);
+    } else {
+      near.first = flagged(is_near, scan, list);
+    }
+    for_each(b, n, FindSearchedContacts<P, Real>{pairs, near, search});
   }
 
   Buffer<B, std::uint32_t> is_near_, touching_;

@@ -18,6 +18,8 @@ class Dynamics {
   virtual std::int64_t steps_done() const = 0;
   virtual double time() const = 0;
 
+  /// See World.
+  virtual std::vector<std::string> warnings() const { return {}; }
   virtual int body_count() const = 0;
   /// What frames show, see DynamicsCard::frame.
   virtual BodyStates states() = 0;

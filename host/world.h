@@ -115,8 +115,8 @@ struct ContactRecord {
 struct JointRecord {
   int body_a = kWorldBody;  ///< ids, or kWorldBody, as in Joint::bodies
   int body_b = kWorldBody;
-  Vec3d force;   ///< impulse at the anchor, world frame, acting on B [N s]
-  Vec3d moment;  ///< [N m s]
+  Vec3d force;   ///< impulse at the anchor of B, world frame, acting on B [N s]
+  Vec3d moment;  ///< about that anchor [N m s]
   /// Of body B against A since time zero, at the start of the step: angle of a hinge [rad], way of a
   /// slider or cylindrical joint [m]; length of a distance, cable or spring over its own [m]. Else 0.
   double position = 0;
@@ -135,7 +135,7 @@ struct MeanForces {
   std::vector<ForceRecord> on_bodies;  ///< by contacts on these; torque about the body's position
   /// By contacts with bodies of other groups, in the order of Scene::groups; torque about the origin.
   std::vector<ForceRecord> on_groups;
-  /// On body B of each joint, in the order of Scene::joints; torque about the anchor.
+  /// On body B of each joint, in the order of Scene::joints; torque about its anchor.
   std::vector<ForceRecord> on_joints;
 };
 
@@ -169,6 +169,9 @@ class World {
   /// Steps for so long [s], to the nearest number of steps, and calls after_step(report) after each one,
   /// which may call this World. It goes on while that returns true. @return the last report
   StepReport run(double seconds, const std::function<bool(const StepReport&)>& after_step = {});
+
+  /// What users should know of the scene before its first step, a sentence each.
+  std::vector<std::string> warnings() const;
 
   std::int64_t steps_done() const;
   double time() const;

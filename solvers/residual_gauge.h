@@ -11,9 +11,7 @@ namespace scree {
 /// measure is too large. So the largest number seen counts, and that of solves before fades slowly.
 class ResidualGauge {
  public:
-  void start_solve() {
-    carry(carried());
-  }
+  void start_solve() { carry(carried()); }
   /// A residual check.
   void note(double measure, double rms) {
     if (measure > 0) seen_ = std::max(seen_, rms / measure);

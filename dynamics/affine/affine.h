@@ -72,8 +72,14 @@ class AffineDynamics final : public ModelOn<B, double> {
     read_parameters();
     BodyLoading<B, double>(scene_, store_, obstacles_).load_first();
     place_shapes();
+    write_poses();  // motions may begin elsewhere than where bodies are described
     minimizer_.keep_places(q_.view());
     require_apart();
+    for (std::size_t b = 0; b < setup_.bodies.size(); ++b)
+      if (affine::is_too_stiff(setup_.bodies[b], scene_.stepping.time_step)) {
+        warnings_.push_back(affine::stiff_warning(setup_.id_of_body[b]));
+        break;
+      }
   }
 
   using ModelOn<B, double>::steps_done;
@@ -108,6 +114,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     return report;
   }
 
+  std::vector<std::string> warnings() const override { return warnings_; }
   int body_count() const override { return store_.ranges().present_count(); }
   BodyStates states() override {
     write_solid_poses();
@@ -129,6 +136,11 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr int kMostFrictionSolves = 100;
   /// Factors of the mass of led bodies: raised until they are where they should be.
   static constexpr double kFirstLead = 1e3, kMostLead = 1e9;
+  /// Least reach without a value in the scene, over what it is where bodies begin far apart.
+  static constexpr double kLeastReach = 0.01;
+  /// Square of the speed at which pairs that begin within reach throw bodies, over gravity times the reach, from which on users
+  /// are told.
+  static constexpr double kThrow = 20;
   /// Strain from which on a body counts as squeezed.
   static constexpr double kMostSqueeze = 0.01;
   static constexpr int kMostParts = 1024;
@@ -211,9 +223,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     std::vector<AffineVec> led;
     for (std::size_t k = 0; k < setup_.led.size(); ++k) {
       const affine::LedBody& each = setup_.led[k];
-      led.push_back(
-          blocked ? fetch(b, q_.data() + each.body)
-                  : affine::pose_coordinates(pose_at(each.description, led_time_[k] + scheme.h)));
+      led.push_back(affine::pose_coordinates(
+          pose_at(each.description, led_time_[k] + (blocked ? 0 : scheme.h))));
     }
     upload(b, led, led_);
     for_each(b, rows_,
@@ -256,7 +267,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   /// Minimizes with led bodies ever heavier until they are where they should be. Where that squeezes a body, all led
-  /// bodies stay where they are in this step, and go on from there. @return led bodies that stay
+  /// bodies stay in this step where they were led last, and go on from there. @return led bodies that stay
   int minimize(affine::Potential& p, const affine::StepScheme& scheme,
                const affine::MinimizerSettings& settings, affine::MinimizerReport& done) {
     minimize_with_friction(p, settings, done);
@@ -382,12 +393,28 @@ class AffineDynamics final : public ModelOn<B, double> {
     minimizer_.begin(surfaces_, p);
     minimizer_.take_near_ms();  // of no step
     const double separation = p.barrier.separation;
-    const Index touching = minimizer_.touching(p, q_.view(), separation);
-    if (touching < 0) return;
-    const affine::NearPair near = fetch(backend(), p.near.pairs.data + touching);
+    if (const auto pair = pair_within(p, separation))
+      affine::throw_touching((*pair)[0], (*pair)[1], separation);
+    const double least = minimizer_.least_distance(p, q_.view()), gap = least - separation;
+    if (!(kReach.of(scene_.dynamics.parameters) > 0))
+      reach_ = std::clamp(gap, kLeastReach * reach_, reach_);
+    p.barrier.reach = reach_;
+    p.barrier.stiffness = barrier_stiffness(p, scene_.stepping.time_step);
+    const double energy = p.barrier(least * least).value;
+    const double speed = std::sqrt(2 * energy / setup_.mean_mass);
+    if (!(speed * speed > kThrow * norm(scene_.gravity) * reach_)) return;
+    const auto pair = pair_within(p, least * (1 + 1e-9));
+    if (pair)
+      warnings_.push_back(affine::throw_warning((*pair)[0], (*pair)[1], gap, reach_, speed));
+  }
+  /// Ids of two bodies that are no farther apart than a distance, if there are such.
+  std::optional<std::array<int, 2>> pair_within(const affine::Potential& p, double distance) {
+    const Index found = minimizer_.touching(p, q_.view(), distance);
+    if (found < 0) return std::nullopt;
+    const affine::NearPair near = fetch(backend(), p.near.pairs.data + found);
     const affine::BodyPair pair = fetch(backend(), p.near.bodies.data + near.bodies);
     const auto id = [&](Index body) { return setup_.id_of_body[static_cast<std::size_t>(body)]; };
-    affine::throw_touching(id(pair.body[0]), id(pair.body[1]), separation);
+    return std::array{id(pair.body[0]), id(pair.body[1])};
   }
 
   void save_arrays(WorldState& s) override {
@@ -473,6 +500,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   Scene scene_;  ///< without the descriptions already loaded
+  std::vector<std::string> warnings_;
   Vec3d first_gravity_ = scene_.gravity;
   affine::AffineSetup setup_;
   SceneSummary summary_;

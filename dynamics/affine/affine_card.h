@@ -23,15 +23,17 @@ inline constexpr SolverParameter kAffineStiffness{
     .standard = 1e8,
     .low = 0,
     .high = 1e18};
-inline constexpr SolverParameter kReach{.key = "reach",
-                                        .description =
-                                            "distance up to which bodies push each other away [m]; "
-                                            "0: 0.001 of the diagonal of the "
-                                            "box about all bodies.",
-                                        .standard = 0,
-                                        .low = 0,
-                                        .high = 1e6,
-                                        .is_low_allowed = true};
+inline constexpr SolverParameter kReach{
+    .key = "reach",
+    .description =
+        "distance up to which bodies push each other away [m]; "
+        "0: 0.001 of the diagonal of the "
+        "box about all bodies, or the least gap at the start where that is less, but at least a "
+        "hundredth of it.",
+    .standard = 0,
+    .low = 0,
+    .high = 1e6,
+    .is_low_allowed = true};
 inline constexpr SolverParameter kSeparation{
     .key = "separation",
     .description = "distance that bodies never come near [m].",

@@ -43,14 +43,17 @@ TriangleMesh triangulated(const scree::Surface& surface) {
 }
 
 /// Planes as large triangles, which have no edge near the bodies.
-TriangleMesh large_triangles(const std::vector<WallFace>& faces, double inner_radius) {
+/// @param middle  of the bodies
+TriangleMesh large_triangles(const std::vector<WallFace>& faces, const Vec3d& middle,
+                             double inner_radius) {
   TriangleMesh mesh;
   for (const WallFace& face : faces) {
     const Vec3d across = any_orthogonal(face.normal), along = cross(face.normal, across);
+    const Vec3d at = middle - dot(middle - face.point, face.normal) * face.normal;
     const int first = static_cast<int>(mesh.vertices.size());
     for (int k = 0; k < 3; ++k) {
       const double angle = 2 * M_PI / 3 * k;
-      mesh.vertices.push_back(face.point + (2 * inner_radius * std::cos(angle)) * across +
+      mesh.vertices.push_back(at + (2 * inner_radius * std::cos(angle)) * across +
                               (2 * inner_radius * std::sin(angle)) * along);
     }
     mesh.triangles.push_back({first, first + 1, first + 2});
@@ -101,19 +104,34 @@ class Builder {
     BodyDescription body;
   };
 
+  /// Where a body is at the start: motions may begin elsewhere than at its position.
+  static Pose place_of(const BodyDescription& body) {
+    if (body.kind == BodyKind::kinematic) return pose_at(body, 0);
+    return {body.position, body.orientation};
+  }
+
   /// The box about all that is bounded.
   void measure() {
     Bounds box;
     for (const Body& each : all_) {
       if (is_unbounded(each.body.shape)) continue;
-      const AffineVec q = pose_coordinates({each.body.position, each.body.orientation});
-      for (const Vec3d& v : surface_of(each.body.shape).first->vertices) box.add(point_of(q, v));
+      const AffineVec q = pose_coordinates(place_of(each.body));
+      for (const Vec3d& v : surface_of(each.body).first->vertices) box.add(point_of(q, v));
     }
-    setup_.size = box.low.x > box.high.x ? 1 : norm(box.high - box.low);
+    if (box.low.x > box.high.x) return;
+    setup_.size = norm(box.high - box.low);
+    middle_ = 0.5 * (box.low + box.high);
   }
 
-  /// The surface of a shape and its number.
-  std::pair<const Surface*, int> surface_of(const Shape& shape) {
+  /// The surface of a body and its number.
+  std::pair<const Surface*, int> surface_of(const BodyDescription& body) {
+    const Shape& shape = body.shape;
+    const ShapeCard& card = shape_card(shape.kind);
+    if (is_unbounded(shape)) {
+      const Pose at = place_of(body);
+      const Vec3d middle = rotate_back(at.orientation, middle_ - at.position);
+      return added(large_triangles(card.faces(shape), middle, kWallSize * setup_.size));
+    }
     const Vec3d& e = shape.half_extents;
     const Key key{shape.kind,
                   shape.mesh,
@@ -129,21 +147,18 @@ class Builder {
                   shape.normal.z,
                   shape.open_faces};
     const auto [place, is_new] = known_.emplace(key, static_cast<int>(setup_.surfaces.size()));
-    if (is_new) {
-      const ShapeCard& card = shape_card(shape.kind);
-      const TriangleMesh* mesh = mesh_of(scene_, shape);
-      const TriangleMesh own = is_unbounded(shape)
-                                   ? large_triangles(card.faces(shape), kWallSize * setup_.size)
-                                   : triangulated(card.surface(shape, mesh, 1));
-      setup_.surfaces.push_back(std::make_shared<Surface>(make_surface(own, Vec3d{})));
-      moments_.push_back(moments_of(own));
-    }
+    if (is_new) return added(triangulated(card.surface(shape, mesh_of(scene_, shape), 1)));
     return {setup_.surfaces[static_cast<std::size_t>(place->second)].get(), place->second};
+  }
+  std::pair<const Surface*, int> added(const TriangleMesh& mesh) {
+    setup_.surfaces.push_back(std::make_shared<Surface>(make_surface(mesh, Vec3d{})));
+    moments_.push_back(moments_of(mesh));
+    return {setup_.surfaces.back().get(), static_cast<int>(setup_.surfaces.size()) - 1};
   }
 
   void add(const Body& each) {
     const BodyDescription& body = each.body;
-    const auto [surface, number] = surface_of(body.shape);
+    const auto [surface, number] = surface_of(body);
     const SolidMoments& moments = moments_[static_cast<std::size_t>(number)];
     BodyConstant c;
     c.radius = surface->radius;
@@ -166,7 +181,7 @@ class Builder {
     } else if (c.is_led) {
       box_mass(*surface, c);
     }
-    AffineVec q = pose_coordinates({body.position, body.orientation}), v;
+    AffineVec q = pose_coordinates(place_of(body)), v;
     if (body.kind == BodyKind::free) {
       v.node[0] = body.velocity;
       for (int k = 1; k < 4; ++k) v.node[k] = cross(body.angular_velocity, q.node[k]);
@@ -267,7 +282,8 @@ class Builder {
     for (const int b : body) {
       if (b < 0 || setup_.bodies[static_cast<std::size_t>(b)].row < 0) continue;
       const Body& each = all_[static_cast<std::size_t>(b)];
-      const Vec3d own = rotate_back(each.body.orientation, at - each.body.position);
+      const Pose place = place_of(each.body);
+      const Vec3d own = rotate_back(place.orientation, at - place.position);
       e.row[used] = setup_.bodies[static_cast<std::size_t>(b)].row;
       for (int k = 0; k < 4; ++k) e.weight[used][k] = (used == 0 ? 1 : -1) * node_weight(own, k);
       ++used;
@@ -316,7 +332,7 @@ class Builder {
       d.point[k] = joint.anchor;
       d.across[k][0] = across, d.across[k][1] = cross(joint.axis, across);
       if (body[k] < 0) continue;
-      const BodyDescription& own = all_[static_cast<std::size_t>(body[k])].body;
+      const Pose own = place_of(all_[static_cast<std::size_t>(body[k])].body);
       d.point[k] = rotate_back(own.orientation, joint.anchor - own.position);
       for (Vec3d& each : d.across[k]) each = rotate_back(own.orientation, each);
       const BodyConstant& constant = setup_.bodies[static_cast<std::size_t>(body[k])];
@@ -348,6 +364,7 @@ class Builder {
   std::vector<Body> all_;  ///< as they are stored
   std::vector<int> body_of_id_;
   std::map<Key, int> known_;
+  Vec3d middle_;                       ///< of the box about all that is bounded [m]
   std::vector<SolidMoments> moments_;  ///< of surfaces
 };
 
@@ -491,6 +508,28 @@ void throw_touching(int id_a, int id_b, double separation) {
       fmt::format("bodies {} and {} touch at the start: they must be more than the \"separation\" "
                   "of {:g} m apart",
                   id_a, id_b, separation));
+}
+
+bool is_too_stiff(const BodyConstant& body, double time_step) {
+  constexpr double kMost = 1e8;  // from there on cubes lost a tenth of their spin in a second
+  if (body.row < 0 || body.is_led || body.lame.is_elastic()) return false;
+  const Sym3<double>& s = body.mass.second;
+  return body.stiffness * time_step * time_step > kMost * std::min({s.xx, s.yy, s.zz});
+}
+
+std::string stiff_warning(int id) {
+  return fmt::format(
+      "body {} is very stiff for its size and the time step: it may stop turning; take a smaller "
+      "\"stiffness\" or time step",
+      id);
+}
+
+std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed) {
+  return fmt::format(
+      "bodies {} and {} start {:.3g} m apart, within the reach of {:.3g} m: the barrier throws "
+      "them off at up to {:.2g} m/s; start "
+      "them farther apart, or take a smaller \"reach\" or a larger time step",
+      id_a, id_b, gap, reach, speed);
 }
 
 }  // namespace scree::affine

@@ -63,4 +63,12 @@ void require_no_crossing(const AffineSetup& setup);
 /// A scene that starts with bodies that touch. @throws InputError naming the bodies
 [[noreturn]] void throw_touching(int id_a, int id_b, double separation);
 
+/// Whether a body is so stiff for a time step [s] that Newton's method makes but short steps around in the valley of states without
+/// strain: it may stop turning.
+bool is_too_stiff(const BodyConstant& body, double time_step);
+std::string stiff_warning(int id);
+
+/// Of two bodies that the barrier acts on at the start. @param speed  that it may give a body [m/s]
+std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed);
+
 }  // namespace scree::affine

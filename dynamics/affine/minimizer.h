@@ -97,6 +97,11 @@ class Minimizer {
     p.slips = slips_.view(0);
   }
 
+  /// Distance of the two nearest features of the list [m]; 1e150: it is empty.
+  double least_distance(const Potential& p, Span<const AffineVec> q) {
+    return std::sqrt(energy(p, q).squared);
+  }
+
   /// First near pair that is no farther apart than a distance; -1: none.
   Index touching(const Potential& p, Span<const AffineVec> q, double distance) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
@@ -119,7 +124,7 @@ class Minimizer {
                 MinimizerReport& report) {
     EnergySum at = energy(p, q);
     report.note(at);
-    double last_gap = 0;
+    double last_gap = 0, last_size = 0;
     for (int iteration = 0;; ++iteration) {
       StageClock<B> timer(*b_);
       assemble(p, q);
@@ -136,10 +141,12 @@ class Minimizer {
       if (!has_step) break;
       report.residual = sums.size;
       // The last step is taken too: bodies slower than the tolerance move, and free ones exactly.
-      // What sticks is stiff: however much a contact lacks to hold, the step of one that sticks is short.
-      const bool is_last = ends();
+      // What sticks is stiff: however much a contact lacks to hold, the step of one that sticks is short. Steps out of a barrier, or
+      // around in the valley of a stiff body, are short as well, but not shorter than those before.
+      bool is_last = ends() && (iteration == 0 || sums.size < kShrinks * last_size);
+      last_size = sums.size;
       if (is_last && sums.size == 0) return;
-      if (!is_last && (iteration == settings.most_iterations || !(sums.size < 1e300))) break;
+      if (!is_last && (iteration >= settings.most_iterations || !(sums.size < 1e300))) break;
       ++report.iterations;
       move(p, q, 1, full_.view());
       if (sums.stray > room_) {
@@ -168,6 +175,7 @@ class Minimizer {
         if (is_last) return;
         break;
       }
+      is_last = is_last && is_foreseen(at, next, sums.slope);
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
       at = next;
       report.note(at);
@@ -191,10 +199,21 @@ class Minimizer {
   /// Change of a slip that may stick or slide, over that at which it slides, below which a step may be the last: a contact that is
   /// asked for more than it holds by a share x takes no shorter steps than sqrt(x).
   static constexpr double kStick = 0.05;
+  /// Length of a step that ends a minimization, over that of the one before, at most.
+  static constexpr double kShrinks = 0.7;
+  /// Most that the energy may miss what was foreseen of its fall, over that: 0.39 where a step takes a body out of a barrier by its gap.
+  static constexpr double kForeseen = 0.25;
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
   /// Widest room about ways [reach].
   static constexpr double kMostRoom = 8;
+
+  /// Whether a Newton step lowered the energy by what its system foresaw. @param slope  of the energy along it
+  static bool is_foreseen(const EnergySum& before, const EnergySum& after, double slope) {
+    const double expected = -0.5 * slope, rounding = before.rounding + after.rounding;
+    const double missed = std::abs(before.energy - after.energy - expected);
+    return missed <= kForeseen * expected + rounding + 1e-14 * std::abs(before.energy);
+  }
 
   void list(Potential& p) {
     StageClock<B> timer(*b_);

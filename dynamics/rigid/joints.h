@@ -347,7 +347,7 @@ class Joints {
     std::vector<JointState> states;
     for (std::size_t k = 0; k < position.size(); ++k) {
       host.push_back({Vec3<Real>(impulse[2 * k]), Vec3<Real>(impulse[2 * k + 1])});
-      states.push_back({position[k], broken[k] != 0 ? 1 : 0});
+      states.push_back({position[k], broken[k] != 0 ? 1 : 0, s.step > 0 ? 1 : 0});
     }
     upload(b, host, impulse_);
     upload(b, states, state_);

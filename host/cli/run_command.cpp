@@ -198,12 +198,16 @@ class Run {
     RunFiles files(directory_, scene_, world_options_.precision, rank_count(), resumed_step,
                    resumed_time);
     if (!made) write_walls(directory_.walls(), scene_);
+    std::string overlaps;  // where no contacts of a first step will tell
+    if (!made && !card_.has_contacts)
+      overlaps = overlap_warning(find_overlaps(scene_, world_options_), BodyConstants(scene_));
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
     if (!made) {
       made.emplace(std::move(loaded), world_options_);
       if (writes_forces()) made->track_forces();
     }
     loaded = {};
+    if (!overlaps.empty()) say("warning: " + overlaps);
     World& world = *made;
     record_.body_count = static_cast<int>(world.constants().size());
     const SignalGuard signals;
@@ -357,7 +361,10 @@ class Run {
     };
 
     if (files.frame_piece) world.begin_own_bodies(*files.frame_piece, files.pieces_resumed_time);
-    if (!resumed_step) write_frame();
+    if (!resumed_step) {
+      for (const std::string& warning : world.warnings()) progress.note("warning: " + warning);
+      write_frame();
+    }
     double before = world.time();
     while (world.steps_done() < target_ && signals.received() == 0) {
       const StepReport report = advance(world, writer, progress);

@@ -207,6 +207,7 @@ void World::apply_force(int body, const Vec3d& force, const Vec3d& torque) {
   OnDevice(*dynamics_)->apply_force(body, force, torque);
 }
 
+std::vector<std::string> World::warnings() const { return dynamics_->warnings(); }
 std::vector<ContactRecord> World::overlaps() const { return OnDevice(*dynamics_)->overlaps(); }
 std::vector<ArrayInfo> World::arrays() const { return OnDevice(*dynamics_)->arrays(); }
 ArrayView World::array(const std::string& name) { return OnDevice(*dynamics_)->array(name); }

@@ -114,12 +114,28 @@ std::optional<Fault> drive_fault(const Joint& joint) {
   if (card.has_two_points && !std::isinf(joint.break_moment))
     return Fault{"break_moment", fmt::format("{:g} of a \"{}\"", joint.break_moment, card.name),
                  "between two points no moment acts; take break_force"};
+  if (joint.kind == JointKind::ball && !std::isinf(joint.break_moment))
+    return Fault{"break_moment", fmt::format("{:g} of a \"ball\"", joint.break_moment),
+                 "a ball joint carries no moment; take break_force"};
   return amount_fault("break_moment", joint.break_moment, false, true);
 }
 
-/// Where space repeats, a body is held at the image of its point nearest to it: what a joint measures along its axis goes no
-/// farther than half a period.
+/// Two points are held at the images nearest to each other, which are never farther apart than half a period.
+std::optional<Fault> length_fault(const Scene& scene, const Joint& joint) {
+  const Periodicity& space = scene.periodicity;
+  for (int k = 0; k < 3; ++k) {
+    const double half = 0.5 * (space.upper[k] - space.lower[k]);
+    if (space.periodic[static_cast<std::size_t>(k)] && joint.length >= half)
+      return Fault{"length", fmt::format("{:g}", joint.length),
+                   fmt::format("must be less than half of the period, {:g} [m]", half)};
+  }
+  return std::nullopt;
+}
+
+/// Where space repeats, a body is held at the image of its point nearest to it: what a joint measures along its axis, or between two
+/// points, goes no farther than half a period.
 std::optional<Fault> period_fault(const Scene& scene, const Joint& joint) {
+  if (joint_card(joint.kind).has_two_points) return length_fault(scene, joint);
   if (joint.kind != JointKind::slider && joint.kind != JointKind::cylindrical) return std::nullopt;
   const Periodicity& space = scene.periodicity;
   for (int k = 0; k < 3; ++k) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "dynamics/dynamics_card.h"
 #include "host/error.h"
 #include "host/scene/particle_shapes.h"
 #include "shapes/shape_card.h"
@@ -110,6 +111,8 @@ Overlaps overlaps_among(const std::vector<ContactRecord>& contacts, const BodyCo
 Overlaps find_overlaps(Scene scene, const WorldOptions& options) {
   Overlaps found = overlaps_in_crowd(scene);
   if (found.pairs > 0) return found;
+  const bool has_contacts = dynamics_card(scene.dynamics.type).has_contacts;
+  if (!has_contacts) scene.dynamics = {};  // rigid bodies, which may lie in each other
   try {
     require_memory(scene, options);
   } catch (const std::runtime_error& error) {
@@ -119,8 +122,10 @@ Overlaps find_overlaps(Scene scene, const WorldOptions& options) {
   try {
     const World world(std::move(scene), options);
     return overlaps_among(world.overlaps(), world.constants());
-  } catch (const InputError&) {  // a run would be refused, too
-    throw;
+  } catch (const InputError& error) {
+    if (has_contacts) throw;  // a run would be refused, too
+    found.not_looked_for = error.what();
+    return found;
   } catch (const std::runtime_error& error) {  // no room, or more pairs than can be numbered
     found.not_looked_for = error.what();
     return found;

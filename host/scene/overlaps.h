@@ -25,7 +25,8 @@ struct Overlaps {
 /// Those among contacts, which are sorted by body. @param body  constants of all bodies, by id
 Overlaps overlaps_among(const std::vector<ContactRecord>& contacts, const BodyConstants& body);
 
-/// Those of a scene at its start. Takes one detection of contacts on the backend of the options.
+/// Those of a scene at its start. Takes one detection of contacts on the backend of the options, as rigid bodies where its dynamics
+/// list none.
 /// @throws InputError  what a run would be refused for
 Overlaps find_overlaps(Scene scene, const WorldOptions& options);
 

@@ -225,19 +225,39 @@ struct FinishPairs {
   }
 };
 
-/// The third part: contacts of the pairs that are not too far apart.
+/// Programs whose searches tell whether bodies meet in a face, which takes the third part longer.
+template <class P>
+concept TellsFacets = InParts<P> && requires(const typename P::Search& search) {
+  search.has_facet;
+};
+
+/// Takes those pairs out of the ones that are not too far apart.
+template <TellsFacets P>
+struct SplitByFacets {
+  static constexpr const char* name = "split_by_facets";
+  Span<const typename P::Search> search;
+  Span<Index> is_near;    ///< in and out
+  Span<Index> has_facet;  ///< out
+
+  SCREE_HD void operator()(Index k) const {
+    has_facet[k] = is_near[k] != 0 && search[k].has_facet ? 1 : 0;
+    if (has_facet[k] != 0) is_near[k] = 0;
+  }
+};
+
+/// The third part: contacts of the pairs that are not too far apart. Those that take long lie beside each other.
 template <InParts P, class Real>
 struct FindSearchedContacts {
   static constexpr const char* name = "find_searched_contacts";
   static constexpr int kBlockThreads = 64;
   static constexpr int kLeastBlocks = kPartBlocks;
   ComputedPairs<P, Real> pairs;
-  FlaggedList near;
+  FlaggedLists near;
   Span<const typename P::Search> search;
 
   SCREE_HD void operator()(Index n) const {
-    if (!near.has(n)) return;
-    const Index k = near.element[n];
+    const Index k = near.find(n);
+    if (k < 0) return;
     const LoadedPair<P, Real> p = pairs.load(k);
     SameList same = p.same();
     Index count = 0;

@@ -56,8 +56,11 @@ struct CorrectJoint {
         (length * now.turn - h * joint_recovery(now.turn, length, h, recovery_speed));
     JointSums sums;
     if (is_limited)
-      sums.max_error = correct_limits(joint, end, sign, state[j].position, bounds, length,
-                                      JointRows<Real>::velocity(r, a_twist, b_twist), r);
+      sums.max_error =
+          correct_limits(joint, end, sign, state[j].position,
+                         h * turning_about_axis(now.frame, Vec3<double>(a_twist.angular),
+                                                Vec3<double>(b_twist.angular)),
+                         bounds, length, JointRows<Real>::velocity(r, a_twist, b_twist), r);
     const JointValues<Real> off = r.rows(Vec3<Real>((1 / h) * gap), Vec3<Real>((1 / h) * turn));
     for (int i = 0; i < kJointRows; ++i)
       if ((joint.held >> i & 1u) != 0) r.bias[i] += off[i];
@@ -70,14 +73,17 @@ struct CorrectJoint {
  private:
   /// The bounds of the velocity become those that take the joint from the end of the step to its limits.
   /// @param start  position at the start of the step [m or rad]
+  /// @param turn   by which B turns against A in it [rad]
   /// @param u      velocities of the rows in the coordinates of solvers
   /// @return  how far the joint ends beyond them [m]
   SCREE_HD double correct_limits(const JointFrames& joint, const JointMeasure& end, double sign,
-                                 double start, const JointBounds& bounds, double length,
-                                 const JointValues<Real>& u, JointRow<Real>& r) const {
+                                 double start, double turn, const JointBounds& bounds,
+                                 double length, const JointValues<Real>& u,
+                                 JointRow<Real>& r) const {
     const double h = time_step, unit = r.force_is_last ? 1 : length;
     const double x = sign * start;
-    const double x_end = sign * joint_position(joint.form, end, sign, joint.zero, start);
+    const double x_end =
+        sign * joint_position(joint.form, end, sign, joint.zero, start + sign * turn);
     // Where the joint is far beyond, a part of the way is allowed, see JointSetup.
     const double part = h * recovery_speed / unit;
     JointBounds allowed = bounds;

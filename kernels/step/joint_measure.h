@@ -112,16 +112,22 @@ SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, double
   return m;
 }
 
-/// The position of a joint, from its measure: angles count whole turns, so that the one nearest to the last is meant.
-/// @param sign  -1: A of the problem is the second body of the joint, but for a line
-/// @param zero  position that counts as zero [m]
-/// @param last  position before [m or rad]
+/// How fast B turns about the axis of a joint against A [rad/s]. @param frame  of JointMeasure
+SCREE_HD inline double turning_about_axis(const Quat<double>& frame, const Vec3<double>& turning_a,
+                                          const Vec3<double>& turning_b) {
+  return dot(rotate(frame, {0, 0, 1}), turning_b - turning_a);
+}
+
+/// The position of a joint, from its measure: angles count whole turns, and the one nearest to what is expected is meant.
+/// @param sign      -1: A of the problem is the second body of the joint, but for a line
+/// @param zero      position that counts as zero [m]
+/// @param expected  position, by the one before and how fast it has turned since [m or rad]
 SCREE_HD inline double joint_position(JointForm form, const JointMeasure& m, double sign,
-                                      double zero, double last) {
+                                      double zero, double expected) {
   constexpr double kTurn = 6.283185307179586477;
   const double position = sign * m.position - zero;
   if (form != JointForm::point) return position;
-  return position + kTurn * std::rint((last - position) / kTurn);
+  return position + kTurn * std::rint((expected - position) / kTurn);
 }
 
 /// Second derivatives of what the rows measure while the bodies turn freely.

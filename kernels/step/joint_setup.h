@@ -49,13 +49,14 @@ struct JointFrames {
 struct JointState {
   double position = 0;  ///< along or about its axis at the start of the step [m or rad]
   Index is_broken = 0;
+  Index has_moved = 0;  ///< a step was taken from there, with the velocities that bodies have since
 };
 
 /// Impulse of a joint on the second of its bodies, world frame.
 template <class Real>
 struct JointImpulse {
-  Vec3<Real> force;   ///< at the anchor [N s]
-  Vec3<Real> moment;  ///< [N m s]
+  Vec3<Real> force;   ///< at the anchor of that body [N s]
+  Vec3<Real> moment;  ///< about it [N m s]
 };
 
 /// place[id] = storage index of the bodies that joints may name.
@@ -156,6 +157,16 @@ SCREE_HD JointSide side_of_joint(const BodyView<Real>& bodies, const JointPlaces
   return s;
 }
 
+/// From the anchor of the second body of a joint to where its forces act, which is that of B of the problem. They differ by the way
+/// of a slide whose A is the second body.
+/// @param position  of the joint [m]
+/// @param axis      unit, world
+SCREE_HD inline Vec3<double> from_second_anchor(const JointFrames& joint, bool is_turned,
+                                                double position, const Vec3<double>& axis) {
+  if (!is_turned || joint.form != JointForm::slide) return {};
+  return -(position + joint.zero) * axis;
+}
+
 /// -1: A of the problem is the second body of the joint. Lengths of lines are the same both ways.
 SCREE_HD inline double sign_of_joint(const JointFrames& joint, bool is_turned) {
   return is_turned && joint.form != JointForm::line ? -1 : 1;
@@ -245,8 +256,12 @@ struct JointSetup {
     const JointMeasure m = measure_joint(joint.form, joint.held, joint.zero, a, b, period);
     const JointDrift drift = drift_of_joint(joint.form, m, a, b, time_step);
     const double sign = sign_of_joint(joint, turned);
-    const double position = joint_position(joint.form, m, sign, joint.zero, state[j].position);
+    const double since = state[j].has_moved != 0 ? time_step : 0;
+    const double expected =
+        state[j].position + sign * since * turning_about_axis(m.frame, a.turning, b.turning);
+    const double position = joint_position(joint.form, m, sign, joint.zero, expected);
     state[j].position = position;
+    state[j].has_moved = 1;
     const bool is_last_held = (joint.held >> kJointAxisRow & 1u) != 0;
 
     const double length = length_of_joint(a, b);
@@ -280,8 +295,11 @@ struct JointSetup {
 
     const JointImpulse<Real>& last = before[j];
     const Real side_sign = turned ? Real(-1) : Real(1);
+    const Vec3<Real> offset(
+        from_second_anchor(joint, turned, position, rotate(m.frame, {0, 0, 1})));
+    const Vec3<Real> moment = last.moment - cross(offset, last.force);
     const JointValues<Real> z =
-        r.scaled_impulse(r.rows(side_sign * last.force, (side_sign / r.length) * last.moment));
+        r.scaled_impulse(r.rows(side_sign * last.force, (side_sign / r.length) * moment));
     gamma[2 * static_cast<Offset>(k)] = {z[0], z[1], z[2]};
     gamma[2 * static_cast<Offset>(k) + 1] = {z[3], z[4], z[5]};
 
@@ -411,9 +429,13 @@ struct KeepJointImpulses {
     const Vec3<Real> moment = gamma[2 * static_cast<Offset>(k) + 1];
     const JointValues<Real> g =
         row[k].impulse({{force.x, force.y, force.z, moment.x, moment.y, moment.z}});
-    const Real sign = places.is_turned(j) ? Real(-1) : Real(1);
-    impulse[j] = {sign * row[k].world_force(g), (sign * row[k].length) * row[k].world_moment(g)};
     const JointFrames& joint = places.joints[j];
+    const bool turned = places.is_turned(j);
+    const Real sign = turned ? Real(-1) : Real(1);
+    const Vec3<Real> on_b = sign * row[k].world_force(g);
+    const Vec3<Real> offset(
+        from_second_anchor(joint, turned, state[j].position, Vec3<double>(row[k].axes[2])));
+    impulse[j] = {on_b, (sign * row[k].length) * row[k].world_moment(g) + cross(offset, on_b)};
     const double h = time_step;
     if (norm(Vec3<double>(impulse[j].force)) > h * joint.break_force ||
         norm(Vec3<double>(impulse[j].moment)) > h * joint.break_moment)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/physics/described_bodies.h"
 #include "tests/physics/round_bodies.h"
 
 namespace scree::physics {
@@ -42,6 +43,44 @@ TEST(Cylinders, RestStandingOnFourPointsAndLyingOnTwo) {
         ASSERT_LT(report.kinetic_energy, 1e-14) << k;
       }
       EXPECT_NEAR(world.states().position[0].z, is_standing ? 0.2 : 0.1, 1e-8);
+    }
+  }
+}
+
+// Bodies rest two centimeters within the round rim of a plate, where it is outside of the eight points that stand for it. Some lie on
+// it with a face, of others one point is deepest.
+TEST(Cylinders, WhatRestsWithinTheRimOfAPlateStaysThere) {
+  struct Resting {
+    const char* shape;
+    double height;
+  };
+  const Resting kBodies[] = {{R"("shape": "ellipsoid", "size": [0.1, 0.1, 0.06])", 0.03},
+                             {R"("shape": "cone", "radius": 0.015, "length": 0.04)", 0.01},
+                             {R"("shape": "cylinder", "radius": 0.015, "length": 0.02)", 0.01},
+                             {R"("shape": "box", "size": [0.02, 0.02, 0.02])", 0.01}};
+  for (
+      const char* plate :
+      {R"("shape": "cylinder", "radius": 0.5, "length": 0.2, "position": [0, 0, -0.1])",
+       R"("shape": "cone", "radius": 0.5, "length": 0.4, "position": [0, 0, -0.1], "orientation": [0, 1, 0, 0])"}) {
+    for (const Resting& body : kBodies) {
+      Scene scene = empty_scene(1e-3, 0.5);
+      BodyDescription& fixed = add_described(scene, plate);
+      fixed.kind = BodyKind::fixed;
+      fixed.mass = 0;
+      fixed.inertia = {};
+      for (int k = 0; k < 16; ++k) {
+        const double angle = 2 * kPi * k / 16, rho = 0.48;
+        BodyDescription& b = add_described(scene, body.shape);
+        b.position = {rho * std::cos(angle), rho * std::sin(angle), body.height};
+      }
+      World world = reference_world(scene);
+      for (int k = 0; k < 200; ++k) world.step();
+      const BodyStates states = world.states();
+      for (std::size_t i = 1; i < states.position.size(); ++i) {
+        EXPECT_LT(norm(states.position[i] - scene.bodies[i].position), 1e-4)
+            << plate << body.shape << i;
+        EXPECT_LT(norm(states.angular_velocity[i]), 1e-2) << plate << body.shape << i;
+      }
     }
   }
 }

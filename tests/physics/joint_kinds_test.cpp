@@ -72,6 +72,35 @@ TEST_P(JointKinds, SliderGoesOutOnATurningGuide) {
 }
 
 // Falls along the axis, which is upright, and keeps turning about it; nothing else.
+// A cart of 2 kg hangs from a level rail, 0.5 m from where it began. What the joint tells of its moment is about the anchor of its
+// second body: the cart's own center, or the start of the rail, whether the rail belongs to the world or to a body held by it.
+TEST_P(JointKinds, SliderTellsTheMomentAboutTheAnchorOfItsSecondBody) {
+  for (const bool rail_is_free : {false, true}) {
+    for (const bool cart_first : {false, true}) {
+      Scene scene = empty_scene(0.01, 0);
+      scene.gravity = {1, 0, -9.81};
+      add_box(scene, {}, {0.1, 0.1, 0.1}, 2).velocity = {1, 0, 0};
+      add_box(scene, {0, 0, 1}, {0.1, 0.1, 0.1}, 3);
+      scene.joints.push_back(joint_of(JointKind::fixed, kWorldBody, 1, {0, 0, 1}));
+      Joint slider = joint_of(JointKind::slider, rail_is_free ? 1 : kWorldBody, 0, {}, {1, 0, 0});
+      slider.limits = {0, 0.5};
+      if (cart_first) {
+        std::swap(slider.bodies[0], slider.bodies[1]);
+        slider.limits = {-0.5, 0};
+      }
+      scene.joints.push_back(slider);
+      World world = joint_world(scene, GetParam());
+      for (int k = 0; k < 100; ++k) world.step();
+      EXPECT_NEAR(world.states().position[0].x, 0.5, 1e-5);
+      const JointRecord told = world.joints()[1];
+      const double side = cart_first ? -1 : 1;
+      EXPECT_LT(norm((1 / 0.01) * told.force - side * Vec3d{-2, 0, 2 * 9.81}), 1e-2);
+      const Vec3d expected = cart_first ? Vec3d{0, 0.5 * 2 * 9.81, 0} : Vec3d{};
+      EXPECT_LT(norm((1 / 0.01) * told.moment - expected), 1e-2);
+    }
+  }
+}
+
 TEST_P(JointKinds, CylinderFallsAndTurns) {
   Scene scene = empty_scene(1e-3, 0);
   BodyDescription& box = add_box(scene, {0.3, 0, 0}, {0.1, 0.05, 0.2}, 1);

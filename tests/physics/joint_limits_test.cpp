@@ -107,6 +107,35 @@ TEST(JointLimits, AHingeOfTumblingBodiesEndsStepsAtItsLimit) {
   EXPECT_GT(errors.once, 1e-5);
 }
 
+// A wheel turns by 4 rad in a step, more than half a turn, and is stopped after 25 steps where it has turned by 100 rad, either way.
+TEST(JointLimits, AFastWheelStopsAfterItsTurns) {
+  for (const bool wheel_first : {true, false}) {
+    for (const double way : {1.0, -1.0}) {
+      Scene scene = empty_scene(0.01, 0);
+      scene.gravity = {};
+      add_box(scene, {}, {0.1, 0.1, 0.05}, 2).angular_velocity = {0, 0, 400 * way};
+      Joint axle = joint_of(JointKind::hinge, kWorldBody, 0, {});
+      if (wheel_first) std::swap(axle.bodies[0], axle.bodies[1]);
+      const double sign = wheel_first ? -way : way;
+      axle.limits = sign > 0 ? std::array{-50.0, 100.0} : std::array{-100.0, 50.0};
+      scene.joints.push_back(axle);
+      World world = reference_world(scene);
+      const WorldState start = world.save();
+      for (int k = 0; k < 24; ++k) world.step();
+      EXPECT_NEAR(world.states().angular_velocity[0].z, 400 * way, 1e-9);
+      const WorldState running = world.save();
+      for (int k = 0; k < 10; ++k) world.step();
+      EXPECT_NEAR(world.states().angular_velocity[0].z, 0, 1e-9);
+      EXPECT_NEAR(world.joints()[0].position, 100 * sign, 1e-6);
+      for (const WorldState* state : {&start, &running}) {
+        world.restore(*state);
+        while (world.steps_done() < 34) world.step();
+        EXPECT_NEAR(world.joints()[0].position, 100 * sign, 1e-6);
+      }
+    }
+  }
+}
+
 // A limit that a joint does not reach changes nothing but roundings.
 TEST(JointLimits, ALimitOutOfReachIsNotFelt) {
   Scene free = hub_and_ball();

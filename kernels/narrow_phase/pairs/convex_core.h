@@ -21,10 +21,13 @@ struct CoreEdge {
       : from(x), to(y), from_name(name), to_name(other), count(2) {}
 };
 
-/// What of a core faces a direction; a polygon is counterclockwise seen from outside, an edge has two points.
+/// What of a core faces a direction; a polygon is counterclockwise seen from outside, an edge has two points. Of a disc these
+/// are eight points of its rim; what lies over it is told by the disc itself.
 struct CoreFacet {
   static constexpr int kMaxPoints = 8;
   int count = 0;
+  double radius = 0;        ///< of a disc [m]; 0: it is none
+  Vec3d middle, axis;       ///< of a disc: its middle [m], and unit along its normal
   Vec3d point[kMaxPoints];  ///< [m]
   Vec3d side[kMaxPoints];   ///< unit, out of the side from each point to the next: see set_sides()
   std::uint8_t
@@ -35,8 +38,12 @@ struct CoreFacet {
     name[count] = static_cast<std::uint8_t>(number);
     ++count;
   }
-  SCREE_HD void set(const CoreEdge& edge) {
+  SCREE_HD void clear() {
     count = 0;
+    radius = 0;
+  }
+  SCREE_HD void set(const CoreEdge& edge) {
+    clear();
     add(edge.from, edge.from_name);
     if (edge.count == 2) add(edge.to, edge.to_name);
   }
@@ -50,12 +57,37 @@ struct CoreFacet {
   }
   /// How far a point is beyond side k [m].
   SCREE_HD double beyond(int k, const Vec3d& x) const { return dot(x - point[k], side[k]); }
-  /// Whether a point lies over the facet. @param but  a side that does not matter
-  SCREE_HD bool is_under(const Vec3d& x, double tie, int but = -1) const {
+  /// From the middle of a disc to where a point is seen along a direction.
+  SCREE_HD Vec3d from_middle(const Vec3d& x, const Vec3d& direction) const {
+    const Vec3d way = x - middle;
+    return way - (dot(way, axis) / dot(direction, axis)) * direction;
+  }
+  /// Whether a point lies over the facet. @param direction  unit, of set_sides() @param but  a side that does not matter
+  SCREE_HD bool is_under(const Vec3d& x, const Vec3d& direction, double tie, int but = -1) const {
+    if (radius > 0) return norm(from_middle(x, direction)) <= radius + tie;
     for (int k = 0; k < count; ++k) {
       if (k != but && beyond(k, x) > tie) return false;
     }
     return true;
+  }
+  /// Of a polygon or an edge, the point nearest to another one, both seen along a direction.
+  SCREE_HD Vec3d nearest_seen(const Vec3d& x, const Vec3d& direction) const {
+    bool is_inside = count > 2;
+    Vec3d nearest = point[0];
+    double least2 = 1e300;
+    for (int k = 0; k < count; ++k) {
+      is_inside = is_inside && beyond(k, x) <= 0;
+      const Vec3d way = point[after(k)] - point[k], from = x - point[k];
+      const Vec3d seen = way - dot(way, direction) * direction;
+      const double length2 = norm2(seen);
+      double t = length2 > 0 ? dot(from, seen) / length2 : 0;
+      t = t > 0 ? (t < 1 ? t : 1) : 0;
+      const double found2 = norm2(from - dot(from, direction) * direction - t * seen);
+      if (!(found2 < least2)) continue;
+      least2 = found2;
+      nearest = point[k] + t * way;
+    }
+    return is_inside ? x : nearest;
   }
   /// Place of the point of that name; -1: there is none.
   SCREE_HD int find(int number) const {
@@ -164,7 +196,7 @@ struct ConvexCore {
   /// face at its farthest point.
   /// @param top  of that direction
   [[gnu::noinline]] SCREE_HD void facing(const Vec3d& n, std::uint32_t top, CoreFacet& f) const {
-    f.count = 0;
+    f.clear();
     if (form == Form::triangle) {
       const bool is_front = dot(normal, n) >= 0;
       for (int k = 0; k < 3; ++k) {
@@ -215,13 +247,15 @@ struct ConvexCore {
       f.add(center + (form == Form::cone ? 0 : half.x) * out + half.z * axis[2], 4);
       return;
     }
-    const Vec3d side = cross(up < 0 ? -axis[2] : axis[2], out);
-    const Vec3d middle = center + (up < 0 ? base() : half.z) * axis[2];
+    f.axis = up < 0 ? -axis[2] : axis[2];
+    f.radius = half.x;
+    f.middle = center + (up < 0 ? base() : half.z) * axis[2];
+    const Vec3d side = cross(f.axis, out);
     constexpr double kDiagonal = 0.70710678118654752440;
     const double cosine[] = {1, kDiagonal, 0, -kDiagonal, -1, -kDiagonal, 0, kDiagonal};
     for (int k = 0; k < CoreFacet::kMaxPoints; ++k) {
       const double sine = cosine[(k + 6) % 8];
-      f.add(middle + half.x * (cosine[k] * out + sine * side), k);
+      f.add(f.middle + half.x * (cosine[k] * out + sine * side), k);
     }
   }
 

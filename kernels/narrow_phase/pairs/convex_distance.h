@@ -30,7 +30,8 @@ struct CoreSearch {
     inside        ///< open: the origin is inside of M
   };
   State state = State::beyond;
-  double separation = 0;  ///< [m]
+  bool has_facet = false;  ///< the normal is that of a face
+  double separation = 0;   ///< [m]
   Vec3d point[4];  ///< normal and nearest points; inside: corners of a tetrahedron about the origin
 
   SCREE_HD bool is_beyond() const { return state == State::beyond; }
@@ -413,7 +414,10 @@ SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, doubl
   if (out.state != CoreSearch::State::apart) return out;
   Vec3d face;
   const double by_face = convex_parts::best_face(a, b, size, out.point[0], face);
-  if (by_face >= out.separation * (1 - 1e-7)) out.point[0] = face;
+  if (by_face >= out.separation * (1 - 1e-7)) {
+    out.point[0] = face;
+    out.has_facet = true;
+  }
   return out;
 }
 
@@ -460,6 +464,7 @@ SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, doubl
   const bool has_ellipsoid = a.form == Form::ellipsoid || b.form == Form::ellipsoid;
   if (by_face >= most_apart - (has_ellipsoid ? kFaceBiasOfEllipsoids : kFaceBias) * least) {
     search.point[0] = face;
+    search.has_facet = true;
     search.separation = by_face;
   } else if (by_edges >= -polytope.depth - 1e-9 * size) {
     search.point[0] = crossing;

@@ -146,7 +146,7 @@ struct CoreMeeting {
     return least > distance.separation - a.rounding - b.rounding + 100 * tie;
   }
 
-  /// The nearest points; of cores that overlap, those of the edges or points that are deepest.
+  /// The nearest points; of cores that overlap, where the other is deepest in a face, or the edges or points that are deepest.
   [[gnu::noinline]] SCREE_HD CoreContact nearest() const {
     CoreContact c;
     c.is = true;
@@ -155,6 +155,7 @@ struct CoreMeeting {
       c.gap = dot(distance.on_b - distance.on_a, distance.normal);
       return c;
     }
+    if (reference >= 0 && own.count > 2 && own_plane.is) return deepest_in_face();
     const CoreEdge p = a.edge_toward(distance.normal, 1e-6, top_a);
     const CoreEdge q = b.edge_toward(-distance.normal, 1e-6, top_b);
     const Vec3d u = p.to - p.from, v = q.to - q.from, w = q.from - p.from;
@@ -170,6 +171,50 @@ struct CoreMeeting {
   }
 
  private:
+  /// Where the other core is deepest in the face of the reference. Where it lies flat on it, that may be a point which is not over
+  /// the face: then it is one as deep where their facets lie over each other.
+  SCREE_HD CoreContact deepest_in_face() const {
+    const ConvexCore& core = reference == 0 ? b : a;
+    Vec3d x = core.center + core.support(-out);
+    double height = distance.separation;
+    if (!own.is_under(x, out, tie)) {
+      Vec3d y;
+      const bool has_common = common_point(y);
+      const double found = has_common ? -own_plane.way_from(y) : 0;
+      if (has_common && found < height + 100 * tie) {
+        x = y;
+        height = found;
+      }
+    }
+    CoreContact c;
+    c.is = true;
+    c.gap = height;
+    c.on_a = reference == 0 ? x - height * out : x;
+    return c;
+  }
+  /// A point of the other facet over the reference, where one of them is a disc, whose rim no polygon has. @return  whether there is
+  /// one
+  SCREE_HD bool common_point(Vec3d& y) const {
+    if (own.radius > 0 && other.radius > 0) {
+      const Vec3d way = own.from_middle(other.middle, out);
+      const double length = norm(way), r = own.radius;
+      const double from = length - other.radius, to = length + other.radius;
+      if (from > r) return false;
+      const double t = 0.5 * ((from > -r ? from : -r) + (to < r ? to : r));
+      y = own.middle + (length > 0 ? t / length : 0) * way;
+    } else if (own.radius > 0) {
+      y = other.nearest_seen(own.middle, out);
+      if (!own.is_under(y, out, tie)) return false;
+    } else if (other.radius > 0) {
+      y = own.nearest_seen(other.middle, out);
+      if (!other.is_under(y, out, tie)) return false;
+    } else {
+      return false;
+    }
+    if (!other_plane.is) return false;
+    y += other_plane.way_from(y) * out;
+    return true;
+  }
   SCREE_HD void measure() {
     own.set_sides(out);
     other.set_sides(-out);
@@ -180,11 +225,11 @@ struct CoreMeeting {
   template <class Offer>
   SCREE_HD void find_points(Offer&& offer) const {
     for (int k = 0; k < other.count; ++k) {
-      if (own.is_under(other.point[k], tie)) offer(other.name[k]);
+      if (own.is_under(other.point[k], out, tie)) offer(other.name[k]);
     }
     for (int k = 0; k < own.count; ++k) {
       if (own.count > 2 && other.count < 3) break;
-      if (other.is_under(own.point[k], tie)) offer(ConvexFeature::kOwn + own.name[k]);
+      if (other.is_under(own.point[k], out, tie)) offer(ConvexFeature::kOwn + own.name[k]);
     }
     if (own.count < 3) return;
     const int edges = other.count < 3 ? other.count - 1 : other.count;
@@ -194,7 +239,7 @@ struct CoreMeeting {
         const double before = own.beyond(k, from), after = own.beyond(k, to);
         if (!((before > tie && after < -tie) || (before < -tie && after > tie))) continue;
         const Vec3d x = from + (before / (before - after)) * (to - from);
-        if (!own.is_under(x, tie, k)) continue;
+        if (!own.is_under(x, out, tie, k)) continue;
         offer(ConvexFeature::kSides + other.name[e] * ConvexFeature::kNames + own.name[k]);
       }
     }

@@ -56,6 +56,18 @@ TEST(Overlaps, AreCountedAndTheDeepestIsNamedAsInTheFile) {
             "2) by 0.014 m, 6.99 % of the smaller one's diameter");
 }
 
+// Affine bodies have no list of contacts. What lies inside of a solid, or below a floor, crosses no surface and is not refused.
+TEST(Overlaps, OfAffineBodiesAreFoundAsThoseOfRigidOnes) {
+  Scene scene =
+      parsed(R"({"time_step": 0.01, "duration": 1, "dynamics": {"type": "affine"}, "bodies": [
+    {"shape": "box", "kind": "fixed", "size": [1, 1, 1]},
+    {"shape": "sphere", "radius": 0.1, "density": 1000, "position": [0, 0, 0]},
+    {"shape": "half_space", "point": [0, 0, -3]},
+    {"shape": "sphere", "radius": 0.1, "density": 1000, "position": [3, 0, -3.3]}]})");
+  EXPECT_EQ(overlaps_of(scene).pairs, 2);
+  EXPECT_NEAR(overlaps_of(scene).depth, 0.6, 1e-6);
+}
+
 TEST(Overlaps, WithWallsAndAmongParticleSets) {
   const std::string low = R"({"layout": "lattice", "radius": 0.1, "density": 1, "count": 4,
     "spacing": 0.2, "region": {"min": [5, 0, -0.05], "max": [5.8, 0.2, 0.2]}})";

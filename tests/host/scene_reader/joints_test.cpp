@@ -216,6 +216,11 @@ INSTANTIATE_TEST_SUITE_P(
             "acts; take break_force"},
         Refusal{"BreakForce", hinge(R"("break_force": 0)"),
                 "joints[0].break_force: 0 is not allowed: must be positive"},
+        Refusal{"BreakMomentOfABall",
+                with_joints(R"({"type": "ball", "bodies": ["world", 0])" + kAt +
+                            R"(, "break_moment": 4})"),
+                "joints[0].break_moment: 4 of a \"ball\" is not allowed: a ball joint carries no "
+                "moment; take break_force"},
         Refusal{"BreakMoment", hinge(R"("break_moment": -2)"),
                 "joints[0].break_moment: -2 is not allowed: must be positive"},
         Refusal{"UnknownKey",
@@ -293,6 +298,13 @@ TEST(Joints, ThatLeaveHalfAPeriodAreRefused) {
               HasSubstr("must be along a direction in which space repeats, or across it"));
   scene.joints[0].axis = {0, 1, 0};
   EXPECT_EQ(refusal([&] { validate(scene); }), "no error");
+  scene.joints[0] = physics::line_of(JointKind::cable, kWorldBody, 0, {0.1, 0, 0}, {});
+  scene.joints[0].length = 0.4;
+  EXPECT_EQ(refusal([&] { validate(scene); }), "no error");
+  scene.joints[0].length = 0.7;
+  EXPECT_THAT(refusal([&] { validate(scene); }),
+              HasSubstr("joints[0].length: 0.7 is not allowed: must be less than half of the "
+                        "period, 0.5 [m]"));
 }
 
 TEST(Joints, AreRefusedWithSolversThatDoNotKnowThem) {

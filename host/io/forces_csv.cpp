@@ -63,8 +63,9 @@ ForceTargets::ForceTargets(const Scene& scene) {
     if (kind == BodyKind::free) continue;
     const auto id = static_cast<int>(k);
     const auto named = names.find(id);
+    const int number = scene.bodies[k].entry >= 0 ? scene.bodies[k].entry : id;
     bodies.push_back(fmt::format("{},{}", kind == BodyKind::fixed ? "fixed" : "kinematic",
-                                 named == names.end() ? std::to_string(id) : named->second));
+                                 named == names.end() ? std::to_string(number) : named->second));
   }
   if (scene.groups.size() > 1)
     for (const std::string& name : scene.groups) groups.push_back("group," + field(name));

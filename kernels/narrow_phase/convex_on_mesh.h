@@ -21,6 +21,9 @@ struct ConvexOnMesh {
   static constexpr double kFlat = 1e-4;
   /// Part of the half thickness to which a body is held by a plane that is not its shortest way out.
   static constexpr double kDeepest = 0.1;
+  /// How much deeper along the normal of a triangle than it is a body may be that this holds without one of its corners over it: the
+  /// normals of a notch lie so far apart.
+  static constexpr double kAsDeep = 5;
 
   /// Calls emit(element) for each contact with an image of the mesh, ascending.
   /// @param d     center of A to that of the image [m]
@@ -124,11 +127,13 @@ struct ConvexOnMesh {
     if (is_way_out(t, rotate_back(solid.orientation, -out.normal))) return true;
     is_nearest = false;
     const bool was_apart = out.is_apart;
+    const double overlap = out.is_apart ? 0 : out.separation;
     out.normal = -n;
     out.separation = separation_along(body, corner.core, -n);
     out.is_apart = false;
-    if (was_apart) return out.separation >= -1e-6 * body.size();
-    return is_over(corner, body, n);
+    // At the end of a notch an edge of the body may be over no triangle: then one holds it that is hardly deeper inside than it is.
+    if (out.separation >= kAsDeep * overlap - 1e-6 * body.size()) return true;
+    return !was_apart && is_over(corner, body, n);
   }
 
   /// Whether a body may leave the surface around triangle t along a direction in the frame of the mesh: what of the

@@ -189,6 +189,31 @@ TEST(HeightFields, AHeapInABowlStaysAndIsCarried) {
 }
 
 // Spheres go five diameters a step, boxes a quarter of their edge: only the ways of spheres are followed.
+// Tetrahedra rain on peaks as sharp as they are, of heights that lie at random beside each other. Their edges lie over notches, where no
+// corner of theirs is over a triangle.
+TEST(HeightFields, SharpBodiesStayOnSharpPeaks) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> height(0, 0.15), turn(-1, 1);
+  const HeightGrid grid = grid_of(30, 30, 2, 2, [&](double, double) { return height(random); });
+  Scene scene = empty_scene(1e-3, 0.5);
+  solve_to(scene, 1e-5);
+  scene.gravity = {0, 0, -kGravity};
+  add_field(scene, grid, 2, 2, 0.5);
+  for (int k = 0; k < 9; ++k) {
+    BodyDescription& body = add_described(
+        scene,
+        R"("shape": "hull", "points": [[-0.1, -0.1, -0.05], [0.15, -0.05, -0.05], [0, 0.14, -0.05], [0, 0, 0.12]])");
+    body.position = {0.6 * (k % 3 - 1), 0.6 * (k / 3 - 1), 0.35};
+    body.orientation = normalized(Quatd{turn(random), turn(random), turn(random), turn(random)});
+  }
+  World world(scene, cpu_options(2));
+  int deep = 0;
+  for (int k = 0; k < 1000; ++k) deep += world.step().max_penetration > 5e-3;
+  EXPECT_LE(deep, 2);
+  const BodyStates s = world.states();
+  for (std::size_t i = 1; i < s.position.size(); ++i) EXPECT_GT(s.position[i].z, 0.05) << i;
+}
+
 TEST(HeightFields, NoSpeedLeadsThrough) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-0.8, 0.8), tilted(-1, 1);

@@ -13,6 +13,7 @@
 
 #include "host/error.h"
 #include "host/io/atomic_file.h"
+#include "host/io/forces_csv.h"
 #include "host/io/h5.h"
 #include "host/io/png_file.h"
 #include "host/io/progress.h"
@@ -27,6 +28,7 @@
 #include "shapes/mesh.h"
 #include "shapes/sphere.h"
 #include "tests/host/io/output_fixtures.h"
+#include "tests/host/scene_texts.h"
 
 namespace scree {
 namespace {
@@ -397,6 +399,16 @@ TEST(SignalTest, TheFirstOneIsARequestAndTheSecondKills) {
     EXPECT_TRUE(WIFSIGNALED(status));
     EXPECT_EQ(WTERMSIG(status), second);
   }
+}
+
+// Bodies that join later come last in a run, whatever their place in the file.
+TEST(ForceTargets, WallsHaveTheNumberOfTheirEntry) {
+  const Scene scene = test::parsed(R"({"time_step": 1e-3, "duration": 1, "bodies": [
+    {"shape": "half_space"},
+    {"shape": "sphere", "radius": 0.1, "density": 1000, "position": [0, 0, 1], "insert_at": 0.5},
+    {"shape": "box", "kind": "fixed", "size": [1, 1, 1], "position": [3, 0, 0]},
+    {"name": "lid", "shape": "box", "kind": "fixed", "size": [1, 1, 1], "position": [5, 0, 0]}]})");
+  EXPECT_THAT(ForceTargets(scene).bodies, testing::ElementsAre("fixed,0", "fixed,2", "fixed,lid"));
 }
 
 }  // namespace

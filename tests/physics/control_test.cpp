@@ -19,6 +19,8 @@ TEST(PressedPlate, KeepsTheForceOfItsMotor) {
   world.track_forces();
   world.run(1);
   world.take_forces();
+  const auto place = static_cast<std::size_t>(world.body("plate"));
+  const double before = world.states().position[place].z;
   world.run(0.1);
   const MeanForces mean = world.take_forces();
   const double plate = 2 * kGravity;
@@ -28,8 +30,8 @@ TEST(PressedPlate, KeepsTheForceOfItsMotor) {
   EXPECT_NEAR(mean.on_groups[static_cast<std::size_t>(scene.bodies[1].group)].force.z, 400 + plate,
               4);
   EXPECT_NEAR(mean.on_bodies[0].force.z, -400 - plate - grains, 4);
-  EXPECT_LT(std::abs(world.states().velocity[static_cast<std::size_t>(world.body("plate"))].z),
-            1e-3);
+  // Its mean velocity: from step to step it trembles on its grains by as much.
+  EXPECT_LT(std::abs(world.states().position[place].z - before), 1e-3 * 0.1);
 }
 
 /// Blocks that slide on a floor, one behind the other with gaps between them, and a blade behind the first.

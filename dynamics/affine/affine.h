@@ -3,6 +3,11 @@
 // and along ways that have none. docs/theory.md, sections "Affine bodies" and "Barrier contact". All states are in double, whatever
 // the precision of the run.
 
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
 #include "dynamics/affine/led_islands.h"
@@ -389,6 +394,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   void require_apart() {
     if (rows_ == 0) return;
     affine::require_no_crossing(setup_);
+    fill(backend(), target_.view(), AffineVec{});  // of no step
     affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});
     minimizer_.begin(surfaces_, p);
     minimizer_.take_near_ms();  // of no step

@@ -98,7 +98,8 @@ int check_scene(const CheckOptions& options) {
                           {"expected_memory_bytes", memory},
                           {"fits", fits},
                           {"bodies_that_fit", fit},
-                          {"overlaps", overlaps_json(overlaps, bodies)}};
+                          {"overlaps", overlaps_json(overlaps, bodies)},
+                          {"warnings", overlaps.warnings}};
     if (card.has_contacts) {
       out["contact_layout"] = to_string(s.layout);
       out["solver"] = settings.solver.name;
@@ -134,6 +135,7 @@ int check_scene(const CheckOptions& options) {
   if (surfaces) print_surfaces(settings, *surfaces);
   if (!fits) fmt::print("warning     the scene does not fit: about {:.0f} bodies do\n", fit);
   if (overlaps.pairs > 0) fmt::print("warning     {}\n", overlap_warning(overlaps, bodies));
+  for (const std::string& warning : overlaps.warnings) fmt::print("warning     {}\n", warning);
   return 0;
 }
 

@@ -200,7 +200,7 @@ class Run {
     if (!made) write_walls(directory_.walls(), scene_);
     std::string overlaps;  // where no contacts of a first step will tell
     if (!made && !card_.has_contacts)
-      overlaps = overlap_warning(find_overlaps(scene_, world_options_), BodyConstants(scene_));
+      overlaps = overlap_warning(overlaps_as_rigid(scene_, world_options_), BodyConstants(scene_));
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
     if (!made) {
       made.emplace(std::move(loaded), world_options_);

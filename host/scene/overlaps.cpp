@@ -112,21 +112,30 @@ Overlaps find_overlaps(Scene scene, const WorldOptions& options) {
   Overlaps found = overlaps_in_crowd(scene);
   if (found.pairs > 0) return found;
   const bool has_contacts = dynamics_card(scene.dynamics.type).has_contacts;
-  if (!has_contacts) scene.dynamics = {};  // rigid bodies, which may lie in each other
   try {
     require_memory(scene, options);
-  } catch (const std::runtime_error& error) {
+    const World world(scene, options);  // what it refuses, a run would
+    if (has_contacts) return overlaps_among(world.overlaps(), world.constants());
+    found.warnings = world.warnings();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {  // no room, or more pairs than can be numbered
     found.not_looked_for = error.what();
     return found;
   }
+  Overlaps of_rigid = overlaps_as_rigid(std::move(scene), options);
+  of_rigid.warnings = std::move(found.warnings);
+  return of_rigid;
+}
+
+Overlaps overlaps_as_rigid(Scene scene, const WorldOptions& options) {
+  scene.dynamics = {};
   try {
+    require_memory(scene, options);
     const World world(std::move(scene), options);
     return overlaps_among(world.overlaps(), world.constants());
-  } catch (const InputError& error) {
-    if (has_contacts) throw;  // a run would be refused, too
-    found.not_looked_for = error.what();
-    return found;
-  } catch (const std::runtime_error& error) {  // no room, or more pairs than can be numbered
+  } catch (const std::runtime_error& error) {  // also what rigid bodies cannot do
+    Overlaps found;
     found.not_looked_for = error.what();
     return found;
   }

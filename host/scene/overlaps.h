@@ -17,18 +17,22 @@ struct Overlaps {
   bool has_more = false;   ///< not all were counted
   int body_a = -1;         ///< ids of the pair that overlaps deepest
   int body_b = -1;
-  double depth = 0;            ///< of that pair [m]
-  double fraction = 0;         ///< its depth over the diameter of the smaller body [-]
-  std::string not_looked_for;  ///< why, when they could not be
+  double depth = 0;                   ///< of that pair [m]
+  double fraction = 0;                ///< its depth over the diameter of the smaller body [-]
+  std::string not_looked_for;         ///< why, when they could not be
+  std::vector<std::string> warnings;  ///< of the World, where its dynamics list no contacts
 };
 
 /// Those among contacts, which are sorted by body. @param body  constants of all bodies, by id
 Overlaps overlaps_among(const std::vector<ContactRecord>& contacts, const BodyConstants& body);
 
-/// Those of a scene at its start. Takes one detection of contacts on the backend of the options, as rigid bodies where its dynamics
-/// list none.
+/// Those of a scene at its start. Takes one detection of contacts on the backend of the options; where its dynamics list none, that of
+/// overlaps_as_rigid().
 /// @throws InputError  what a run would be refused for
 Overlaps find_overlaps(Scene scene, const WorldOptions& options);
+
+/// The same as if all bodies were rigid: what lies inside a solid, or below a floor, crosses no surface, so not all models see it.
+Overlaps overlaps_as_rigid(Scene scene, const WorldOptions& options);
 
 /// A body as its scene file lists it, such as "bodies[3]" or "particles[0] #12"; by its id when the
 /// scene comes from no file.

@@ -21,8 +21,8 @@ struct ConvexOnMesh {
   static constexpr double kFlat = 1e-4;
   /// Part of the half thickness to which a body is held by a plane that is not its shortest way out.
   static constexpr double kDeepest = 0.1;
-  /// How much deeper along the normal of a triangle than it is a body may be that this holds without one of its corners over it: the
-  /// normals of a notch lie so far apart.
+  /// A triangle holds a body without a corner over it whose depth along its normal is at most so many times the least depth: the normals
+  /// about a notch lie far apart.
   static constexpr double kAsDeep = 5;
 
   /// Calls emit(element) for each contact with an image of the mesh, ascending.
@@ -127,12 +127,11 @@ struct ConvexOnMesh {
     if (is_way_out(t, rotate_back(solid.orientation, -out.normal))) return true;
     is_nearest = false;
     const bool was_apart = out.is_apart;
-    const double overlap = out.is_apart ? 0 : out.separation;
+    const double least = was_apart ? 0 : out.separation;
     out.normal = -n;
     out.separation = separation_along(body, corner.core, -n);
     out.is_apart = false;
-    // At the end of a notch an edge of the body may be over no triangle: then one holds it that is hardly deeper inside than it is.
-    if (out.separation >= kAsDeep * overlap - 1e-6 * body.size()) return true;
+    if (out.separation >= kAsDeep * least - 1e-6 * body.size()) return true;
     return !was_apart && is_over(corner, body, n);
   }
 

@@ -188,7 +188,6 @@ TEST(HeightFields, AHeapInABowlStaysAndIsCarried) {
   EXPECT_NEAR(std::abs(carried), mass * kGravity * 2e-3, 0.02 * mass * kGravity * 2e-3);
 }
 
-// Spheres go five diameters a step, boxes a quarter of their edge: only the ways of spheres are followed.
 // Tetrahedra rain on peaks as sharp as they are, of heights that lie at random beside each other. Their edges lie over notches, where no
 // corner of theirs is over a triangle.
 TEST(HeightFields, SharpBodiesStayOnSharpPeaks) {
@@ -214,6 +213,7 @@ TEST(HeightFields, SharpBodiesStayOnSharpPeaks) {
   for (std::size_t i = 1; i < s.position.size(); ++i) EXPECT_GT(s.position[i].z, 0.05) << i;
 }
 
+// Spheres go five diameters a step, boxes a quarter of their edge: only the ways of spheres are followed.
 TEST(HeightFields, NoSpeedLeadsThrough) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-0.8, 0.8), tilted(-1, 1);

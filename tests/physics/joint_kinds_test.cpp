@@ -71,7 +71,6 @@ TEST_P(JointKinds, SliderGoesOutOnATurningGuide) {
   EXPECT_LT(error, 2e-6);
 }
 
-// Falls along the axis, which is upright, and keeps turning about it; nothing else.
 // A cart of 2 kg hangs from a level rail, 0.5 m from where it began. What the joint tells of its moment is about the anchor of its
 // second body: the cart's own center, or the start of the rail, whether the rail belongs to the world or to a body held by it.
 TEST_P(JointKinds, SliderTellsTheMomentAboutTheAnchorOfItsSecondBody) {
@@ -101,6 +100,7 @@ TEST_P(JointKinds, SliderTellsTheMomentAboutTheAnchorOfItsSecondBody) {
   }
 }
 
+// Falls along the axis, which is upright, and keeps turning about it; nothing else.
 TEST_P(JointKinds, CylinderFallsAndTurns) {
   Scene scene = empty_scene(1e-3, 0);
   BodyDescription& box = add_box(scene, {0.3, 0, 0}, {0.1, 0.05, 0.2}, 1);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/error.h"
 #include "shapes/sphere.h"
 #include "tests/host/scene_texts.h"
 
@@ -66,6 +67,11 @@ TEST(Overlaps, OfAffineBodiesAreFoundAsThoseOfRigidOnes) {
     {"shape": "sphere", "radius": 0.1, "density": 1000, "position": [3, 0, -3.3]}]})");
   EXPECT_EQ(overlaps_of(scene).pairs, 2);
   EXPECT_NEAR(overlaps_of(scene).depth, 0.6, 1e-6);
+  EXPECT_TRUE(overlaps_of(scene).warnings.empty());
+  scene.dynamics.parameters["stiffness"] = 1e14;
+  EXPECT_EQ(overlaps_of(scene).warnings.size(), 1u) << "too stiff to turn";
+  scene.bodies[1].position = {0.45, 0, 0};  // through a side of the box
+  EXPECT_THROW(overlaps_of(scene), InputError) << "as a run does";
 }
 
 TEST(Overlaps, WithWallsAndAmongParticleSets) {

@@ -16,7 +16,7 @@
 namespace scree {
 namespace {
 
-constexpr double kTolerated = 1e-3;  // of the smaller diameter
+constexpr double kTolerated = 1e-3;  // of the thinner body
 /// Bodies in a cell so small that all of them overlap: so many that listing their
 /// pairs could take hours.
 constexpr std::size_t kCrowd = 2000;
@@ -86,16 +86,25 @@ Overlaps overlaps_in_crowd(const Scene& scene) {
 
 }  // namespace
 
+namespace {
+
+/// Least extent of a body [m]: of a box about it, or the diameter. 0: unbounded.
+double thickness(const BodyConstants& body, int id) {
+  const auto k = static_cast<std::size_t>(id);
+  const Vec3d half = body.half_extents(k);
+  const double least = std::min({half.x, half.y, half.z});
+  return 2 * (least > 0 ? least : body[k].radius);
+}
+
+}  // namespace
+
 Overlaps overlaps_among(const std::vector<ContactRecord>& contacts, const BodyConstants& body) {
   Overlaps found;
   std::pair<int, int> last{-1, -1};
   for (const ContactRecord& contact : contacts) {
     if (!(contact.gap < 0)) continue;
-    const double radius_a = body[static_cast<std::size_t>(contact.body_a)].radius;
-    const double radius_b = body[static_cast<std::size_t>(contact.body_b)].radius;
-    // A half-space has no diameter.
-    const double smaller = radius_b > 0 ? std::min(radius_a, radius_b) : radius_a;
-    const double fraction = -contact.gap / (2 * smaller);
+    const double of_a = thickness(body, contact.body_a), of_b = thickness(body, contact.body_b);
+    const double fraction = -contact.gap / (of_b > 0 ? std::min(of_a, of_b) : of_a);
     if (!(fraction > kTolerated)) continue;
     const std::pair<int, int> pair{contact.body_a, contact.body_b};
     if (std::exchange(last, pair) != pair) ++found.pairs;
@@ -114,6 +123,11 @@ Overlaps find_overlaps(Scene scene, const WorldOptions& options) {
   const bool has_contacts = dynamics_card(scene.dynamics.type).has_contacts;
   try {
     require_memory(scene, options);
+  } catch (const std::runtime_error& error) {
+    found.not_looked_for = error.what();
+    return found;
+  }
+  try {
     const World world(scene, options);  // what it refuses, a run would
     if (has_contacts) return overlaps_among(world.overlaps(), world.constants());
     found.warnings = world.warnings();
@@ -152,7 +166,7 @@ std::string overlap_warning(const Overlaps& o, const BodyConstants& body) {
   if (o.pairs == 0) return "";
   return fmt::format(
       "{}{} pair{} of bodies overlap{} at the start; deepest: {} (id {}) and {} (id {}) by {:.3g} "
-      "m, {:.3g} % of the smaller one's diameter",
+      "m, {:.3g} % of the thickness of the thinner one",
       o.has_more ? "more than " : "", o.pairs, o.pairs == 1 ? "" : "s", o.pairs == 1 ? "s" : "",
       body_name(body, o.body_a), o.body_a, body_name(body, o.body_b), o.body_b, o.depth,
       100 * o.fraction);

@@ -11,14 +11,14 @@
 
 namespace scree {
 
-/// Overlaps deeper than what settled beds have: a thousandth of the smaller body's diameter.
+/// Overlaps deeper than what settled beds have: a thousandth of the thinner body's least extent.
 struct Overlaps {
   std::int64_t pairs = 0;  ///< of bodies
   bool has_more = false;   ///< not all were counted
   int body_a = -1;         ///< ids of the pair that overlaps deepest
   int body_b = -1;
   double depth = 0;                   ///< of that pair [m]
-  double fraction = 0;                ///< its depth over the diameter of the smaller body [-]
+  double fraction = 0;                ///< its depth over the least extent of the thinner body [-]
   std::string not_looked_for;         ///< why, when they could not be
   std::vector<std::string> warnings;  ///< of the World, where its dynamics list no contacts
 };

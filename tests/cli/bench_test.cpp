@@ -50,7 +50,9 @@ void expect_sound_steps(const json& result) {
     stages += ms.at("mean").get<double>();
   }
   EXPECT_NEAR(result.at("ms").at("total").at("mean").get<double>(), stages, 1e-6 * stages);
-  EXPECT_GT(result.at("contact_iterations_per_s"), 0.0);
+  // A step at rest may need none.
+  const double iterations = result.at("iterations");
+  EXPECT_EQ(result.at("contact_iterations_per_s") > 0.0, iterations > 0);
   EXPECT_GT(result.at("body_seconds_per_s"), 0.0);
   EXPECT_NEAR(result.at("memory_bytes_per_body").get<double>() * result.at("bodies").get<double>(),
               result.at("peak_memory_bytes").get<double>(), 1);

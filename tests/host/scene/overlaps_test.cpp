@@ -54,7 +54,25 @@ TEST(Overlaps, AreCountedAndTheDeepestIsNamedAsInTheFile) {
   EXPECT_NEAR(found.fraction, (0.2 - distance) / 0.2, 1e-7);
   EXPECT_EQ(warning_of(scene),
             "2 pairs of bodies overlap at the start; deepest: bodies[2] (id 1) and bodies[3] (id "
-            "2) by 0.014 m, 6.99 % of the smaller one's diameter");
+            "2) by 0.014 m, 6.99 % of the thickness of the thinner one");
+}
+
+// Plates of a millimeter and rods of two, nine tenths and all of their thickness in each other.
+TEST(Overlaps, AreMeasuredByHowThinBodiesAre) {
+  const auto plate = [](double z) {
+    return R"({"shape": "box", "size": [1, 1, 0.001], "mass": 1, "position": [0, 0, )" +
+           std::to_string(z) + "]}";
+  };
+  const auto rod = [](double x) {
+    return R"({"shape": "cylinder", "radius": 0.001, "length": 4, "mass": 1, "position": [)" +
+           std::to_string(x) + ", 0, 3]}";
+  };
+  const Overlaps plates = overlaps_of(parsed(text_of(plate(0.5) + ", " + plate(0.5001))));
+  EXPECT_EQ(plates.pairs, 1);
+  EXPECT_NEAR(plates.fraction, 0.9, 1e-3);
+  const Overlaps rods = overlaps_of(parsed(text_of(rod(0) + ", " + rod(0.0001))));
+  EXPECT_EQ(rods.pairs, 1);
+  EXPECT_GT(rods.fraction, 0.9);
 }
 
 // Affine bodies have no list of contacts. What lies inside of a solid, or below a floor, crosses no surface and is not refused.
@@ -80,7 +98,7 @@ TEST(Overlaps, WithWallsAndAmongParticleSets) {
   const Scene sunk = parsed(text_of("", low));
   EXPECT_EQ(warning_of(sunk),
             "4 pairs of bodies overlap at the start; deepest: particles[0] #0 (id 1) and bodies[0] "
-            "(id 0) by 0.05 m, 25 % of the smaller one's diameter");
+            "(id 0) by 0.05 m, 25 % of the thickness of the thinner one");
   const auto set = [](const char* x) {
     return std::string(R"({"layout": "lattice", "radius": 0.1, "density": 1, "count": 1,
       "spacing": 0.2, "region": {"min": [)") +

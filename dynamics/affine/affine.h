@@ -10,8 +10,8 @@
 
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
-#include "dynamics/affine/led_islands.h"
 #include "dynamics/affine/minimizer.h"
+#include "dynamics/affine/push_islands.h"
 #include "dynamics/affine/solids.h"
 #include "dynamics/model_on.h"
 #include "dynamics/rigid/body_loading.h"
@@ -55,6 +55,7 @@ class AffineDynamics final : public ModelOn<B, double> {
         next_(backend(), std::ssize(setup_.bodies)),
         target_(backend(), rows_),
         rate_(backend(), rows_),
+        hit_(backend(), rows_),
         led_(backend()),
         joints_(backend()),
         drives_(backend(), std::ssize(setup_.drives)),
@@ -74,6 +75,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     upload(b, friction, friction_);
     upload(b, setup_.drives, joints_);
     upload(b, std::vector<double>(setup_.drives.size(), 0), joint_position_);
+    fill(b, hit_.view(rows_), Index{0});
     read_parameters();
     BodyLoading<B, double>(scene_, store_, obstacles_).load_first();
     place_shapes();
@@ -105,8 +107,12 @@ class AffineDynamics final : public ModelOn<B, double> {
       p.barrier.stiffness = barrier_stiffness(p, scheme.h);
       const int blocked = minimize(p, scheme, minimizer_settings(scheme.h), done);
       finish(scheme);
-      const affine::AffineSums sums = sum();
+      affine::AffineSums sums = sum();
       if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
+      if (scheme.is_second && sums.hit > 0) {
+        start_anew(p, scheme);
+        sums = sum();
+      }
       note_part(report, p, scheme, done, sums, blocked);
     }
     this->count_step();
@@ -146,6 +152,10 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// Square of the speed at which pairs that begin within reach throw bodies, over gravity times the reach, from which on users
   /// are told.
   static constexpr double kThrow = 20;
+  /// Tolerance over what gravity changes a velocity by in a step from which on users are told.
+  static constexpr double kLooseTolerance = 0.1;
+  /// Ways of Newton steps that rounding leaves, over the size of the scene.
+  static constexpr double kFinest = 1e-12;
   /// Strain from which on a body counts as squeezed.
   static constexpr double kMostSqueeze = 0.01;
   static constexpr int kMostParts = 1024;
@@ -171,7 +181,18 @@ class AffineDynamics final : public ModelOn<B, double> {
     const ParameterValues& values = scene_.dynamics.parameters;
     rule_ = static_cast<affine::StepRule>(std::lround(kStepRule.of(values)));
     reach_ = kReach.of(values) > 0 ? kReach.of(values) : 1e-3 * setup_.size;
-    tolerance_ = kNewtonTolerance.of(values) > 0 ? kNewtonTolerance.of(values) : 1e-3 * setup_.size;
+    set_tolerance(kNewtonTolerance.of(values));
+  }
+
+  /// Friction and loads change velocities by about as much as gravity does in a step: what ends Newton's method has to be
+  /// small beside that. @param given  of the scene; 0: none
+  void set_tolerance(double given) {
+    const double h = scene_.stepping.time_step, gained = h * norm(scene_.gravity);
+    double fitting = 1e-3 * setup_.free_size;
+    if (gained > 0) fitting = std::min(fitting, std::max(0.01 * gained, kFinest * setup_.size / h));
+    tolerance_ = given > 0 ? given : fitting;
+    if (gained > 0 && tolerance_ > kLooseTolerance * gained)
+      warnings_.push_back(affine::tolerance_warning(tolerance_, gained, fitting));
   }
 
   /// Pictures find the body of a mesh by its shape: the first of its parts, where there are compounds.
@@ -325,12 +346,29 @@ class AffineDynamics final : public ModelOn<B, double> {
 
   void finish(const affine::StepScheme& scheme) {
     solids_.join(backend(), next_.view());
-    for_each(backend(), rows_,
-             affine::FinishStep{scheme, constants_.view(), body_of_row_.view(),
-                                states(scheme.is_second), next_.view(), target_.view(),
-                                rate_.view(), earlier_q_.view(), earlier_v_.view()});
+    for_each(
+        backend(), rows_,
+        affine::FinishStep{scheme, constants_.view(), body_of_row_.view(), states(scheme.is_second),
+                           next_.view(), target_.view(), rate_.view(), earlier_q_.view(),
+                           earlier_v_.view(), hit_.view(rows_), tolerance_});
     has_earlier_ = true;
     earlier_step_ = scheme.h;
+    write_poses();
+  }
+  /// After a step in which bodies were hit: they and those that they touch, since these share its momentum, go on as if
+  /// they had flown freely.
+  void start_anew(const affine::Potential& p, const affine::StepScheme& scheme) {
+    B& b = backend();
+    const std::vector<bool> anew =
+        affine::bodies_near_hit(setup_, minimizer_.touching_bodies(p, earlier_q_.view(), q_.view()),
+                                download(b, Span<const Index>(hit_.view(rows_))));
+    std::vector<Index> mark;
+    for (const Index body : setup_.body_of_row)
+      mark.push_back(anew[static_cast<std::size_t>(body)] ? 1 : 0);
+    upload(b, mark, hit_);
+    for_each(b, rows_,
+             affine::StartAnew{scheme, constants_.view(), body_of_row_.view(), hit_.view(rows_),
+                               q_.view(), v_.view(), earlier_q_.view(), earlier_v_.view()});
     write_poses();
   }
   void write_poses() {
@@ -344,10 +382,10 @@ class AffineDynamics final : public ModelOn<B, double> {
                         store_.view());
   }
   affine::AffineSums sum() {
-    reduce<affine::AffineSums>(
-        backend(), rows_,
-        affine::SumBody{constants_.view(), body_of_row_.view(), q_.view(), v_.view()},
-        StoreResult<affine::AffineSums>{sums_.data()});
+    reduce<affine::AffineSums>(backend(), rows_,
+                               affine::SumBody{constants_.view(), body_of_row_.view(), q_.view(),
+                                               v_.view(), hit_.view(rows_)},
+                               StoreResult<affine::AffineSums>{sums_.data()});
     return fetch(backend(), sums_.data());
   }
 
@@ -529,6 +567,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, AffineVec> q_, v_, earlier_q_, earlier_v_;  ///< by body
   Buffer<B, AffineVec> next_;                           ///< by body, while a step is made
   Buffer<B, AffineVec> target_, rate_;                  ///< by row
+  Buffer<B, Index> hit_;                                ///< by row, in the last step
   Buffer<B, AffineVec> led_;
   Buffer<B, affine::DrivenJoint> joints_;
   Buffer<B, affine::DriveTerm> drives_;  ///< of the step

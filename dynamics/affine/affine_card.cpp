@@ -98,9 +98,14 @@ double affine_bytes_per_body(const Scene& scene, const WorldOptions& options) {
   for (const BodyDescription& body : scene.bodies)
     if (body.elastic->is_on())
       tetrahedra += static_cast<double>(mesh_of(scene, body.shape)->tetrahedra.size());
+  // Corners, edges, trees and near features of a mesh, which bodies of one shape share: of gears and of bolts.
+  constexpr double kTriangle = 450;
+  double triangles = 0;
+  for (const TriangleMesh& mesh : scene.meshes)
+    triangles += static_cast<double>(mesh.triangles.size());
   const auto bodies = static_cast<double>(count_bodies(scene).all());
   return kState + kRow + kContacts + kNear + kBlocks + pieces +
-         (bodies > 0 ? kTetrahedron * tetrahedra / bodies : 0);
+         (bodies > 0 ? (kTetrahedron * tetrahedra + kTriangle * triangles) / bodies : 0);
 }
 
 }  // namespace scree

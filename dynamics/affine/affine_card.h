@@ -55,12 +55,15 @@ inline constexpr SolverParameter kFrictionSolves{
     .standard = 1,
     .low = 0,
     .high = 1e3,
-    .is_low_allowed = true};
+    .is_low_allowed = true,
+    .is_whole = true};
 inline constexpr SolverParameter kNewtonTolerance{
     .key = "tolerance",
     .description =
         "a step is done when Newton's method moves no corner faster than this [m/s]; 0: "
-        "0.001 of the diagonal of the box about all bodies, a second.",
+        "0.001 of the diagonal of the largest body that moves, a second, or a hundredth of what "
+        "gravity "
+        "changes a velocity by in a step where that is less.",
     .standard = 0,
     .low = 0,
     .high = 1e6,
@@ -70,7 +73,8 @@ inline constexpr SolverParameter kNewtonIterations{
     .description = "most iterations of a minimization [-].",
     .standard = 200,
     .low = 0,
-    .high = 1e6};
+    .high = 1e6,
+    .is_whole = true};
 inline constexpr SolverParameter kBarrierStiffness{
     .key = "barrier_stiffness",
     .description = "factor of the barrier [J/m^4]; 0: about as stiff as bodies are inert.",

@@ -116,10 +116,15 @@ class Builder {
     for (const Body& each : all_) {
       if (is_unbounded(each.body.shape)) continue;
       const AffineVec q = pose_coordinates(place_of(each.body));
-      for (const Vec3d& v : surface_of(each.body).first->vertices) box.add(point_of(q, v));
+      Bounds own;
+      for (const Vec3d& v : surface_of(each.body).first->vertices) own.add(point_of(q, v));
+      box.add(own);
+      if (each.body.kind == BodyKind::free)
+        setup_.free_size = std::max(setup_.free_size, norm(own.high - own.low));
     }
     if (box.low.x > box.high.x) return;
     setup_.size = norm(box.high - box.low);
+    if (!(setup_.free_size > 0)) setup_.free_size = setup_.size;
     middle_ = 0.5 * (box.low + box.high);
   }
 
@@ -522,6 +527,14 @@ std::string stiff_warning(int id) {
       "body {} is very stiff for its size and the time step: it may stop turning; take a smaller "
       "\"stiffness\" or time step",
       id);
+}
+
+std::string tolerance_warning(double tolerance, double gained, double fitting) {
+  return fmt::format(
+      "dynamics.tolerance is {:.3g} m/s, {:.0f} % of what gravity changes a velocity by in a step: "
+      "friction and "
+      "loads may be wrong by as much; {:.3g} would be accurate",
+      tolerance, 100 * tolerance / gained, fitting);
 }
 
 std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed) {

@@ -39,6 +39,7 @@ struct AffineSetup {
   std::size_t scene_bodies = 0;  ///< those that are no tetrahedra
   SolidSetup solid;
   double size = 0;       ///< diagonal of the box about all bounded bodies [m]
+  double free_size = 0;  ///< largest diagonal of the box about a free one, or else that [m]
   double mean_mass = 0;  ///< of free bodies [kg]
 };
 
@@ -67,6 +68,9 @@ void require_no_crossing(const AffineSetup& setup);
 /// strain: it may stop turning.
 bool is_too_stiff(const BodyConstant& body, double time_step);
 std::string stiff_warning(int id);
+
+/// Of a tolerance that lets steps end early [m/s]. @param gained  what gravity changes a velocity by in a step
+std::string tolerance_warning(double tolerance, double gained, double fitting);
 
 /// Of two bodies that the barrier acts on at the start. @param speed  that it may give a body [m/s]
 std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed);

@@ -111,6 +111,24 @@ class Minimizer {
     return fetch(*b_, touch_.data()).pair;
   }
 
+  /// Bodies of which a pair of features is within reach in one of two states.
+  std::vector<BodyPair> touching_bodies(const Potential& p, Span<const AffineVec> first,
+                                        Span<const AffineVec> second) {
+    B& b = *b_;
+    const auto all = static_cast<Index>(p.near.bodies.size);
+    mark_.reserve_discard(all);
+    fill(b, mark_.view(all), Index{0});
+    for (const Span<const AffineVec>& q : {first, second})
+      for_each(b, static_cast<Index>(p.near.pairs.size),
+               MarkBodies{p.barrier, p.near, q, mark_.view(all)});
+    const std::vector<BodyPair> near = download(b, p.near.bodies);
+    const std::vector<Index> mark = download(b, Span<const Index>(mark_.view(all)));
+    std::vector<BodyPair> found;
+    for (std::size_t k = 0; k < near.size(); ++k)
+      if (mark[k] > 0) found.push_back(near[k]);
+    return found;
+  }
+
   /// Friction of the contacts of a state, from now on.
   void remember_friction(Potential& p, Span<const AffineVec> q) {
     const Index count = list_active(p, q);

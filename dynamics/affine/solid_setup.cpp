@@ -4,8 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "dynamics/affine/affine_setup.h"
+#include "host/scene/motion.h"
 #include "kernels/affine/surface_tree.h"
 #include "kernels/math/morton.h"
 
@@ -39,8 +41,7 @@ class SolidBuilder {
       out_.links.links.push_back(own);
       out_.links.used.push_back(4);
     }
-    for (const int group : setup.collision_group)
-      if (group != kRestingGroup) next_group_ = std::max(next_group_, group + 1);
+    taken_groups_.insert(setup.collision_group.begin(), setup.collision_group.end());
     nothing_ = static_cast<int>(setup.surfaces.size());
     setup.surfaces.push_back(std::make_shared<Surface>());
   }
@@ -55,7 +56,7 @@ class SolidBuilder {
     out_.corners.resize(out_.corners.size() + rest_.size());
     setup_.surface_of_body[at(elastic.storage)] = nothing_;
     if (setup_.collision_group[at(elastic.storage)] < 0)
-      setup_.collision_group[at(elastic.storage)] = next_group_++;
+      setup_.collision_group[at(elastic.storage)] = free_group();
     attach(elastic, solid);
     number_corners();
     add_tetrahedra(elastic, solid);
@@ -88,13 +89,20 @@ class SolidBuilder {
     }
   }
 
+  /// A collision group that no other body has.
+  int free_group() {
+    int group = 0;
+    while (!taken_groups_.insert(group).second) ++group;
+    return group;
+  }
+
   void hold(std::size_t v, const Vec3d& x, int to, const Solid& solid) {
     SolidCorner& corner = out_.corners[at(solid.corners_begin) + v];
     holder_[v] = to == kWorldBody ? kWorldBody : body_of_id_[at(to)];
     corner = {holder_[v], x};
     if (to == kWorldBody) return;
-    const BodyDescription& body = scene_.bodies[at(to)];
-    corner.rest = rotate_back(body.orientation, x - body.position);
+    const Pose start = pose_at(scene_.bodies[at(to)], 0);
+    corner.rest = rotate_back(start.orientation, x - start.position);
     carried_[v].row = setup_.bodies[at(corner.body)].row;
     for (int k = 0; k < 4; ++k) carried_[v].weight[k] = node_weight(corner.rest, k);
   }
@@ -303,8 +311,8 @@ class SolidBuilder {
   const std::vector<int>& body_of_id_;
   AffineSetup& setup_;
   SolidSetup& out_;
-  int nothing_ = 0;     ///< number of the surface of what has none
-  int next_group_ = 0;  ///< collision group of the next body
+  int nothing_ = 0;             ///< number of the surface of what has none
+  std::set<int> taken_groups_;  ///< collision groups of bodies
   // Of the body that is added:
   const TriangleMesh* mesh_ = nullptr;
   std::vector<Vec3d> rest_;       ///< corners in its frame: of the surface, then inner ones [m]

@@ -82,17 +82,24 @@ struct InertialTarget {
   AffineVec rate;  ///< its velocity, with the rotational rule
 };
 
+/// What gravity and constant loads make of a body at rest [m/s^2].
+SCREE_HD inline AffineVec free_gain(const AffineMass& mass, const AffineVec& q,
+                                    const Vec3d& gravity, const Vec3d& force, const Vec3d& torque) {
+  AffineVec load;
+  load.node[0] = force;
+  load += torque_force(q, torque);
+  AffineVec gain = mass.solve(load);
+  gain.node[0] += gravity;
+  return gain;
+}
+
 /// @param force, torque  on the body [N], [N m]; world axes
 SCREE_HD inline InertialTarget inertial_target(const StepScheme& scheme, const AffineMass& mass,
                                                const StepStart& s, const Vec3d& force,
                                                const Vec3d& torque) {
   const double h = scheme.h;
   const bool turning = scheme.rule == StepRule::rotational;
-  AffineVec load;
-  load.node[0] = force;
-  if (!turning) load += torque_force(s.q, torque);
-  AffineVec gain = mass.solve(load);
-  gain.node[0] += scheme.gravity;
+  const AffineVec gain = free_gain(mass, s.q, scheme.gravity, force, turning ? Vec3d{} : torque);
   InertialTarget t;
   t.rate = s.v;
   t.q = scheme.is_second ? scheme.before(s.q, s.earlier_q) +

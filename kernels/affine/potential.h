@@ -197,6 +197,22 @@ struct TouchOfPair {
   }
 };
 
+/// Marks pairs of bodies of which features are within reach.
+struct MarkBodies {
+  static constexpr const char* name = "affine_mark_bodies";
+  static constexpr int kBlockThreads = kWaitingThreads;
+  Barrier barrier;
+  NearPairsView near;
+  Span<const AffineVec> q;
+  Span<Index> mark;  ///< out, by pair of bodies; all that write to one write the same
+
+  SCREE_HD void operator()(Index i) const {
+    const NearPair& pair = near.pairs[i];
+    if (barrier.acts(squared_distance(pair.kind, points_of(near, pair, near.rest_of(pair), q))))
+      mark[pair.bodies] = 1;
+  }
+};
+
 /// Of a Newton step: its largest way of a corner, its slope, how far its end is from the ways that the list of near pairs was made
 /// for, and by how much it changes what may stick or slide.
 struct StepSums {

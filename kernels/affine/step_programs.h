@@ -1,6 +1,7 @@
 #pragma once
 // Passes of a step of affine bodies around its minimization: targets, velocities, poses, sums.
 
+#include "kernels/affine/impact.h"
 #include "kernels/affine/potential.h"
 #include "kernels/bodies/body_view.h"
 
@@ -78,7 +79,7 @@ struct SetTargets {
   }
 };
 
-/// Velocities after the step; states move on.
+/// Velocities after the step, and which bodies it hit; states move on.
 struct FinishStep {
   static constexpr const char* name = "affine_finish_step";
   StepScheme scheme;
@@ -88,15 +89,42 @@ struct FinishStep {
   Span<const AffineVec> q;               ///< by body, after the step
   Span<const AffineVec> target, rate;    ///< by row
   Span<AffineVec> earlier_q, earlier_v;  ///< out, by body
+  Span<Index> hit;                       ///< out, by row
+  double least = 0;                      ///< speed that counts as none [m/s]
 
   SCREE_HD void operator()(Index row) const {
     const Index b = body_of_row[row];
     StepScheme own = rule_of(scheme, bodies[b]);
     if (bodies[b].is_led) own.rule = StepRule::implicit_euler, own.is_second = false;
     const StepStart start = states.start(b);
+    const bool may_be_hit = own.is_second && !bodies[b].lame.is_elastic();
+    hit[row] = may_be_hit && is_hit(own, bodies[b].mass, start, q[b], least) ? 1 : 0;
     states.v[b] = velocity_after(own, start, {target[row], rate[row]}, q[b]);
     states.q[b] = q[b];
     earlier_q[b] = start.q, earlier_v[b] = start.v;
+  }
+};
+
+/// Velocities of marked bodies at both ends of the step, as if they had flown freely.
+struct StartAnew {
+  static constexpr const char* name = "affine_start_anew";
+  StepScheme scheme;
+  Span<const BodyConstant> bodies;
+  Span<const Index> body_of_row;
+  Span<const Index> marked;  ///< by row
+  Span<const AffineVec> q;   ///< by body
+  Span<AffineVec> v;
+  Span<const AffineVec> earlier_q;
+  Span<AffineVec> earlier_v;
+
+  SCREE_HD void operator()(Index row) const {
+    if (marked[row] == 0) return;
+    const Index b = body_of_row[row];
+    const BodyConstant& body = bodies[b];
+    const StepVelocities flown =
+        free_flight(scheme, body.mass, earlier_q[b], q[b],
+                    free_gain(body.mass, q[b], scheme.gravity, body.force, body.torque));
+    v[b] = flown.after, earlier_v[b] = flown.before;
   }
 };
 
@@ -137,6 +165,7 @@ struct AffineSums {
   Vec3d momentum;       ///< [kg m/s]
   Vec3d angular;        ///< about the origin [kg m^2/s]
   Index bad_body = -1;  ///< one whose state is no number
+  Index hit = 0;        ///< bodies that were
   SCREE_HD void combine(const AffineSums& o) {
     kinetic += o.kinetic;
     strain = o.strain > strain ? o.strain : strain;
@@ -144,6 +173,7 @@ struct AffineSums {
     momentum += o.momentum;
     angular += o.angular;
     bad_body = bad_body < 0 ? o.bad_body : bad_body;
+    hit += o.hit;
   }
 };
 struct SumBody {
@@ -151,6 +181,7 @@ struct SumBody {
   Span<const BodyConstant> bodies;
   Span<const Index> body_of_row;
   Span<const AffineVec> q, v;  ///< by body
+  Span<const Index> hit;       ///< by row
 
   SCREE_HD AffineSums operator()(Index row) const {
     const Index b = body_of_row[row];
@@ -159,6 +190,7 @@ struct SumBody {
     s.strain = body.lame.is_elastic() ? 0 : strain_norm(q[b]);
     if (!(dot(q[b], q[b]) < 1e30 && dot(v[b], v[b]) < 1e30)) s.bad_body = b;
     if (body.is_led) return s;
+    s.hit = hit[row];
     s.kinetic = 0.5 * dot(v[b], body.mass.product(v[b]));
     s.momentum = body.mass.mass * v[b].node[0];
     const Vec3d own = angular_momentum(body.mass, q[b], v[b]);

@@ -296,7 +296,7 @@ def ships(options):
             attach(name, craft, (x + dx - 0.03, y + dy - 0.03, low - 0.03), (x + dx + 0.03, y + dy + 0.03, low + 0.03))
     head = {"$schema": "schema.json", "name": "ships", "precision": "double", "time_step": 0.01, "duration": 1.5,
             "materials": {"default": {"friction": 0.3}},
-            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 2e-3, "tolerance": 1e-2}}
+            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 2e-3, "tolerance": 5e-3}}
     comment = [f"Two stiff ships with soft sails, and {options.helicopters} helicopters with soft rotors and wheels that fall on them.",
                "Written by scenes/generators/affine.py."]
     output = {"frame_interval": 0.02, "surface_frames": True,

@@ -10,6 +10,7 @@
 
 #include "kernels/affine/first_contact.h"
 #include "kernels/affine/friction.h"
+#include "kernels/affine/impact.h"
 #include "kernels/affine/orthogonality.h"
 #include "solvers/solver.h"
 #include "tests/affine_reference/hessians.h"
@@ -366,6 +367,26 @@ void AffineSystem::add(const PointJoint& joint) {
   }
 }
 
+void AffineSystem::spread(std::vector<bool>& hit, const std::vector<AffineVec>& q) const {
+  std::vector<SurfacePair> near =
+      pairs_near(bodies_, q, q, settings_.barrier.separation + settings_.barrier.reach);
+  std::erase_if(near, [&](const SurfacePair& pair) {
+    return !settings_.barrier.acts(
+        nearest_points(pair.kind, points_of(q, pair, rest_points(bodies_, pair))).squared);
+  });
+  for (bool grows = true; grows;) {
+    grows = false;
+    const auto meet = [&](std::size_t a, std::size_t b) {
+      if (bodies_[a].fixed || bodies_[b].fixed || hit[a] == hit[b]) return;
+      hit[a] = hit[b] = grows = true;
+    };
+    for (const SurfacePair& pair : near)
+      meet(static_cast<std::size_t>(pair.body[0]), static_cast<std::size_t>(pair.body[1]));
+    for (const PointJoint& joint : joints_)
+      if (joint.other >= 0) meet(joint.body, static_cast<std::size_t>(joint.other));
+  }
+}
+
 AffineReport AffineSystem::step() {
   const bool second_order = settings_.rule == StepRule::bdf2 && !earlier_position_.empty();
   const StepScheme scheme{settings_.rule, second_order, settings_.h, settings_.gravity};
@@ -395,14 +416,27 @@ AffineReport AffineSystem::step() {
     for (const AffineBody& body : bodies_) r.push_back(body.velocity);
     return r;
   }();
+  std::vector<bool> hit(bodies_.size(), false);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     AffineBody& body = bodies_[b];
     if (body.fixed) continue;
+    hit[b] = second_order && is_hit(scheme, body.mass, starts[b], q[b], settings_.tolerance);
     body.velocity = velocity_after(scheme, starts[b], targets[b], q[b]);
     body.position = q[b];
   }
   earlier_position_ = impl.start;
   earlier_velocity_ = last_velocity;
+  for (std::size_t round = 0; round < bodies_.size(); ++round)
+    for (const State& state : {impl.start, q}) spread(hit, state);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    AffineBody& body = bodies_[b];
+    if (!hit[b]) continue;
+    const StepVelocities flown =
+        free_flight(scheme, body.mass, impl.start[b], q[b],
+                    free_gain(body.mass, q[b], scheme.gravity, body.force, body.torque));
+    earlier_velocity_[b] = flown.before;
+    body.velocity = flown.after;
+  }
 
   report.gap = 2 * impl.reach();
   for (const SurfacePair& pair : pairs_near(bodies_, q, q, report.gap)) {

@@ -82,6 +82,8 @@ class AffineSystem {
 
  private:
   struct Impl;
+  /// Marks also bodies within reach of a marked one, or that joints hold to it, and so on.
+  void spread(std::vector<bool>& hit, const std::vector<AffineVec>& q) const;
   AffineSettings settings_;
   std::vector<AffineBody> bodies_;
   std::vector<PointJoint> joints_;

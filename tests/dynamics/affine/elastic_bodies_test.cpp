@@ -199,6 +199,33 @@ TEST(ElasticBodies, AreTheSameOnEveryRunAndAfterARestart) {
   EXPECT_EQ(one.states().bent.at(1), restarted.states().bent.at(1));
 }
 
+// A kinematic body is where its motion begins, not where it is described.
+TEST(ElasticBodies, WhatIsAttachedToAMovedBodyStartsWhereItIs) {
+  Scene scene = affine_scene(0.001, 0, 1);
+  scene.gravity = {};
+  add_elastic_box(scene, {0, 0, 0.05}, {0.1, 0.1, 0.1}, {1, 1, 1}, kDensity, {1e6, 0.3});
+  BodyDescription& holder =
+      physics::add_wall_box(scene, {0, 0, -0.06}, {0.05, 0.05, 0.05}, BodyKind::kinematic);
+  Motion motion;
+  motion.kind = Motion::Kind::sampled;
+  motion.times = {0, 1};
+  motion.positions = {{0, 0, 0.005}, {0, 0, 0.005}};
+  holder.motion = motion;
+  scene.attachments.push_back({0, 1, {-1, -1, -1e-6}, {1, 1, 1e-6}});
+  World world(scene, cpu_options());
+  for (int k = 0; k < 10; ++k) EXPECT_LT(world.step().kinetic_energy, 1e-12);
+}
+
+TEST(ElasticBodies, TouchWallsWhateverGroupsOthersHave) {
+  Scene scene = affine_scene(0.01, 0, 1);
+  add_elastic_box(scene, {0, 0, 0.051}, {0.1, 0.1, 0.1}, {1, 1, 1}, kDensity, {1e6, 0.3});
+  physics::add_wall_box(scene, {0, 0, -0.5}, {1, 1, 0.5});
+  physics::add_box(scene, {0, 0, 5}, {0.05, 0.05, 0.05}, 1).collision_group = kRestingGroup - 1;
+  World world(scene, cpu_options());
+  for (int k = 0; k < 40; ++k) world.step();
+  EXPECT_GT(world.states().position[0].z, 0.045);
+}
+
 std::string refusal_of_elastic(const std::function<void(Scene&)>& change) {
   Scene scene = affine_scene(0.01, 0);
   add_elastic_box(scene, {}, {0.1, 0.1, 0.1}, {1, 1, 1}, kDensity, {1e6, 0.3});

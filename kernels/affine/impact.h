@@ -1,0 +1,45 @@
+#pragma once
+// Impacts in a step of bdf2, which would go on over them as from before: what was hit starts anew. docs/theory.md, "Affine bodies".
+
+#include "kernels/affine/inertial_target.h"
+
+namespace scree::affine {
+
+/// Root mean square of the speeds of a body's points [m/s].
+SCREE_HD inline double mean_speed(const AffineMass& mass, const AffineVec& v) {
+  return std::sqrt(dot(v, mass.product(v)) / mass.mass);
+}
+
+/// Whether the mean velocity of a step is not what the velocities before it led to. Along a smooth way with turns of `phi` a
+/// step it differs by 5/12 phi^2 of the speed; a spring that swings as fast differs like that, too.
+/// @param s  states before the step, which was one of second order. @param least  speed that counts as none [m/s]
+SCREE_HD inline bool is_hit(const StepScheme& scheme, const AffineMass& mass, const StepStart& s,
+                            const AffineVec& q, double least) {
+  constexpr double kSmooth = 0.1;
+  const AffineVec gained = scheme.ratio * (s.v - s.earlier_v);
+  const AffineVec mean = (1 / scheme.h) * (q - s.q);
+  const double speed = mean_speed(mass, s.v);
+  const double turn = scheme.h * norm(turn_rate(mass, s.q, angular_momentum(mass, s.q, s.v)));
+  const double smooth = scheme.h * norm(scheme.gravity) + least + turn * turn * speed +
+                        kSmooth * (speed + mean_speed(mass, gained));
+  return mean_speed(mass, mean - (s.v + 0.5 * gained)) > smooth;
+}
+
+/// Velocities before and after a step.
+struct StepVelocities {
+  AffineVec before, after;
+};
+
+/// Those of free flight from one place to another: bodies that go on from there keep the momentum of the step, and nothing of
+/// what was before it. @param gain  free_gain()
+SCREE_HD inline StepVelocities free_flight(const StepScheme& scheme, const AffineMass& mass,
+                                           const AffineVec& from, const AffineVec& to,
+                                           AffineVec gain) {
+  const AffineVec mean = (1 / scheme.h) * (to - from);
+  const Vec3d turn = turn_rate(mass, to, angular_momentum(mass, to, mean));
+  for (int k = 1; k < 4; ++k) gain.node[k] += cross(turn, cross(turn, to.node[k]));
+  const AffineVec half = (0.5 * scheme.h) * gain;
+  return {mean - half, mean + half};
+}
+
+}  // namespace scree::affine

@@ -1,0 +1,147 @@
+// Impacts under bdf2: nothing leaves faster than it came, wherever in a step it hits, and momentum stays.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynamics/affine/affine_card.h"
+#include "kernels/affine/inertial_target.h"
+#include "tests/dynamics/affine_scenes.h"
+
+namespace scree::affine {
+namespace {
+
+using namespace test;
+using physics::add_box;
+using physics::kGravity;
+
+constexpr double kTimeStep = 0.01;
+constexpr double kSecondOrder = static_cast<double>(StepRule::bdf2);
+constexpr int kImpactPlaces = 10;  ///< of an impact in a step that are tried
+
+Scene scene_without_gravity() {
+  Scene scene = affine_scene(kTimeStep, 0, kSecondOrder);
+  scene.gravity = {};
+  scene.dynamics.parameters["reach"] = 1e-4;
+  scene.dynamics.parameters["tolerance"] = 1e-6;
+  return scene;
+}
+
+TEST(AffineImpacts, ABodyIsNotThrownBackByAWallWhereverInTheStepItHits) {
+  for (int place = 0; place < kImpactPlaces; ++place) {
+    SCOPED_TRACE(place);
+    Scene scene = scene_without_gravity();
+    const double way = (5 + place / double{kImpactPlaces}) * kTimeStep;  // to the wall, at 1 m/s
+    physics::add_wall_box(scene, {0.1 + 0.05 + way, 0, 0}, {0.1, 1, 1});
+    add_box(scene, {}, {0.05, 0.05, 0.05}, 1).velocity = {1, 0, 0};
+    World world(scene, cpu_options());
+    double least = 1, most_energy = 0;
+    for (int k = 0; k < 20; ++k) {
+      const StepReport report = world.step();
+      most_energy = std::max(most_energy, report.kinetic_energy);
+      least = std::min(least, world.states().velocity[0].x);
+    }
+    EXPECT_LE(most_energy, 0.5 + 1e-9);
+    EXPECT_GT(least, -0.06);
+    EXPECT_NEAR(world.states().velocity[0].x, 0, 0.06);
+  }
+}
+
+TEST(AffineImpacts, ABodyThatFallsComesToRestOnTheFloor) {
+  for (int place = 0; place < kImpactPlaces; ++place) {
+    SCOPED_TRACE(place);
+    Scene scene = affine_scene(kTimeStep, 0.3, kSecondOrder);
+    physics::add_wall_box(scene, {0, 0, -0.1}, {1, 1, 0.1});
+    const double height = 0.3 + 0.02 * place / kImpactPlaces;
+    add_box(scene, {0, 0, 0.05 + height}, {0.05, 0.05, 0.05}, 1);
+    World world(scene, cpu_options());
+    const double speed = std::sqrt(2 * kGravity * height);
+    double most = 0;
+    for (int k = 0; k < 60; ++k) {
+      world.step();
+      most = std::max(most, world.states().velocity[0].z);
+    }
+    EXPECT_LT(most, 0.06 * speed);
+    EXPECT_NEAR(world.states().velocity[0].z, 0, 0.02 * speed);
+  }
+}
+
+TEST(AffineImpacts, BodiesThatMeetKeepTheirMomentumAndGoOnTogether) {
+  for (const double mass : {0.1, 1.0, 100.0})
+    for (int place = 0; place < kImpactPlaces; ++place) {
+      SCOPED_TRACE(testing::Message() << mass << " kg, " << place);
+      Scene scene = scene_without_gravity();
+      const double way = (3 + place / double{kImpactPlaces}) * kTimeStep;
+      add_box(scene, {0, 0.5, 0.2}, {0.05, 0.05, 0.05}, 1).velocity = {1, 0, 0};
+      add_box(scene, {0.1 + way, 0.5, 0.2}, {0.05, 0.05, 0.05}, mass);
+      World world(scene, cpu_options());
+      const double together = 1 / (1 + mass);
+      for (int k = 0; k < 20; ++k) {
+        const StepReport report = world.step();
+        EXPECT_NEAR(report.own[momentum_x], 1, 1e-9);
+        EXPECT_LE(report.kinetic_energy, 0.5 + 1e-9);
+      }
+      EXPECT_NEAR(world.states().velocity[0].x, together, 0.06);
+      EXPECT_NEAR(world.states().velocity[1].x, together, 0.06);
+    }
+}
+
+/// What one body of a chain on hinges meets, all of it feels.
+TEST(AffineImpacts, JointedBodiesShareTheMomentumOfAnImpact) {
+  Scene scene = scene_without_gravity();
+  add_box(scene, {-0.1, 0, 0}, {0.08, 0.03, 0.03}, 1).velocity = {1, 0, 0};
+  add_box(scene, {0.1, 0, 0}, {0.08, 0.03, 0.03}, 1).velocity = {1, 0, 0};
+  add_box(scene, {0.25, 0, 0}, {0.03, 0.03, 0.03}, 2);
+  Joint hinge;
+  hinge.bodies = {0, 1};
+  hinge.axis = {0, 1, 0};
+  scene.joints = {hinge};
+  World world(scene, cpu_options());
+  for (int k = 0; k < 30; ++k) {
+    const StepReport report = world.step();
+    EXPECT_NEAR(report.own[momentum_x], 2, 1e-8);
+    EXPECT_LE(report.kinetic_energy, 1 + 1e-8);
+  }
+  for (const Vec3d& velocity : world.states().velocity) EXPECT_NEAR(velocity.x, 0.5, 0.06);
+}
+
+TEST(AffineImpacts, AHingeAtItsLimitIsNotThrownBack) {
+  for (int place = 0; place < kImpactPlaces; ++place) {
+    SCOPED_TRACE(place);
+    Scene scene = scene_without_gravity();
+    add_box(scene, {0.1, 0, 0}, {0.1, 0.02, 0.02}, 1).angular_velocity = {0, 0, 2};
+    scene.bodies.back().velocity = {0, 0.2, 0};
+    Joint hinge;
+    hinge.bodies = {kWorldBody, 0};
+    hinge.axis = {0, 0, 1};
+    hinge.limits = {-1, 0.2 + 0.02 * place / kImpactPlaces};
+    scene.joints = {hinge};
+    World world(scene, cpu_options());
+    double least = 2;
+    for (int k = 0; k < 40; ++k) {
+      world.step();
+      least = std::min(least, world.states().angular_velocity[0].z);
+    }
+    EXPECT_GT(least, -0.12);
+  }
+}
+
+/// What is not hit goes on as before: a ball that spins beside one that falls keeps its spin as alone.
+TEST(AffineImpacts, BodiesElsewhereAreNotTouched) {
+  const auto spin_beside = [](bool falls) {
+    Scene scene = affine_scene(kTimeStep, 0.3, kSecondOrder);
+    physics::add_wall_box(scene, {0, 0, -0.1}, {1, 1, 0.1});
+    add_box(scene, {0, 0, 3}, {0.05, 0.06, 0.04}, 1).angular_velocity = {0, 0, 15};
+    if (falls) add_box(scene, {0.5, 0, 0.2}, {0.05, 0.05, 0.05}, 1);
+    scene.dynamics.parameters["reach"] = 1e-4;
+    scene.dynamics.parameters["tolerance"] = 1e-9;
+    World world(scene, cpu_options());
+    for (int k = 0; k < 40; ++k) world.step();
+    return world.states().angular_velocity[0].z;
+  };
+  EXPECT_NEAR(spin_beside(true), spin_beside(false), 1e-9);
+}
+
+}  // namespace
+}  // namespace scree::affine

@@ -2,10 +2,12 @@
 // Loads per body of a running simulation. They take no memory and no time until a program
 // asks for their arrays or applies one.
 
+#include <algorithm>
 #include <map>
 #include <utility>
 #include <vector>
 
+#include "host/error.h"
 #include "host/world_state.h"
 #include "kernels/step/applied_loads.h"
 #include "kernels/step/loads.h"
@@ -38,7 +40,40 @@ class BodyLoads {
   Span<Vec3<Real>> force() { return force_.view(); }
   Span<Vec3<Real>> torque() { return torque_.view(); }
 
-  /// Adds what is not zero to a state: forces and torques of all ids by turns, and those of the next step.
+  /// Adds the loads of the next step to a state.
+  void save(WorldState& s) const {
+    if (applied_.empty()) return;
+    std::vector<std::int32_t> body;
+    std::vector<Vec3d> load;
+    for (const auto& [id, each] : applied_) {
+      body.push_back(id);
+      load.push_back(each.first), load.push_back(each.second);
+    }
+    s.add("world/applied_body", std::move(body));
+    s.add("world/applied", std::move(load));
+  }
+  /// @throws InputError for a state that does not fit
+  void check(const WorldState& s) const {
+    if (!s.has("world/applied_body")) return;
+    const auto& body = s.at<std::int32_t>("world/applied_body");
+    const std::size_t loads = s.at<Vec3d>("world/applied").size();
+    const bool are_there = std::all_of(body.begin(), body.end(),
+                                       [&](std::int32_t id) { return id >= 0 && id < count_; });
+    if (!are_there || loads != 2 * body.size())
+      throw InputError("the loads of the next step are not those of bodies of this run");
+  }
+  /// @param has_body  by id: whether it is there
+  template <class HasBody>
+  void restore(B& b, const WorldState& s, HasBody has_body) {
+    applied_.clear();
+    if (!s.has("world/applied_body")) return;
+    const auto& body = s.at<std::int32_t>("world/applied_body");
+    const auto& load = s.at<Vec3d>("world/applied");
+    for (std::size_t k = 0; k < body.size(); ++k)
+      if (has_body(body[k])) apply(b, body[k], load[2 * k], load[2 * k + 1]);
+  }
+
+  /// Adds what is not zero to a state: forces and torques of all ids by turns.
   void leave(B& b, WorldState& s) {
     const auto by_turns = [](const auto& force, const auto& torque) {
       std::vector<Vec3d> rows;
@@ -50,21 +85,11 @@ class BodyLoads {
     };
     if (!is_used_) return;
     s.add("run/load", by_turns(download(b, force_.view()), download(b, torque_.view())));
-    std::vector<std::int32_t> body;
-    std::vector<Vec3d> force, torque;
-    for (const auto& [id, load] : applied_) {
-      body.push_back(id);
-      force.push_back(load.first);
-      torque.push_back(load.second);
-    }
-    s.add("run/applied_body", std::move(body));
-    s.add("run/applied", by_turns(force, torque));
   }
   /// Takes them over in a run of other bodies.
   /// @param is_kept   by id: whether its row stays
-  /// @param has_body  by id: whether what was applied to it for the next step does
-  template <class IsKept, class HasBody>
-  void enter(B& b, const WorldState& s, IsKept is_kept, HasBody has_body) {
+  template <class IsKept>
+  void enter(B& b, const WorldState& s, IsKept is_kept) {
     if (!s.has("run/load")) return;
     use(b);
     const std::vector<Vec3d>& load = s.at<Vec3d>("run/load");
@@ -77,10 +102,6 @@ class BodyLoads {
     }
     upload(b, force, force_);
     upload(b, torque, torque_);
-    const std::vector<std::int32_t>& body = s.at<std::int32_t>("run/applied_body");
-    const std::vector<Vec3d>& applied = s.at<Vec3d>("run/applied");
-    for (std::size_t k = 0; k < body.size(); ++k)
-      if (has_body(body[k])) apply(b, body[k], applied[2 * k], applied[2 * k + 1]);
   }
 
   /// Adds a load of the next step.

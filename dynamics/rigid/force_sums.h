@@ -17,6 +17,7 @@ struct SolvedContacts {
   Span<const Vec3<Real>> gamma;
   int vectors = 1;                       ///< a contact in gamma
   Span<const RollingRow<Real>> rolling;  ///< where these are two
+  SphereArms arms;
 };
 
 /// Contacts that carry forces from outside to a wall or a group, impacts of the step included. Two host reads; backend
@@ -43,7 +44,8 @@ std::vector<ContactLoad<Real>> contact_loads(B& b, const SolvedContacts<Real>& s
   Buffer<B, ContactLoad<Real>> load(b, fetch(b, before.data() + n));
   for_each(b, n,
            GatherContactLoads<Real>{solved.bodies, solved.contacts, gamma, solved.vectors,
-                                    solved.rolling, flag.view(), before.view(), load.view()});
+                                    solved.rolling, solved.arms, flag.view(), before.view(),
+                                    load.view()});
   return download(b, load.view());
 }
 

@@ -379,6 +379,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (tracks_forces_) forces_.save(s);
     if (tracks_forces_ && shared_) add_array(*ranks_, "force/sum", s);
     motion_.save(s);
+    loads_.save(s);
     if (!(gravity_ == scene_.gravity)) s.add("world/gravity", std::vector<Vec3d>{gravity_});
   }
 
@@ -389,6 +390,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const Vec3d gravity =
         s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : scene_.gravity;
     joints_.check(s);
+    loads_.check(s);
     loading_.insert_first(s.insertions_done);
     store_.drop(removed_);
     forget_solved_contacts();
@@ -398,6 +400,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       restore_state(backend(), s, vectors(), store_, parts_, id_count(), detector_, *solver_);
     }
     joints_.restore(backend(), s);
+    loads_.restore(backend(), s, [this](Index id) { return has_body(id); });
     if (tracks_forces_) restore_forces(s);
     motion_ = std::move(motion);
     gravity_ = gravity;
@@ -427,10 +430,16 @@ class RigidDynamics final : public ModelOn<B, Real> {
                   Span<const Vec3<Real>> gamma, Span<const RollingRow<Real>> rolling) {
     B& b = backend();
     const Offset of_contacts = static_cast<Offset>(contacts.count) * vectors();
-    add_loads(
-        contact_loads<B, Real>(b, {bodies, contacts, gamma.first(of_contacts), vectors(), rolling},
-                               impacts_.impulses()),
-        forces_);
+    add_loads(contact_loads<B, Real>(
+                  b,
+                  {bodies,
+                   contacts,
+                   gamma.first(of_contacts),
+                   vectors(),
+                   rolling,
+                   {periodic_box().length, detector_.walls().solids, parts_.of(bodies).owner}},
+                  impacts_.impulses()),
+              forces_);
     if (joints_.count() > 0) forces_.add_joints(joints_.own_records(b));
     forces_.count_step();
   }
@@ -470,9 +479,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
   }
   /// Rows of arrays stay for bodies that are still to come.
   void enter_loads(const WorldState& left) {
-    loads_.enter(
-        backend(), left, [this](Index id) { return !is_removed(id); },
-        [this](Index id) { return has_body(id); });
+    loads_.enter(backend(), left, [this](Index id) { return !is_removed(id); });
   }
 
   void restore_forces(const WorldState& s) {

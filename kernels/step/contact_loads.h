@@ -3,6 +3,7 @@
 
 #include "kernels/bodies/body_view.h"
 #include "kernels/contact/contact_view.h"
+#include "kernels/narrow_phase/wall_images.h"
 
 namespace scree {
 
@@ -37,7 +38,7 @@ struct ContactLoad {
   Index group_b = 0;
   bool b_is_fixed = false;
   Vec3<double> point;  ///< where it acts, world frame [m]
-  Vec3<Real> arm_b;    ///< from the center of B to that point, world frame [m]
+  Vec3<Real> arm_b;    ///< from the center of a fixed or kinematic B to that point, world frame [m]
   Vec3<Real> impulse;  ///< acting on B, world frame [N s]
   Vec3<Real> moment;   ///< acting on B, of rolling and spinning friction [N m s]
 };
@@ -58,6 +59,27 @@ struct FlagContactLoads {
   }
 };
 
+/// Arms of spheres' contacts about the bodies B, which those contacts do not hold.
+struct SphereArms {
+  Vec3d period;                  ///< zero where space does not repeat [m]
+  Span<const WallSolid> solids;  ///< as contacts were found with them
+  Span<const Index> owner;       ///< of parts, which solids then name; empty: they name bodies
+
+  /// From the image of the body that is at the point. Along axes on which a wall goes on for ever none is: zero.
+  SCREE_HD Vec3d arm(const Vec3d& center, Index body, const Vec3d& point) const {
+    if (!(period.x > 0 || period.y > 0 || period.z > 0)) return point - center;
+    Index wall = -1, walls = 0;
+    for (Index s = 0; s < solids.size; ++s) {
+      const Index place = solids[s].body;
+      if ((owner.empty() ? place : owner[place]) != body) continue;
+      wall = s, ++walls;
+    }
+    // Parts of a compound have centers of their own.
+    if (walls == 1) return -1.0 * nearest_wall(solids[wall], period, point);
+    return minimum_image(point - center, period);
+  }
+};
+
 /// Gathers the flagged contacts, in their order.
 template <class Real>
 struct GatherContactLoads {
@@ -68,6 +90,7 @@ struct GatherContactLoads {
   int vectors = 1;               ///< a contact in gamma
   /// Of the rows of rolling friction, where a contact has two vectors.
   Span<const RollingRow<Real>> rolling;
+  SphereArms arms;
   Span<const Index> flag;
   Span<const Offset> before;  ///< running sum of the flags
   Span<ContactLoad<Real>> out;
@@ -83,7 +106,9 @@ struct GatherContactLoads {
     load.b_is_fixed = bodies.is_fixed(b);
     load.point = contact_point(bodies, contacts, c);
     load.arm_b =
-        contacts.is_radial(c) ? Vec3<Real>(load.point - bodies.position[b]) : contacts.lever_b(c);
+        contacts.is_radial(c)
+            ? Vec3<Real>(load.b_is_fixed ? arms.arm(bodies.position[b], b, load.point) : Vec3d{})
+            : contacts.lever_b(c);
     load.impulse = gamma[static_cast<Offset>(c) * vectors];
     if (vectors == 2) load.moment = rolling[c].length * gamma[static_cast<Offset>(c) * vectors + 1];
     out[before[c]] = load;

@@ -89,6 +89,26 @@ TEST_P(Control, ForcesActInOneStep) {
   expect_near(s.angular_velocity[2], {0, 0, kControlStep * 5 / box});
 }
 
+TEST_P(Control, ForcesOfTheNextStepBelongToTheState) {
+  Scene scene = flying_bodies();
+  scene.gravity = {};
+  World world = world_of(scene);
+  const WorldState without = world.save();
+  world.apply_force(0, {200, 0, 0}, {0, 0, 1});
+  const WorldState with = world.save();
+  world.restore(without);
+  world.step();
+  expect_near(world.states().velocity[0], {});
+  expect_near(world.states().angular_velocity[0], {});
+  World other = world_of(scene);
+  other.apply_force(0, {0, 999, 0});  // of another state
+  other.restore(with);
+  other.step();
+  expect_near(other.states().velocity[0], {0.1, 0, 0});
+  other.step();
+  expect_near(other.states().velocity[0], {0.1, 0, 0});
+}
+
 TEST_P(Control, AppliedForcesAddToArrays) {
   if (backend() != BackendKind::cpu) GTEST_SKIP() << "writes the array from the host";
   Scene scene = flying_bodies();

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "host/error.h"
+#include "tests/box_mesh.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -71,6 +73,53 @@ TEST(Forces, GroupsPushEachOther) {
   expect_near(forces.on_groups[1].force, {0, 0, grains}, 1e-6, "grains");
   expect_near(forces.on_groups[0].force, {0, 0, -lid - grains}, 1e-6, "walls");
   expect_near(forces.on_bodies[0].force, forces.on_groups[0].force, 1e-9, "floor");
+}
+
+/// A ball that lies on a wall's end across the border of a periodic domain, and what the wall then feels.
+ForceRecord on_wall_across(const std::function<void(Scene&)>& add_wall, const Vec3d& ball) {
+  Scene scene = empty_scene(1e-3, 0.5);
+  scene.gravity = {-10, -2, 0};
+  scene.periodicity.periodic = {true, false, false};
+  scene.periodicity.lower = {-1, 0, 0};
+  scene.periodicity.upper = {1, 0, 0};
+  add_wall(scene);
+  add_sphere(scene, ball, 0.1, 1);
+  World world = reference_world(scene);
+  world.track_forces();
+  const MeanForces forces = forces_over(world, 1);
+  return forces.on_bodies.at(0);
+}
+
+// The arm goes to the image of the wall that is touched, not to the one on the far side of the domain.
+TEST(Forces, MomentsOnWallsAreThoseOfTheirImages) {
+  // A sphere that begins to roll along the face: 2/7 of the force along it is friction.
+  const double along = -2.0 * 2 / 7;
+  const auto box = [](Scene& s) { add_wall_box(s, {0.95, 0, 0}, {0.1, 0.1, 0.1}); };
+  const ForceRecord on_box = on_wall_across(box, {-0.85, 0.05, 0});
+  expect_near(on_box.force, {-10, along, 0}, 1e-6, "force on the box");
+  expect_near(on_box.torque, {0, 0, 0.1 * along - 0.05 * -10}, 1e-6, "moment on the box");
+  const auto mesh = [](Scene& s) {
+    add_mesh(s, test::box_mesh({0.1, 0.1, 0.1})).position = {0.95, 0, 0};
+  };
+  const ForceRecord on_mesh = on_wall_across(mesh, {-0.85, 0.05, 0});
+  expect_near(on_mesh.torque, {0, 0, 0.1 * along - 0.05 * -10}, 1e-6, "moment on the mesh");
+  const auto sphere = [](Scene& s) {
+    BodyDescription& wall = add_sphere(s, {0.95, 0, 0}, 0.1, 1);
+    wall.kind = BodyKind::fixed;
+  };
+  const ForceRecord on_sphere = on_wall_across(sphere, {-0.85, 0, 0});
+  expect_near(on_sphere.torque, {0, 0, 0.1 * along}, 1e-6, "moment on the sphere");
+}
+
+// The lever along the axis of an endless wall would be that of any of its images.
+TEST(Forces, EndlessWallsHaveNoLeverAlongTheirAxis) {
+  const auto bar = [](Scene& s) {
+    s.gravity = {0, 0, -10};
+    add_wall_box(s, {}, {1, 0.1, 0.1});
+  };
+  const ForceRecord on_bar = on_wall_across(bar, {0.5, 0.04, 0.2});
+  expect_near(on_bar.force, {0, 0, -10}, 1e-6, "force");
+  expect_near(on_bar.torque, {-0.4, 0, 0}, 1e-6, "moment");
 }
 
 TEST(Forces, AHingeCarriesThePendulumThatHangsOnIt) {

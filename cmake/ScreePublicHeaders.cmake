@@ -5,7 +5,8 @@
 set(SCREE_PUBLIC_INCLUDE_DIR "${PROJECT_BINARY_DIR}/include")
 set(SCREE_PUBLIC_HEADERS # these, and all that they include
   host/world.h host/scene_reader.h host/state_hash.h host/error.h host/version.h
-  host/hulls.h host/compounds.h shapes/rounded.h host/collision_integrator.h host/collision_walls.h
+  host/hulls.h host/compounds.h host/meshes.h shapes/capsule.h shapes/container.h shapes/half_space.h shapes/mesh.h
+  shapes/rounded.h host/collision_integrator.h host/collision_walls.h
   host/io/problem_file.h host/problems/assembled_form.h host/problems/matrix_form.h
   host/solve/solve_problem.h host/ranks/mpi_ranks.h host/ranks/thread_ranks.h)
 

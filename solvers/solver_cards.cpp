@@ -23,7 +23,9 @@ std::string described(const SolverParameter& p) {
 }  // namespace
 
 bool SolverParameter::allows(double value) const {
-  if (choices.empty()) return (value > low || (is_low_allowed && value >= low)) && value < high;
+  if (choices.empty())
+    return (value > low || (is_low_allowed && value >= low)) && value < high &&
+           !(is_whole && value != std::floor(value));
   return value >= 0 && value < static_cast<double>(choices.size()) && value == std::floor(value);
 }
 
@@ -34,9 +36,10 @@ std::string SolverParameter::text(double value) const {
 
 std::string SolverParameter::expected() const {
   if (choices.empty())
-    return (is_low_allowed ? "must be " + shortest(low) + " or more, and below " + shortest(high)
-                           : "must be between " + shortest(low) + " and " + shortest(high) +
-                                 ", both excluded");
+    return std::string("must be ") + (is_whole ? "a whole number, " : "") +
+           (is_low_allowed
+                ? shortest(low) + " or more, and below " + shortest(high)
+                : "between " + shortest(low) + " and " + shortest(high) + ", both excluded");
   return "must be one of " + joined(choices, "\"");
 }
 
@@ -44,7 +47,7 @@ bool SolverParameter::takes_as(const SolverParameter& other) const {
   const auto same_name = [](const char* a, const char* b) { return std::string(a) == b; };
   const auto same = [](double a, double b) { return !(a < b) && !(b < a); };
   return same(standard, other.standard) && same(low, other.low) && same(high, other.high) &&
-         is_low_allowed == other.is_low_allowed &&
+         is_low_allowed == other.is_low_allowed && is_whole == other.is_whole &&
          std::equal(choices.begin(), choices.end(), other.choices.begin(), other.choices.end(),
                     same_name);
 }

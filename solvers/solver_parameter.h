@@ -18,6 +18,7 @@ struct SolverParameter {
   double low = 0;           ///< range of a number, both ends excluded
   double high = 0;
   bool is_low_allowed = false;                ///< the lower end of the range is in it
+  bool is_whole = false;                      ///< a whole number
   std::span<const char* const> choices = {};  ///< names of the values 0, 1, ...; empty: a number
 
   double of(const ParameterValues& values) const {

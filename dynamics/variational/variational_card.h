@@ -12,7 +12,8 @@ inline constexpr SolverParameter kMostImpacts{
     .description = "most impacts of one body in a step; more end the run [-].",
     .standard = 100,
     .low = 0,
-    .high = 1e9};
+    .high = 1e9,
+    .is_whole = true};
 inline constexpr std::array kVariationalParameters{kMostImpacts};
 
 /// Place of the energy in StepReport::own.

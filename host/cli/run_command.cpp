@@ -264,6 +264,9 @@ class Run {
 
   /// @param first  steps done before the run
   void require_steps_to_dump(std::int64_t first) const {
+    if (!options_.dump_problem.empty() && !card_.has_contacts)
+      throw InputError(fmt::format(
+          "--dump-problem: the dynamics \"{}\" have no contact problems to write", card_.name));
     if (!options_.dump_problem.empty()) require_storable_joints("--dump-problem", scene_);
     for (const std::int64_t step : options_.dump_problem)
       if (step <= first || step > target_)
@@ -540,8 +543,9 @@ int run_on_ranks(const RunOptions& options, const std::shared_ptr<Ranks>& ranks)
     require_memory(input->scene, input->world);
     report.scene = input->text;
     report.arithmetic =
-        fmt::format("backend {} in {}, transport {}", to_string(input->world.backend),
-                    to_string(input->world.precision), to_string(ranks->transport()));
+        fmt::format("backend {} in {}, transport {}, to step {}", to_string(input->world.backend),
+                    to_string(input->world.precision), to_string(ranks->transport()),
+                    step_target(options, input->scene));
     if (input->scene.output.frame_pieces)
       report.folder =
           fs::absolute(output_folder(options, input->scene)).lexically_normal().string();

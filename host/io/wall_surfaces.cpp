@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/scene/motion.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
 
@@ -25,7 +26,7 @@ double size_of(const Scene& scene) {
     }
   }
   for (const BodyDescription& body : scene.bodies) {
-    reach(body.position);
+    reach(pose_at(body, 0).position);
     extent = std::max(extent, bounding_radius(scene, body));
   }
   return norm(high - low) + extent;

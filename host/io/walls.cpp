@@ -7,6 +7,7 @@
 
 #include "host/io/atomic_file.h"
 #include "host/io/wall_surfaces.h"
+#include "host/scene/motion.h"
 #include "shapes/shape_card.h"
 
 namespace scree {
@@ -25,9 +26,10 @@ bool write_walls(const std::filesystem::path& path, const Scene& scene) {
   int next_vertex = 1;  // the format counts from one over the whole file
   for (const WallSurface& wall : wall_surfaces(scene)) {
     const BodyDescription& body = scene.bodies[wall.body];
+    const Pose at = pose_at(body, 0);
     fmt::format_to(out, "o body_{}_{}\n", wall.body, name_of(body));
     for (const Vec3d& v : wall.surface.vertices) {
-      const Vec3d x = body.position + rotate(body.orientation, v);
+      const Vec3d x = at.position + rotate(at.orientation, v);
       fmt::format_to(out, "v {:.9g} {:.9g} {:.9g}\n", x.x, x.y, x.z);
     }
     for (const std::vector<int>& face : wall.surface.faces) {

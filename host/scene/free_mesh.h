@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "host/meshes.h"
 #include "host/scene/convex_hull.h"
 
 namespace scree {
@@ -19,9 +20,5 @@ std::optional<LocalFrame> move_inside_to_principal_frame(TriangleMesh& mesh);
 
 /// What keeps a mesh from being that of a free body.
 std::optional<std::string> free_mesh_fault(const TriangleMesh& mesh);
-
-/// Gives a free body a mesh of its own as shape: moves the mesh to its center of mass and principal
-/// axes, and the body with it. @throws std::invalid_argument for a surface without a solid inside
-void set_free_mesh(Scene& scene, BodyDescription& body, TriangleMesh mesh);
 
 }  // namespace scree

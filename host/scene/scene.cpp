@@ -34,6 +34,7 @@ std::string fault_text(const std::string& path, const std::string& value,
 
 namespace {
 
+constexpr double kMostOfSum = 1.005;     // the largest moment over half of all three, with rounding
 constexpr double kUnitTolerance = 1e-6;  // deviation from length one that is taken for rounding
 
 [[noreturn]] void refuse(const std::string& path, const std::string& value,
@@ -107,9 +108,9 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
 std::optional<Fault> own_fault(const Scene& scene, const BodyDescription& body) {
   const DynamicsCard* card = find_dynamics(scene.dynamics.type);
   const std::string model = fmt::format("the dynamics \"{}\"", scene.dynamics.type);
-  if (body.collision_group < kNoCollisionGroup || body.collision_group > kRestingGroup)
+  if (body.collision_group < kNoCollisionGroup || body.collision_group >= kRestingGroup)
     return Fault{"collision_group", fmt::format("{}", body.collision_group),
-                 fmt::format("must be from 0 to {}, or -1 for none", kRestingGroup)};
+                 fmt::format("must be from 0 to {}, or -1 for none", kRestingGroup - 1)};
   if (body.collision_group != kNoCollisionGroup && !(card != nullptr && card->has_collision_groups))
     return Fault{"collision_group", fmt::format("{}", body.collision_group),
                  "must be absent: " + model + " has no such groups"};
@@ -170,6 +171,36 @@ std::optional<Fault> turn_fault(const Motion& motion, double time_step) {
   return std::nullopt;
 }
 
+/// The same of samples, which between two of them turn the shorter way.
+std::optional<Fault> sampled_turn_fault(const Motion& motion, double time_step) {
+  const std::vector<double>& times = motion.times;
+  std::vector<double> turned{0};  // from the first sample on [rad]
+  for (std::size_t i = 1; i < motion.orientations.size(); ++i) {
+    const Quatd &a = motion.orientations[i - 1], &b = motion.orientations[i];
+    const double same = std::abs(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z);
+    turned.push_back(turned.back() + 2 * std::acos(std::min(1.0, same)));
+  }
+  if (motion.orientations.empty()) return std::nullopt;
+  const auto turned_at = [&](double t) {
+    const auto after = std::upper_bound(times.begin(), times.end(), t);
+    if (after == times.begin()) return 0.0;
+    if (after == times.end()) return turned.back();
+    const auto i = static_cast<std::size_t>(after - times.begin());
+    const double share = (t - times[i - 1]) / (times[i] - times[i - 1]);
+    return turned[i - 1] + share * (turned[i] - turned[i - 1]);
+  };
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double most = std::max(turned_at(times[i] + time_step) - turned[i],
+                                 turned[i] - turned_at(times[i] - time_step));
+    if (!(most < std::numbers::pi))
+      return Fault{fmt::format("motion.orientations[{}]", i),
+                   fmt::format("{:.4g} rad within a time step", most),
+                   fmt::format("must turn the body by less than half a turn in a time step of {} s",
+                               time_step)};
+  }
+  return std::nullopt;
+}
+
 std::optional<Fault> motion_fault(const BodyDescription& body, double time_step) {
   const Motion& motion = body.motion;
   if (motion.kind == Motion::Kind::none) return std::nullopt;
@@ -198,7 +229,10 @@ std::optional<Fault> motion_fault(const BodyDescription& body, double time_step)
     return Fault{"motion.frequency", text(motion.frequency), "must be zero or positive [Hz]"};
   if (swinging && !std::isfinite(motion.phase))
     return Fault{"motion.phase", text(motion.phase), "must be a finite number [rad]"};
-  if (motion.kind == Motion::Kind::sampled) return samples_fault(motion);
+  if (motion.kind == Motion::Kind::sampled) {
+    if (auto fault = samples_fault(motion)) return fault;
+    return sampled_turn_fault(motion, time_step);
+  }
   return turn_fault(motion, time_step);
 }
 
@@ -221,6 +255,11 @@ std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body)
     if (!is_positive(body.inertia))
       return Fault{"inertia", text(body.inertia),
                    "a free body needs three positive principal moments [kg m^2]"};
+    const Vec3d& i = body.inertia;
+    if (2 * std::max({i.x, i.y, i.z}) > kMostOfSum * (i.x + i.y + i.z))
+      return Fault{"inertia", text(i),
+                   "must have no moment larger than the sum of the other two, as no body has [kg "
+                   "m^2]"};
   }
   const bool moving = norm2(body.velocity) > 0 || norm2(body.angular_velocity) > 0;
   if (body.kind == BodyKind::fixed && moving)

@@ -1,8 +1,11 @@
 #include "host/scene_reader.h"
 
+#include <fmt/format.h>
+
 #include <fstream>
 #include <iterator>
 
+#include "dynamics/dynamics_card.h"
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene_reader/ipc_scene.h"
@@ -29,6 +32,25 @@ Json document(const std::string& text, Source& source, const std::vector<std::st
   for (const std::string& text_of_one : overrides)
     source.overridden.push_back(apply_override(json, text_of_one));
   return json;
+}
+
+/// Notes what a valid scene says that changes nothing.
+void note_without_effect(const Node& root, Draft& draft) {
+  const Scene& scene = draft.scene;
+  if (!dynamics_card(scene.dynamics.type).has_contacts)
+    for (const char* key : {"solver", "stepping", "collision"})
+      if (root.find(key))
+        draft.notes.push_back(fmt::format(
+            "\"{}\" has no effect: the dynamics \"{}\" have keys of their own in \"dynamics\"", key,
+            scene.dynamics.type));
+  std::size_t late = 0;
+  for (const Insertion& insertion : scene.insertions)
+    if (insertion.time > scene.stepping.duration)
+      late += insertion.bodies.size() + insertion.particles.size();
+  if (late > 0)
+    draft.notes.push_back(fmt::format(
+        "{} {} of \"bodies\" and \"particles\" would come after the end of the run, {:g} s", late,
+        late == 1 ? "entry" : "entries", scene.stepping.duration));
 }
 
 /// Gives the scene the names of its bodies, now that their ids are known.
@@ -96,6 +118,7 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   }
   name_bodies(draft);
   validate_read(draft.scene, file_name);
+  note_without_effect(root, draft);
   if (notes != nullptr) *notes = std::move(draft.notes);
   return std::move(draft.scene);
 }

@@ -191,7 +191,7 @@ std::optional<reader::SharedShape> free_shape(TriangleMesh mesh, Import& in) {
 
 /// Poses of the center of mass, one a step, and then the velocities.
 Motion posed_motion(const Node& poses, const Entry& entry, const BodyDescription& body,
-                    const Import& in) {
+                    Import& in) {
   Motion motion;
   motion.kind = Motion::Kind::sampled;
   const auto add = [&](double time, const Vec3d& position, const Quatd& turn) {
@@ -205,6 +205,7 @@ Motion posed_motion(const Node& poses, const Entry& entry, const BodyDescription
   double time = 0;
   for (const Node& pose : poses.elements()) {
     if (!pose.json().is_object()) pose.refuse("must be an object {...}");
+    note_other_keys(pose, "rigid_bodies[].kinematic_poses[]", {"position", "rotation"}, in);
     time = in.h * static_cast<double>(motion.times.size());
     pose.read("position", position, "m");
     if (const auto rotation = pose.find("rotation")) turn = exp_map(rotation->vector("rad"));
@@ -228,7 +229,7 @@ Motion posed_motion(const Node& poses, const Entry& entry, const BodyDescription
   return motion;
 }
 
-void set_motion(const Node& node, const Entry& entry, BodyDescription& body, const Import& in) {
+void set_motion(const Node& node, const Entry& entry, BodyDescription& body, Import& in) {
   if (const auto poses = node.find("kinematic_poses"); poses && !poses->elements().empty()) {
     body.motion = posed_motion(*poses, entry, body, in);
     return;
@@ -309,6 +310,9 @@ void add_body(const Node& node, const Entry& entry, const Surface& surface, cons
   body.orientation = normalized(entry.turn * shared->second.frame.axes);
   body.collision_group = entry.group;
   body.group = entry.type == Type::free ? 0 : 1;
+  if (const auto poses = node.find("kinematic_poses");
+      poses && entry.type != Type::moved && !poses->elements().empty())
+    ++in.not_used["rigid_bodies[].kinematic_poses of a body that is not kinematic"];
   switch (entry.type) {
     case Type::free:
       add_free(node, entry, body, in);

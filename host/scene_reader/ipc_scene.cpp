@@ -47,10 +47,10 @@ void read_times(const Node& root, Import& in) {
   long long steps = kDefaultSteps;
   double time = -1;
   root.read("max_time", time, kFinite, "s");
-  // A hair less, so that 0.3 s in steps of 0.1 s are three of them.
-  if (time >= 0) steps = std::llround(std::ceil(std::min(time / in.h, 1e15) * (1 - 1e-12)));
   if (const auto key = root.find("max_iterations"))
     if (const long long most = key->integer(-1, kMaxInt); most >= 0) steps = most;
+  // The time counts where both are given. A hair less, so that 0.3 s in steps of 0.1 s are three of them.
+  if (time >= 0) steps = std::llround(std::ceil(std::min(time / in.h, 1e15) * (1 - 1e-12)));
   in.scene.stepping.time_step = in.h;
   in.end = static_cast<double>(steps) * in.h;
   in.scene.stepping.duration = in.end;

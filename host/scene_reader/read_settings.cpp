@@ -31,8 +31,10 @@ void read_stop(const Node& node, StopRule& stop) {
 double read_parameter(const Node& node, const SolverParameter& parameter) {
   if (parameter.choices.empty()) {
     const std::string expected = parameter.expected();
-    return node.number(
+    const double value = node.number(
         {parameter.low, parameter.high, !parameter.is_low_allowed, true, expected.c_str()}, "");
+    if (!parameter.allows(value)) node.refuse(expected);
+    return value;
   }
   std::vector<std::pair<std::string, double>> named;
   for (const char* name : parameter.choices)

@@ -37,7 +37,7 @@ Json type_schema() {
 Json parameter_schema(const SolverParameter& parameter, const std::string& owners) {
   const std::string description = fmt::format("{}: {}", owners, parameter.description);
   if (parameter.choices.empty())
-    return {{"type", "number"},
+    return {{"type", parameter.is_whole ? "integer" : "number"},
             {parameter.is_low_allowed ? "minimum" : "exclusiveMinimum", parameter.low},
             {"exclusiveMaximum", parameter.high},
             {"default", parameter.standard},

@@ -53,6 +53,38 @@ TEST(CliAffine, ResumedRunsOfElasticBodiesAreTheSame) {
             steps_without_times(scratch / "whole/steps.csv"));
 }
 
+TEST(CliAffine, WhatTheModelDoesNotUseIsRefusedOrTold) {
+  const Scratch scratch;
+  json scene = json::parse(R"({
+    "name": "block", "time_step": 0.01, "duration": 0.1, "dynamics": {"type": "affine"},
+    "bodies": [{"shape": "box", "size": [1, 1, 1], "density": 1000}], "output": {"picture": {"width": 64, "height": 48}}})");
+  const std::string plain = put_scene(scratch, scene).string();
+  const Result dump = scree(scratch, run_arguments(plain, scratch / "a", {"--dump-problem", "2"}));
+  EXPECT_EQ(dump.code, 2);
+  EXPECT_NE(dump.err.find("--dump-problem: the dynamics \"affine\" have no contact problems"),
+            std::string::npos)
+      << dump.err;
+  EXPECT_FALSE(fs::exists(scratch / "a"));
+  const Result check = scree(scratch, {"check", plain, "--set", "solver.max_iterations=3"});
+  EXPECT_EQ(check.code, 0) << check.err;
+  EXPECT_NE(
+      check.out.find("\"solver\" has no effect: the dynamics \"affine\" have keys of their own"),
+      std::string::npos)
+      << check.out;
+  EXPECT_EQ(check.out.find("\"stepping\" has no effect"), std::string::npos);
+  const Result part = scree(scratch, {"check", plain, "--set", "dynamics.max_iterations=0.5"});
+  EXPECT_EQ(part.code, 2);
+  EXPECT_NE(
+      part.err.find(
+          "dynamics.max_iterations (overridden): 0.5 is not allowed: must be a whole number, "),
+      std::string::npos)
+      << part.err;
+  const Result loose = scree(scratch, {"check", plain, "--set", "dynamics.tolerance=0.05"});
+  EXPECT_NE(loose.out.find("dynamics.tolerance is 0.05 m/s, 51 % of what gravity changes"),
+            std::string::npos)
+      << loose.out;
+}
+
 TEST(CliAffine, TurnsThatAStepIsTooLongForAreTold) {
   const Scratch scratch;
   json scene = json::parse(R"({

@@ -151,9 +151,9 @@ TEST(CompoundsOnRanks, RepeatTheirBits) {
 }
 
 /// A pile that comes to rest in the tank, whoever owns which of its bodies meanwhile.
-TEST_P(CompoundsOnRanks, APileComesToRest) {
+TEST(CompoundsOnRanks, APileComesToRest) {
   const Scene scene = pile_of_compounds();
-  const RunResult run = run_on(GetParam(), scene, 1000);
+  const RunResult run = run_on(3, scene, 1000);
   for (std::size_t i = 0; i < 36; ++i) {
     EXPECT_GT(run.states.position[i].z, 0.01) << i;
     EXPECT_LT(norm(run.states.velocity[i]), 0.03) << i;

@@ -253,6 +253,33 @@ TEST(WallsTest, HasEveryKindOfWallAndNoFreeBodies) {
   EXPECT_THAT(text, Not(HasSubstr("body_0")));
 }
 
+TEST(WallsTest, WhatMovesIsWhereItsMotionBegins) {
+  const ScratchDirectory scratch;
+  Scene scene;
+  BodyDescription box;
+  box.kind = BodyKind::kinematic;
+  box.shape.kind = shapes::Box::kind;
+  box.shape.half_extents = {1, 1, 1};
+  Motion motion;
+  motion.kind = Motion::Kind::sampled;
+  motion.times = {0, 1};
+  motion.positions = {{5, 0, 0}, {6, 0, 0}};
+  box.motion = motion;
+  scene.bodies = {box};
+  ASSERT_TRUE(write_walls(scratch / "walls.obj", scene));
+  std::ifstream in(scratch / "walls.obj");
+  double sum = 0;
+  int count = 0;
+  for (std::string word; in >> word;) {
+    if (word != "v") continue;
+    double x = 0;
+    in >> x;
+    sum += x, ++count;
+  }
+  EXPECT_EQ(count, 8);
+  EXPECT_EQ(sum / 8, 5);
+}
+
 TEST(WriterThreadTest, RunsTasksInOrderBesideTheCaller) {
   std::vector<int> order;
   WriterThread writer(3);

@@ -118,6 +118,7 @@ TEST(IpcScene, StepsAreCountedOrTimed) {
   EXPECT_EQ(steps(R"("timestep": 0.02, "max_iterations": -1)"), 1000);
   EXPECT_EQ(steps(R"("timestep": 0.02, "max_time": 0.05)"), 3) << "the end is passed";
   EXPECT_EQ(steps(R"("timestep": 0.001, "max_time": 10)"), 10000);
+  EXPECT_EQ(steps(R"("timestep": 0.01, "max_iterations": 7, "max_time": 0.2)"), 20);
 }
 
 TEST(IpcScene, MeshesAreScaledThenTurnedThenMoved) {

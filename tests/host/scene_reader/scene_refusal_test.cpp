@@ -293,6 +293,18 @@ INSTANTIATE_TEST_SUITE_P(
                      with_body(R"({"shape": "half_space", "kind": "kinematic",
                   "motion": {"type": "linear", "velocity": [0, 0, 0], "angular_velocity": [0, 4e3, 0]}})"),
                      "bodies[1].motion.angular_velocity: [0, 4000, 0] is not allowed: must turn"},
+        RefusedValue{
+            "SamplesOfHalfATurnAStep", with_body(R"({"shape": "half_space", "kind": "kinematic",
+                  "motion": {"type": "sampled", "times": [0, 1, 1.0005, 1.001], "positions": [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]],
+                             "orientations": [[1, 0, 0, 0], [1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]]}})"),
+            "bodies[1].motion.orientations[1]: 6.283 rad within a time step is not allowed: "
+            "must turn the body by less than half a turn in a time step of 0.001 s"},
+        RefusedValue{
+            "MomentsOfNoBody",
+            with_body(R"({"shape": "box", "size": [1, 1, 1], "mass": 1, "position": [0, 0, 5],
+                  "inertia": [1, 0.5, 0.4]})"),
+            "bodies[1].inertia: [1, 0.5, 0.4] is not allowed: must have no moment larger "
+            "than the sum of the other two"},
         RefusedValue{"OverlappingContainers",
                      with_body(R"({"shape": "container", "size": [1, 1, 1]},
                   {"shape": "container", "size": [1, 1, 1], "position": [0.5, 0, 0]})"),

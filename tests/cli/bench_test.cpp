@@ -234,6 +234,9 @@ TEST(CliBench, MemoryOfASettledBedIsPredicted) {
   for (const char* precision : {"float", "double"}) {
     for (const char* solver :
          {"apgd", "schwarz", "gauss_seidel_colored", "gauss_seidel", "jacobi"}) {
+      const bool is_wide =
+          precision == std::string("double");  // arrays are twice as wide, no others
+      if (is_wide && solver != std::string("apgd")) continue;
       const Result run =
           scree(scratch, {"bench",     "capacity",  "--sizes",
                           "3000",      "--layers",  "20",

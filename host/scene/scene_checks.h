@@ -19,6 +19,11 @@ std::string fault_text(const std::string& path, const std::string& value,
 /// lists that its indices point into.
 std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body);
 
+/// What keeps a quaternion from being a turn.
+std::optional<Fault> turn_fault(const std::string& field, const Quatd& q);
+/// First fault of the motion of a body.
+std::optional<Fault> motion_fault(const BodyDescription& body, double time_step);
+
 /// First fault of one joint.
 std::optional<Fault> joint_fault(const Scene& scene, const Joint& joint);
 

@@ -14,7 +14,7 @@ double exact_height(double time) {
   return 1 - 0.5 * kWeight * since_apex * since_apex;
 }
 
-EnergyTrace variational(const RunLength& length) {
+EnergyTrace variational_ball(const RunLength& length) {
   MechanicalSystem system;
   system.mass = {1};
   system.potential = [](std::span<const double> q) { return kWeight * q[0]; };
@@ -34,7 +34,7 @@ EnergyTrace variational(const RunLength& length) {
   return trace;
 }
 
-EnergyTrace world(const RunLength& length) {
+EnergyTrace world_ball(const RunLength& length) {
   BodyDescription body;
   body.shape.kind = shapes::Sphere::kind;
   body.shape.radius = kRadius;
@@ -45,7 +45,7 @@ EnergyTrace world(const RunLength& length) {
   return world_trace(length, body, -kRadius, lowest, exact_height);
 }
 
-EnergyTrace clamped(const RunLength& length) {
+EnergyTrace clamped_ball(const RunLength& length) {
   const double h = length.step;
   double q = 1, v = 0;
   EnergyTrace trace("clamped leapfrog", length, kWeight);
@@ -68,7 +68,7 @@ EnergyTrace clamped(const RunLength& length) {
 }  // namespace
 
 std::vector<EnergyTrace> ball_traces(const RunLength& length) {
-  return {variational(length), world(length), clamped(length)};
+  return {variational_ball(length), world_ball(length), clamped_ball(length)};
 }
 
 }  // namespace scree::bench

@@ -23,7 +23,7 @@ MechanicalSystem rod_on_floor() {
   return system;
 }
 
-EnergyTrace variational(const RunLength& length) {
+EnergyTrace variational_rod(const RunLength& length) {
   CollisionIntegrator rod(rod_on_floor(), {.step = length.step}, {0, kHeight, kAngle},
                           {kSpeed, 0, kSpin});
   EnergyTrace trace("variational", length, rod.energy());
@@ -38,7 +38,7 @@ EnergyTrace variational(const RunLength& length) {
 }
 
 /// A thin box that is held in the plane of x and z.
-EnergyTrace world(const RunLength& length) {
+EnergyTrace world_rod(const RunLength& length) {
   constexpr double half = 0.002;
   BodyDescription body;
   body.shape.kind = shapes::Box::kind;
@@ -57,7 +57,7 @@ EnergyTrace world(const RunLength& length) {
 }
 
 /// Completes the step, lifts the rod until its lower end is on the floor, and turns the velocity of that end.
-EnergyTrace clamped(const RunLength& length) {
+EnergyTrace clamped_rod(const RunLength& length) {
   const double h = length.step;
   double y = kHeight, angle = kAngle, v = 0, spin = kSpin;
   const auto energy = [&] {
@@ -90,7 +90,7 @@ EnergyTrace clamped(const RunLength& length) {
 }  // namespace
 
 std::vector<EnergyTrace> rod_traces(const RunLength& length) {
-  return {variational(length), world(length), clamped(length)};
+  return {variational_rod(length), world_rod(length), clamped_rod(length)};
 }
 
 }  // namespace scree::bench

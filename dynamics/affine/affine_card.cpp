@@ -17,17 +17,13 @@
 namespace scree {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& value,
-                         const std::string& expected) {
-  throw InputError(fault_text(path, value, expected));
-}
-
 void check_locks(std::uint8_t locks, const std::string& path) {
   const int turns = std::popcount(static_cast<unsigned>(locks >> 3));
   if (turns == 1)
-    refuse(path + ".lock", "one locked axis of rotation",
-           "must be none, two or three: turning about two axes is no linear equation of an affine "
-           "body");
+    refuse_value(
+        path + ".lock", "one locked axis of rotation",
+        "must be none, two or three: turning about two axes is no linear equation of an affine "
+        "body");
 }
 
 constexpr std::array<std::pair<const char*, double Material::*>, 4> kNoValues{
@@ -43,35 +39,37 @@ void check_joint(const Scene& scene, std::size_t j) {
   const bool is_known = slides || joint.kind == JointKind::ball || joint.kind == JointKind::hinge ||
                         joint.kind == JointKind::fixed;
   if (!is_known)
-    refuse(path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
-           "must be ball, hinge, fixed, slider or cylindrical: joints of the dynamics \"affine\" "
-           "are linear equations");
+    refuse_value(
+        path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
+        "must be ball, hinge, fixed, slider or cylindrical: joints of the dynamics \"affine\" "
+        "are linear equations");
   const bool has_resting = std::any_of(joint.bodies.begin(), joint.bodies.end(), [&](int body) {
     return body == kWorldBody ||
            scene.bodies[static_cast<std::size_t>(body)].kind == BodyKind::fixed;
   });
   if (slides && !has_resting)
-    refuse(path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
-           "must have the world or a fixed body as one of its bodies: along an axis that moves it "
-           "is no linear equation of affine bodies");
+    refuse_value(
+        path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),
+        "must have the world or a fixed body as one of its bodies: along an axis that moves it "
+        "is no linear equation of affine bodies");
   for (const int body : joint.bodies)
     if (body != kWorldBody && scene.bodies[static_cast<std::size_t>(body)].elastic->is_on())
-      refuse(path + ".bodies", fmt::format("body {}", body),
-             "must not be elastic: attachments hold elastic bodies");
+      refuse_value(path + ".bodies", fmt::format("body {}", body),
+                   "must not be elastic: attachments hold elastic bodies");
   if (std::isfinite(joint.break_force) || std::isfinite(joint.break_moment))
-    refuse(path, "a joint that breaks", "must hold with the dynamics \"affine\"");
+    refuse_value(path, "a joint that breaks", "must hold with the dynamics \"affine\"");
 }
 
 }  // namespace
 
 void check_affine(const Scene& scene) {
   if (!scene.insertions.empty())
-    refuse("insertions", fmt::format("a list of {}", scene.insertions.size()),
-           "must be empty: all bodies of the dynamics \"affine\" are there from the start");
+    refuse_value("insertions", fmt::format("a list of {}", scene.insertions.size()),
+                 "must be empty: all bodies of the dynamics \"affine\" are there from the start");
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (scene.periodicity.periodic[axis])
-      refuse("periodic", fmt::format("an axis {}", "xyz"[axis]),
-             "must be without axes: the dynamics \"affine\" have no periods");
+      refuse_value("periodic", fmt::format("an axis {}", "xyz"[axis]),
+                   "must be without axes: the dynamics \"affine\" have no periods");
   require_no_values(scene, kNoValues, "contacts of the dynamics \"affine\" have friction alone");
   for_each_by_id(
       scene,

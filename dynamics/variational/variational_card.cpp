@@ -18,11 +18,6 @@
 namespace scree {
 namespace {
 
-[[noreturn]] void refuse(const std::string& path, const std::string& value,
-                         const std::string& expected) {
-  throw InputError(fault_text(path, value, expected));
-}
-
 std::string body_path(const BodyDescription& body, std::size_t id) {
   return body.entry >= 0 ? fmt::format("bodies[{}]", body.entry) : fmt::format("body {}", id);
 }
@@ -31,21 +26,22 @@ void check_body(const BodyDescription& body, std::size_t id) {
   const ShapeCard& shape = shape_card(body.shape.kind);
   const std::string path = body_path(body, id);
   if (body.kind == BodyKind::kinematic)
-    refuse(path + ".kind", "\"kinematic\"",
-           "must be free or fixed: walls of the dynamics \"variational\" rest");
+    refuse_value(path + ".kind", "\"kinematic\"",
+                 "must be free or fixed: walls of the dynamics \"variational\" rest");
   if (body.kind != BodyKind::free && shape.is_compound)
-    refuse(path + ".shape", fmt::format("\"{}\"", shape.name),
-           "must be one of its parts: walls of the dynamics \"variational\" are no compounds");
+    refuse_value(
+        path + ".shape", fmt::format("\"{}\"", shape.name),
+        "must be one of its parts: walls of the dynamics \"variational\" are no compounds");
   if (body.kind == BodyKind::free && body.locks != 0)
-    refuse(path + ".lock", fmt::format("{} locked axes", std::popcount(body.locks)),
-           "must be none: bodies of the dynamics \"variational\" move along all axes");
+    refuse_value(path + ".lock", fmt::format("{} locked axes", std::popcount(body.locks)),
+                 "must be none: bodies of the dynamics \"variational\" move along all axes");
 }
 
 void check_set(const ParticleSet& set) {
   const std::string path = set.entry >= 0 ? fmt::format("particles[{}]", set.entry) : "particles";
   if (set.locks != 0)
-    refuse(path + ".lock", fmt::format("{} locked axes", std::popcount(set.locks)),
-           "must be none: bodies of the dynamics \"variational\" move along all axes");
+    refuse_value(path + ".lock", fmt::format("{} locked axes", std::popcount(set.locks)),
+                 "must be none: bodies of the dynamics \"variational\" move along all axes");
 }
 
 constexpr std::array<std::pair<const char*, double Material::*>, 4> kNoValues{
@@ -82,11 +78,12 @@ void require_gravity_of_periods(const Periodicity& periodicity, const Vec3d& gra
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double g = gravity[static_cast<int>(axis)];
     if (periodicity.periodic[axis] && g != 0)
-      refuse("gravity", vector_text(gravity),
-             fmt::format("must be 0 along {}, which is periodic: the dynamics \"variational\" "
-                         "keeps the energy of "
-                         "bodies, and it would not be the same in all periods",
-                         "xyz"[axis]));
+      refuse_value(
+          "gravity", vector_text(gravity),
+          fmt::format("must be 0 along {}, which is periodic: the dynamics \"variational\" "
+                      "keeps the energy of "
+                      "bodies, and it would not be the same in all periods",
+                      "xyz"[axis]));
   }
 }
 
@@ -103,8 +100,9 @@ bool has_convex_bodies(const Scene& scene) {
 
 void check_variational(const Scene& scene) {
   if (!scene.insertions.empty())
-    refuse("insertions", fmt::format("a list of {}", scene.insertions.size()),
-           "must be empty: all bodies of the dynamics \"variational\" are there from the start");
+    refuse_value(
+        "insertions", fmt::format("a list of {}", scene.insertions.size()),
+        "must be empty: all bodies of the dynamics \"variational\" are there from the start");
   require_no_values(scene, kNoValues,
                     "impacts of the dynamics \"variational\" are along the normal");
   for_each_by_id(

@@ -11,8 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string reason(int error_number) { return std::generic_category().message(error_number); }
-
 /// The closest parent that exists must take a new directory.
 std::string why_not_created(const fs::path& folder) {
   if (fs::is_symlink(fs::symlink_status(folder))) return "it is a link to nowhere";
@@ -23,11 +21,13 @@ std::string why_not_created(const fs::path& folder) {
   if (!fs::is_directory(parent))
     return fmt::format("it cannot be created, {} is not a directory", parent.string());
   if (::access(parent.c_str(), W_OK | X_OK) != 0)
-    return fmt::format("it cannot be created in {}: {}", parent.string(), reason(errno));
+    return fmt::format("it cannot be created in {}: {}", parent.string(), reason_of(errno));
   return {};
 }
 
 }  // namespace
+
+std::string reason_of(int error_number) { return std::generic_category().message(error_number); }
 
 std::string why_not_writable(const fs::path& folder) {
   std::error_code error;
@@ -36,7 +36,7 @@ std::string why_not_writable(const fs::path& folder) {
   if (!fs::exists(status)) return why_not_created(folder);
   if (!fs::is_directory(status)) return "it is not a directory";
   if (::access(folder.c_str(), R_OK | W_OK | X_OK) != 0)
-    return fmt::format("it cannot be written: {}", reason(errno));
+    return fmt::format("it cannot be written: {}", reason_of(errno));
   return {};
 }
 

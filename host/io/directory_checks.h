@@ -11,4 +11,7 @@ namespace scree {
 /// Empty when nothing does. Changes nothing.
 std::string why_not_writable(const std::filesystem::path& folder);
 
+/// What an error number of the system says.
+std::string reason_of(int error_number);
+
 }  // namespace scree

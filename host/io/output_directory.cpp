@@ -26,8 +26,6 @@ namespace fs = std::filesystem;
   throw InputError(fmt::format("output directory {}: {}", path.string(), what));
 }
 
-std::string reason(int error_number) { return std::generic_category().message(error_number); }
-
 /// Whether a name is begin, digits, end.
 bool is_numbered(std::string_view name, std::string_view begin, std::string_view end) {
   if (!name.starts_with(begin) || !name.ends_with(end)) return false;
@@ -142,7 +140,7 @@ std::vector<fs::path> OutputDirectory::own_files() const {
 void OutputDirectory::lock() {
   if (lock_ >= 0) return;
   lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) refuse_folder(path_, reason(errno));
+  if (lock_ < 0) refuse_folder(path_, reason_of(errno));
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     refuse_folder(path_, "another run is writing there now");
   // Other errors mean a file system without locks, which is no reason not to run.

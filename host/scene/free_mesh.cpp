@@ -12,7 +12,7 @@ namespace scree {
 namespace {
 
 /// By so much, in sizes of the mesh, frames may be off that did not come from here.
-constexpr double kTolerance = 1e-6;
+constexpr double kFrameTolerance = 1e-6;
 /// Of the cube of the size, and of its square: less volume, or less of a second moment, is none.
 constexpr double kFlat = 1e-13;
 
@@ -58,7 +58,7 @@ std::optional<LocalFrame> move_inside_to_principal_frame(TriangleMesh& mesh) {
   const SolidMoments solid = moments_inside(mesh);
   const double size = size_of(mesh);
   if (!has_solid(solid, size) ||
-      norm(moments_about(mesh, solid.center).center - solid.center) > kTolerance * size)
+      norm(moments_about(mesh, solid.center).center - solid.center) > kFrameTolerance * size)
     return std::nullopt;
   const LocalFrame frame = principal_frame(solid);
   for (std::vector<Vec3d>* points : {&mesh.vertices, &mesh.inner})
@@ -70,10 +70,10 @@ std::optional<std::string> free_mesh_fault(const TriangleMesh& mesh) {
   const double size = size_of(mesh);
   const SolidMoments solid = moments_about(mesh, {});
   if (!has_solid(solid, size)) return "has no solid inside";
-  if (norm(solid.center) > kTolerance * size) return "has its center of mass off the origin";
+  if (norm(solid.center) > kFrameTolerance * size) return "has its center of mass off the origin";
   for (const auto& [i, j] : {std::pair{0, 1}, {1, 2}, {2, 0}}) {
     const double mixed = solid.second[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-    if (std::abs(mixed) > kTolerance * size * size) return "has principal axes of its own";
+    if (std::abs(mixed) > kFrameTolerance * size * size) return "has principal axes of its own";
   }
   return std::nullopt;
 }

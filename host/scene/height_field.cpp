@@ -16,7 +16,7 @@
 namespace scree {
 namespace {
 
-constexpr double kDegenerateTolerance = 1e-10;  // height over longest edge, as in mesh files
+constexpr double kFlatCell = 1e-10;  // height over longest edge, as in mesh files
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& text) {
   throw InputError(file.string() + ": " + text);
@@ -128,7 +128,7 @@ void check_triangles(const TriangleMesh& mesh, const HeightGrid& grid) {
     };
     const Vec3d a = corner(0), b = corner(1), c = corner(2);
     const double longest2 = std::max({norm2(b - a), norm2(c - b), norm2(a - c)});
-    if (norm(cross(b - a, c - a)) > kDegenerateTolerance * longest2) continue;
+    if (norm(cross(b - a, c - a)) > kFlatCell * longest2) continue;
     const std::size_t cell = t / 2;
     if (cell >= cells)
       throw std::invalid_argument(

@@ -16,30 +16,22 @@
 #include "shapes/polyhedron.h"
 
 namespace scree {
-namespace {
-
-[[noreturn]] void refuse(const std::string& path, const std::string& value,
-                         const std::string& expected) {
-  throw InputError(fault_text(path, value, expected));
-}
-
-}  // namespace
-
 void check_meshes(const Scene& scene) {
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const TriangleMesh& mesh = scene.meshes[m];
     const std::string path = fmt::format("meshes[{}] ({})", m, mesh.name);
     const int count = static_cast<int>(mesh.vertices.size());
-    if (mesh.triangles.empty()) refuse(path, "an empty mesh", "must hold one triangle or more");
+    if (mesh.triangles.empty())
+      refuse_value(path, "an empty mesh", "must hold one triangle or more");
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       if (!is_finite(mesh.vertices[v]))
-        refuse(fmt::format("{}.vertices[{}]", path, v), vector_text(mesh.vertices[v]),
-               "must be three finite numbers [m]");
+        refuse_value(fmt::format("{}.vertices[{}]", path, v), vector_text(mesh.vertices[v]),
+                     "must be three finite numbers [m]");
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
       for (const int v : mesh.triangles[t])
         if (v < 0 || v >= count)
-          refuse(fmt::format("{}.triangles[{}]", path, t), fmt::format("{}", v),
-                 fmt::format("must be a vertex index below {}", count));
+          refuse_value(fmt::format("{}.triangles[{}]", path, t), fmt::format("{}", v),
+                       fmt::format("must be a vertex index below {}", count));
   }
 }
 
@@ -60,10 +52,10 @@ void check_hulls(const Scene& scene) {
                        : is_solid ? free_mesh_fault(*mesh)
                                   : compound_fault(scene, *mesh);
     if (fault)
-      refuse(fmt::format("meshes[{}] ({})", shape.mesh, mesh->name), "a mesh that " + *fault,
-             is_hull    ? "must be that of a hull: set_hull() makes one"
-             : is_solid ? "must be that of a free body: set_free_mesh() makes one"
-                        : "must be that of a compound: set_compound() makes one");
+      refuse_value(fmt::format("meshes[{}] ({})", shape.mesh, mesh->name), "a mesh that " + *fault,
+                   is_hull    ? "must be that of a hull: set_hull() makes one"
+                   : is_solid ? "must be that of a free body: set_free_mesh() makes one"
+                              : "must be that of a compound: set_compound() makes one");
     for (const ShapePart& part : mesh->parts) check_again(part.shape, true, check_again);
   };
   const auto check = [&](const Shape& shape, bool is_free) {

@@ -14,9 +14,6 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-6;  // deviation from length one that is taken for rounding
 
-std::string text(double value) { return fmt::format("{}", value); }
-std::string text(const Vec3d& v) { return vector_text(v); }
-
 // Written so that NaN fails.
 bool is_unit(double length) { return std::abs(length - 1) <= kUnitTolerance; }
 
@@ -26,7 +23,7 @@ std::optional<Fault> samples_fault(const Motion& motion) {
     return Fault{"motion.times", fmt::format("{} times", count), "must be two times or more [s]"};
   for (std::size_t i = 0; i < count; ++i) {
     if (!std::isfinite(motion.times[i]) || (i > 0 && motion.times[i] <= motion.times[i - 1]))
-      return Fault{fmt::format("motion.times[{}]", i), text(motion.times[i]),
+      return Fault{fmt::format("motion.times[{}]", i), value_text(motion.times[i]),
                    "must be finite and larger than the time before [s]"};
   }
   if (motion.positions.size() != count)
@@ -34,7 +31,7 @@ std::optional<Fault> samples_fault(const Motion& motion) {
                  fmt::format("must be one per time, {}", count)};
   for (std::size_t i = 0; i < count; ++i)
     if (!is_finite(motion.positions[i]))
-      return Fault{fmt::format("motion.positions[{}]", i), text(motion.positions[i]),
+      return Fault{fmt::format("motion.positions[{}]", i), value_text(motion.positions[i]),
                    "must be three finite numbers [m]"};
   if (!motion.orientations.empty() && motion.orientations.size() != count)
     return Fault{"motion.orientations", fmt::format("{} orientations", motion.orientations.size()),
@@ -51,10 +48,10 @@ std::optional<Fault> rate_fault(const Motion& motion, double time_step) {
       "must turn the body by less than half a turn in a time step of {} s [rad/s]", time_step);
   if (motion.kind == Motion::Kind::rotating &&
       !(std::abs(motion.rate) * time_step < std::numbers::pi))
-    return Fault{"motion.rate", text(motion.rate), expected};
+    return Fault{"motion.rate", value_text(motion.rate), expected};
   if (motion.kind == Motion::Kind::linear &&
       !(norm(motion.angular_velocity) * time_step < std::numbers::pi))
-    return Fault{"motion.angular_velocity", text(motion.angular_velocity), expected};
+    return Fault{"motion.angular_velocity", value_text(motion.angular_velocity), expected};
   return std::nullopt;
 }
 
@@ -102,28 +99,29 @@ std::optional<Fault> motion_fault(const BodyDescription& body, double time_step)
   if (body.kind != BodyKind::kinematic)
     return Fault{"motion", "a motion", "only kinematic bodies have one"};
   if (!std::isfinite(motion.start))
-    return Fault{"motion.start", text(motion.start), "must be a finite number [s]"};
+    return Fault{"motion.start", value_text(motion.start), "must be a finite number [s]"};
   if (!(motion.stop >= motion.start))
-    return Fault{"motion.stop", text(motion.stop), "must not be before motion.start [s]"};
+    return Fault{"motion.stop", value_text(motion.stop), "must not be before motion.start [s]"};
   const bool turning = motion.kind == Motion::Kind::rotating;
   const bool swinging = motion.kind == Motion::Kind::oscillating;
   if ((turning || swinging) && !is_unit(norm(motion.axis)))
-    return Fault{"motion.axis", text(motion.axis), "must have length 1"};
+    return Fault{"motion.axis", value_text(motion.axis), "must have length 1"};
   if (motion.kind == Motion::Kind::linear && !is_finite(motion.velocity))
-    return Fault{"motion.velocity", text(motion.velocity), "must be three finite numbers [m/s]"};
+    return Fault{"motion.velocity", value_text(motion.velocity),
+                 "must be three finite numbers [m/s]"};
   if (motion.kind == Motion::Kind::linear && !is_finite(motion.angular_velocity))
-    return Fault{"motion.angular_velocity", text(motion.angular_velocity),
+    return Fault{"motion.angular_velocity", value_text(motion.angular_velocity),
                  "must be three finite numbers [rad/s]"};
   if (turning && !is_finite(motion.center))
-    return Fault{"motion.center", text(motion.center), "must be three finite numbers [m]"};
+    return Fault{"motion.center", value_text(motion.center), "must be three finite numbers [m]"};
   if (turning && !std::isfinite(motion.rate))
-    return Fault{"motion.rate", text(motion.rate), "must be a finite number [rad/s]"};
+    return Fault{"motion.rate", value_text(motion.rate), "must be a finite number [rad/s]"};
   if (swinging && !std::isfinite(motion.amplitude))
-    return Fault{"motion.amplitude", text(motion.amplitude), "must be a finite number [m]"};
+    return Fault{"motion.amplitude", value_text(motion.amplitude), "must be a finite number [m]"};
   if (swinging && !(std::isfinite(motion.frequency) && motion.frequency >= 0))
-    return Fault{"motion.frequency", text(motion.frequency), "must be zero or positive [Hz]"};
+    return Fault{"motion.frequency", value_text(motion.frequency), "must be zero or positive [Hz]"};
   if (swinging && !std::isfinite(motion.phase))
-    return Fault{"motion.phase", text(motion.phase), "must be a finite number [rad]"};
+    return Fault{"motion.phase", value_text(motion.phase), "must be a finite number [rad]"};
   if (motion.kind == Motion::Kind::sampled) {
     if (auto fault = samples_fault(motion)) return fault;
     return sampled_turn_fault(motion, time_step);

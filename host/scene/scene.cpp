@@ -31,17 +31,17 @@ std::string fault_text(const std::string& path, const std::string& value,
   return fmt::format("{}: {} is not allowed: {}", path, value, expected);
 }
 
+void refuse_value(const std::string& path, const std::string& value, const std::string& expected) {
+  throw InputError(fault_text(path, value, expected));
+}
+
+std::string value_text(double value) { return fmt::format("{}", value); }
+std::string value_text(const Vec3d& value) { return vector_text(value); }
+
 namespace {
 
 constexpr double kMostOfSum = 1.005;  // the largest moment over half of all three, with rounding
 
-[[noreturn]] void refuse(const std::string& path, const std::string& value,
-                         const std::string& expected) {
-  throw InputError(fault_text(path, value, expected));
-}
-
-std::string text(double value) { return fmt::format("{}", value); }
-std::string text(const Vec3d& v) { return vector_text(v); }
 std::string quoted(const std::string& s) { return '"' + s + '"'; }
 
 // Written so that NaN fails.
@@ -52,15 +52,16 @@ bool is_positive(const Vec3d& v) {
 }
 
 void check_positive(const std::string& path, double value, const char* unit) {
-  if (!is_positive(value)) refuse(path, text(value), fmt::format("must be positive [{}]", unit));
+  if (!is_positive(value))
+    refuse_value(path, value_text(value), fmt::format("must be positive [{}]", unit));
 }
 void check_non_negative(const std::string& path, double value, const char* unit) {
   if (!is_non_negative(value))
-    refuse(path, text(value), fmt::format("must be zero or positive [{}]", unit));
+    refuse_value(path, value_text(value), fmt::format("must be zero or positive [{}]", unit));
 }
 void check_finite(const std::string& path, const Vec3d& value, const char* unit) {
   if (!is_finite(value))
-    refuse(path, text(value), fmt::format("must be three finite numbers [{}]", unit));
+    refuse_value(path, value_text(value), fmt::format("must be three finite numbers [{}]", unit));
 }
 void check_one_of(const std::string& path, const std::string& value,
                   const std::vector<std::string>& known) {
@@ -69,7 +70,7 @@ void check_one_of(const std::string& path, const std::string& value,
     if (value == name) return;
     list += (list.empty() ? "" : ", ") + quoted(name);
   }
-  refuse(path, quoted(value), "must be one of " + list);
+  refuse_value(path, quoted(value), "must be one of " + list);
 }
 
 bool is_wall_shape(const ShapeCard& card) { return !card.may_be_free(); }
@@ -85,9 +86,10 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
                  fmt::format("must be an index below {}", scene.meshes.size())};
   if (auto fault = card.fault(shape)) return fault;
   if (card.is_hull && !(shape.volume > 0))
-    return Fault{"volume", text(shape.volume), "must be positive: set_hull() gives it [m^3]"};
+    return Fault{"volume", value_text(shape.volume), "must be positive: set_hull() gives it [m^3]"};
   if (card.is_compound && !(shape.volume > 0))
-    return Fault{"volume", text(shape.volume), "must be positive: set_compound() gives it [m^3]"};
+    return Fault{"volume", value_text(shape.volume),
+                 "must be positive: set_compound() gives it [m^3]"};
   if (body.kind != BodyKind::free || card.may_be_free()) return std::nullopt;
   if (!card.may_be_free_where(meshes_may_be_free(scene)))
     return Fault{
@@ -95,7 +97,8 @@ std::optional<Fault> shape_fault(const Scene& scene, const BodyDescription& body
         fmt::format("only {} bodies can be free; {} bodies must be \"fixed\" or \"kinematic\"",
                     shape_names(&ShapeCard::may_be_free, " or "), shape_names(is_wall_shape))};
   if (!(shape.volume > 0))
-    return Fault{"volume", text(shape.volume), "must be positive: set_free_mesh() gives it [m^3]"};
+    return Fault{"volume", value_text(shape.volume),
+                 "must be positive: set_free_mesh() gives it [m^3]"};
   return std::nullopt;
 }
 
@@ -117,12 +120,13 @@ std::optional<Fault> own_fault(const Scene& scene, const BodyDescription& body) 
   for (const auto& [key, value, unit] :
        {Part{"force", body.load->force, "N"}, Part{"torque", body.load->torque, "N m"}}) {
     if (!is_finite(value))
-      return Fault{key, text(value), fmt::format("must be three finite numbers [{}]", unit)};
+      return Fault{key, value_text(value), fmt::format("must be three finite numbers [{}]", unit)};
     if (!(norm2(value) > 0)) continue;
     if (!(card != nullptr && card->has_loads))
-      return Fault{key, text(value), "must be absent: bodies of " + model + " have no such load"};
+      return Fault{key, value_text(value),
+                   "must be absent: bodies of " + model + " have no such load"};
     if (body.kind != BodyKind::free)
-      return Fault{key, text(value), "must be absent: only free bodies have it"};
+      return Fault{key, value_text(value), "must be absent: only free bodies have it"};
   }
   return std::nullopt;
 }
@@ -132,28 +136,28 @@ std::optional<Fault> own_fault(const Scene& scene, const BodyDescription& body) 
 std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body) {
   if (auto fault = shape_fault(scene, body)) return fault;
   if (!is_finite(body.position))
-    return Fault{"position", text(body.position), "must be three finite numbers [m]"};
+    return Fault{"position", value_text(body.position), "must be three finite numbers [m]"};
   if (auto fault = turn_fault("orientation", body.orientation)) return fault;
   if (!is_finite(body.velocity))
-    return Fault{"velocity", text(body.velocity), "must be three finite numbers [m/s]"};
+    return Fault{"velocity", value_text(body.velocity), "must be three finite numbers [m/s]"};
   if (!is_finite(body.angular_velocity))
-    return Fault{"angular_velocity", text(body.angular_velocity),
+    return Fault{"angular_velocity", value_text(body.angular_velocity),
                  "must be three finite numbers [rad/s]"};
   if (body.kind == BodyKind::free) {
     if (!is_positive(body.mass))
-      return Fault{"mass", text(body.mass), "a free body needs a positive mass [kg]"};
+      return Fault{"mass", value_text(body.mass), "a free body needs a positive mass [kg]"};
     if (!is_positive(body.inertia))
-      return Fault{"inertia", text(body.inertia),
+      return Fault{"inertia", value_text(body.inertia),
                    "a free body needs three positive principal moments [kg m^2]"};
     const Vec3d& i = body.inertia;
     if (2 * std::max({i.x, i.y, i.z}) > kMostOfSum * (i.x + i.y + i.z))
-      return Fault{"inertia", text(i),
+      return Fault{"inertia", value_text(i),
                    "must have no moment larger than the sum of the other two, as no body has [kg "
                    "m^2]"};
   }
   const bool moving = norm2(body.velocity) > 0 || norm2(body.angular_velocity) > 0;
   if (body.kind == BodyKind::fixed && moving)
-    return Fault{"velocity", text(body.velocity),
+    return Fault{"velocity", value_text(body.velocity),
                  "a fixed body does not move; make it \"kinematic\" and give it a motion"};
   if (body.material < 0 || body.material >= static_cast<int>(scene.materials.size()))
     return Fault{"material", fmt::format("{}", body.material),
@@ -174,7 +178,7 @@ namespace {
 void check_material(const std::string& path, const Material& m) {
   check_non_negative(path + ".friction", m.friction, "-");
   if (!(m.restitution >= 0 && m.restitution <= 1))
-    refuse(path + ".restitution", text(m.restitution), "must be from 0 to 1 [-]");
+    refuse_value(path + ".restitution", value_text(m.restitution), "must be from 0 to 1 [-]");
   check_non_negative(path + ".cohesion", m.cohesion, "N");
   check_non_negative(path + ".rolling_friction", m.rolling_friction, "m");
   check_non_negative(path + ".spinning_friction", m.spinning_friction, "m");
@@ -182,10 +186,10 @@ void check_material(const std::string& path, const Material& m) {
 
 void check_materials(const Scene& scene) {
   const int count = static_cast<int>(scene.materials.size());
-  if (count == 0) refuse("materials", "an empty list", "must hold one material or more");
+  if (count == 0) refuse_value("materials", "an empty list", "must hold one material or more");
   if (scene.materials.size() > kMostMaterials)
-    refuse("materials", fmt::format("a list of {} materials", count),
-           fmt::format("must hold {} or fewer", kMostMaterials));
+    refuse_value("materials", fmt::format("a list of {} materials", count),
+                 fmt::format("must hold {} or fewer", kMostMaterials));
   for (const Material& m : scene.materials) check_material("materials." + m.name, m);
   std::map<std::pair<int, int>, std::size_t> listed;
   for (std::size_t i = 0; i < scene.material_pairs.size(); ++i) {
@@ -193,16 +197,16 @@ void check_materials(const Scene& scene) {
     const std::string path = fmt::format("material_pairs[{}]", i);
     for (const int m : {pair.material_a, pair.material_b})
       if (m < 0 || m >= count)
-        refuse(path + ".between", fmt::format("{}", m),
-               fmt::format("must be an index below {}", count));
+        refuse_value(path + ".between", fmt::format("{}", m),
+                     fmt::format("must be an index below {}", count));
     check_material(path, pair.values);
     const std::pair<int, int> ends = std::minmax(pair.material_a, pair.material_b);
     const auto [first, is_new] = listed.emplace(ends, i);
     if (!is_new)
-      refuse(path + ".between",
-             fmt::format("[\"{}\", \"{}\"]", scene.materials[pair.material_a].name,
-                         scene.materials[pair.material_b].name),
-             fmt::format("material_pairs[{}] is the same pair", first->second));
+      refuse_value(path + ".between",
+                   fmt::format("[\"{}\", \"{}\"]", scene.materials[pair.material_a].name,
+                               scene.materials[pair.material_b].name),
+                   fmt::format("material_pairs[{}] is the same pair", first->second));
   }
 }
 
@@ -214,10 +218,10 @@ void check_name(const std::string& name) {
   };
   if (name.empty() || name.size() > kMaxNameBytes || name == "." || name == ".." ||
       std::any_of(name.begin(), name.end(), is_bad))
-    refuse("name", quoted(printable(name, 80)),
-           fmt::format("must be fit for a folder: 1 to {} bytes without slashes and control "
-                       "characters, not . or ..",
-                       kMaxNameBytes));
+    refuse_value("name", quoted(printable(name, 80)),
+                 fmt::format("must be fit for a folder: 1 to {} bytes without slashes and control "
+                             "characters, not . or ..",
+                             kMaxNameBytes));
 }
 
 void check_solver_parameters(const ParameterValues& values) {
@@ -226,7 +230,8 @@ void check_solver_parameters(const ParameterValues& values) {
     known.emplace_back(parameter.key);
     const double value = parameter.of(values);
     if (!parameter.allows(value))
-      refuse(fmt::format("solver.{}", parameter.key), parameter.text(value), parameter.expected());
+      refuse_value(fmt::format("solver.{}", parameter.key), parameter.text(value),
+                   parameter.expected());
   }
   for (const auto& [key, value] : values) check_one_of("solver.parameters", key, known);
 }
@@ -240,8 +245,8 @@ void check_dynamics(const Scene& scene) {
     known.emplace_back(parameter.key);
     const double value = parameter.of(dynamics.parameters);
     if (!parameter.allows(value))
-      refuse(fmt::format("dynamics.{}", parameter.key), parameter.text(value),
-             parameter.expected());
+      refuse_value(fmt::format("dynamics.{}", parameter.key), parameter.text(value),
+                   parameter.expected());
   }
   for (const auto& [key, value] : dynamics.parameters)
     check_one_of("dynamics.parameters", key, known);
@@ -260,9 +265,10 @@ void check_settings(const Scene& scene) {
   check_non_negative("stepping.max_recovery_speed", stepping.max_recovery_speed, "m/s");
   check_non_negative("stepping.restitution_threshold", stepping.restitution_threshold, "m/s");
   if (!std::isfinite(stepping.envelope))
-    refuse("collision.envelope", text(stepping.envelope), "must be a finite number [m]");
+    refuse_value("collision.envelope", value_text(stepping.envelope),
+                 "must be a finite number [m]");
   if (!std::isfinite(stepping.skin))
-    refuse("collision.skin", text(stepping.skin), "must be a finite number [m]");
+    refuse_value("collision.skin", value_text(stepping.skin), "must be a finite number [m]");
 
   const SolverSettings& solver = scene.solver;
   check_one_of("solver.name", solver.name, solver_names());
@@ -281,39 +287,43 @@ void check_settings(const Scene& scene) {
   const std::string no_contacts =
       fmt::format("the dynamics \"{}\" tells of no contacts", card.name);
   if (output.force_interval > 0 && !card.has_contacts)
-    refuse("output.force_interval", text(output.force_interval), "must be 0: " + no_contacts);
+    refuse_value("output.force_interval", value_text(output.force_interval),
+                 "must be 0: " + no_contacts);
   if (output.contact_frames && !card.has_contacts)
-    refuse("output.contact_frames", "true", "must be false: " + no_contacts);
+    refuse_value("output.contact_frames", "true", "must be false: " + no_contacts);
   if (output.surface_frames && output.frame_pieces)
-    refuse("output.surface_frames", "true",
-           "must be false with output.frame_pieces: surfaces are written by one rank, from the "
-           "states of all bodies");
+    refuse_value(
+        "output.surface_frames", "true",
+        "must be false with output.frame_pieces: surfaces are written by one rank, from the "
+        "states of all bodies");
   const PictureSettings& picture = output.picture;
   if (!std::isfinite(picture.interval))
-    refuse("output.picture.interval", text(picture.interval), "must be a finite number [s]");
+    refuse_value("output.picture.interval", value_text(picture.interval),
+                 "must be a finite number [s]");
   for (const auto& [key, pixels] : {std::pair{"width", picture.width}, {"height", picture.height}})
     if (pixels < 16 || pixels > 16384)
-      refuse(std::string("output.picture.") + key, fmt::format("{}", pixels),
-             "must be from 16 to 16384 [pixels]");
+      refuse_value(std::string("output.picture.") + key, fmt::format("{}", pixels),
+                   "must be from 16 to 16384 [pixels]");
   if (!std::isfinite(picture.color_min) || !(picture.color_max >= picture.color_min) ||
       !std::isfinite(picture.color_max))
-    refuse("output.picture.color_range",
-           fmt::format("[{}, {}]", picture.color_min, picture.color_max),
-           "must be two finite numbers, the smaller first");
+    refuse_value("output.picture.color_range",
+                 fmt::format("[{}, {}]", picture.color_min, picture.color_max),
+                 "must be two finite numbers, the smaller first");
   const CameraSettings& camera = picture.camera;
   if (camera.automatic) return;
   check_finite("output.picture.camera.position", camera.position, "m");
   check_finite("output.picture.camera.target", camera.target, "m");
   check_finite("output.picture.camera.up", camera.up, "-");
   if (!(camera.vertical_angle > 0 && camera.vertical_angle < 170))
-    refuse("output.picture.camera.vertical_angle_deg", text(camera.vertical_angle),
-           "must be between 0 and 170, both excluded [deg]");
+    refuse_value("output.picture.camera.vertical_angle_deg", value_text(camera.vertical_angle),
+                 "must be between 0 and 170, both excluded [deg]");
   const Vec3d view = camera.target - camera.position;
   if (!(norm(view) > 0))
-    refuse("output.picture.camera.target", text(camera.target), "must differ from the position");
+    refuse_value("output.picture.camera.target", value_text(camera.target),
+                 "must differ from the position");
   if (!(norm(cross(normalized(view), normalized(camera.up, {0, 0, 0}))) > 1e-6))
-    refuse("output.picture.camera.up", text(camera.up),
-           "must not be zero or parallel to the view direction");
+    refuse_value("output.picture.camera.up", value_text(camera.up),
+                 "must not be zero or parallel to the view direction");
 }
 
 /// Calls f(body, path maker) for the bodies that are described one by one, those of
@@ -365,13 +375,13 @@ void check_pairs(const Scene& scene) {
   const auto require = [](ShapeKind a, const Place& at_a, ShapeKind b, const Place& at_b) {
     if (find_pair(a, met_shape(b)) != nullptr) return;
     const char *name_a = shape_card(a).name, *name_b = shape_card(b).name;
-    refuse(at_a.path, fmt::format("a free {}", name_a),
-           fmt::format("it could meet the {} {}, and contact between a {} and a {} is not "
-                       "available yet; a free {} may meet {}",
-                       name_b, at_b.path, name_a, name_b, name_a,
-                       shape_names([a](const ShapeCard& card) {
-                         return find_pair(a, met_shape(card.kind)) != nullptr;
-                       })));
+    refuse_value(at_a.path, fmt::format("a free {}", name_a),
+                 fmt::format("it could meet the {} {}, and contact between a {} and a {} is not "
+                             "available yet; a free {} may meet {}",
+                             name_b, at_b.path, name_a, name_b, name_a,
+                             shape_names([a](const ShapeCard& card) {
+                               return find_pair(a, met_shape(card.kind)) != nullptr;
+                             })));
   };
   for (const auto& [a, at_a] : free) {
     for (const auto& [b, at_b] : walls) require(a, at_a, b, at_b);
@@ -386,18 +396,19 @@ void check_insertions(const Scene& scene) {
     const std::string path = fmt::format("insertions[{}]", k);
     check_non_negative(path + ".time", insertion.time, "s");
     if (k > 0 && insertion.time <= scene.insertions[k - 1].time)
-      refuse(path + ".time", text(insertion.time), "must be later than the insertion before [s]");
+      refuse_value(path + ".time", value_text(insertion.time),
+                   "must be later than the insertion before [s]");
     for (std::size_t i = 0; i < insertion.bodies.size(); ++i)
       if (insertion.bodies[i].kind != BodyKind::free)
-        refuse(fmt::format("{}.bodies[{}].kind", path, i), "a fixed or kinematic body",
-               "only free bodies can be inserted during a run");
+        refuse_value(fmt::format("{}.bodies[{}].kind", path, i), "a fixed or kinematic body",
+                     "only free bodies can be inserted during a run");
   }
 }
 
 void check_count(const std::string& path, bool fits, std::size_t count) {
   if (!fits)
-    refuse(path, "a list of another length",
-           fmt::format("must be one value for all, or one for each of {} particles", count));
+    refuse_value(path, "a list of another length",
+                 fmt::format("must be one value for all, or one for each of {} particles", count));
 }
 
 /// What the list of bodies cannot say of a particle: that it is free, and how large.
@@ -407,7 +418,7 @@ std::optional<Fault> particle_fault(const Scene& scene, const ParticleSet& set, 
   if (auto fault = shape_fault(scene, body)) return fault;
   const double radius = bounding_radius(scene, body);
   if (set.radius[i] == radius) return std::nullopt;
-  return Fault{"radius", text(set.radius[i]),
+  return Fault{"radius", value_text(set.radius[i]),
                fmt::format("must be that of the bounding sphere, {} [m]", radius)};
 }
 
@@ -432,7 +443,7 @@ void check_particles(const Scene& scene, const ParticleSet& set, const std::stri
     auto fault = spheres ? std::nullopt : particle_fault(scene, set, i);
     if (!fault) fault = body_fault(scene, particle_body(set, i));
     if (fault)
-      refuse(fmt::format("{}[{}].{}", path, i, fault->field), fault->value, fault->expected);
+      refuse_value(fmt::format("{}[{}].{}", path, i, fault->field), fault->value, fault->expected);
   }
 }
 
@@ -449,16 +460,16 @@ void check_all_particles(const Scene& scene) {
 void check_bodies(const Scene& scene) {
   for_each_body(scene, [&](const BodyDescription& body, auto path) {
     if (const auto fault = body_fault(scene, body))
-      refuse(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
-             fault->expected);
+      refuse_value(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
+                   fault->expected);
   });
   check_all_particles(scene);
   const BodyCounts count = count_bodies(scene);
   if (count.free == 0)
-    refuse("bodies", fmt::format("a scene of {} bodies, none free", count.all()),
-           "must hold one free body or more, in bodies, particles or insertions");
+    refuse_value("bodies", fmt::format("a scene of {} bodies, none free", count.all()),
+                 "must hold one free body or more, in bodies, particles or insertions");
   if (count.all() > static_cast<std::size_t>(std::numeric_limits<Index>::max()))
-    refuse("bodies", fmt::format("{} bodies", count.all()), "must be below 2^31");
+    refuse_value("bodies", fmt::format("{} bodies", count.all()), "must be below 2^31");
 }
 
 void check_periodicity(const Scene& scene) {
@@ -471,28 +482,31 @@ void check_periodicity(const Scene& scene) {
     const std::string path = fmt::format("periodic.{}", "xyz"[k]);
     const std::string value = fmt::format("[{}, {}]", box.lower[k], box.upper[k]);
     const double extent = box.upper[k] - box.lower[k];
-    if (!is_positive(extent)) refuse(path, value, "must be two finite numbers, the smaller first");
+    if (!is_positive(extent))
+      refuse_value(path, value, "must be two finite numbers, the smaller first");
     if (extent < needed)
-      refuse(path, value,
-             fmt::format("must span at least {:.6g} m: twice the largest free body and the contact "
-                         "envelope, so that two bodies meet through one image only; what spans the "
-                         "domain must be fixed or kinematic",
-                         needed));
+      refuse_value(
+          path, value,
+          fmt::format("must span at least {:.6g} m: twice the largest free body and the contact "
+                      "envelope, so that two bodies meet through one image only; what spans the "
+                      "domain must be fixed or kinematic",
+                      needed));
   }
   for_each_body(scene, [&](const BodyDescription& body, auto path) {
     if (const auto fault = periodic_wall_fault(scene, body))
-      refuse(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
-             fault->expected);
+      refuse_value(fault->field.empty() ? path() : path() + "." + fault->field, fault->value,
+                   fault->expected);
   });
 }
 
 void check_body_names(const Scene& scene) {
   const BodyCounts count = count_bodies(scene);
   for (const auto& [name, id] : scene.body_names) {
-    if (name.empty()) refuse("body_names", "an empty name", "must have a letter or more");
+    if (name.empty()) refuse_value("body_names", "an empty name", "must have a letter or more");
     if (id < 0 || static_cast<std::size_t>(id) >= count.free + count.fixed)
-      refuse(fmt::format("body_names[{}]", quoted(printable(name, 80))), fmt::format("{}", id),
-             fmt::format("must be the id of one of {} bodies", count.free + count.fixed));
+      refuse_value(fmt::format("body_names[{}]", quoted(printable(name, 80))),
+                   fmt::format("{}", id),
+                   fmt::format("must be the id of one of {} bodies", count.free + count.fixed));
   }
 }
 
@@ -501,22 +515,25 @@ void check_body_names(const Scene& scene) {
 void validate(const Scene& scene) {
   check_settings(scene);
   check_materials(scene);
-  if (const auto fault = range_fault(scene)) refuse(fault->field, fault->value, fault->expected);
-  if (scene.groups.empty()) refuse("groups", "an empty list", "must hold one name or more");
+  if (const auto fault = range_fault(scene))
+    refuse_value(fault->field, fault->value, fault->expected);
+  if (scene.groups.empty()) refuse_value("groups", "an empty list", "must hold one name or more");
   check_meshes(scene);
   check_hulls(scene);
   check_bodies(scene);
   check_insertions(scene);
   check_body_names(scene);
-  if (const auto fault = room_fault(scene)) refuse(fault->field, fault->value, fault->expected);
+  if (const auto fault = room_fault(scene))
+    refuse_value(fault->field, fault->value, fault->expected);
   check_pairs(scene);
   check_periodicity(scene);
   if (const auto fault = contact_elements_fault(scene))
-    refuse(fault->field, fault->value, fault->expected);
+    refuse_value(fault->field, fault->value, fault->expected);
   check_dynamics(scene);
-  if (const auto fault = joints_fault(scene)) refuse(fault->field, fault->value, fault->expected);
+  if (const auto fault = joints_fault(scene))
+    refuse_value(fault->field, fault->value, fault->expected);
   if (const auto fault = attachments_fault(scene))
-    refuse(fault->field, fault->value, fault->expected);
+    refuse_value(fault->field, fault->value, fault->expected);
 }
 
 bool meshes_may_be_free(const Scene& scene) {

@@ -14,6 +14,12 @@ namespace scree {
 /// "<path>: <value> is not allowed: <expected>", the one format of messages about a value.
 std::string fault_text(const std::string& path, const std::string& value,
                        const std::string& expected);
+/// @throws InputError  with that text
+[[noreturn]] void refuse_value(const std::string& path, const std::string& value,
+                               const std::string& expected);
+/// A value as messages show it.
+std::string value_text(double value);
+std::string value_text(const Vec3d& value);
 
 /// First fault of one body: shape, pose, velocity, mass, indices and motion. The scene gives the
 /// lists that its indices point into.

@@ -21,7 +21,7 @@ namespace scree {
 namespace {
 
 /// Centers and axes of mass may be off those of a shape by this, in sizes of it.
-constexpr double kTolerance = 1e-6;
+constexpr double kRounding = 1e-6;
 
 UrdfPose operator*(const UrdfPose& a, const UrdfPose& b) {
   return {a.position + rotate(a.orientation, b.position),
@@ -265,7 +265,7 @@ class Builder {
   bool has_frame_of_shape(const Cluster& cluster, BodyDescription& body) {
     set_shape(cluster.shapes[0], in_world(cluster.shapes[0].pose), body);
     const Vec3d center = in_world({cluster.center, {}}).position;
-    if (norm(center - body.position) > kTolerance * bounding_size(body)) return false;
+    if (norm(center - body.position) > kRounding * bounding_size(body)) return false;
     body.position = center;
     const Quatd to_root = conjugate(placement_.pose.orientation);
     Sym3<double> m = seen_from(to_root * body.orientation, cluster.inertia);
@@ -283,7 +283,7 @@ class Builder {
       const double angle = 0.5 * std::atan2(2 * m.xy, m.xx - m.yy);
       turn(cluster, exp_map(Vec3d{0, 0, angle}), body, m);
     }
-    if (std::max({std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)}) > kTolerance * m.trace())
+    if (std::max({std::abs(m.xy), std::abs(m.xz), std::abs(m.yz)}) > kRounding * m.trace())
       return false;
     body.inertia = {m.xx, m.yy, m.zz};
     return true;

@@ -270,9 +270,9 @@ UrdfCollision read_collision(const Element& element, const fs::path& urdf) {
   return collision;
 }
 
-class Reader {
+class UrdfReader {
  public:
-  explicit Reader(const fs::path& file) : file_(file) { model_.file = file.string(); }
+  explicit UrdfReader(const fs::path& file) : file_(file) { model_.file = file.string(); }
 
   UrdfModel read(const XmlElement& xml) {
     const Element root(
@@ -461,7 +461,7 @@ class Reader {
 }  // namespace
 
 UrdfModel parse_urdf(const std::string& text, const fs::path& file) {
-  return Reader(file).read(parse_xml(text, file.string()));
+  return UrdfReader(file).read(parse_xml(text, file.string()));
 }
 
 UrdfModel read_urdf(const fs::path& file) {

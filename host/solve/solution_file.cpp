@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* format_name = "scree contact solution";
+constexpr const char* solution_format = "scree contact solution";
 constexpr int format_version = 1;
 
-std::vector<double> read_rows(const h5::Group& group, const char* name) {
+std::vector<double> finite_rows(const h5::Group& group, const char* name) {
   std::vector<double> rows =
       group.has(name) ? group.read_converted<double>(name) : std::vector<double>{};
   for (std::size_t k = 0; k < rows.size(); ++k)
@@ -32,11 +32,11 @@ std::vector<double> read_rows(const h5::Group& group, const char* name) {
   return rows;
 }
 
-Solution read_contents(const fs::path& path) {
+Solution solution_in(const fs::path& path) {
   const h5::File file = h5::File::open_foreign(path);
   const h5::Group root = file.root();
   Solution s;
-  const bool own = root.has_attribute("format") && root.text_attribute("format") == format_name;
+  const bool own = root.has_attribute("format") && root.text_attribute("format") == solution_format;
   if (own) {
     const auto version = root.attribute<std::int64_t>("format_version");
     if (version != format_version)
@@ -53,9 +53,9 @@ Solution read_contents(const fs::path& path) {
   if (!root.has("solution/u"))
     throw InputError("it holds no solution, expected the dataset solution/u");
   const h5::Group group = root.open_group("solution");
-  s.u = read_rows(group, "u");
+  s.u = finite_rows(group, "u");
   // In FCLIB files of others impulses of solutions are not what they say.
-  if (own) s.r = read_rows(group, "r");
+  if (own) s.r = finite_rows(group, "r");
   if (own && s.r.size() != s.u.size())
     throw InputError(
         fmt::format("solution/r has {} values, expected {} as solution/u", s.r.size(), s.u.size()));
@@ -100,7 +100,7 @@ void write_solution(const fs::path& path, const Solution& s) {
     h5::File file = h5::File::create(target.temporary(), seal_bytes);
     {
       h5::Group root = file.root();
-      root.write_text_attribute("format", format_name);
+      root.write_text_attribute("format", solution_format);
       root.write_attribute<std::int64_t>("format_version", format_version);
       root.write_text_attribute("program", fmt::format("scree {} ({})", version(), commit()));
       root.write_text_attribute("problem", s.problem);
@@ -116,21 +116,21 @@ void write_solution(const fs::path& path, const Solution& s) {
   } catch (const h5::Error& error) {
     throw RunError(fmt::format("cannot write solution {}: {}", path.string(), error.what()));
   }
-  write_seal(target.temporary(), format_name, format_version);
+  write_seal(target.temporary(), solution_format, format_version);
   target.commit();
 }
 
 Solution read_solution(const fs::path& path) try {
   if (!fs::exists(path)) refuse(path, "there is no such file");
   if (!h5::is_hdf5(path)) refuse(path, "it is not an HDF5 file");
-  if (has_seal(path, format_name)) {
-    const std::string fault = check_seal(path, format_name, format_version);
+  if (has_seal(path, solution_format)) {
+    const std::string fault = check_seal(path, solution_format, format_version);
     if (!fault.empty()) refuse(path, fault);
-  } else if (const std::string end = trial([&] { read_contents(path); }, 60); !end.empty()) {
+  } else if (const std::string end = trial([&] { solution_in(path); }, 60); !end.empty()) {
     refuse(path, fmt::format("it is damaged: reading it was tried, and {}", end));
   }
   try {
-    return read_contents(path);
+    return solution_in(path);
   } catch (const InputError& fault) {
     refuse(path, fault.what());
   }

@@ -12,7 +12,7 @@
 namespace scree::variational {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kRounding = std::numeric_limits<double>::epsilon();
 constexpr int kMostNewtonSteps = 50;
 
 struct PartAtImpact {
@@ -31,7 +31,7 @@ PartAtImpact look_at(const Wall& wall, const WallFunction& part, const Vector& q
   const double speed = at.gradient.cwiseAbs().dot(v.cwiseAbs());
   at.tolerance = reach * speed + 64 * rounding_of(at.gradient, q);
   at.rate = at.gradient.dot(v);
-  at.rate_rounding = 64 * kEpsilon * speed;
+  at.rate_rounding = 64 * kRounding * speed;
   return at;
 }
 
@@ -129,7 +129,7 @@ Departure Reflection::after(double duration) const {
     lambda -= change;
     const double size = std::abs(change);
     // Rounding of the energies ends it.
-    if (size <= 4 * kEpsilon * std::abs(lambda) ||
+    if (size <= 4 * kRounding * std::abs(lambda) ||
         (size >= 0.5 * last && size <= 1e-9 * std::abs(lambda))) {
       const double rate = direction_velocity_.dot(arrival_.momentum) + lambda * direction_square_;
       if (!(lambda > 0) || !(rate > 0)) break;

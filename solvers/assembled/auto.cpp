@@ -29,7 +29,7 @@ namespace scree {
 namespace {
 
 /// Contacts from which on nothing is factorized.
-constexpr int many_contacts = 30000;
+constexpr int too_many_for_factors = 30000;
 constexpr int least_sweeps = 50, most_first_sweeps = 4000, second_sweeps = 2000;
 
 /// Of the next turn. Turns that end at once are soon very many.
@@ -54,7 +54,7 @@ class Auto final : public AssembledSolver {
            AssembledMonitor& monitor) const override {
     std::vector<double> swept = o.guess;
     ProximalSettings settings;
-    settings.newton = p.contact_count < many_contacts;
+    settings.newton = p.contact_count < too_many_for_factors;
     settings.adapts = settings.newton;
     settings.patience = patience_of(p.contact_count);
     if (settings.newton && o.model == AssembledModel::exact) settings.most_opening_failures = 2;

@@ -62,10 +62,10 @@ class Equations {
 };
 
 /// One solve.
-class Newton {
+class NewtonRun {
  public:
-  Newton(const AssembledProblem& p, const AssembledOptions& o, const NewtonSettings& settings,
-         AssembledMonitor& monitor)
+  NewtonRun(const AssembledProblem& p, const AssembledOptions& o, const NewtonSettings& settings,
+            AssembledMonitor& monitor)
       : settings_(settings),
         monitor_(monitor),
         equations_(p, o.model, settings_.law),
@@ -134,7 +134,7 @@ class Newton {
 
 void run_newton(const AssembledProblem& p, const AssembledOptions& o,
                 const NewtonSettings& settings, AssembledMonitor& monitor) {
-  Newton(p, o, settings, monitor).run();
+  NewtonRun(p, o, settings, monitor).run();
 }
 
 }  // namespace scree

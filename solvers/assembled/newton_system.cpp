@@ -23,7 +23,7 @@ constexpr int many_contacts = 300;
 constexpr double refined_to = 1e-12;
 constexpr int most_refinements = 3;
 
-Eigen::Map<const Small> as_matrix(const Block3& b) { return Eigen::Map<const Small>(b.data()); }
+Eigen::Map<const Small> as_small(const Block3& b) { return Eigen::Map<const Small>(b.data()); }
 
 Block3 as_block(const Small& m) {
   Block3 b;
@@ -60,8 +60,8 @@ struct NewtonSystem::Factors {
 
   /// J_ck of a contact and the block k of its row.
   Small entry(int c, int k) const {
-    Small j = as_matrix(at[c].by_u) * as_matrix(p.block[k]);
-    if (p.column[k] == c) j += as_matrix(at[c].by_r) + shift * scale[c] * as_matrix(at[c].by_u);
+    Small j = as_small(at[c].by_u) * as_small(p.block[k]);
+    if (p.column[k] == c) j += as_small(at[c].by_r) + shift * scale[c] * as_small(at[c].by_u);
     return j;
   }
 
@@ -122,7 +122,7 @@ struct NewtonSystem::Factors {
     for (int c = 0; c < p.contact_count; ++c) {
       if (number[c] >= 0) continue;
       const Eigen::Vector3d own =
-          as_matrix(at[c].by_r).inverse() * Eigen::Map<const Eigen::Vector3d>(&b[3 * c]);
+          as_small(at[c].by_r).inverse() * Eigen::Map<const Eigen::Vector3d>(&b[3 * c]);
       std::copy(own.data(), own.data() + 3, &x[3 * c]);
     }
     std::vector<double> reduced;
@@ -150,7 +150,7 @@ struct NewtonSystem::Factors {
     for (int c = 0; c < p.contact_count; ++c) {
       const Eigen::Map<const Eigen::Vector3d> xc(&x[3 * c]), bc(&b[3 * c]);
       Eigen::Map<Eigen::Vector3d> uc(&u[3 * c]);
-      uc = (bc - as_matrix(at[c].by_r) * xc - as_matrix(at[c].by_u) * (uc + shift * scale[c] * xc))
+      uc = (bc - as_small(at[c].by_r) * xc - as_small(at[c].by_u) * (uc + shift * scale[c] * xc))
                .eval();
     }
     return u;
@@ -197,8 +197,8 @@ std::vector<double> merit_gradient(const AssembledProblem& p, const std::vector<
   for (int c = 0; c < p.contact_count; ++c) {
     const Eigen::Vector3d y = scale[c] * Eigen::Map<const Eigen::Vector3d>(at[c].value);
     Eigen::Map<Eigen::Vector3d> own(&direct[3 * c]), through_u(&by_u[3 * c]);
-    through_u = as_matrix(at[c].by_u).transpose() * y;
-    own = as_matrix(at[c].by_r).transpose() * y + shift * scale[c] * through_u;
+    through_u = as_small(at[c].by_u).transpose() * y;
+    own = as_small(at[c].by_r).transpose() * y + shift * scale[c] * through_u;
   }
   std::vector<double> result = multiply_transposed(p, by_u);
   for (std::size_t i = 0; i < result.size(); ++i) result[i] += direct[i];

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # check_headers.sh CXX SOURCE_DIR GENERATED_DIR [SECONDS]: .h files of the libraries compile on their own with the plain C++
 # compiler, with Eigen for those inside of host/. Where the source of the same name includes its header first, building it has shown that. Those that the last
-# commit changed come first, then the others in an order that differs from commit to commit: when the time (25 s) is over,
+# commit changed come first, then the others in an order that differs from commit to commit: when the time (12 s) is over,
 # the rest is left to later runs.
 set -euo pipefail
 cxx=$1 source_dir=$2 generated_dir=$3
-export seconds=${4:-25}
+export seconds=${4:-12}
 eigen=$(pkg-config --cflags-only-I eigen3 2>/dev/null || echo -I/usr/include/eigen3)
 export eigen
 cd "$source_dir"

@@ -95,8 +95,8 @@ const std::pair<const char*, Course> kCourses[] = {{"at rest", Course::rest},
 class MeshContainers : public ::testing::TestWithParam<std::tuple<BackendKind, Precision>> {
  protected:
   static constexpr double kStep = 0.01;
-  /// A step of one sphere takes a GPU twenty times as long.
-  int trials() const { return backend() == BackendKind::cpu ? 12 : 2; }
+  /// Six are every law and every restitution, with gravity and without. A step of one sphere takes a GPU twenty times as long.
+  int trials() const { return backend() == BackendKind::cpu ? 6 : 2; }
   void SetUp() override {
     std::string reason;
     if (!backend_available(backend(), &reason)) GTEST_SKIP() << "no such backend: " << reason;

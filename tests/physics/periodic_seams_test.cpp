@@ -17,12 +17,12 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kLength = 2.1;  // m, the period
+constexpr double kPeriod = 2.1;  // m, the period
 
 /// @param repeats  lengths that the field has along x; it fills the domain if that is one
 void add_waves(Scene& scene, double height, int repeats) {
   const std::size_t cells = 14;
-  const double length = kLength * repeats, width = kLength;
+  const double length = kPeriod * repeats, width = kPeriod;
   HeightGrid grid{cells + 1, cells * static_cast<std::size_t>(repeats) + 1, {}};
   for (std::size_t row = 0; row <= cells; ++row)
     for (std::size_t k = 0; k < grid.columns; ++k)
@@ -36,8 +36,8 @@ Scene periodic_scene(double friction, double height) {
   scene.stepping.envelope = 1e-2;
   scene.gravity = {0, 0, -kGravity};
   scene.periodicity.periodic = {true, true, false};
-  scene.periodicity.lower = {-kLength / 2, -kLength / 2, 0};
-  scene.periodicity.upper = {kLength / 2, kLength / 2, 0};
+  scene.periodicity.lower = {-kPeriod / 2, -kPeriod / 2, 0};
+  scene.periodicity.upper = {kPeriod / 2, kPeriod / 2, 0};
   add_waves(scene, height, 1);
   return scene;
 }
@@ -108,9 +108,9 @@ TEST(PeriodicSeams, WavesGoOn) {
       run_for(world, scene, 0.7);
       end.push_back(world.states());
     }
-    EXPECT_GT(end[1].position[1].x, kLength / 2);  // it has crossed one
+    EXPECT_GT(end[1].position[1].x, kPeriod / 2);  // it has crossed one
     Vec3d off = end[1].position[1] - end[0].position[1];
-    for (int k = 0; k < 2; ++k) off[k] -= kLength * std::round(off[k] / kLength);
+    for (int k = 0; k < 2; ++k) off[k] -= kPeriod * std::round(off[k] / kPeriod);
     EXPECT_NEAR(norm(off), 0, 1e-6);
   }
 }
@@ -143,7 +143,7 @@ TEST(PeriodicSeams, RoundedPlatesGoOn) {
 
 // Boxes and cylinders as long as the period, or longer.
 TEST(PeriodicSeams, PlatesAndRodsGoOn) {
-  for (const double length : {kLength, kLength + 0.4}) {
+  for (const double length : {kPeriod, kPeriod + 0.4}) {
     for (const bool is_plate : {true, false}) {
       for (const char* shape : {R"("shape": "sphere", "radius": 0.05)", kShapes[0], kShapes[2]}) {
         SCOPED_TRACE(std::string(is_plate ? "plate, " : "rod, ") + shape);
@@ -253,7 +253,7 @@ TEST(PeriodicSeams, AStepBetweenImagesStopsASphere) {
   HeightGrid ramp{2, 8, {}};
   for (int row = 0; row < 2; ++row)
     for (int k = 0; k < 8; ++k) ramp.heights.push_back(0.3 - 0.3 * k / 7);
-  add_mesh(scene, height_field_mesh("ramp", ramp, {kLength, kLength}, 0.3));
+  add_mesh(scene, height_field_mesh("ramp", ramp, {kPeriod, kPeriod}, 0.3));
   add_sphere(scene, {0, 0, 0.3}, 0.08, 1);
   World world = reference_world(scene);
   run_for(world, scene, 4);

@@ -16,7 +16,7 @@ namespace scree::physics {
 namespace {
 
 class CompoundsOnRanks : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Ranks, CompoundsOnRanks, testing::Values(2, 3, 4),
+INSTANTIATE_TEST_SUITE_P(Ranks, CompoundsOnRanks, testing::Values(3, 4),
                          testing::PrintToStringParamName());
 
 /// Adds a compound whose mass is that of its parts.
@@ -47,10 +47,10 @@ double largest_speed(const WorldState& state) {
 }
 
 TEST_P(CompoundsOnRanks, OneStepFromTheSameStateIsThatOfOneRank) {
+  Scene scene = pile_on_a_table();
+  const WorldState start = landed(scene, 0.28);
   for (const char* solver : {"apgd", "jacobi", "gauss_seidel_colored"}) {
     SCOPED_TRACE(solver);
-    Scene scene = pile_on_a_table();
-    const WorldState start = landed(scene, 0.28);
     scene.solver.name = solver;
     solve_to(scene, 1e-12);
     const auto [one, more] =

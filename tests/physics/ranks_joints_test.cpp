@@ -18,13 +18,13 @@ INSTANTIATE_TEST_SUITE_P(Ranks, JointsOnRanks, testing::Values(2, 3, 4),
                          testing::PrintToStringParamName());
 
 TEST_P(JointsOnRanks, OneStepFromTheSameStateIsThatOfOneRank) {
+  Scene scene = row_of_joints();
+  const WorldState start = landed(scene, 0.12);
   for (const char* solver : {"apgd", "jacobi", "gauss_seidel_colored"}) {
     SCOPED_TRACE(solver);
-    Scene scene = row_of_joints();
     scene.solver.name = solver;
-    scene.solver.max_iterations = 200000;
-    const WorldState start = landed(scene, 0.12);
     solve_to(scene, 1e-13);
+    scene.solver.max_iterations = 200000;
     const auto [one, more] = compared_step(GetParam(), scene, start, 1e-9);
     ASSERT_GT(one.contact_count, 20);
     EXPECT_TRUE(more.converged && one.converged) << solver;

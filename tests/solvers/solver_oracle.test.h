@@ -18,11 +18,13 @@ namespace {
 using fixtures::PlainProblem;
 using fixtures::ProblemBuffers;
 
+inline int contacts_of_small_problem(unsigned seed) { return 5 + static_cast<int>(seed * 7 % 36); }
+
 /// Random problem number `seed`: 5 to 40 contacts, about three per free body;
 /// N is singular in many.
 template <class Real>
 PlainProblem small_problem(ContactLayout layout, unsigned seed) {
-  const int contacts = 5 + static_cast<int>(seed * 7 % 36);
+  const int contacts = contacts_of_small_problem(seed);
   PlainProblem plain = fixtures::random_problem({.layout = layout,
                                                  .free_count = 3 + contacts / 3,
                                                  .contact_count = contacts,
@@ -127,7 +129,10 @@ TYPED_TEST(SolverOracleTest, ExactCoulombOnRandomProblems) {
                                ContactLayout::rolling, ContactLayout::mixed}) {
     // Some of the mixed ones are so badly conditioned that what float reaches says little.
     if (layout == ContactLayout::mixed && std::is_same_v<TypeParam, float>) continue;
-    for (unsigned seed = 1; seed <= 6; ++seed) {
+    // The dense answer with rolling takes as long as all else where there are more than 26 contacts.
+    const bool rolls = layout == ContactLayout::rolling;
+    for (unsigned seed : {1, 2, 3, 4, 5, 6}) {
+      if (rolls && contacts_of_small_problem(seed) > 26) continue;
       const PlainProblem plain = small_problem<TypeParam>(layout, seed);
       const oracle::Solution expected = oracle::solve_coulomb(plain.data, 1e-10, 60);
       using Solvers =

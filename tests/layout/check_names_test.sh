@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# The checker of names must find the two planted here, in its own words, and nothing else.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")" || exit 1
+check=$PWD/check_names.sh
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+cd "$tree" || exit 1
+mkdir -p shapes solvers collision dynamics host/scene scenes bench tests/host tests/physics
+cat >host/scene/a.cpp <<'END'
+namespace scree {
+namespace {
+constexpr double kSize = 1;
+std::string text(const Vec3d& v) { return {}; }
+int count(int a) {
+  const int other = a;
+  return other;
+}
+}  // namespace
+int shown(int a) { return a; }
+}  // namespace scree
+END
+cat >host/scene/b.cpp <<'END'
+namespace scree {
+namespace {
+constexpr float kSize = 1;
+std::string text(const Vec3d& value,
+                 int digits) {
+  return {};
+}
+int count(double a) { return 0; }
+int count(int b) { return b; }
+int other() { return 1; }
+}  // namespace
+}  // namespace scree
+END
+cp host/scene/a.cpp tests/host/c.cpp                       # another program
+sed 's/scree/scree::part/' host/scene/a.cpp >host/scene/c.cpp # another namespace
+found=$(bash "$check" .)
+status=$?
+diff <(echo "$status: $found") - <<'END' && echo "found both planted names"
+1: host/scene/b.cpp:3: kSize is in host/scene/a.cpp:3 too
+host/scene/b.cpp:9: count(int) is in host/scene/a.cpp:5 too
+END

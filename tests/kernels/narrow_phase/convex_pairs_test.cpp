@@ -170,7 +170,7 @@ void expect_meets() {
   SCOPED_TRACE(std::string(P::A::name) + " and " + P::B::name);
   std::mt19937 random(7);
   int apart = 0, deep = 0, shallow = 0;
-  for (int trial = 0; trial < 80 && !testing::Test::HasFailure(); ++trial) {
+  for (int trial = 0; trial < 120 && !testing::Test::HasFailure(); ++trial) {
     SCOPED_TRACE(trial);
     const Solid a = random_solid(random, P::A::kind, 0.9),
                 b = random_solid(random, P::B::kind, 0.9);

@@ -167,7 +167,8 @@ class Minimizer {
       if (!is_last && (iteration >= settings.most_iterations || !(sums.size < 1e300))) break;
       ++report.iterations;
       move(p, q, 1, full_.view());
-      if (sums.stray > room_) {
+      double goal = sums.stray_from_end < sums.stray ? 1 : time_;
+      if (std::min(sums.stray, sums.stray_from_end) > room_) {
         copy(*b_, Span<const AffineVec>(q), from_.view());
         copy(*b_, Span<const AffineVec>(full_.view()), to_.view());
         // The next Newton steps are shorter and begin on this way: half of its length is room for them. Wide lists pay where
@@ -175,6 +176,7 @@ class Minimizer {
         const double most = (near_.finds_few() ? kMostRoom : 1) * p.barrier.reach;
         room_ = std::clamp(0.5 * sums.size, p.barrier.reach, most);
         list(p);
+        goal = 1;
         at = energy(p, q);
       }
       double share = free_share(p, q);
@@ -193,6 +195,7 @@ class Minimizer {
         if (is_last) return;
         break;
       }
+      time_ += share * (goal - time_);
       is_last = is_last && is_foreseen(at, next, sums.slope);
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
       at = next;
@@ -238,6 +241,7 @@ class Minimizer {
     const double reach = p.barrier.reach + p.barrier.separation;
     near_.build(*b_, *surfaces_, from_.view(), to_.view(), reach + 2 * room_);
     p.near = near_.view();
+    time_ = 0;
     near_ms_ += timer.lap();
   }
 
@@ -260,9 +264,10 @@ class Minimizer {
     return fetch(*b_, share_.data()).value;
   }
   StepSums measure(const Potential& p, Span<const AffineVec> q) {
-    reduce<StepSums>(*b_, MeasureStep::items(p),
-                     MeasureStep{p, q, step_.view(), right_.view(), from_.view(), to_.view()},
-                     StoreResult<StepSums>{sums_.data()});
+    reduce<StepSums>(
+        *b_, MeasureStep::items(p),
+        MeasureStep{p, q, step_.view(), right_.view(), from_.view(), to_.view(), time_},
+        StoreResult<StepSums>{sums_.data()});
     return fetch(*b_, sums_.data());
   }
   void move(const Potential& p, Span<const AffineVec> q, double share, Span<AffineVec> moved) {
@@ -372,7 +377,8 @@ class Minimizer {
   BlockSolver<B> solver_;
   LinkedRows<B> linked_;
   NearPairs<B> near_;
-  double room_ = 0;  ///< how far bodies may leave the ways of the list [m]
+  double room_ = 0;  ///< how far bodies may be from where the ways of the list are at one time [m]
+  double time_ = 0;  ///< on these ways, about where bodies are
   double near_ms_ = 0;
   Index block_count_ = 0;
   Buffer<B, AffineVec> full_, trial_, from_, to_;  ///< by body

@@ -13,7 +13,7 @@ namespace scree::affine {
 
 /// One host read a search. Lists are written into room for somewhat more than the last search needed; where that is not
 /// enough the search is made again with more, so that none is ever cut short.
-/// Memory: 24 bytes a near pair, 84 a part of a feature that comes near another body, 16 a block, 56 a pair of near bodies, 130 a body.
+/// Memory: 24 bytes a near pair, 84 a part of a feature that comes near another body, 16 a block, 320 a pair of near bodies, 130 a body.
 /// Each body costs its box and two ways down the tree of bodies; each pair of near bodies costs a test for each 32 features of
 /// the smaller one, and each feature that is left a way down a tree of the other body, or two where more than sixteen are near it.
 template <class B>
@@ -35,6 +35,7 @@ class NearPairs {
         pairs_(b),
         touching_(b),
         candidate_(b),
+        ways_(b),
         mask_(b),
         item_(b),
         kept_(b),
@@ -43,7 +44,7 @@ class NearPairs {
         counts_(b, 1) {}
 
   /// Lists all pairs of features that come within a distance of each other while bodies move straight from one place to
-  /// another, each at any time, but those of bodies that do not touch. Of others it lists some whose boxes come so near.
+  /// another, all at one time, but those of bodies that do not touch. Of others it lists some whose boxes come so near.
   /// @param from, to  by body
   /// @throws std::runtime_error when there are more than can be numbered
   void build(B& b, const SurfaceTables<B>& tables, Span<const AffineVec> from,
@@ -60,7 +61,7 @@ class NearPairs {
                      StoreResult<Bounds>{all_.data()});
       make_tree(b, n);
     }
-    const SearchBodies at{tables.view(), from, to, boxes(n), {}, distance};
+    const SearchBodies at{tables.view(), from, to, boxes(n), {}, {}, distance};
     do {
       search(b, at, tables.filter());
       found_ = fetch(b, static_cast<const SearchCounts*>(counts_.data()));
@@ -121,10 +122,12 @@ class NearPairs {
     find_bodies(b, at, filter);
     const SearchSums sums = this->sums(static_cast<Index>(at.boxes.size));
     for_each(b, candidates,
-             SetCandidates{at.surfaces, at.boxes, std::as_const(number_).view(candidates),
-                           sums.bodies, candidate_.view(candidates), count_.view(candidates)});
+             SetCandidates{at, std::as_const(number_).view(candidates), sums.bodies,
+                           candidate_.view(candidates), ways_.view(candidates),
+                           count_.view(candidates)});
     add_up(b, candidates, blocks_);
     at.candidates = std::as_const(candidate_).view(candidates);
+    at.ways = std::as_const(ways_).view(candidates);
 
     const BlockItems items{sums.blocks};
     for_each(b, blocks, SearchBlock{at, items, mask_.view(blocks), count_.view(blocks)});
@@ -197,6 +200,7 @@ class NearPairs {
     number_.reserve_discard(room_.bodies);
     unused_.reserve_discard(room_.bodies);
     candidate_.reserve_discard(room_.bodies);
+    ways_.reserve_discard(room_.bodies);
     body_pair_.reserve_discard(room_.bodies);
     blocks_.reserve_discard(room_.bodies + 1);
     touching_.reserve_discard(room_.bodies + 1);
@@ -240,6 +244,7 @@ class NearPairs {
   Buffer<B, Index> count_;
   Buffer<B, Offset> bodies_, blocks_, features_, pairs_, touching_;  ///< running sums
   Buffer<B, Candidate> candidate_;
+  Buffer<B, RelativeWay> ways_;
   Buffer<B, std::uint32_t> mask_;
   Buffer<B, FeatureItem> item_;
   Buffer<B, Index> kept_;

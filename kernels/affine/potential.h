@@ -213,17 +213,19 @@ struct MarkBodies {
   }
 };
 
-/// Of a Newton step: its largest way of a corner, its slope, how far its end is from the ways that the list of near pairs was made
-/// for, and by how much it changes what may stick or slide.
+/// Of a Newton step: its largest way of a corner, its slope, how far its end is from where the ways that the list of near pairs
+/// was made for are at one time for all bodies, and by how much it changes what may stick or slide.
 struct StepSums {
-  double size = 0;   ///< [m]
-  double stick = 0;  ///< largest change of a slip that may stick or slide, over that limit
-  double slope = 0;  ///< gradient times step
-  double stray = 0;  ///< [m]
+  double size = 0;            ///< [m]
+  double stick = 0;           ///< largest change of a slip that may stick or slide, over that limit
+  double slope = 0;           ///< gradient times step
+  double stray = 0;           ///< from a time on the ways [m]
+  double stray_from_end = 0;  ///< [m]
   SCREE_HD void combine(const StepSums& o) {
     size = o.size > size ? o.size : size;
     slope += o.slope;
     stray = o.stray > stray ? o.stray : stray;
+    stray_from_end = o.stray_from_end > stray_from_end ? o.stray_from_end : stray_from_end;
     stick = o.stick > stick ? o.stick : stick;
   }
 };
@@ -234,6 +236,7 @@ struct MeasureStep {
   Span<const AffineVec> q;            ///< by body
   Span<const AffineVec> step, right;  ///< by row
   Span<const AffineVec> from, to;     ///< by body, ways of the list
+  double time = 0;                    ///< on them, from 0 to 1
 
   static SCREE_HD Index items(const Potential& p) {
     return p.rows() + static_cast<Index>(p.slips.size + p.drives.size);
@@ -281,17 +284,14 @@ struct MeasureStep {
   SCREE_HD StepSums of_row(Index row) const {
     const Index b = p.body_of_row[row];
     const double radius = p.bodies[b].radius;
-    const AffineVec way = to[b] - from[b];
-    const AffineVec end = q[b] + step[row] - from[b];
-    const double length = dot(way, way);
-    double t = length > 0 ? dot(way, end) / length : 0;
-    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    const AffineVec end = q[b] + step[row];
     StepSums s;
     s.size = corner_way(step[row], radius);
     s.slope = -dot(right[row], step[row]);
-    s.stray = corner_way(end - t * way, radius);
+    s.stray = corner_way(end - (from[b] + time * (to[b] - from[b])), radius);
+    s.stray_from_end = corner_way(end - to[b], radius);
     // A step that is not a number must be seen, whatever maxima make of it.
-    if (!(s.size < 1e300)) s.size = s.stray = 1e300;
+    if (!(s.size < 1e300)) s.size = s.stray = s.stray_from_end = 1e300;
     return s;
   }
 };

@@ -196,7 +196,7 @@ SCREE_HD inline double rounding_of(const AffineVec& from, const AffineVec& to, d
   return kRounding * largest;
 }
 
-/// A box in coordinates of a body, where its trees are as they were made.
+/// A box in coordinates of a body, where its trees and features are as they were made.
 struct BodySpaceBox {
   Vec3d center, half;  ///< [m]
   double slack = 0;    ///< by which leaves may stick out of boxes above them, as floats are [m]
@@ -208,59 +208,166 @@ struct BodySpaceBox {
              std::abs(n.center[1] - center.y) > n.half[1] + half.y + more ||
              std::abs(n.center[2] - center.z) > n.half[2] + half.z + more);
   }
+  SCREE_HD bool meets(Span<const Vec3d> corners, const Feature& feature) const {
+    const Vec3d first = corners[feature.corner[0]];
+    Vec3d low = first, high = first;
+    for (int i = 1; i < 3; ++i) {
+      if (i >= feature.count) break;
+      const Vec3d x = corners[feature.corner[i]];
+      for (int k = 0; k < 3; ++k) {
+        low[k] = x[k] < low[k] ? x[k] : low[k];
+        high[k] = x[k] > high[k] ? x[k] : high[k];
+      }
+    }
+    return !(low.x > center.x + half.x || high.x < center.x - half.x || low.y > center.y + half.y ||
+             high.y < center.y - half.y || low.z > center.z + half.z || high.z < center.z - half.z);
+  }
 };
 
-/// A body that goes straight from one place to another, as what comes near is looked for in its trees.
-struct SearchedBody {
-  Vec3d center;         ///< at the start
-  Vec3d across[3];      ///< rows of A^-1 there
-  Vec3d low, high;      ///< least and largest coordinates of the ways of its points [m]
-  double slack;         ///< see BodySpaceBox
-  bool is_flat = true;  ///< A has no inverse to speak of: all of the body is searched
+/// How one body goes along its straight way, as another that goes along its own sees it at the same time. With the other at
+/// A + t dA at a time t from 0 to 1 and E = A^-1 dA, a corner that is at y = A^-1 (x - p) at first, and w away at the end from
+/// where the other carries y, goes along y + t (I + t E)^-1 A^-1 w: bodies that go together hardly move. Where the other turns
+/// far, the ways of both in the world are taken, at any times. docs/theory.md, "Barrier contact".
+struct RelativeWay {
+  AffineVec first,
+      last;    ///< places in the other's coordinates: straight from one to the other but for `bend`
+  Vec3d room;  ///< by which boxes about what goes so are widened [m]
+  double bend = 0;   ///< by which the way leaves a straight one, over its length
+  double slack = 0;  ///< see BodySpaceBox
 
-  SCREE_HD SearchedBody(const AffineVec& from, const AffineVec& to, double radius)
-      : center(from.node[0]), slack(1e-6 * radius) {
-    const Vec3d *a = from.node + 1, *b = to.node + 1;
-    const double per_volume = 1 / determinant(from);
-    for (int k = 0; k < 3; ++k) across[k] = per_volume * cofactor(from, k + 1);
-    double length = 0, inverse = 0;
-    for (int k = 0; k < 3; ++k) length += norm2(a[k]), inverse += norm2(across[k]);
-    is_flat = !(length * inverse < 1e8);
+  RelativeWay() = default;
+  /// @param from, to    the body
+  /// @param start, end  the other
+  /// @param radius, other_radius  distances of their farthest corners [m]
+  /// @param reach       distance of what is near [m]
+  SCREE_HD RelativeWay(const AffineVec& from, const AffineVec& to, double radius,
+                       const AffineVec& start, const AffineVec& end, double other_radius,
+                       double reach)
+      : slack(1e-6 * other_radius) {
+    const double per_volume = 1 / determinant(start);
+    Vec3d across[3];  // rows of A^-1
+    double length2 = 0, inverse2 = 0, size2 = 0;
     for (int k = 0; k < 3; ++k) {
-      const Vec3d turn{b[0][k] - a[0][k], b[1][k] - a[1][k], b[2][k] - a[2][k]};
-      const double most = radius * norm(turn), way = to.node[0][k] - center[k];
-      low[k] = way - most < 0 ? way - most : 0;
-      high[k] = way + most > 0 ? way + most : 0;
+      across[k] = per_volume * cofactor(start, k + 1);
+      length2 += norm2(start.node[k + 1]), inverse2 += norm2(across[k]);
+      size2 += norm2(from.node[k + 1]) + norm2(to.node[k + 1]);
+    }
+    if (!(length2 * inverse2 < 1e8)) {  // it has no inverse to speak of: all of it is near
+      room = {1e300, 1e300, 1e300};
+      return;
+    }
+    const auto in_other = [&](const Vec3d& x) {
+      return Vec3d{dot(across[0], x), dot(across[1], x), dot(across[2], x)};
+    };
+    // |(I + t E) x|^2 >= 1 - 2 lambda for all |x| = 1, where -lambda is below all eigenvalues of the symmetric part of E: of a
+    // turn they are of second order in its angle.
+    Vec3d e[3];  // columns
+    double e2 = 0, lambda = 0;
+    for (int k = 0; k < 3; ++k) e[k] = in_other(end.node[k + 1] - start.node[k + 1]);
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      const double low =
+          0.5 * std::abs(e[k][i] + e[i][k]) + 0.5 * std::abs(e[k][j] + e[j][k]) - e[k][k];
+      lambda = low > lambda ? low : lambda;
+      e2 += norm2(e[k]);
+    }
+    const bool turns_far = !(lambda < kMostShrunk);
+    Vec3d shift;  // of a point that is at x some time: it was at x less its way till then
+    Vec3d reaches;
+    double near = 0;  // distance in the other's coordinates at any time of what is within reach
+    if (turns_far) {
+      for (int k = 0; k < 3; ++k) {
+        const double way = end.node[0][k] - start.node[0][k];
+        const Vec3d turn{end.node[1][k] - start.node[1][k], end.node[2][k] - start.node[2][k],
+                         end.node[3][k] - start.node[3][k]};
+        const double most = other_radius * norm(turn);
+        const double low = way - most < 0 ? way - most : 0, high = way + most > 0 ? way + most : 0;
+        shift[k] = -0.5 * (low + high);
+        reaches[k] = reach + 0.5 * (high - low);
+      }
+    } else {
+      bend = std::sqrt(e2 / (1 - 2 * lambda));
+      near = largest_stretch(across) * reach / std::sqrt(1 - 2 * lambda);
+    }
+    for (int n = 0; n < 4; ++n) {
+      const Vec3d before = n == 0 ? from.node[0] - start.node[0] + shift : from.node[n];
+      first.node[n] = in_other(before);
+      const Vec3d carried = end.node[1] * first.node[n].x + end.node[2] * first.node[n].y +
+                            end.node[3] * first.node[n].z;
+      if (turns_far) {
+        last.node[n] = in_other(n == 0 ? to.node[0] - start.node[0] + shift : to.node[n]);
+      } else {
+        last.node[n] =
+            first.node[n] + in_other((n == 0 ? to.node[0] - end.node[0] : to.node[n]) - carried);
+      }
+    }
+    // What rounding may do to all of that.
+    const double size = norm(from.node[0] - start.node[0]) + norm(to.node[0] - start.node[0]) +
+                        std::sqrt(size2) * radius;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d& r = across[k];
+      room[k] = std::abs(r.x) * reaches.x + std::abs(r.y) * reaches.y + std::abs(r.z) * reaches.z +
+                2e-11 * size * norm(r) + near;
     }
   }
 
-  /// A box that meets all nodes which may come within a reach, along every axis of the world, of a feature of another body on
-  /// its way, at any times; and more of them.
-  SCREE_HD BodySpaceBox around(const AffineVec& from, const AffineVec& to,
-                               Span<const Vec3d> corners, const Feature& feature,
-                               double reach) const {
-    if (is_flat) return {{}, {1e300, 1e300, 1e300}, slack};
+  /// A box that meets all nodes and features of the other which may come within reach of a feature, and more of them.
+  SCREE_HD BodySpaceBox around(Span<const Vec3d> corners, const Feature& feature) const {
     Bounds box;
-    double far = 0;
-    for (int k = 0; k < 6; ++k) {
-      if (k >= 2 * feature.count) break;
-      const Vec3d at = point_of(k % 2 == 0 ? from : to, corners[feature.corner[k / 2]]) - center;
-      box.add(Vec3d{dot(across[0], at), dot(across[1], at), dot(across[2], at)});
-      const double own = norm2(at);
-      far = own > far ? own : far;
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (k >= feature.count) break;
+      const Vec3d rest = corners[feature.corner[k]];
+      const Vec3d a = point_of(first, rest), b = point_of(last, rest);
+      box.add(a), box.add(b);
+      const double way = norm2(b - a);
+      longest = way > longest ? way : longest;
     }
-    far = 1e-11 * std::sqrt(far);  // what rounding of the inverse may do
-    // A point of the body that is at x some time was at x less its way till then.
-    const Vec3d shift = -0.5 * (low + high), room = 0.5 * (high - low) + Vec3d{reach, reach, reach};
+    const double more = bend * std::sqrt(longest);
     BodySpaceBox seen;
     seen.slack = slack;
     for (int k = 0; k < 3; ++k) {
-      const Vec3d& r = across[k];
-      seen.center[k] = 0.5 * (box.low[k] + box.high[k]) + dot(r, shift);
-      seen.half[k] = 0.5 * (box.high[k] - box.low[k]) + std::abs(r.x) * room.x +
-                     std::abs(r.y) * room.y + std::abs(r.z) * room.z + far * norm(r);
+      seen.center[k] = 0.5 * (box.low[k] + box.high[k]);
+      seen.half[k] = 0.5 * (box.high[k] - box.low[k]) + room[k] + more;
     }
     return seen;
+  }
+
+  /// Whether what is in a node may come within reach of what is in one of the other's.
+  SCREE_HD bool comes_near(const TreeNode& node, const TreeNode& other) const {
+    double more = 0;
+    if (bend > 0) {
+      Vec3d way = last.node[0] - first.node[0];
+      double length = 0;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3d along = last.node[k + 1] - first.node[k + 1];
+        way += static_cast<double>(node.center[k]) * along;
+        length += node.half[k] * norm(along);
+      }
+      more = bend * (norm(way) + length);
+    }
+    more += slack;
+    Bounds box;
+    for (int k = 0; k < 3; ++k) {
+      const double half = other.half[k] + room[k] + more;
+      box.low[k] = other.center[k] - half;
+      box.high[k] = other.center[k] + half;
+    }
+    return comes_into(box, first, last, node);
+  }
+
+ private:
+  static constexpr double kMostShrunk = 0.375;  ///< lengths become half as long at most
+
+  /// A bound of the largest singular value.
+  static SCREE_HD double largest_stretch(const Vec3d rows[3]) {
+    double most = 0;
+    for (int i = 0; i < 3; ++i) {
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) sum += std::abs(dot(rows[i], rows[k]));
+      most = sum > most ? sum : most;
+    }
+    return std::sqrt(most);
   }
 };
 

@@ -103,7 +103,7 @@ struct Load {
 /// Of a free body that bends and stretches, whose mesh has tetrahedra.
 struct Elasticity {
   double young_modulus = 0;    ///< [Pa], > 0; 0: the body is not elastic
-  double poisson_ratio = 0.3;  ///< [-], -1 < nu < 0.5
+  double poisson_ratio = 0.3;  ///< [-], 0 <= nu < 0.5
 
   bool is_on() const { return young_modulus != 0; }
 };

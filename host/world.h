@@ -170,7 +170,7 @@ class World {
   /// which may call this World. It goes on while that returns true. @return the last report
   StepReport run(double seconds, const std::function<bool(const StepReport&)>& after_step = {});
 
-  /// What users should know of the scene before its first step, a sentence each.
+  /// What users should know of the scene, a sentence each; behind that, of the steps so far.
   std::vector<std::string> warnings() const;
 
   std::int64_t steps_done() const;

@@ -11,6 +11,7 @@
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
 #include "dynamics/affine/minimizer.h"
+#include "dynamics/affine/nested_bodies.h"
 #include "dynamics/affine/push_islands.h"
 #include "dynamics/affine/solids.h"
 #include "dynamics/model_on.h"
@@ -82,6 +83,9 @@ class AffineDynamics final : public ModelOn<B, double> {
     write_poses();  // motions may begin elsewhere than where bodies are described
     minimizer_.keep_places(q_.view());
     require_apart();
+    if (const std::vector<affine::Nested> nested = affine::nested_with_elastic(setup_);
+        !nested.empty())
+      warnings_.push_back(affine::nested_warning(nested));
     for (std::size_t b = 0; b < setup_.bodies.size(); ++b)
       if (affine::is_too_stiff(setup_.bodies[b], scene_.stepping.time_step)) {
         warnings_.push_back(affine::stiff_warning(setup_.id_of_body[b]));
@@ -125,7 +129,13 @@ class AffineDynamics final : public ModelOn<B, double> {
     return report;
   }
 
-  std::vector<std::string> warnings() const override { return warnings_; }
+  std::vector<std::string> warnings() const override {
+    std::vector<std::string> all = warnings_;
+    if (worst_strain_ > kStrained)
+      all.push_back(affine::strain_warning(worst_strain_, strained_step_));
+    if (blocked_steps_ > 0) all.push_back(affine::blocked_warning(blocked_steps_));
+    return all;
+  }
   int body_count() const override { return store_.ranges().present_count(); }
   BodyStates states() override {
     write_solid_poses();
@@ -154,10 +164,14 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr double kThrow = 20;
   /// Tolerance over what gravity changes a velocity by in a step from which on users are told.
   static constexpr double kLooseTolerance = 0.1;
+  /// Without gravity: over what it is without a value in the scene.
+  static constexpr double kLooseAtRest = 3;
   /// Ways of Newton steps that rounding leaves, over the size of the scene.
   static constexpr double kFinest = 1e-12;
   /// Strain from which on a body counts as squeezed.
   static constexpr double kMostSqueeze = 0.01;
+  /// Strain of stiff bodies from which on users are told.
+  static constexpr double kStrained = 0.05;
   static constexpr int kMostParts = 1024;
 
   /// Parts of the step to come: a power of two, and half as many as those of the step before at least. bdf2 goes on
@@ -191,7 +205,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     double fitting = 1e-3 * setup_.free_size;
     if (gained > 0) fitting = std::min(fitting, std::max(0.01 * gained, kFinest * setup_.size / h));
     tolerance_ = given > 0 ? given : fitting;
-    if (gained > 0 && tolerance_ > kLooseTolerance * gained)
+    if (tolerance_ > (gained > 0 ? kLooseTolerance * gained : kLooseAtRest * fitting))
       warnings_.push_back(affine::tolerance_warning(tolerance_, gained, fitting));
   }
 
@@ -420,6 +434,11 @@ class AffineDynamics final : public ModelOn<B, double> {
     report.converged = done.converged;
     report.residual_rms = report.residual_max;
     report.own[kPartsColumn] = parts;
+    if (report.own[kBlockedColumn] > 0) ++blocked_steps_;
+    if (report.own[kStrainColumn] > worst_strain_) {
+      worst_strain_ = report.own[kStrainColumn];
+      strained_step_ = report.step;
+    }
   }
 
   [[noreturn]] void report_bad_body(Index body) {
@@ -543,8 +562,10 @@ class AffineDynamics final : public ModelOn<B, double> {
     visit({"id", "1", "index of the body in the scene", false}, rows(bodies.id.data));
   }
 
-  Scene scene_;  ///< without the descriptions already loaded
-  std::vector<std::string> warnings_;
+  Scene scene_;                        ///< without the descriptions already loaded
+  std::vector<std::string> warnings_;  ///< of the scene
+  double worst_strain_ = 0;            ///< of the steps so far
+  std::int64_t strained_step_ = 0, blocked_steps_ = 0;
   Vec3d first_gravity_ = scene_.gravity;
   affine::AffineSetup setup_;
   SceneSummary summary_;

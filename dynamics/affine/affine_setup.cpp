@@ -442,16 +442,6 @@ std::vector<Vec3d> corners_at(const Surface& surface, const AffineVec& q) {
       is_first ? c.triangle_of_second : c.triangle_of_first, is_first ? id_b : id_a));
 }
 
-bool may_touch(const AffineSetup& setup, Index a, Index b) {
-  const auto group = [&](Index body) {
-    return setup.collision_group[static_cast<std::size_t>(body)];
-  };
-  if (group(a) >= 0 && group(a) == group(b)) return false;
-  return std::none_of(setup.held_pairs.begin(), setup.held_pairs.end(), [&](const auto& held) {
-    return std::minmax(held[0], held[1]) == std::minmax(a, b);
-  });
-}
-
 }  // namespace
 
 AffineVec pose_coordinates(const Pose& pose) {
@@ -463,6 +453,16 @@ AffineVec pose_coordinates(const Pose& pose) {
     q.node[k + 1] = rotate(pose.orientation, axis);
   }
   return q;
+}
+
+bool may_touch(const AffineSetup& setup, Index a, Index b) {
+  const auto group = [&](Index body) {
+    return setup.collision_group[static_cast<std::size_t>(body)];
+  };
+  if (group(a) >= 0 && group(a) == group(b)) return false;
+  return std::none_of(setup.held_pairs.begin(), setup.held_pairs.end(), [&](const auto& held) {
+    return std::minmax(held[0], held[1]) == std::minmax(a, b);
+  });
 }
 
 AffineSetup affine_setup(const Scene& scene) { return Builder(scene).build(); }
@@ -530,11 +530,30 @@ std::string stiff_warning(int id) {
 }
 
 std::string tolerance_warning(double tolerance, double gained, double fitting) {
+  if (!(gained > 0))
+    return fmt::format(
+        "dynamics.tolerance is {:.3g} m/s: steps end so early that spins and loads may be wrong by "
+        "much more; {:.3g} would be accurate",
+        tolerance, fitting);
   return fmt::format(
       "dynamics.tolerance is {:.3g} m/s, {:.0f} % of what gravity changes a velocity by in a step: "
-      "friction and "
-      "loads may be wrong by as much; {:.3g} would be accurate",
+      "friction, spins and loads may be wrong by as much and more; {:.3g} would be accurate",
       tolerance, 100 * tolerance / gained, fitting);
+}
+
+std::string strain_warning(double strain, std::int64_t step) {
+  return fmt::format(
+      "a stiff body was strained by {:.2g} in step {} (max_strain): its \"stiffness\" is too small "
+      "for what presses or hits it, and from about 1.5 times the stiffness a pressure makes it "
+      "flat",
+      strain, step);
+}
+
+std::string blocked_warning(std::int64_t steps) {
+  return fmt::format(
+      "in {} steps kinematic bodies stayed where they were, blocked by what they push "
+      "(blocked_bodies): their motions go on later by as much",
+      steps);
 }
 
 std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed) {

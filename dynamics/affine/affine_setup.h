@@ -58,6 +58,9 @@ struct Crossing {
 Crossing first_crossing(const Surface& first, const AffineVec& at_first, const Surface& second,
                         const AffineVec& at_second);
 
+/// Whether two bodies have contacts with each other.
+bool may_touch(const AffineSetup& setup, Index a, Index b);
+
 /// Looks at all bodies that may touch, where they are at time zero. @throws InputError naming two that intersect
 void require_no_crossing(const AffineSetup& setup);
 
@@ -69,8 +72,12 @@ void require_no_crossing(const AffineSetup& setup);
 bool is_too_stiff(const BodyConstant& body, double time_step);
 std::string stiff_warning(int id);
 
-/// Of a tolerance that lets steps end early [m/s]. @param gained  what gravity changes a velocity by in a step
+/// Of a tolerance that lets steps end early [m/s]. @param gained  what gravity changes a velocity by in a step; 0: there is none
 std::string tolerance_warning(double tolerance, double gained, double fitting);
+
+/// Of stiff bodies that gave way, and of kinematic ones that what they press on stopped.
+std::string strain_warning(double strain, std::int64_t step);
+std::string blocked_warning(std::int64_t steps);
 
 /// Of two bodies that the barrier acts on at the start. @param speed  that it may give a body [m/s]
 std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed);

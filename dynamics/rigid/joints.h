@@ -145,6 +145,7 @@ class Joints {
         sort_(b),
         joined_(b),
         row_(b, count_),
+        planned_(b, count_),
         sums_(b, 1),
         here_count_(b, 1),
         is_counted_(b),
@@ -268,17 +269,40 @@ class Joints {
     return over_ranks(b, Largest<double>{fetch(b, sums_.data()).max_error}).value;
   }
 
-  /// How far joints will be from where they belong at the end of the step with velocities that a
-  /// solver found [m], of all ranks. Corrects the problem of join() by that; solved again, it leaves less.
-  /// One host read. @param velocity  of owned bodies and ghosts
-  double correct(B& b, const BodyView<Real>& bodies, const SteppingSettings& stepping,
-                 const Vec3d& period, Span<const Twist<Real>> velocity) {
+  /// Where joints will be with velocities that a solver found, of all ranks.
+  struct AtEnd {
+    double missed = 0;                   ///< from where the step was to take them [m]
+    double error = 0;                    ///< from where they belong [m]
+    double speed_before = 0, speed = 0;  ///< of the fastest of their bodies [m/s]
+  };
+  /// Corrects the problem of join() by what is missed; solved again, it leaves less. One host read.
+  /// @param velocity  of owned bodies and ghosts
+  AtEnd correct(B& b, const BodyView<Real>& bodies, const SteppingSettings& stepping,
+                const Vec3d& period, Span<const Twist<Real>> velocity) {
     reduce<JointSums>(b, here_,
                       CorrectJoint<Real>{bodies, velocity, places(bodies), order_.view(here_),
                                          state_.view(), period, stepping.time_step,
                                          stepping.max_recovery_speed, row_.view(here_)},
                       StoreResult<JointSums>{sums_.data()});
-    return largest_error(b);
+    const JointSums sums = fetch(b, sums_.data());
+    return {over_ranks(b, Largest<double>{sums.max_error}).value,
+            over_ranks(b, Largest<double>{sums.end_error}).value,
+            over_ranks(b, Largest<double>{sums.speed_before}).value,
+            over_ranks(b, Largest<double>{sums.speed}).value};
+  }
+
+  /// Keeps the rows of join() for plan(). Bytes: those of the rows, read and written.
+  void keep_plan(B& b) {
+    planned_.reserve_discard(here_);
+    copy(b, std::as_const(row_).view(here_), planned_.view(here_));
+  }
+  /// The rows that were kept, with a share of what they do about errors, and no impulses: those of rows that contradict each
+  /// other are so large that what is left of their sum is rounding.
+  void plan(B& b, double share, Span<Vec3<Real>> gamma) {
+    fill(b, Span<Vec3<Real>>{gamma.data + gamma.size - vectors(), vectors()}, Vec3<Real>{});
+    for_each(b, here_,
+             PlanLess<Real>{std::as_const(planned_).view(here_), static_cast<Real>(share),
+                            row_.view(here_)});
   }
 
   /// Remembers the impulses that a solver found for the problem of join(), and breaks joints.
@@ -424,7 +448,7 @@ class Joints {
   Buffer<B, Index> order_;
   SortSpace<B> sort_;
   ProblemContacts<B, Real> joined_;  ///< fields of contacts and joints
-  Buffer<B, JointRow<Real>> row_;
+  Buffer<B, JointRow<Real>> row_, planned_;
   Buffer<B, JointSums> sums_;
   Buffer<B, Sums<1>> here_count_;
   Buffer<B, Index> is_counted_;  ///< with several ranks: of each joint, see MarkCountedJoints

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "dynamics/dynamics_card.h"
+#include "host/cli/deepest_overlap.h"
 #include "host/cli/judged.h"
 #include "host/cli/start_together.h"
 #include "host/error.h"
@@ -368,10 +369,13 @@ class Run {
       for (const std::string& warning : world.warnings()) progress.note("warning: " + warning);
       write_frame();
     }
+    const std::size_t told = world.warnings().size();
     double before = world.time();
+    DeepestOverlap deepest;
     while (world.steps_done() < target_ && signals.received() == 0) {
       const StepReport report = advance(world, writer, progress);
       if (report.step == 1) warn_of_overlaps(world, report, progress);
+      if (card_.has_contacts) deepest.note(world, report);
       steps.append(report);
       largest_share_ = std::max(largest_share_, report.largest_share);
       record_.totals.add(judged(report, scene_.solver));
@@ -406,16 +410,40 @@ class Run {
           "step did not know; a smaller time step follows them better",
           record_.totals.stopped()));
     }
+    if (const std::string warning = deepest.warning(world.constants()); !warning.empty())
+      progress.note("warning: " + warning);
+    const std::vector<std::string> warnings = world.warnings();
+    for (std::size_t k = told; k < warnings.size(); ++k) progress.note("warning: " + warnings[k]);
     constexpr double kMostTurn = 0.5;  // rad
     if (record_.totals.max_turn() > kMostTurn)
       progress.note(fmt::format(
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
           "smaller time step follows it better, or max_turn of the dynamics",
           record_.totals.max_turn(), kMostTurn));
-    const std::string unsolved = steps_not_converged();
-    if (unsolved.empty()) return;
-    if (options_.require_convergence) throw RunError(unsolved);
-    progress.note("warning: " + unsolved);
+    for (const std::string& unsolved : {joints_apart(world.constants()), steps_not_converged()}) {
+      if (unsolved.empty()) continue;
+      if (options_.require_convergence) throw RunError(unsolved);
+      progress.note("warning: " + unsolved);
+    }
+  }
+
+  /// Joints that did not hold, as a sentence; empty when all did.
+  std::string joints_apart(const BodyConstants& bodies) const {
+    constexpr double kApart = 0.02;               // of the smallest body
+    constexpr std::size_t kMostBodies = 1 << 20;  // that are looked at for it
+    const RunTotals& t = record_.totals;
+    if (!(t.max_joint_error() > 0)) return {};
+    double smallest = 0;  // radius
+    for (std::size_t id = 0; id < std::min(bodies.size(), kMostBodies); ++id) {
+      const BodyConstant body = bodies[id];
+      const bool counts = body.kind == BodyKind::free && body.radius > 0;
+      if (counts && (smallest == 0 || body.radius < smallest)) smallest = body.radius;
+    }
+    if (!(t.max_joint_error() > kApart * smallest)) return {};
+    return fmt::format(
+        "joints were off by up to {:.3g} m, in step {} (max_joint_error_m): they contradict each "
+        "other or a motion, began apart, or are so nearly in a line that they cannot hold",
+        t.max_joint_error(), t.joint_error_step());
   }
 
   /// Contacts of the first step are those of the start.

@@ -87,6 +87,10 @@ void RunTotals::add(const StepReport& report) {
   max_penetration_ = std::max(max_penetration_, report.max_penetration);
   max_contacts_ = std::max(max_contacts_, report.contact_count);
   max_turn_ = std::max(max_turn_, report.max_turn);
+  if (report.max_joint_error > max_joint_error_) {
+    max_joint_error_ = report.max_joint_error;
+    joint_error_step_ = report.step;
+  }
   last_ = report;
 }
 

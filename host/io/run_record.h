@@ -35,6 +35,8 @@ class RunTotals {
   double max_residual_rms() const { return max_residual_rms_; }  ///< [m/s]
   double max_residual_relative() const { return max_residual_relative_; }
   double max_penetration() const { return max_penetration_; }  ///< [m]
+  double max_joint_error() const { return max_joint_error_; }  ///< [m]
+  std::int64_t joint_error_step() const { return joint_error_step_; }
   std::int64_t max_contacts() const { return max_contacts_; }
   double max_turn() const { return max_turn_; }  ///< of a body in a step [rad]
   const StepReport& last() const { return last_; }
@@ -50,7 +52,8 @@ class RunTotals {
   std::vector<double> sum_ms_;  ///< of each stage
   double max_residual_rms_ = 0;
   double max_residual_relative_ = 0;
-  double max_penetration_ = 0;
+  double max_penetration_ = 0, max_joint_error_ = 0;
+  std::int64_t joint_error_step_ = 0;
   std::int64_t max_contacts_ = 0;
   double max_turn_ = 0;
   StepReport last_;

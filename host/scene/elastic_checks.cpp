@@ -44,9 +44,10 @@ std::optional<Fault> elasticity_fault(const Scene& scene, const BodyDescription&
   if (!(young > 0 && young <= kLargestModulus))
     return Fault{"elastic.young_modulus", modulus,
                  fmt::format("must be positive, {:g} at most [Pa]", kLargestModulus)};
-  if (!(poisson > -1 && poisson < 0.5))
+  // Below zero the energy (31a) has no least value: tetrahedra fall together.
+  if (!(poisson >= 0 && poisson < 0.5))
     return Fault{"elastic.poisson_ratio", fmt::format("{:g}", poisson),
-                 "must be above -1 and below 0.5 [-]"};
+                 "must be 0 or more and below 0.5 [-]"};
   if (body.kind != BodyKind::free)
     return Fault{"elastic.young_modulus", modulus, "must be absent: only free bodies are elastic"};
   const TriangleMesh* mesh = mesh_of(scene, body.shape);

@@ -77,6 +77,7 @@ class GmshFile {
         } else {
           version_ == 2 ? read_elements_2() : read_elements_4();
         }
+        require_end(section);
       }
     }
     if (version_ == 0) fail(name_, "no \"$MeshFormat\" at the start");
@@ -96,6 +97,15 @@ class GmshFile {
       fail(name_, fmt::format("format {} of Gmsh is not known: must be 2.2 or 4.1", version));
     if (whole(name_, lines_, 1) != 0)
       fail(name_, "is a binary file of Gmsh: must be text (Mesh.Binary = 0)");
+  }
+
+  /// What is counted must be all there is.
+  void require_end(const std::string& section) {
+    const std::string end = "$End" + section.substr(1);
+    lines_.require(name_, end.c_str());
+    if (lines_.words[0] != end)
+      fail(name_, fmt::format("line {}: {} expected: the count of {} is too low", lines_.number,
+                              end, section));
   }
 
   void add_node(long long tag, std::size_t first_word) {

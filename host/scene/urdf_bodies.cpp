@@ -431,6 +431,15 @@ std::optional<Fault> placement_fault(const UrdfModel& model, const UrdfPlacement
           fmt::format("joint_positions.{}", printable(name, 60)), fmt::format("{:g}", position),
           fmt::format("must be from {:g} to {:g} [rad, or m]", joint->limits[0], joint->limits[1])};
   }
+  for (const UrdfJoint& joint : model.joints)
+    if (can_be_driven(joint) && placement.joint_positions.count(joint.name) == 0 &&
+        !(0 >= joint.limits[0] && 0 <= joint.limits[1]))
+      return Fault{
+          fmt::format("joint_positions.{}", printable(joint.name, 60)), "0, the default,",
+          fmt::format("must be from {:g} to {:g} [rad, or m]", joint.limits[0], joint.limits[1])};
+  if (placement.fixed_base && norm2(placement.velocity) + norm2(placement.angular_velocity) > 0)
+    return Fault{"velocity", vector_text(placement.velocity),
+                 "must be 0, as the angular velocity, where the base is fixed"};
   for (const auto& [name, motor] : placement.motors) {
     const UrdfJoint* joint = joint_of(name);
     if (joint == nullptr) return unknown("motors", name);

@@ -25,7 +25,7 @@ struct CorrectJoint {
   double recovery_speed = 0;     ///< [m/s]
   Span<JointRow<Real>> row;      ///< in and out
 
-  /// @return  how far the joint is from where it was to be
+  /// @return  how far the joint is from where it was to be, and where it belongs
   SCREE_HD JointSums operator()(Index k) const {
     const Index j = order[k];
     const JointFrames& joint = places.joints[j];
@@ -55,18 +55,23 @@ struct CorrectJoint {
         length * end.turn -
         (length * now.turn - h * joint_recovery(now.turn, length, h, recovery_speed));
     JointSums sums;
+    note_speeds(joint, first, a, a_twist, sums);
+    note_speeds(joint, second, b, b_twist, sums);
     if (is_limited)
-      sums.max_error =
-          correct_limits(joint, end, sign, state[j].position,
-                         h * turning_about_axis(now.frame, Vec3<double>(a_twist.angular),
-                                                Vec3<double>(b_twist.angular)),
-                         bounds, length, JointRows<Real>::velocity(r, a_twist, b_twist), r);
+      sums.max_error = correct_limits(
+          joint, end, sign, state[j].position,
+          h * turning_about_axis(now.frame, Vec3<double>(a_twist.angular),
+                                 Vec3<double>(b_twist.angular)),
+          bounds, length, JointRows<Real>::velocity(r, a_twist, b_twist), r, sums.end_error);
     const JointValues<Real> off = r.rows(Vec3<Real>((1 / h) * gap), Vec3<Real>((1 / h) * turn));
     for (int i = 0; i < kJointRows; ++i)
       if ((joint.held >> i & 1u) != 0) r.bias[i] += off[i];
     if (norm(gap) > sums.max_error) sums.max_error = norm(gap);
     const double tilt = (joint.held >> 3) != 0 ? norm(turn) : 0;
     if (tilt > sums.max_error) sums.max_error = tilt;
+    if (norm(end.gap) > sums.end_error) sums.end_error = norm(end.gap);
+    const double end_tilt = (joint.held >> 3) != 0 ? length * norm(end.turn) : 0;
+    if (end_tilt > sums.end_error) sums.end_error = end_tilt;
     return sums;
   }
 
@@ -75,11 +80,12 @@ struct CorrectJoint {
   /// @param start  position at the start of the step [m or rad]
   /// @param turn   by which B turns against A in it [rad]
   /// @param u      velocities of the rows in the coordinates of solvers
-  /// @return  how far the joint ends beyond them [m]
+  /// @param beyond  out: how far the joint ends beyond its limits [m]
+  /// @return  how far beyond what is allowed of that
   SCREE_HD double correct_limits(const JointFrames& joint, const JointMeasure& end, double sign,
                                  double start, double turn, const JointBounds& bounds,
-                                 double length, const JointValues<Real>& u,
-                                 JointRow<Real>& r) const {
+                                 double length, const JointValues<Real>& u, JointRow<Real>& r,
+                                 double& beyond) const {
     const double h = time_step, unit = r.force_is_last ? 1 : length;
     const double x = sign * start;
     const double x_end =
@@ -93,7 +99,20 @@ struct CorrectJoint {
     const double scale = static_cast<double>(r.inverse_pivot(kJointAxisRow)) * unit / h;
     r.fastest = limited_value<Real>(speed + scale * (allowed.upper - x_end));
     r.slowest = limited_value<Real>(speed + scale * (allowed.lower - x_end));
+    beyond = unit * bounds.beyond(x_end);
     return unit * allowed.beyond(x_end);
+  }
+
+  SCREE_HD void note_speeds(const JointFrames& joint, int which, const JointSide& side,
+                            const Twist<Real>& twist, JointSums& sums) const {
+    const Index i = places.of(joint.body[which]);
+    if (!side.is_free || i == places.world) return;
+    const double before = static_cast<double>(norm(bodies.velocity[i])) +
+                          side.radius * static_cast<double>(norm(bodies.angular_velocity[i]));
+    const double now = static_cast<double>(norm(twist.linear)) +
+                       side.radius * static_cast<double>(norm(twist.angular));
+    if (before > sums.speed_before) sums.speed_before = before;
+    if (now > sums.speed) sums.speed = now;
   }
 
   /// A side at the end of the step. @param twist  out: that of its body
@@ -114,6 +133,24 @@ struct CorrectJoint {
     }
     return side_at(bodies, places, joint, which, bodies.position[i] + time_step * Vec3<double>(v),
                    q);
+  }
+};
+
+/// Of what the rows of joint k were to do about errors, a share. Where rows are nearly dependent, as those of bodies in a straight
+/// line, velocities that take small errors away are so large that straight ways end farther off than they began.
+template <class Real>
+struct PlanLess {
+  static constexpr const char* name = "plan_less";
+  Span<const JointRow<Real>> planned;
+  Real share = 0;
+  Span<JointRow<Real>> row;  ///< out
+
+  SCREE_HD void operator()(Index k) const {
+    JointRow<Real> r = planned[k];
+    for (int i = 0; i < kJointRows; ++i) r.bias[i] *= share;
+    if (r.fastest < Real(0)) r.fastest *= share;
+    if (r.slowest > Real(0)) r.slowest *= share;
+    row[k] = r;
   }
 };
 

@@ -212,8 +212,14 @@ SCREE_HD inline Vec3<double> joint_recovery(const Vec3<double>& error, double le
 /// What the set-up of joints adds up.
 struct JointSums {
   double max_error = 0;  ///< distance of two anchors, or turn times length, that should be zero [m]
+  double end_error = 0;  ///< at the end of the step, with what limits are passed by then [m]
+  /// Of the fastest point of a free body, as of a ball, at the start and at the end [m/s].
+  double speed_before = 0, speed = 0;
   SCREE_HD void combine(const JointSums& o) {
     if (o.max_error > max_error) max_error = o.max_error;
+    if (o.end_error > end_error) end_error = o.end_error;
+    if (o.speed_before > speed_before) speed_before = o.speed_before;
+    if (o.speed > speed) speed = o.speed;
   }
 };
 

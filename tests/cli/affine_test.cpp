@@ -85,6 +85,20 @@ TEST(CliAffine, WhatTheModelDoesNotUseIsRefusedOrTold) {
       << loose.out;
 }
 
+/// A large cube presses a small one flat, as its stiffness is no match for its weight.
+TEST(CliAffine, BodiesThatGiveWayAreTold) {
+  const Scratch scratch;
+  const json scene = json::parse(R"({
+    "time_step": 0.01, "duration": 0.3, "dynamics": {"type": "affine", "stiffness": 1e5},
+    "bodies": [{"shape": "half_space"},
+               {"shape": "box", "size": [0.1, 0.1, 0.1], "density": 1000, "position": [0, 0, 0.051]},
+               {"shape": "box", "size": [1, 1, 1], "density": 7800, "position": [0, 0, 0.602], "lock": ["x", "y", "rx", "ry", "rz"]}],
+    "output": {"picture": false}})");
+  const Result run = scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "a"));
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, "a stiff body was strained by")) << run.out << run.err;
+}
+
 TEST(CliAffine, TurnsThatAStepIsTooLongForAreTold) {
   const Scratch scratch;
   json scene = json::parse(R"({

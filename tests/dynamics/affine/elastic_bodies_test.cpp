@@ -19,6 +19,7 @@ using physics::add_box;
 using physics::add_plane;
 using physics::kGravity;
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr double kLength = 1, kDensity = 1000, kYoung = 1e7;
@@ -226,6 +227,34 @@ TEST(ElasticBodies, TouchWallsWhateverGroupsOthersHave) {
   EXPECT_GT(world.states().position[0].z, 0.045);
 }
 
+/// Surfaces do not cross where one body is inside of another.
+TEST(ElasticBodies, WhatIsInsideOfAnotherIsTold) {
+  const auto warnings = [](const Vec3d& at, const std::function<void(Scene&)>& add_other) {
+    Scene scene = affine_scene(0.01, 0);
+    add_elastic_box(scene, at, {0.1, 0.1, 0.1}, {1, 1, 1}, kDensity, {1e6, 0.3});
+    add_other(scene);
+    const World world(scene, cpu_options());
+    return world.warnings();
+  };
+  const auto box = [](double half, BodyKind kind) {
+    return [=](Scene& s) {
+      if (kind == BodyKind::free)
+        physics::add_box(s, {}, {half, half, half}, 1);
+      else
+        physics::add_wall_box(s, {}, {half, half, half});
+    };
+  };
+  const auto floor = [](Scene& s) { physics::add_plane(s); };
+  EXPECT_THAT(warnings({}, box(0.5, BodyKind::fixed)),
+              ElementsAre(HasSubstr("body 0 starts inside of body 1")));
+  EXPECT_THAT(warnings({}, box(0.5, BodyKind::free)), ElementsAre(HasSubstr("inside of body 1")));
+  EXPECT_THAT(warnings({}, box(0.02, BodyKind::free)),
+              ElementsAre(HasSubstr("body 1 starts inside of body 0")));
+  EXPECT_THAT(warnings({0, 0, -1}, floor), ElementsAre(HasSubstr("inside of body 1")));
+  EXPECT_THAT(warnings({0, 0, 1}, floor), ElementsAre());
+  EXPECT_THAT(warnings({2, 0, 0}, box(0.5, BodyKind::fixed)), ElementsAre());
+}
+
 std::string refusal_of_elastic(const std::function<void(Scene&)>& change) {
   Scene scene = affine_scene(0.01, 0);
   add_elastic_box(scene, {}, {0.1, 0.1, 0.1}, {1, 1, 1}, kDensity, {1e6, 0.3});
@@ -246,6 +275,7 @@ TEST(ElasticBodies, WhatTheyCannotBeIsNamed) {
   };
   EXPECT_THAT(elastic(-1, 0.3), AllOf(HasSubstr("young_modulus: -1"), HasSubstr("positive")));
   EXPECT_THAT(elastic(1e6, 0.5), AllOf(HasSubstr("poisson_ratio: 0.5"), HasSubstr("below 0.5")));
+  EXPECT_THAT(elastic(1e6, -0.1), HasSubstr("0 or more")) << "tetrahedra fell together";
   EXPECT_THAT(refusal_of_elastic([](Scene& s) {
                 s.bodies[1].elastic = Elasticity{1e6, 0.3};
               }),

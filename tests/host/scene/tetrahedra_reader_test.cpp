@@ -132,6 +132,10 @@ TEST(TetrahedraReader, FaultsAreNamed) {
               HasSubstr("there is no node 17"));
   EXPECT_THAT(refused(replaced(gmsh_2(), "$Elements\n9", "$Elements\n10"), "msh"),
               HasSubstr("line "));
+  EXPECT_THAT(refused(replaced(gmsh_2(), "$Elements\n9", "$Elements\n5"), "msh"),
+              HasSubstr("the count of $Elements is too low"));
+  EXPECT_THAT(refused(replaced(gmsh_4(), "3 1 4 8", "3 1 4 7"), "msh"),
+              HasSubstr("$EndElements expected"));
   EXPECT_THAT(refused(replaced(gmsh_2(), "$Elements\n9", "$Elements\n-1"), "msh"), HasSubstr("-1"));
   EXPECT_THAT(refused(gmsh_2().substr(0, gmsh_2().find("99 5 5 5")), "msh"),
               HasSubstr("truncated"));

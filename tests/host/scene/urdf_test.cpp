@@ -280,6 +280,26 @@ TEST_F(UrdfRefusal, OfTwoMaterialsOfOneBody) {
               AllOf(StartsWith("arm.urdf: line 3: link \"b\""), HasSubstr("link \"a\"")));
 }
 
+TEST_F(UrdfRefusal, OfJointsThatStartBeyondTheirLimits) {
+  const std::string text =
+      robot(link("a") + link("b") +
+            joint("ab", "revolute", "a", "b",
+                  R"(<limit lower="0.5" upper="1" effort="7" velocity="2"/>)"));
+  EXPECT_THAT(refusal_of(text),
+              AllOf(HasSubstr("joint_positions.ab: 0"), HasSubstr("from 0.5 to 1")));
+  UrdfPlacement placement;
+  placement.joint_positions = {{"ab", 0.75}};
+  EXPECT_EQ(refusal_of(text, placement), "no error");
+}
+
+TEST_F(UrdfRefusal, OfAVelocityWhereTheBaseIsFixed) {
+  UrdfPlacement placement;
+  placement.fixed_base = true;
+  placement.velocity = {1, 0, 0};
+  const std::string text = robot(link("a") + link("b") + joint("ab", "continuous", "a", "b"));
+  EXPECT_THAT(refusal_of(text, placement), HasSubstr("the base is fixed"));
+}
+
 TEST_F(Urdf, ARootCalledWorldRests) {
   const std::string shape =
       R"(<collision><origin xyz="0 0 -1"/><geometry><box size="2 2 2"/></geometry></collision>)";

@@ -1,0 +1,37 @@
+#include "host/cli/deepest_overlap.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace scree {
+namespace {
+
+constexpr double kDeep = 0.1;  // of the thinner body, from which on users are told
+constexpr std::int64_t kMostContacts = 2'000'000;  // that are copied to find the two bodies
+
+}  // namespace
+
+void DeepestOverlap::note(const World& world, const StepReport& report) {
+  const bool is_first = report.step == 1;
+  if (!(report.max_penetration > least_)) return;
+  least_ = 1.5 * report.max_penetration;
+  if (is_first || report.contact_count > kMostContacts) return;
+  const Overlaps found = overlaps_among(world.contacts(), world.constants());
+  if (found.fraction <= std::max(kDeep, deepest_.fraction)) return;
+  deepest_ = found;
+  step_ = report.step;
+  time_ = report.time;
+}
+
+std::string DeepestOverlap::warning(const BodyConstants& bodies) const {
+  if (deepest_.pairs == 0) return {};
+  return fmt::format(
+      "{} (id {}) and {} (id {}) overlap by {:.3g} m in step {} at {:.6g} s, {:.3g} % of the "
+      "thickness of the thinner one: bodies that turn as they hit get so deep where they go far in "
+      "a step; a smaller time step keeps them apart",
+      body_name(bodies, deepest_.body_a), deepest_.body_a, body_name(bodies, deepest_.body_b),
+      deepest_.body_b, deepest_.depth, step_, time_, 100 * deepest_.fraction);
+}
+
+}  // namespace scree

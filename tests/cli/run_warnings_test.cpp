@@ -1,0 +1,43 @@
+// What scree run tells at the end of a run whose steps were too long for it, or whose joints did not hold.
+
+#include "tests/cli/program.h"
+
+namespace scree::test {
+namespace {
+
+/// Two rods of 0.4 m between points 2 m apart: no velocity holds both.
+TEST(CliRunWarnings, JointsThatDoNotHoldAreTold) {
+  const Scratch scratch;
+  const nlohmann::json scene = nlohmann::json::parse(R"({
+    "time_step": 0.001, "duration": 0.1,
+    "bodies": [{"name": "s", "shape": "sphere", "radius": 0.05, "mass": 1}],
+    "joints": [{"type": "distance", "bodies": ["world", "s"], "anchors": [[1, 0, 0], [0, 0, 0]], "length": 0.4},
+               {"type": "distance", "bodies": ["world", "s"], "anchors": [[-1, 0, 0], [0, 0, 0]], "length": 0.4}],
+    "output": {"picture": false}})");
+  const fs::path file = put_scene(scratch, scene);
+  const Result run = scree(scratch, run_arguments(file, scratch / "a"));
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, "joints were off by up to 0.6")) << run.out << run.err;
+  const Result strict =
+      scree(scratch, run_arguments(file, scratch / "b", {"--require-convergence"}));
+  EXPECT_EQ(strict.code, 1);
+  EXPECT_TRUE(holds(strict.err, "joints were off")) << strict.err;
+}
+
+/// Boxes that meet at 40 m/s in steps of 1/60 s turn into each other.
+TEST(CliRunWarnings, BodiesThatRunDeepIntoEachOtherAreTold) {
+  const Scratch scratch;
+  const nlohmann::json scene = nlohmann::json::parse(R"({
+    "time_step": 0.016666666666666666, "duration": 0.2, "gravity": [0, 0, 0],
+    "bodies": [{"shape": "box", "size": [1, 1, 1], "density": 1000, "position": [-2, 0, 0], "velocity": [20, 0, 0],
+                "orientation": [0.9479570915939886, -0.2687390259662378, 0.1600870154680084, 0.05940400573976382]},
+               {"shape": "box", "size": [1, 1, 1], "density": 1000, "position": [2, 0.47, 0.33], "velocity": [-20, 0, 0],
+                "orientation": [-0.2570559807278712, -0.46571196508441104, -0.6659959500686206, -0.5229569607926108]}],
+    "output": {"picture": false}})");
+  const Result run = scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "a"));
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, "overlap by 0.145 m in step 6")) << run.out << run.err;
+}
+
+}  // namespace
+}  // namespace scree::test

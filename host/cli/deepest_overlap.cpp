@@ -28,8 +28,8 @@ std::string DeepestOverlap::warning(const BodyConstants& bodies) const {
   if (deepest_.pairs == 0) return {};
   return fmt::format(
       "{} (id {}) and {} (id {}) overlap by {:.3g} m in step {} at {:.6g} s, {:.3g} % of the "
-      "thickness of the thinner one: bodies that turn as they hit get so deep where they go far in "
-      "a step; a smaller time step keeps them apart",
+      "thickness of the thinner one: they go too far in a step, or steps end before they are "
+      "solved; a smaller time step keeps them apart",
       body_name(bodies, deepest_.body_a), deepest_.body_a, body_name(bodies, deepest_.body_b),
       deepest_.body_b, deepest_.depth, step_, time_, 100 * deepest_.fraction);
 }

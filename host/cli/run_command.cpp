@@ -11,6 +11,7 @@
 
 #include "dynamics/dynamics_card.h"
 #include "host/cli/deepest_overlap.h"
+#include "host/cli/joints_apart.h"
 #include "host/cli/judged.h"
 #include "host/cli/start_together.h"
 #include "host/error.h"
@@ -420,30 +421,12 @@ class Run {
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
           "smaller time step follows it better, or max_turn of the dynamics",
           record_.totals.max_turn(), kMostTurn));
-    for (const std::string& unsolved : {joints_apart(world.constants()), steps_not_converged()}) {
+    for (const std::string& unsolved :
+         {joints_apart(record_.totals, world.constants()), steps_not_converged()}) {
       if (unsolved.empty()) continue;
       if (options_.require_convergence) throw RunError(unsolved);
       progress.note("warning: " + unsolved);
     }
-  }
-
-  /// Joints that did not hold, as a sentence; empty when all did.
-  std::string joints_apart(const BodyConstants& bodies) const {
-    constexpr double kApart = 0.02;               // of the smallest body
-    constexpr std::size_t kMostBodies = 1 << 20;  // that are looked at for it
-    const RunTotals& t = record_.totals;
-    if (!(t.max_joint_error() > 0)) return {};
-    double smallest = 0;  // radius
-    for (std::size_t id = 0; id < std::min(bodies.size(), kMostBodies); ++id) {
-      const BodyConstant body = bodies[id];
-      const bool counts = body.kind == BodyKind::free && body.radius > 0;
-      if (counts && (smallest == 0 || body.radius < smallest)) smallest = body.radius;
-    }
-    if (!(t.max_joint_error() > kApart * smallest)) return {};
-    return fmt::format(
-        "joints were off by up to {:.3g} m, in step {} (max_joint_error_m): they contradict each "
-        "other or a motion, began apart, or are so nearly in a line that they cannot hold",
-        t.max_joint_error(), t.joint_error_step());
   }
 
   /// Contacts of the first step are those of the start.

@@ -16,6 +16,7 @@
 #include "shapes/polyhedron.h"
 
 namespace scree {
+
 void check_meshes(const Scene& scene) {
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const TriangleMesh& mesh = scene.meshes[m];

@@ -7,7 +7,7 @@ cd "$1"
 
 files=()
 while IFS= read -r file; do files+=("$file"); done < <(
-  find shapes solvers collision dynamics host scenes bench tests -type f -name '*.cpp' | LC_ALL=C sort)
+  find kernels shapes solvers collision dynamics host scenes bench tests -type f -name '*.cpp' | LC_ALL=C sort)
 
 awk '
   # What is compiled into one program or library: a folder of the tree, and of tests/.

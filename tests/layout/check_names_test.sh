@@ -6,7 +6,7 @@ check=$PWD/check_names.sh
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
 cd "$tree" || exit 1
-mkdir -p shapes solvers collision dynamics host/scene scenes bench tests/host tests/physics
+mkdir -p kernels shapes solvers collision dynamics host/scene scenes bench tests/host tests/physics
 cat >host/scene/a.cpp <<'END'
 namespace scree {
 namespace {

@@ -16,6 +16,7 @@
 #include "dynamics/rigid/changed_bodies.h"
 #include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/contact_records.h"
+#include "dynamics/rigid/correct_joints.h"
 #include "dynamics/rigid/force_sums.h"
 #include "dynamics/rigid/impact_phase.h"
 #include "dynamics/rigid/integration.h"
@@ -178,7 +179,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
       joints_.guess(b, problem, gamma, scene_.solver.warm_start);
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
-      correct_joints(bodies, problem, gamma, tolerance, report.max_joint_error, stats, stored);
+      correct_joints(
+          b, joints_, *solver_, problem, gamma, {scene_, tolerance, report.max_joint_error}, stats,
+          [&] {
+            return joints_.correct(b, bodies, scene_.stepping, periodic_box().length,
+                                   solver_->velocity());
+          },
+          [&] {
+            if (stored != nullptr) store_biases(b, problem, *stored);
+          });
     stats.iterations += impacts.iterations;
     stats.applications += impacts.applications;
     stats.converged = stats.converged && impacts.converged;
@@ -521,60 +530,6 @@ class RigidDynamics final : public ModelOn<B, Real> {
   std::vector<ContactRecord> records(const std::vector<Vec3<Real>>& gamma) {
     return contact_records(backend(), store_.ids(), store_.view(), detector_.contacts(), gamma,
                            vectors());
-  }
-
-  /// Solves the problem again as long as joints would not lie where they belong at the end of the step, and that helps. Where the
-  /// step makes errors worse instead, it does less about them, or nothing.
-  /// @param start_error  of joints at the start of the step [m]
-  /// @param stored  gets the biases of the problem that was solved last; may be null
-  void correct_joints(const BodyView<Real>& bodies, const ContactProblem<Real>& problem,
-                      Span<Vec3<Real>> gamma, double tolerance, double start_error,
-                      SolveStats& stats, BodyProblem* stored) {
-    constexpr int kMostRounds = 4;
-    constexpr double kNear = 1e-7;     // [m]
-    constexpr double kProgress = 0.5;  // an error that falls less is not for impulses to take away
-    constexpr double kWorse = 2, kMostMissed = 10, kMostRecoveries = 20, kSmallShare = 1.0 / 16;
-    const double enough = std::max(kNear, 3 * scene_.stepping.time_step * tolerance);
-    const auto at_end = [&] {
-      return joints_.correct(backend(), bodies, scene_.stepping, periodic_box().length,
-                             solver_->velocity());
-    };
-    const auto solve_again = [&] {
-      if (stored != nullptr) store_biases(backend(), problem, *stored);
-      const SolveStats first = stats;
-      joints_.guess(backend(), problem, gamma, scene_.solver.warm_start);
-      stats = solver_->solve(backend(), problem, gamma, tolerance);
-      stats.iterations += first.iterations;
-      stats.applications += first.applications;
-    };
-    joints_.keep_plan(backend());
-    auto end = at_end();
-    double before = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kMostRounds && stats.converged; ++round) {
-      if (!(end.missed > enough && end.missed < kProgress * before)) break;
-      before = end.missed;
-      solve_again();
-      end = at_end();
-    }
-    // Bodies go no faster for errors than a few times the recovery speed, which many joints in a row add up to.
-    const double error = kWorse * start_error + kMostMissed * enough;
-    const double speed = kMostRecoveries * scene_.stepping.max_recovery_speed;
-    if (end.error <= error && end.speed <= kWorse * end.speed_before + speed) return;
-    const auto planned = end;
-    const auto solve_for = [&](double share) {
-      joints_.plan(backend(), share, gamma);
-      solve_again();
-      end = at_end();
-    };
-    solve_for(0);
-    const auto at_rest = end;
-    const auto is_fine = [&](const auto& at) {
-      return at.error <= std::max(error, at_rest.error) &&
-             at.speed <= kWorse * at_rest.speed + speed;
-    };
-    if (is_fine(planned)) return solve_for(1);
-    solve_for(kSmallShare);
-    if (!is_fine(end)) solve_for(0);
   }
 
   LoadSums start_loads(const BodyView<Real>& bodies) {

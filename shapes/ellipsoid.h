@@ -33,7 +33,7 @@ struct Ellipsoid {
     return {mass,
             0.2 * mass * Vec3d{square.y + square.z, square.z + square.x, square.x + square.y}};
   }
-  /// The mean of its half axes: the point of contact moves over it as it rolls.
+  /// The mean of its half axes: the point of contact moves over it as it rolls. See curvature_radius().
   static double rounding(const Shape& shape) {
     const Vec3d& e = shape.half_extents;
     return (e.x + e.y + e.z) / 3;
@@ -46,6 +46,15 @@ struct Ellipsoid {
   }
   static Vec3d farthest(const Shape& shape, const TriangleMesh*, const Vec3d& direction) {
     return extreme(shape.half_extents, direction);
+  }
+  /// Radius of curvature of its surface, where that has this unit normal, in the direction of a tangent [m]: what the Hessian of
+  /// its support function sqrt(sum e_k^2 n_k^2) is there. Body frame.
+  SCREE_HD static double curvature_radius(const Vec3d& half_extents, const Vec3d& normal,
+                                          const Vec3d& tangent) {
+    const Vec3d x = hadamard(half_extents, normal), y = hadamard(half_extents, tangent);
+    const double height2 = norm2(x), along = dot(x, y), length2 = norm2(tangent);
+    if (!(height2 > 0 && length2 > 0)) return 0;
+    return (norm2(y) - along * along / height2) / (std::sqrt(height2) * length2);
   }
   static Chord chord(const Shape& shape, const TriangleMesh*, const Vec3d& x, const Vec3d& d) {
     const Vec3d& e = shape.half_extents;

@@ -79,6 +79,15 @@ struct CoresOfAny {
 /// Runs the pair functions of all shapes that have cores, see ConvexPair.
 struct ConvexProgram : ConvexParts<CoresOfAny> {};
 
+/// How far body B goes in a step relative to A, where the smaller one is: what turns takes along with it what is far out [m].
+/// @param d  center of A to center of B [m]
+SCREE_HD inline Vec3d relative_way(const RigidMotion& a, double radius_a, const RigidMotion& b,
+                                   double radius_b, const Vec3d& d, double h) {
+  const double larger = radius_a < radius_b ? radius_b : radius_a, length = norm(d);
+  const Vec3d arm = (larger < length ? larger / length : 1) * d;
+  return h * (b.linear - a.linear - cross(radius_a < radius_b ? b.angular : a.angular, arm));
+}
+
 /// Two bodies as a pair function takes them. Two of one shape with several contacts come in the
 /// order of their names, which outlives that in memory: so their contacts keep their features.
 template <class P>
@@ -87,15 +96,24 @@ struct OrderedPair {
   PairSide a, b;
   Vec3d d;  ///< center of a to center of b [m]
 
+  /// @param along  center of the first to that of the second [m]
+  /// @param h      time step [s]
   SCREE_HD OrderedPair(const BodySample& first, const BodySample& second, const Vec3d& along,
-                       bool is_reversed)
+                       bool is_reversed, double h)
       : is_swapped(is_reversed ||
                    (P::kFeatureBits > 0 && first.kind == second.kind && second.name < first.name)),
         a(is_swapped ? second.side() : first.side()),
         b(is_swapped ? first.side() : second.side()),
-        d(is_swapped ? -along : along) {}
+        d(is_swapped ? -along : along) {
+    b.way = is_swapped ? way(second, first, h) : way(first, second, h);
+  }
   SCREE_HD ContactGeometry in_memory(const ContactGeometry& g) const {
     return is_swapped ? swapped(g) : g;
+  }
+
+ private:
+  SCREE_HD Vec3d way(const BodySample& from, const BodySample& to, double h) const {
+    return relative_way(from.motion, from.radius, to.motion, to.radius, d, h);
   }
 };
 

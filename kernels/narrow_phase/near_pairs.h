@@ -126,7 +126,7 @@ struct LoadedPair {
         wider(reach + kSlack * test.range.envelope),
         most(wider + h * most_speed(body, other.motion, other.radius)),
         order(body, other, minimum_image(other.position - body.position, test.range.period),
-              PairList::is_reversed(body.kind, other.kind)) {}
+              PairList::is_reversed(body.kind, other.kind), test.range.h) {}
 };
 
 /// The pairs that a program computes, and where it stores their contacts.

@@ -330,14 +330,23 @@ struct PairOnSolid {
   /// Calls f(pair function, back to the order A, wall; first side, second side, first to second).
   template <class F>
   SCREE_HD void with_pair(std::uint32_t image, F&& f) const {
-    const PairSide wall{0,          solid.orientation, solid.half_extents,
-                        solid.kind, solid.hull,        solid.rounded};
     const Vec3d d = image_of_wall(solid, range.period, a.position, image);
+    const PairSide body = a.side(), wall = side();
     PairList::visit_bodies(a.kind, solid.kind, [&](auto pair, bool is_reversed) {
       const auto in_memory = [&](const ContactGeometry& g) { return is_reversed ? swapped(g) : g; };
-      f(pair, in_memory, is_reversed ? wall : a.side(), is_reversed ? a.side() : wall,
-        is_reversed ? -d : d);
+      PairSide second = is_reversed ? body : wall;
+      second.way = is_reversed ? -way(d) : way(d);
+      f(pair, in_memory, is_reversed ? wall : body, second, is_reversed ? -d : d);
     });
+  }
+  SCREE_HD PairSide side() const {
+    return {0, solid.orientation, solid.half_extents, solid.kind, solid.hull, solid.rounded};
+  }
+  /// Of the wall, as relative_way(), without what gravity adds in the step: A may rest on what lies beside.
+  SCREE_HD Vec3d way(const Vec3d& d) const {
+    RigidMotion motion = solid.motion;
+    motion.linear += range.gravity_step;
+    return relative_way(a.motion, a.radius, motion, 1e300, d, range.h);
   }
 };
 

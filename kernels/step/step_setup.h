@@ -8,6 +8,8 @@
 #include "kernels/contact/contact_rows.h"
 #include "kernels/contact/contact_view.h"
 #include "kernels/contact/radial_bodies.h"
+#include "shapes/ellipsoid.h"
+#include "shapes/rounded.h"
 
 namespace scree {
 
@@ -200,15 +202,32 @@ struct ContactDrift {
     const Index a = contacts.body_a[c], b = contacts.body_b[c];
     if (bodies.shape[a] < 0 || !bodies.is_fixed(b) || bodies.shape[b] < 0) return;
     const Vec3<Real> w = on_axes(bodies.angular_velocity[a], free_angular_axes(bodies.locks[a]));
-    const Index part = contact_body(contacts.key[c]), shape = parts.shape[part];
-    const Real rounding = shape < 0 ? parts.radius[part] : shapes[shape].rounding;
-    const Vec3<Real> r = contacts.arm_a[k] - rounding * contacts.normal[c];
+    const Index part = contact_body(contacts.key[c]);
+    const Vec3<Real> r =
+        contacts.arm_a[k] - rounding(part, contacts.normal[c], w) * contacts.normal[c];
     const GeneralInertia<Real>& body = inertia[a];
     const Vec3<Real> turn = body.inv_inertia * cross(body.inertia * w, w);
     const Real fading = 2 - 4 * half_step * norm(w);
     if (!(fading > Real(0))) return;
     const Real share = fading < Real(1) ? fading : Real(1);
     drift[k] = -(share * half_step) * (cross(turn, r) + cross(w, cross(w, r)));
+  }
+
+ private:
+  /// By how much a part is rounded where it touches, along the way that the point of contact takes over it [m].
+  SCREE_HD Real rounding(Index part, const Vec3<Real>& normal, const Vec3<Real>& w) const {
+    const Index shape = parts.shape[part];
+    if (shape < 0) return parts.radius[part];
+    const ShapeRecord<Real>& record = shapes[shape];
+    const bool is_rounded = record.kind == shapes::Rounded::kind;
+    if ((is_rounded ? record.rounded.core : record.kind) != shapes::Ellipsoid::kind)
+      return record.rounding;
+    const Quat<double> q(parts.orientation[part]);
+    const Vec3<double> n(normal);
+    const double radius =
+        shapes::Ellipsoid::curvature_radius(Vec3<double>(record.half_extents), rotate_back(q, n),
+                                            rotate_back(q, cross(Vec3<double>(w), n)));
+    return static_cast<Real>(radius) + record.rounded.radius;
   }
 };
 

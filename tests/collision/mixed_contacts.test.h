@@ -37,7 +37,7 @@ std::vector<Expected> contacts_of(const std::vector<BodySample>& bodies, double 
         const bool is_reversed = a.kind != P::A::kind;
         if (is_reversed ? b.kind != P::A::kind || a.kind != P::B::kind : b.kind != P::B::kind)
           return;
-        const OrderedPair<P> p(a, b, b.position - a.position, is_reversed);
+        const OrderedPair<P> p(a, b, b.position - a.position, is_reversed, h);
         const auto is_wanted = [&](const ContactGeometry& g) { return listed(g, p.is_swapped); };
         const auto add = [&](std::uint32_t feature, const ContactGeometry& g) {
           out.emplace_back(static_cast<Index>(i), static_cast<Index>(j), feature,

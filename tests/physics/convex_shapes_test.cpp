@@ -121,6 +121,38 @@ TEST(ConvexBodies, ARoundEllipsoidRollsDownASlopeAsABall) {
   }
 }
 
+// However far it turns within a step.
+TEST(ConvexBodies, RollingEllipsoidsTouchTheFloor) {
+  const struct {
+    Vec3d half;
+    double radius;  // m, that it rolls on; 0: end over end
+  } kRolling[] = {{{0.05, 0.05, 0.25}, 0.05}, {{0.2, 0.2, 0.1}, 0.2}, {{0.12, 0.1, 0.08}, 0}};
+  for (const Floor floor : {Floor::plane, Floor::box}) {
+    for (const auto& [half, radius] : kRolling) {
+      SCOPED_TRACE(std::to_string(half.z) + " " + std::to_string(static_cast<int>(floor)));
+      Scene scene = empty_scene(1.0 / 120, 0.5);
+      add_floor(scene, floor, 10);
+      // Its symmetry axis, or the second one, along y.
+      const Quatd upright = radius > 0 ? exp_map(Vec3d{kPi / 2, 0, 0}) : Quatd{};
+      const double speed = radius > 0 ? 40 * radius : 1;
+      scene.bodies.push_back(ellipsoid({0, 0, radius > 0 ? radius : half.z}, upright, half));
+      scene.bodies.back().velocity = {speed, 0, 0};
+      scene.bodies.back().angular_velocity = {0, speed / (radius > 0 ? radius : half.z), 0};
+      World world = reference_world(scene);
+      double most = 0;
+      for (int k = 0; k < 120; ++k) {
+        world.step();
+        const BodyStates s = world.states();
+        const Vec3d down = rotate_back(s.orientation.back(), Vec3d{0, 0, -1});
+        const double height = dot(down, shapes::Ellipsoid::extreme(half, down));
+        most = std::max(most, std::abs(s.position.back().z - height));
+      }
+      EXPECT_LT(most, 2e-3 * half.z);
+      EXPECT_NEAR(world.states().velocity.back().x, speed, radius > 0 ? 1e-3 * speed : 0.5);
+    }
+  }
+}
+
 // The long axis of an ellipsoid that lies and is tipped a little rocks about the short axis with w^2 = m g s / (I + m c^2),
 // s = a^2 / c - c: the lever arm of the contact for a small angle.
 TEST(ConvexBodies, AnEllipsoidRocksWithItsOwnPeriod) {

@@ -48,7 +48,7 @@ double largest_speed(const WorldState& state) {
 
 TEST_P(CompoundsOnRanks, OneStepFromTheSameStateIsThatOfOneRank) {
   Scene scene = pile_on_a_table();
-  const WorldState start = landed(scene, 0.28);
+  const WorldState start = landed(scene, 0.25);
   for (const char* solver : {"apgd", "jacobi", "gauss_seidel_colored"}) {
     SCOPED_TRACE(solver);
     scene.solver.name = solver;

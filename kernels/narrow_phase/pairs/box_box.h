@@ -9,9 +9,12 @@
 // step. Boxes that are apart and whose nearest points lie on other features, such as two corners,
 // have one contact there.
 //
+// Boxes that pass each other within the step meet along a face that parts them longer, see ahead.h.
+//
 // A feature tells which corners, edges and sides make a contact, and so its geometry without any
 // further choice: what was listed is what is filled in.
 
+#include "kernels/narrow_phase/pairs/ahead.h"
 #include "kernels/narrow_phase/pairs/box_half_space.h"
 #include "kernels/narrow_phase/pairs/convex_distance.h"
 #include "kernels/narrow_phase/pairs/manifold.h"
@@ -51,7 +54,8 @@ struct BoxAxes {
 
 struct BoxPair {
   BoxAxes box[2];
-  Vec3d d;  ///< center of box 0 to center of box 1 [m]
+  Vec3d d;         ///< center of box 0 to center of box 1 [m]
+  Vec3d way = {};  ///< of box 1 relative to box 0 in the step [m]
 
   /// Distance along a normal of the faces of a box [m], negative is overlap.
   SCREE_HD double face_separation(int side, int k) const {
@@ -105,6 +109,8 @@ namespace box_box_parts {
 inline constexpr double kTie = 1e-4;
 /// By so much, in the same measure, edges must separate boxes better than faces do.
 inline constexpr double kEdgeBias = 1e-3;
+/// Faces the cosine of whose angle is less meet at a corner, or lie so.
+inline constexpr double kBeside = 0.99;
 /// Edges with a smaller squared sine of the angle between them are parallel.
 inline constexpr double kParallel = 1e-6;
 
@@ -241,6 +247,7 @@ struct SeparatingAxis {
   std::int16_t box = -1;     ///< reference; -1: two edges
   std::int8_t i = 0, j = 0;  ///< axis of the reference, or of the edges of the two boxes
   bool beyond = false;       ///< they are farther apart than was asked for; nothing else is known
+  bool is_ahead = false;     ///< all of this is that of the end of the step, see ahead.h
 
   SeparatingAxis() = default;
   /// @param most  boxes that are farther apart need no answer: `separation` is more than this then
@@ -249,7 +256,9 @@ struct SeparatingAxis {
     beyond = separation > most;
   }
   SCREE_HD SeparatingAxis(const BoxPair& pair, double most)
-      : SeparatingAxis(pair, most, BoxScale(pair).tie, kEdgeBias * BoxScale(pair).size) {}
+      : SeparatingAxis(pair, most, BoxScale(pair).tie, kEdgeBias * BoxScale(pair).size) {
+    if (!beyond) look_ahead(pair, Passing{BoxScale(pair).size});
+  }
 
   SCREE_HD bool is_beyond() const { return beyond; }
   /// Whether it also tells what a search within that distance would [m].
@@ -281,6 +290,37 @@ struct SeparatingAxis {
       }
     }
     if (best > separation + edge_bias) separation = best, set(-1, best_i, best_j);
+  }
+  /// Takes the face that parts boxes longest on their way, where more than one does. That of the start may have no point of the other
+  /// box over it there.
+  SCREE_HD void look_ahead(const BoxPair& pair, const Passing& passing) {
+    const double far = norm(pair.way);
+    if (!passing.parts(separation) || separation >= far) return;
+    const Vec3d normal = box < 0 ? normalized(cross(pair.box[0].axis[i], pair.box[1].axis[j]))
+                                 : pair.box[box].axis[i];
+    const double approach = -dot(along(normal, pair.d), pair.way);
+    double latest = passing.time(separation, approach) * Passing::kLater;
+    bool is_other = false, is_latest = true;
+    for (int side = 0; side < 2; ++side) {
+      for (int k = 0; k < 3; ++k) {
+        const Vec3d& n = pair.box[side].axis[k];
+        if (std::abs(dot(n, normal)) > kBeside) continue;
+        const double found = pair.face_separation(side, k);
+        if (!passing.parts(found)) continue;
+        is_other = true;
+        const double nearer = -dot(along(n, pair.d), pair.way);
+        const double time = passing.time(found, nearer);
+        if (!(time > latest) || !passing.goes_far(approach, nearer)) continue;
+        latest = time * Passing::kLater;
+        separation = found;
+        is_latest = false;
+        set(side, k, 0);
+      }
+    }
+    if (!is_other || box < 0) return;
+    if (is_latest && !passing.goes_far(far, 1e300)) return;
+    is_ahead = true;
+    separation += dot(along(pair.box[box].axis[i], pair.d), pair.way);
   }
   SCREE_HD void set(int reference, int axis, int other_axis) {
     box = static_cast<std::int16_t>(reference);
@@ -486,13 +526,19 @@ SCREE_HD inline ContactGeometry box_box_contact(const BoxPair& pair, std::uint32
 
 /// Calls emit(feature, contact) for the contacts of two boxes that are wanted, four at most, features ascending.
 /// @param most    boxes that are farther apart have none [m]
-/// @param listed  listed(contact): whether it is wanted
-template <class Listed, class Emit>
-SCREE_HD void box_box(const BoxPair& pair, const box_box_parts::SeparatingAxis& axis, double most,
-                      Listed&& listed, Emit&& emit) {
+/// @param wanted  wanted(contact): whether it is
+template <class Wanted, class Emit>
+SCREE_HD void box_box(BoxPair pair, const box_box_parts::SeparatingAxis& axis, double most,
+                      Wanted&& wanted, Emit&& take) {
   using namespace box_box_parts;
+  if (axis.separation > most && !axis.is_ahead) return;
+  const Vec3d way = axis.is_ahead ? pair.way : Vec3d{};
+  pair.d += way;
+  const auto listed = [&](const ContactGeometry& g) { return wanted(at_start(g, way)); };
+  const auto emit = [&](std::uint32_t feature, const ContactGeometry& g) {
+    take(feature, at_start(g, way));
+  };
   const double tie = BoxScale(pair).tie;
-  if (axis.separation > most) return;
   int count = 0;
   const auto add_listed = [&](std::uint32_t feature, const ContactGeometry& g) {
     if (!listed(g)) return;
@@ -521,7 +567,7 @@ SCREE_HD void box_box(const BoxPair& pair, const box_box_parts::SeparatingAxis& 
   if (count > 0 || least <= axis.separation * (1 + 1e-9)) return;
   ContactGeometry g;
   std::uint32_t feature = BoxFeature::kNearest;
-  if (!(axis.separation > 0 && nearest_contact(pair, g))) {
+  if (axis.is_ahead || !(axis.separation > 0 && nearest_contact(pair, g))) {
     feature = axis.box < 0
                   ? BoxFeature::edges(axis.i, axis.j)
                   : BoxFeature::face(axis.box, axis.i, deepest_corner(pair, axis.box, axis.i));
@@ -533,15 +579,18 @@ SCREE_HD void box_box(const BoxPair& pair, const box_box_parts::SeparatingAxis& 
 struct BoxBox {
   using A = shapes::Box;
   using B = shapes::Box;
+  using Search = box_box_parts::SeparatingAxis;
   static constexpr int kFeatureBits = BoxFeature::kBits;
   SCREE_HD static BoxPair pair(const PairSide& a, const PairSide& b, const Vec3d& d) {
-    return {{{a.orientation, a.half_extents}, {b.orientation, b.half_extents}}, d};
+    return {{{a.orientation, a.half_extents}, {b.orientation, b.half_extents}}, d, b.way};
   }
   SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
                                           std::uint32_t feature) {
-    return box_box_contact(pair(a, b, d), feature);
+    BoxPair boxes = pair(a, b, d);
+    const Vec3d way = Search(boxes, 1e300).is_ahead ? boxes.way : Vec3d{};
+    boxes.d += way;
+    return at_start(box_box_contact(boxes, feature), way);
   }
-  using Search = box_box_parts::SeparatingAxis;
   SCREE_HD static Search search(const PairSide& a, const PairSide& b, const Vec3d& d, double most,
                                 const Search* before) {
     if (before != nullptr && before->holds(most)) return *before;

@@ -146,6 +146,12 @@ struct ConvexCore {
   SCREE_HD bool is_curved() const { return form == Form::ellipsoid || form == Form::cone; }
   SCREE_HD bool is_segment() const { return form == Form::brick && half.x == 0 && half.y == 0; }
 
+  /// Least half thickness, that of its rounding included [m].
+  SCREE_HD double thickness() const {
+    const double least = half.x < half.y ? half.x : half.y;
+    return (least < half.z ? least : half.z) + rounding;
+  }
+
   /// The size that rounding and ties are measured by [m].
   SCREE_HD double size() const {
     if (form == Form::triangle) return norm(axis[0]) + norm(axis[1]) + norm(axis[2]);
@@ -175,6 +181,15 @@ struct ConvexCore {
     if (form == Form::cone) return -axis[2];
     const Vec3d n = form == Form::brick ? axis[k / 2] : form == Form::triangle ? normal : axis[2];
     return k % 2 == 0 ? n : -n;
+  }
+  /// All normals that faces may have, of a hull those of the faces that meet at a corner.
+  SCREE_HD int normal_count_at(std::uint32_t corner) const {
+    if (form != Form::hull) return normal_count();
+    return static_cast<int>(hull.first_face[corner + 1] - hull.first_face[corner]);
+  }
+  SCREE_HD Vec3d normal_at(int k, std::uint32_t corner) const {
+    if (form != Form::hull) return face_normal(k, {}, 0);
+    return world(hull.face_at[hull.first_face[corner] + static_cast<std::uint32_t>(k)].normal);
   }
   /// The point farthest along the normal of a face, from the center [m]. @param top  that the normal was found by
   SCREE_HD Vec3d on_face(const Vec3d& face, std::uint32_t top) const {

@@ -8,6 +8,7 @@
 // Every direction that is tried on the way is a true upper bound of the depth, and the least of them counts, so a
 // polytope that rounding or its capacity stops early still gives a sound answer.
 
+#include "kernels/narrow_phase/pairs/ahead.h"
 #include "kernels/narrow_phase/pairs/convex_core.h"
 
 namespace scree {
@@ -31,6 +32,7 @@ struct CoreSearch {
   };
   State state = State::beyond;
   bool has_facet = false;  ///< the normal is that of a face
+  bool is_ahead = false;   ///< of a face that parts the cores longer, see look_ahead()
   double separation = 0;   ///< [m]
   Vec3d point[4];  ///< normal and nearest points; inside: corners of a tetrahedron about the origin
 
@@ -480,6 +482,42 @@ SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore
   CoreSearch search = search_distance(a, b, most);
   if (search.is_open()) finish_distance(a, b, search);
   return search.distance();
+}
+
+/// Takes the face that parts cores longest on their way, see ahead.h: `separation` along its normal is that of the end of the step.
+/// @param way     of B relative to A in the step [m]
+/// @param search  has ended
+[[gnu::noinline]] SCREE_HD inline void look_ahead(const ConvexCore& a, const ConvexCore& b,
+                                                  const Vec3d& way, CoreSearch& search) {
+  const double thick_a = a.thickness(), thick_b = b.thickness();
+  const Passing passing{thick_a < thick_b ? thick_a : thick_b};
+  const double rounding = a.rounding + b.rounding, gap = search.separation - rounding;
+  const Vec3d normal = search.point[0];
+  const double approach = -dot(normal, way);
+  if (!passing.parts(gap) || gap >= approach || !passing.goes_far(approach, 0)) return;
+  double latest = passing.time(gap, approach) * Passing::kLater;
+  // Corners that look at the other core, beside the contact.
+  const Vec3d along = b.center - a.center;
+  const Vec3d toward = normal + 1e-3 * normalized(along - dot(along, normal) * normal, Vec3d{});
+  for (int side = 0; side < 2; ++side) {
+    const ConvexCore& core = side == 0 ? a : b;
+    const double sign = side == 0 ? 1 : -1;
+    const std::uint32_t corner = core.top(sign * toward);
+    for (int k = 0; k < core.normal_count_at(corner); ++k) {
+      const Vec3d n = sign * core.normal_at(k, corner);
+      if (std::abs(dot(n, normal)) > Passing::kSame) continue;
+      const double found = separation_along(a, b, n) - rounding;
+      const double nearer = -dot(n, way), time = passing.time(found, nearer);
+      if (!passing.parts(found) || !(time > latest) || !passing.goes_far(approach, nearer))
+        continue;
+      latest = time * Passing::kLater;
+      search.state = CoreSearch::State::overlapping;
+      search.has_facet = true;
+      search.is_ahead = true;
+      search.point[0] = n;
+      search.separation = found + rounding + dot(n, way);
+    }
+  }
 }
 
 }  // namespace scree

@@ -332,21 +332,35 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
 }
 
 /// The contact of two bodies that a feature names.
-SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, const ConvexCore& second,
-                                               const Vec3d& d, std::uint32_t feature) {
-  const CoreMeeting m(first, second, core_distance(first, second, 1e300));
-  return rounded_contact(m, m.contact(feature), d);
+/// @param way  of the second relative to the first in the step [m]
+SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, ConvexCore second,
+                                               const Vec3d& d, const Vec3d& way,
+                                               std::uint32_t feature) {
+  CoreSearch search = search_distance(first, second, 1e300);
+  if (search.is_open()) finish_distance(first, second, search);
+  look_ahead(first, second, way, search);
+  const Vec3d moved = search.is_ahead ? way : Vec3d{};
+  second.center += moved;
+  const CoreMeeting m(first, second, search.distance());
+  return at_start(rounded_contact(m, m.contact(feature), d + moved), moved);
 }
 
 /// The contacts of two bodies that are listed, see convex_contacts().
+/// @param way     of the second relative to the first in the step [m]
 /// @param search  has ended
 /// @param most    bodies that are farther apart have none [m]
 template <class Listed, class Emit>
-SCREE_HD void convex_manifold(const ConvexCore& first, const ConvexCore& second, const Vec3d& d,
-                              const CoreSearch& search, double most, Listed&& listed, Emit&& emit) {
-  if (search.separation > most + first.rounding + second.rounding) return;
+SCREE_HD void convex_manifold(const ConvexCore& first, ConvexCore second, const Vec3d& d,
+                              const Vec3d& way, const CoreSearch& search, double most,
+                              Listed&& listed, Emit&& emit) {
+  if (search.separation > most + first.rounding + second.rounding && !search.is_ahead) return;
+  const Vec3d moved = search.is_ahead ? way : Vec3d{};
+  second.center += moved;
   const auto all = [](std::uint32_t) { return true; };
-  convex_contacts(CoreMeeting(first, second, search.distance()), d, true, all, listed, emit);
+  convex_contacts(
+      CoreMeeting(first, second, search.distance()), d + moved, true, all,
+      [&](const ContactGeometry& g) { return listed(at_start(g, moved)); },
+      [&](std::uint32_t feature, const ContactGeometry& g) { emit(feature, at_start(g, moved)); });
 }
 
 /// Pair functions by cores, see InParts. @tparam Cores  its of_a(a) and of_b(b, d) give them
@@ -357,23 +371,27 @@ struct ConvexParts {
 
   SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
                                           std::uint32_t feature) {
-    return convex_contact(Cores::of_a(a), Cores::of_b(b, d), d, feature);
+    return convex_contact(Cores::of_a(a), Cores::of_b(b, d), d, b.way, feature);
   }
   SCREE_HD static Search search(const PairSide& a, const PairSide& b, const Vec3d& d, double most,
                                 const Search* before) {
     const ConvexCore first = Cores::of_a(a), second = Cores::of_b(b, d);
     const double farthest = most + first.rounding + second.rounding;
     if (before != nullptr && before->holds(farthest)) return *before;
-    return search_distance(first, second, farthest);
+    CoreSearch found = search_distance(first, second, farthest);
+    if (found.state == CoreSearch::State::apart) look_ahead(first, second, b.way, found);
+    return found;
   }
   SCREE_HD static void finish(const PairSide& a, const PairSide& b, const Vec3d& d,
                               Search& search) {
-    finish_distance(Cores::of_a(a), Cores::of_b(b, d), search);
+    const ConvexCore first = Cores::of_a(a), second = Cores::of_b(b, d);
+    finish_distance(first, second, search);
+    look_ahead(first, second, b.way, search);
   }
   template <class Listed, class Emit>
   SCREE_HD static void contacts(const PairSide& a, const PairSide& b, const Vec3d& d,
                                 const Search& search, double most, Listed&& listed, Emit&& emit) {
-    convex_manifold(Cores::of_a(a), Cores::of_b(b, d), d, search, most, listed, emit);
+    convex_manifold(Cores::of_a(a), Cores::of_b(b, d), d, b.way, search, most, listed, emit);
   }
   template <class Listed>
   SCREE_HD static Manifold manifold(const PairSide& a, const PairSide& b, const Vec3d& d,

@@ -29,6 +29,7 @@ struct PairSide {
   ShapeKind kind = kNoShape;
   Hull hull;                      ///< of a hull, or one that is rounded
   Rounding<double> rounded = {};  ///< of a rounded shape
+  Vec3d way = {};  ///< of side B: how far it goes in the step relative to A, see relative_way() [m]
 };
 
 }  // namespace scree

@@ -496,17 +496,24 @@ SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore
   const double approach = -dot(normal, way);
   if (!passing.parts(gap) || gap >= approach || !passing.goes_far(approach, 0)) return;
   double latest = passing.time(gap, approach) * Passing::kLater;
-  // Corners that look at the other core, beside the contact.
+  // Corners that look at the other core, beside the contact, and points of the cores that are near it.
   const Vec3d along = b.center - a.center;
   const Vec3d toward = normal + 1e-3 * normalized(along - dot(along, normal) * normal, Vec3d{});
+  const std::uint32_t corner_a = a.top(toward), corner_b = b.top(-toward);
+  const bool was_apart = search.state == CoreSearch::State::apart;
+  const Vec3d near_a = was_apart ? search.point[1] : a.center + a.on_face(toward, corner_a);
+  const Vec3d near_b = was_apart ? search.point[2] : b.center + b.on_face(-toward, corner_b);
   for (int side = 0; side < 2; ++side) {
     const ConvexCore& core = side == 0 ? a : b;
-    const double sign = side == 0 ? 1 : -1;
-    const std::uint32_t corner = core.top(sign * toward);
+    const ConvexCore& other = side == 0 ? b : a;
+    const std::uint32_t corner = side == 0 ? corner_a : corner_b;
     for (int k = 0; k < core.normal_count_at(corner); ++k) {
-      const Vec3d n = sign * core.normal_at(k, corner);
+      const Vec3d out = core.normal_at(k, corner), n = side == 0 ? out : -out;
       if (std::abs(dot(n, normal)) > Passing::kSame) continue;
-      const double found = separation_along(a, b, n) - rounding;
+      // A point of the other core that is behind the face tells without a search.
+      const Vec3d on_face = core.center + core.on_face(out, corner);
+      if (!passing.parts(dot((side == 0 ? near_b : near_a) - on_face, out) - rounding)) continue;
+      const double found = dot(other.center + other.support(-out) - on_face, out) - rounding;
       const double nearer = -dot(n, way), time = passing.time(found, nearer);
       if (!passing.parts(found) || !(time > latest) || !passing.goes_far(approach, nearer))
         continue;

@@ -201,6 +201,35 @@ TEST(ClosePasses, ABodyFallsBesideAWall) {
   EXPECT_NEAR(norm(world.states().velocity[1] - Vec3d{0, 0, -4}), 0, 1e-12);
 }
 
+/// Of free bodies, about the origin.
+Vec3d angular_momentum(const Scene& scene, const BodyStates& s) {
+  Vec3d sum;
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const BodyDescription& body = scene.bodies[k];
+    sum += body.mass * cross(s.position[k], s.velocity[k]) +
+           rotate(s.orientation[k],
+                  hadamard(body.inertia, rotate_back(s.orientation[k], s.angular_velocity[k])));
+  }
+  return sum;
+}
+
+TEST(ClosePasses, CornersThatHitKeepTheAngularMomentum) {
+  for (const double down : {0.45, 1.5}) {  // the side is reached first, or the top
+    SCOPED_TRACE(down);
+    Scene scene = scene_without_gravity();
+    add_box(scene, {}, {0.05, 0.04, 0.03}, 1).velocity = {0.1, 0.2, -0.3};
+    add_box(scene, {0.103, 0.01, 0.0602}, {0.05, 0.04, 0.03}, 2).velocity = {-3, 0.1, -down};
+    World world = reference_world(scene);
+    const BodyStates start = world.states();
+    run_for(world, scene, 0.01);
+    const BodyStates end = world.states();
+    const Vec3d gained = end.velocity[1] - start.velocity[1];
+    EXPECT_GT(down < 1 ? gained.z : gained.x, 0.02);
+    const Vec3d before = angular_momentum(scene, start);
+    EXPECT_NEAR(norm(angular_momentum(scene, end) - before), 0, 1e-9 * norm(before));
+  }
+}
+
 // It comes from above and from the side at once, and reaches the top first.
 TEST(ClosePasses, WhatComesDownOnAnEdgeLandsOnTop) {
   for (const double ahead : {0.2, 0.5, 0.8}) {

@@ -43,10 +43,15 @@ struct Passing {
   }
 };
 
-/// A contact of bodies at the end of the step, as one of the start.
+/// A contact of bodies at the end of the step, as one of the start. Its points lie over each other again, in the middle between where
+/// both are: an impulse keeps the angular momentum.
 /// @param way  of B relative to A in the step [m]
 SCREE_HD inline ContactGeometry at_start(ContactGeometry g, const Vec3d& way) {
-  g.gap -= dot(g.normal, way);
+  const double along = dot(g.normal, way);
+  const Vec3d aside = way - along * g.normal;
+  g.gap -= along;
+  g.arm_a -= 0.5 * aside;
+  g.arm_b += 0.5 * aside;
   return g;
 }
 

@@ -10,6 +10,15 @@
 
 namespace scree {
 
+/// How far a wall goes in a step relative to body A, see relative_way(), without what gravity adds: A may rest on what lies beside [m].
+/// @param d  center of A to that of the wall [m]
+SCREE_HD inline Vec3d wall_way(const WallSolid& solid, const ContactRange& range,
+                               const BodySample& a, const Vec3d& d) {
+  RigidMotion motion = solid.motion;
+  motion.linear += range.gravity_step;
+  return relative_way(a.motion, a.radius, motion, 1e300, d, range.h);
+}
+
 template <class Real>
 struct ConvexOnMesh {
   const MeshView<Real>& meshes;
@@ -44,18 +53,20 @@ struct ConvexOnMesh {
       reach[k] = (up > down ? up : down) + body.rounding + most;
     }
     MeshReach(center - reach, center + reach).visit(meshes, info, [&](Index t) {
-      const Corner corner(*this, info, t, d);
+      Corner corner(*this, info, t, d);
       CoreDistance distance;
       bool is_nearest = false;
-      if (!find(t, corner, body, most, distance, is_nearest)) return;
+      if (!find(t, corner, body, d, most, distance, is_nearest)) return;
       const CoreMeeting meeting(body, corner.core, distance);
       const auto wanted = [&](std::uint32_t feature) {
         return !is_inner(corner, meeting, t, feature);
       };
-      convex_contacts(meeting, d, is_nearest, wanted, listed,
-                      [&](std::uint32_t feature, const ContactGeometry&) {
-                        emit(element(info, image, t, feature));
-                      });
+      convex_contacts(
+          meeting, d + corner.way, is_nearest, wanted,
+          [&](const ContactGeometry& g) { return listed(at_start(g, corner.way)); },
+          [&](std::uint32_t feature, const ContactGeometry&) {
+            emit(element(info, image, t, feature));
+          });
     });
   }
 
@@ -65,13 +76,13 @@ struct ConvexOnMesh {
     slot -= static_cast<std::uint32_t>(info.triangle_count);
     const Index t = info.first_triangle + static_cast<Index>(slot >> ConvexFeature::kBits);
     const ConvexCore body = core();
-    const Corner corner(*this, info, t, d);
+    Corner corner(*this, info, t, d);
     CoreDistance distance;
     bool is_nearest = false;
-    if (!find(t, corner, body, 1e300, distance, is_nearest)) return no_contact();
+    if (!find(t, corner, body, d, 1e300, distance, is_nearest)) return no_contact();
     const CoreMeeting meeting(body, corner.core, distance);
     const std::uint32_t feature = slot & ((1u << ConvexFeature::kBits) - 1);
-    return rounded_contact(meeting, meeting.contact(feature), d);
+    return at_start(rounded_contact(meeting, meeting.contact(feature), d + corner.way), corner.way);
   }
 
  private:
@@ -79,6 +90,7 @@ struct ConvexOnMesh {
   struct Corner {
     ConvexCore core;
     Vec3d normal;  ///< the same in the frame of the mesh
+    Vec3d way;     ///< how far it was moved, to the end of the step, see ahead.h [m]
     bool is_turned = false;
     bool is_behind = false;
 
@@ -114,14 +126,23 @@ struct ConvexOnMesh {
   }
 
   /// How A and a triangle lie. @return  false: the triangle does not hold A
-  SCREE_HD bool find(Index t, const Corner& corner, const ConvexCore& body, double most,
+  SCREE_HD bool find(Index t, Corner& corner, const ConvexCore& body, const Vec3d& d, double most,
                      CoreDistance& out, bool& is_nearest) const {
     if (corner.is_behind) return false;
     const double farthest = most + body.rounding;
     const Vec3d n = corner.core.normal;
     if (separation_along(body, corner.core, -n) > farthest) return false;
-    out = core_distance(body, corner.core, farthest);
-    if (out.separation > farthest) return false;
+    CoreSearch search = search_distance(body, corner.core, farthest);
+    if (search.is_open()) finish_distance(body, corner.core, search);
+    if (search.separation > farthest) return false;
+    out = search.distance();
+    const Vec3d way = wall_way(solid, range, a, d);
+    look_ahead(body, corner.core, way, search);
+    if (search.is_ahead && is_way_out(t, rotate_back(solid.orientation, -search.point[0]))) {
+      out = search.distance();
+      corner.way = way;
+      corner.core.center += way;
+    }
     // Along its own normal the triangle has what is over it, or leaves it to its neighbors.
     is_nearest = std::abs(dot(out.normal, n)) < CoreMeeting::kFaceCosine;
     if (is_way_out(t, rotate_back(solid.orientation, -out.normal))) return true;

@@ -335,18 +335,13 @@ struct PairOnSolid {
     PairList::visit_bodies(a.kind, solid.kind, [&](auto pair, bool is_reversed) {
       const auto in_memory = [&](const ContactGeometry& g) { return is_reversed ? swapped(g) : g; };
       PairSide second = is_reversed ? body : wall;
-      second.way = is_reversed ? -way(d) : way(d);
+      const Vec3d way = wall_way(solid, range, a, d);
+      second.way = is_reversed ? -way : way;
       f(pair, in_memory, is_reversed ? wall : body, second, is_reversed ? -d : d);
     });
   }
   SCREE_HD PairSide side() const {
     return {0, solid.orientation, solid.half_extents, solid.kind, solid.hull, solid.rounded};
-  }
-  /// Of the wall, as relative_way(), without what gravity adds in the step: A may rest on what lies beside.
-  SCREE_HD Vec3d way(const Vec3d& d) const {
-    RigidMotion motion = solid.motion;
-    motion.linear += range.gravity_step;
-    return relative_way(a.motion, a.radius, motion, 1e300, d, range.h);
   }
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/box_mesh.h"
 #include "tests/physics/described_bodies.h"
 #include "tests/physics/scene_builder.h"
 
@@ -93,6 +94,22 @@ TEST(FlushSeams, BodiesOfAllShapesSlideOverThem) {
       EXPECT_NEAR(norm(end.turn), 0, 1e-3);
       EXPECT_NEAR(end.height, 0, 1e-6);
     }
+  }
+}
+
+// Triangles of a side know no other plane than their own, and so need one of the body.
+TEST(FlushSeams, OfMeshes) {
+  for (const Slider& slider : kSliders) {
+    if (std::string(slider.shape).find("ellipsoid") != std::string::npos) continue;
+    SCOPED_TRACE(slider.shape);
+    Scene scene = empty_scene(1e-3, 0);
+    scene.gravity = {0, 0, -kGravity};
+    for (int k = 0; k < 8; ++k)
+      add_mesh(scene, test::box_mesh({0.125, 0.5, 0.05})).position = {0.25 * k, 0, -0.05};
+    const Slid end = slide(scene, slider, 2);
+    EXPECT_NEAR(norm(end.velocity - Vec3d{2, 0, 0}), 0, 1e-5);
+    EXPECT_NEAR(norm(end.turn), 0, 1e-3);
+    EXPECT_NEAR(end.height, 0, 1e-6);
   }
 }
 

@@ -146,8 +146,9 @@ struct ConvexCore {
   SCREE_HD bool is_curved() const { return form == Form::ellipsoid || form == Form::cone; }
   SCREE_HD bool is_segment() const { return form == Form::brick && half.x == 0 && half.y == 0; }
 
-  /// Least half thickness, that of its rounding included [m].
+  /// Least half thickness, that of its rounding included; a triangle does not know what is behind it [m].
   SCREE_HD double thickness() const {
+    if (form == Form::triangle) return 1e300;
     const double least = half.x < half.y ? half.x : half.y;
     return (least < half.z ? least : half.z) + rounding;
   }

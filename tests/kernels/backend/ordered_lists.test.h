@@ -141,9 +141,14 @@ TEST_F(OrderedListsTest, TimeIsLinearInTheContactsOfABody) {
   const auto seconds = [&](Index contacts) {
     std::vector<Index> body_a, body_b;
     for (Index a = 0; a < contacts; ++a) body_a.push_back(a), body_b.push_back(contacts);
-    double spent = 0;
-    EXPECT_EQ(lists_as_b(body_a, body_b, contacts + 1, &spent), sorted_as_b(body_b, contacts + 1));
-    return spent;
+    double least = INFINITY;
+    for (int again = 0; again < 4; ++again) {
+      double spent = 0;
+      EXPECT_EQ(lists_as_b(body_a, body_b, contacts + 1, &spent),
+                sorted_as_b(body_b, contacts + 1));
+      least = std::min(least, spent);
+    }
+    return least;
   };
   const double few = seconds(10000), many = seconds(160000);
   EXPECT_LT(many, 64 * few) << few << " s and " << many << " s; the square of 16 is 256";

@@ -132,8 +132,7 @@ struct ConvexOnMesh {
     const double farthest = most + body.rounding;
     const Vec3d n = corner.core.normal;
     if (separation_along(body, corner.core, -n) > farthest) return false;
-    CoreSearch search = search_distance(body, corner.core, farthest);
-    if (search.is_open()) finish_distance(body, corner.core, search);
+    CoreSearch search = whole_search(body, corner.core, farthest);
     if (search.separation > farthest) return false;
     out = search.distance();
     const Vec3d way = wall_way(solid, range, a, d);

@@ -478,10 +478,13 @@ SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, doubl
 }
 
 /// Both parts. @param most  cores that are farther apart need no exact answer, but a separation of more than this [m]
-SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore& b, double most) {
+SCREE_HD inline CoreSearch whole_search(const ConvexCore& a, const ConvexCore& b, double most) {
   CoreSearch search = search_distance(a, b, most);
   if (search.is_open()) finish_distance(a, b, search);
-  return search.distance();
+  return search;
+}
+SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore& b, double most) {
+  return whole_search(a, b, most).distance();
 }
 
 /// Takes the face that parts cores longest on their way, see ahead.h: `separation` along its normal is that of the end of the step.

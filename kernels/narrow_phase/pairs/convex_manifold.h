@@ -336,8 +336,7 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
 SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, ConvexCore second,
                                                const Vec3d& d, const Vec3d& way,
                                                std::uint32_t feature) {
-  CoreSearch search = search_distance(first, second, 1e300);
-  if (search.is_open()) finish_distance(first, second, search);
+  CoreSearch search = whole_search(first, second, 1e300);
   look_ahead(first, second, way, search);
   const Vec3d moved = search.is_ahead ? way : Vec3d{};
   second.center += moved;

@@ -1,8 +1,8 @@
 #pragma once
 // Contacts between bodies of any shapes. Memory while a step searches for contacts: 12 bytes a piece of the candidates,
-// 32 a near pair, 32 more for those of the search before while it searches once more, and 12 while pairs are sorted; four
-// stored contacts, 44 bytes each in float, a pair that is computed, again in each search, and how its bodies lie: 16 bytes
-// of two boxes, 112 of others without a closed form; 20 of these pairs of one program while that runs; 8 a contact.
+// 40 a near pair, 40 more for those of the search before while it searches once more, and 12 while pairs are sorted; four
+// stored contacts, 32 bytes each in float, a pair that is computed, again in each search, and how its bodies lie: 16 bytes
+// of two boxes, 112 of others without a closed form; 36 of these pairs of one program while that runs; 8 a contact.
 
 #include <array>
 #include <cstddef>
@@ -52,7 +52,7 @@ class MixedContacts {
   /// Writes the keys of these contacts. @param begin  [piece count + 1] scan of the counts of all contacts
   void write_keys(B& b, const Test& test, Span<const Offset> begin, Span<std::uint64_t> key) {
     for_each(b, test.candidates.piece_count(),
-             WriteMixedKeys<Real>{test, pairs(), notes_.view(), stores(), begin, key,
+             WriteMixedKeys<Real>{test, pairs(), notes_.view(), begin, key,
                                   slot_.resize_discard(key.size)});
   }
 
@@ -85,29 +85,33 @@ class MixedContacts {
   void release() {
     is_near_.release(), touching_.release(), begin_.release(), slot_.release();
     notes_.release(), before_.release();
-    for (Store& store : stores_)
-      store.feature.release(), store.contact.release(), store.searches.release();
+    for (Store& store : stores_) store.contact.release(), store.searches.release();
     store_count_ = 0;
     place_count_ = 0;
   }
 
  private:
   struct Notes {
-    explicit Notes(B& b) : key(b), count(b), place(b), same(b) {}
+    explicit Notes(B& b) : key(b), count(b), features(b), place(b), same(b) {}
     void resize_discard(Offset pairs) {
-      key.resize_discard(pairs), count.resize_discard(pairs);
+      key.resize_discard(pairs), count.resize_discard(pairs), features.resize_discard(pairs);
       place.resize_discard(pairs), same.resize_discard(pairs);
     }
-    void release() { key.release(), count.release(), place.release(), same.release(); }
-    PairNotes view() { return {key.view(), count.view(), place.view(), same.view()}; }
+    void release() {
+      key.release(), count.release(), features.release(), place.release(), same.release();
+    }
+    PairNotes view() {
+      return {key.view(), count.view(), features.view(), place.view(), same.view()};
+    }
 
     Buffer<B, std::uint64_t> key;
-    Buffer<B, Index> count, place;
+    Buffer<B, Index> count;
+    Buffer<B, PairFeatures> features;
+    Buffer<B, Index> place;
     Buffer<B, SameList> same;
   };
   struct Store {
-    explicit Store(B& b) : feature(b), contact(b), searches(b) {}
-    Buffer<B, std::uint32_t> feature;
+    explicit Store(B& b) : contact(b), searches(b) {}
     Buffer<B, FoundContact<Real>> contact;
     Buffer<B, std::byte> searches;  ///< of all programs in parts, one after the other
     Index begin = 0;
@@ -121,7 +125,7 @@ class MixedContacts {
 
     template <class Search>
     Span<Search> searches_of(int program) {
-      static_assert(sizeof(Search) % 8 == 0 && alignof(Search) <= 8);
+      static_assert(sizeof(Search) % 16 == 0 && alignof(Search) <= 16);
       const Part& part = parts[static_cast<std::size_t>(program)];
       // Without pairs there is no memory.
       return {part.count > 0 ? reinterpret_cast<Search*>(searches.data() + part.byte) : nullptr,
@@ -137,7 +141,6 @@ class MixedContacts {
     ContactStores<Real> s;
     for (int k = 0; k < store_count_; ++k) {
       Store& store = stores_[static_cast<std::size_t>(k)];
-      s.feature[k] = store.feature.view();
       s.contact[k] = store.contact.view();
       s.begin[k] = store.begin;
     }
@@ -161,7 +164,7 @@ class MixedContacts {
     function.release();
     Store& store = stores_[static_cast<std::size_t>(store_count_)];
     const Offset slots = Offset{begin.back()} * ContactStores<Real>::kSlots;
-    store.feature.resize_discard(slots), store.contact.resize_discard(slots);
+    store.contact.resize_discard(slots);
     store.begin = place_count_;
     Offset bytes = 0;
     PairList::for_each_program([&]<class P>(P, int program) {
@@ -176,9 +179,11 @@ class MixedContacts {
       const Index first = part.begin - place_count_;
       const Offset slot = Offset{first} * ContactStores<Real>::kSlots;
       const Offset used = Offset{part.count} * ContactStores<Real>::kSlots;
-      const ComputedPairs<P, Real> pairs{
-          test,       {pair.data() + first, part.count},   notes_.view(),
-          part.begin, {store.feature.data() + slot, used}, {store.contact.data() + slot, used}};
+      const ComputedPairs<P, Real> pairs{test,
+                                         {pair.data() + first, part.count},
+                                         notes_.view(),
+                                         part.begin,
+                                         {store.contact.data() + slot, used}};
       if (part.count == 0) return;
       if constexpr (InParts<P>) {
         find_in_parts(b, pairs, program);
@@ -205,23 +210,28 @@ class MixedContacts {
     const Span<Search> search =
         stores_[static_cast<std::size_t>(store_count_)].template searches_of<Search>(program);
     const auto n = static_cast<Index>(pairs.pair.size);
-    const Index facets = TellsFacets<P> ? n : 0;
-    Buffer<B, Index> is_near(b, n), is_open(b, Finishes<P> ? n : 0), has_facet(b, facets);
-    Buffer<B, Index> list(b, n), others(b, facets);
-    Buffer<B, Offset> scan(b, Offset{n} + 1), scan_of_others(b, Offset{facets} + 1);
-    for_each(b, n, SearchPairs<P, Real>{pairs, before, search, is_near.view(), is_open.view()});
+    const Index more = Finishes<P> ? n : 0;
+    Buffer<B, Index> is_near(b, n), is_open(b, more), is_long(b, more);
+    Buffer<B, Index> list(b, n), others(b, more);
+    Buffer<B, Offset> scan(b, Offset{n} + 1), scan_of_others(b, Offset{more} + 1);
+    for_each(b, n,
+             SearchPairs<P, Real>{pairs, before, search, is_near.view(), is_open.view(),
+                                  is_long.view()});
     const auto flagged = [&](Buffer<B, Index>& flag, Buffer<B, Offset>& before_each,
                              Buffer<B, Index>& to) -> FlaggedList {
       exclusive_scan(b, Span<const Index>(flag.view()), before_each.view());
       for_each(b, n, ListFlagged{flag.view(), before_each.view(), to.view()});
       return {to.view(), before_each.data() + n};
     };
-    if constexpr (Finishes<P>)
-      for_each(b, n, FinishPairs<P, Real>{pairs, flagged(is_open, scan, list), search});
     FlaggedLists near;
-    if constexpr (TellsFacets<P>) {
-      for_each(b, n, SplitByFacets<P>{search, is_near.view(), has_facet.view()});
-      near.first = flagged(has_facet, scan, list);
+    if constexpr (Finishes<P>) {
+      const FlaggedLists open{flagged(is_long, scan, list),
+                              flagged(is_open, scan_of_others, others)};
+      // Flags of pairs that are open, and those of deep ones, say from here on whether they may pass.
+      for_each(b, n, FinishPairs<P, Real>{pairs, open, search, is_open.view()});
+      for_each(b, n, PassPairs<P, Real>{pairs, flagged(is_open, scan, list), search});
+      for_each(b, n, SplitByFacets<P>{search, is_near.view(), is_long.view()});
+      near.first = flagged(is_long, scan, list);
       near.second = flagged(is_near, scan_of_others, others);
     } else {
       near.first = flagged(is_near, scan, list);

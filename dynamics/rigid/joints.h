@@ -4,15 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "dynamics/model_errors.h"
-#include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/held_joints.h"
+#include "dynamics/rigid/joint_frames.h"
 #include "dynamics/rigid/problem_assembly.h"
-#include "host/scene/joint_cards.h"
-#include "host/scene/motion.h"
 #include "host/world.h"
 #include "host/world_state.h"
 #include "kernels/backend/over_ranks.h"
@@ -22,87 +19,6 @@
 #include "solvers/contact_passes.h"
 
 namespace scree {
-
-/// What a kind of joint measures, and which of the rows it holds: bit k is row k of JointRow. Rows 0, 1
-/// and 3, 4 are forces and moments across the axis; 2 and 5 along and about it, of forms that end
-/// with a force the other way round.
-struct RowsOfJoint {
-  JointKind kind;
-  JointForm form;
-  unsigned held;
-};
-inline constexpr std::array kRowsOfJoints{
-    RowsOfJoint{JointKind::hinge, JointForm::point, 0b011111},
-    RowsOfJoint{JointKind::ball, JointForm::point, 0b000111},
-    RowsOfJoint{JointKind::fixed, JointForm::point, 0b111111},
-    RowsOfJoint{JointKind::slider, JointForm::slide, 0b011111},
-    RowsOfJoint{JointKind::cylindrical, JointForm::slide, 0b011011},
-    RowsOfJoint{JointKind::universal, JointForm::cross, 0b100111},
-    RowsOfJoint{JointKind::distance, JointForm::line, 0b100000},
-    RowsOfJoint{JointKind::cable, JointForm::line, 0},
-    RowsOfJoint{JointKind::spring, JointForm::line, 0}};
-
-constexpr const RowsOfJoint& rows_of_joint(JointKind kind) {
-  for (const RowsOfJoint& rows : kRowsOfJoints)
-    if (rows.kind == kind) return rows;
-  return kRowsOfJoints[0];
-}
-
-inline JointDrive drive_of(const Joint& joint) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  JointDrive d;
-  d.lower = joint.limits[0];
-  d.upper = joint.limits[1];
-  d.friction = joint.friction;
-  if (joint.motor) {
-    const JointMotor& motor = *joint.motor;
-    d.stiffness = motor.stiffness;
-    d.damping = motor.damping;
-    d.target = d.stiffness > 0 || d.damping > 0 ? motor.position : motor.speed;
-    d.most = motor.max_force;
-  }
-  if (joint.kind == JointKind::cable) d.upper = 0;
-  if (joint.kind == JointKind::spring) {
-    d.stiffness = joint.stiffness;
-    d.damping = joint.damping;
-    d.most = kNone;
-  }
-  return d;
-}
-
-/// The joint in the frames of its bodies, from their poses at time zero. Where space repeats, the
-/// anchor of a body is the image nearest to it.
-inline JointFrames joint_frames(const Scene& scene, const Joint& joint) {
-  JointFrames out;
-  const Vec3d period = periodic_box(scene.periodicity).length;
-  const JointCard& card = joint_card(joint.kind);
-  const Quatd axes = card.axis != nullptr ? rotation_to(joint.axis) : Quatd{1, 0, 0, 0};
-  for (int k = 0; k < 2; ++k) {
-    const int id = joint.bodies[static_cast<std::size_t>(k)];
-    const Vec3d anchor = k == 1 && card.has_two_points ? joint.second_anchor : joint.anchor;
-    const Quatd own = k == 1 && card.second_axis != nullptr ? rotation_to(joint.second_axis) : axes;
-    out.body[k] = id;
-    out.anchor[k] = anchor;
-    out.frame[k] = own;
-    if (id == kWorldBody) continue;
-    const BodyDescription& body = scene.bodies[static_cast<std::size_t>(id)];
-    const Pose pose =
-        body.kind == BodyKind::kinematic ? pose_at(body, 0) : Pose{body.position, body.orientation};
-    const Quatd q = normalized(pose.orientation);
-    out.anchor[k] = rotate_back(q, minimum_image(anchor - pose.position, period));
-    out.frame[k] = conjugate(q) * own;
-  }
-  const RowsOfJoint& rows = rows_of_joint(joint.kind);
-  out.form = rows.form;
-  out.held = rows.held;
-  out.drive = drive_of(joint);
-  if (card.has_two_points)
-    out.zero = joint.length < 0 ? norm(minimum_image(joint.second_anchor - joint.anchor, period))
-                                : joint.length;
-  out.break_force = joint.break_force;
-  out.break_moment = joint.break_moment;
-  return out;
-}
 
 /// Ids of the free bodies that joints hold together.
 inline std::vector<std::array<Index, 2>> joined_bodies(const Scene& scene) {
@@ -150,9 +66,8 @@ class Joints {
         here_count_(b, 1),
         is_counted_(b),
         lists_(b) {
-    std::vector<JointFrames> frames;
+    const std::vector<JointFrames> frames = joint_frames(scene);
     for (const Joint& joint : scene.joints) {
-      frames.push_back(joint_frames(scene, joint));
       may_break_ =
           may_break_ || std::isfinite(joint.break_force) || std::isfinite(joint.break_moment);
     }

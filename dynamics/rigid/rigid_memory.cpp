@@ -125,11 +125,10 @@ HeldBytes solver(const Sizes& s) {
   return s.scene.solver.exact_coulomb ? bytes + exact_memory(s.card, s.solver_case) : bytes;
 }
 
-/// Of a body of them all: pairs that are no two spheres, with notes of two searches, how they lie, and four contacts with their features.
+/// Of a body of them all: pairs that are no two spheres, with notes of two searches, how they lie, and four contacts.
 double computed_pairs(const Sizes& s) {
   const double share = static_cast<double>(s.summary.shaped_count) / s.summary.free_capacity;
-  return s.summary.shaped_count == 0 ? 0
-                                     : share * kComputedPairs * (64 + 112 + 4 * (4 + 10 * s.real));
+  return s.summary.shaped_count == 0 ? 0 : share * kComputedPairs * (80 + 112 + 4 * 8 * s.real);
 }
 
 /// A body and its contacts while contacts are searched for: those of the last step are remembered,

@@ -136,14 +136,14 @@ struct ConvexOnMesh {
     if (search.separation > farthest) return false;
     out = search.distance();
     const Vec3d way = wall_way(solid, range, a, d);
-    look_ahead(body, corner.core, way, search);
+    if (may_pass(body, corner.core, way, search)) look_ahead(body, corner.core, way, search);
     if (search.is_ahead && is_way_out(t, rotate_back(solid.orientation, -search.point[0]))) {
       out = search.distance();
       corner.way = way;
       corner.core.center += way;
     }
     // Along its own normal the triangle has what is over it, or leaves it to its neighbors.
-    is_nearest = std::abs(dot(out.normal, n)) < CoreMeeting::kFaceCosine;
+    is_nearest = std::abs(dot(out.normal, n)) < kFaceCosine;
     if (is_way_out(t, rotate_back(solid.orientation, -out.normal))) return true;
     is_nearest = false;
     const bool was_apart = out.is_apart;

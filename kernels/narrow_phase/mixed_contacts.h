@@ -103,11 +103,12 @@ struct ListNearPairs {
   SCREE_HD bool is_kept(Offset q, Index a, Index j) const {
     const Index old = before.find(notes.key[q]);
     if (old < 0) {
-      notes.set(static_cast<Index>(q), 0, kNoPlace, {});
+      notes.set(static_cast<Index>(q), 0, {}, kNoPlace, {});
       return false;
     }
     // Its place is kept also where it must be computed again: what the search before told of it may hold.
-    notes.set(static_cast<Index>(q), before.count[old], before.place[old], before.same[old]);
+    notes.set(static_cast<Index>(q), before.count[old], before.features[old], before.place[old],
+              before.same[old]);
     return before.same[old].holds(test.reach(a, j));
   }
   SCREE_HD ShapeKind kind_of(Index i) const {
@@ -171,7 +172,7 @@ struct CountMixedContacts {
 };
 
 /// Writes the keys of the contacts in ascending order, and where each is stored.
-/// Bytes per piece: 24 read and 4 per near pair, per contact 4 read and 12 written; bodies at walls are tested again.
+/// Bytes per piece: 24 read and 16 per near pair, per contact 12 written; bodies at walls are tested again.
 template <class Real>
 struct WriteMixedKeys {
   static constexpr const char* name = "write_mixed_keys";
@@ -179,7 +180,6 @@ struct WriteMixedKeys {
   ContactTest<ShapeMix::any, Real> test;
   NearPairs pairs;
   PairNotes notes;
-  ContactStores<Real> stores;
   Span<const Offset> begin;  ///< [piece count + 1] scan of the counts
   Span<std::uint64_t> key;   ///< [contact count] out
   Span<Offset> slot;         ///< [contact count] out: place and number in the stores, or kNotStored
@@ -200,12 +200,10 @@ struct WriteMixedKeys {
         [&](Offset q, Index j) {
           const Index count = notes.count[q];
           if (count == 0) return;
-          const Index place = notes.place[q];
-          const int store = stores.store_of(place);
-          const Offset first = stores.slot(store, place);
+          const PairFeatures features = notes.features[q];
+          const Offset first = static_cast<Offset>(notes.place[q]) * ContactStores<Real>::kSlots;
           for (Index c = 0; c < count; ++c)
-            write(test.keys.body_element(j, stores.feature[store][first + c]),
-                  static_cast<Offset>(place) * ContactStores<Real>::kSlots + c);
+            write(test.keys.body_element(j, features[c]), first + c);
         });
     // Planes come after them: their elements are above those of all bodies. Then solid walls, which others write.
     if (list.is_last_of_body(p) && test.is_near_planes(a)) {
@@ -230,7 +228,7 @@ struct GroupSlots {
 };
 
 /// Turns keys of contacts with bodies and planes into contacts.
-/// Bytes per contact (float), besides bodies from the caches: 16 and 40 read, 48 written.
+/// Bytes per contact (float), besides bodies from the caches: 16 and 32 read, 48 written.
 /// @tparam kPasses  see FillContacts
 template <bool kPasses, class Real>
 struct FillMixedContacts {
@@ -253,7 +251,10 @@ struct FillMixedContacts {
       const int store = stores.store_of(place);
       const FoundContact<Real> f =
           stores.contact[store][stores.slot(store, place) + slot[c] % kSlots];
-      out.store(c, a, keys.body(element), f.normal, f.gap, f.arm_a, f.arm_b);
+      const Index j = keys.body(element);
+      const Vec3d d =
+          minimum_image(test.bodies.position[j] - test.bodies.position[a], test.range.period);
+      out.store(c, a, j, f.normal, f.gap, f.arm_a(d), f.arm_b(d));
       return;
     }
     const BodySample body = test.load(a);

@@ -16,12 +16,47 @@ struct NearPairs {
       touching;  ///< [piece count] bit k: the k-th candidate is a contact of two spheres
 };
 
-/// What is stored of a contact until all of them are counted.
+/// What is stored of a contact until all of them are counted: in float the 32 bytes that a device writes at a time, and else reads
+/// first. Its points lie over each other, so the lever arm of one body follows from that of the other: that of the smaller one is
+/// kept, as the rounding of a long arm would be too much for a short one.
 template <class Real>
-struct FoundContact {
+struct alignas(16) FoundContact {
+  Vec3<Real> normal;
   Real gap = 0;
-  Vec3<Real> normal, arm_a, arm_b;
+  Vec3<Real> arm;
+  Real is_arm_of_b = 0;  ///< or 1
+
+  FoundContact() = default;
+  SCREE_HD FoundContact(const ContactGeometry& g, bool is_b_smaller)
+      : normal(g.normal),
+        gap(static_cast<Real>(g.gap)),
+        arm(is_b_smaller ? g.arm_b : g.arm_a),
+        is_arm_of_b(is_b_smaller ? Real(1) : Real(0)) {}
+  /// @param d  center of A to center of B [m]
+  SCREE_HD Vec3<Real> arm_a(const Vec3d& d) const {
+    return is_arm_of_b > Real(0) ? Vec3<Real>(Vec3d(arm) - way() + d) : arm;
+  }
+  SCREE_HD Vec3<Real> arm_b(const Vec3d& d) const {
+    return is_arm_of_b > Real(0) ? arm : Vec3<Real>(Vec3d(arm) + way() - d);
+  }
+
+ private:
+  SCREE_HD Vec3d way() const { return static_cast<double>(gap) * Vec3d(normal); }
 };
+
+/// Features of the contacts of a pair, ascending.
+struct PairFeatures {
+  static constexpr int kBits = 16;
+  std::uint64_t bits = 0;
+
+  SCREE_HD void set(Index c, std::uint32_t feature) {
+    bits |= static_cast<std::uint64_t>(feature) << (kBits * c);
+  }
+  SCREE_HD std::uint32_t operator[](Index c) const {
+    return static_cast<std::uint32_t>(bits >> (kBits * c)) & ((1u << kBits) - 1);
+  }
+};
+static_assert(PairFeatures::kBits * Manifold::kMaxContacts <= 64);
 
 /// Searches of a step: one, and those with wider margins.
 inline constexpr int kMostSearches = 3;
@@ -44,8 +79,7 @@ template <class Real>
 struct ContactStores : StorePlaces {
   static constexpr Index kSlots = Manifold::kMaxContacts;
 
-  Span<std::uint32_t> feature[kMostSearches];       ///< [pairs computed][kSlots]
-  Span<FoundContact<Real>> contact[kMostSearches];  ///< the same
+  Span<FoundContact<Real>> contact[kMostSearches];  ///< [pairs computed][kSlots]
 
   SCREE_HD Offset slot(int store, Index place) const {
     return static_cast<Offset>(place - begin[store]) * kSlots;
@@ -68,10 +102,11 @@ inline constexpr Index kNoPlace = -1;
 
 /// Near pairs and what was found of them.
 struct PairNotes {
-  Span<std::uint64_t> key;  ///< [pairs] bodies, ascending: see make_key()
-  Span<Index> count;        ///< [pairs] contacts
-  Span<Index> place;        ///< [pairs] where these are stored, see StorePlaces
-  Span<SameList> same;      ///< [pairs] envelopes for which that holds
+  Span<std::uint64_t> key;      ///< [pairs] bodies, ascending: see make_key()
+  Span<Index> count;            ///< [pairs] contacts
+  Span<PairFeatures> features;  ///< [pairs] of these
+  Span<Index> place;            ///< [pairs] where they are stored, see StorePlaces
+  Span<SameList> same;          ///< [pairs] envelopes for which that holds
 
   /// Number of a pair; -1: it is none of these.
   SCREE_HD Index find(std::uint64_t wanted) const {
@@ -80,8 +115,10 @@ struct PairNotes {
     return q < end && key[q] == wanted ? q : -1;
   }
   /// @param found  contacts, stored at the place
-  SCREE_HD void set(Index q, Index found, Index at, const SameList& holds_for) const {
+  SCREE_HD void set(Index q, Index found, const PairFeatures& of_contacts, Index at,
+                    const SameList& holds_for) const {
     count[q] = found;
+    features[q] = of_contacts;
     place[q] = at;
     same[q] = holds_for;
   }
@@ -132,26 +169,25 @@ struct LoadedPair {
 /// The pairs that a program computes, and where it stores their contacts.
 template <class P, class Real>
 struct ComputedPairs {
+  static_assert(P::kFeatureBits <= PairFeatures::kBits);
+
   ContactTest<ShapeMix::any, Real> test;
   Span<const Index> pair;  ///< of this program
   PairNotes notes;
-  Index place;                  ///< of the first pair
-  Span<std::uint32_t> feature;  ///< [pairs of this program][kSlots] out
-  Span<FoundContact<Real>> contact;
+  Index place;                       ///< of the first pair
+  Span<FoundContact<Real>> contact;  ///< [pairs of this program][kSlots] out
 
   SCREE_HD LoadedPair<P, Real> load(Index k) const { return {test, notes.key[pair[k]]}; }
   /// Contact c of pair k.
-  SCREE_HD void store(Index k, Index c, const OrderedPair<P>& order, std::uint32_t of_feature,
+  SCREE_HD void store(Index k, Index c, const LoadedPair<P, Real>& p,
                       const ContactGeometry& found) const {
     const Offset slot = static_cast<Offset>(k) * ContactStores<Real>::kSlots + c;
-    const ContactGeometry g = order.in_memory(found);
-    feature[slot] = of_feature;
-    contact[slot] = {static_cast<Real>(g.gap), Vec3<Real>(g.normal), Vec3<Real>(g.arm_a),
-                     Vec3<Real>(g.arm_b)};
+    contact[slot] = FoundContact<Real>(p.order.in_memory(found), p.other.radius < p.body.radius);
   }
   /// All is found of pair k.
-  SCREE_HD void note(Index k, Index count, const SameList& same) const {
-    notes.set(pair[k], count, place + k, same);
+  SCREE_HD void note(Index k, Index count, const PairFeatures& features,
+                     const SameList& same) const {
+    notes.set(pair[k], count, features, place + k, same);
   }
 };
 
@@ -167,15 +203,18 @@ struct FindPairContacts {
     const LoadedPair<P, Real> p = pairs.load(k);
     SameList same = p.same();
     Index count = 0;
+    PairFeatures features;
     if constexpr (P::kFeatureBits == 0) {
       const ContactGeometry g = P::contact(p.order.a, p.order.b, p.order.d, 0);
-      if (p.listed(same)(g)) pairs.store(k, count++, p.order, 0, g);
+      if (p.listed(same)(g)) pairs.store(k, count++, p, g);
     } else {
       const Manifold m = P::manifold(p.order.a, p.order.b, p.order.d, p.most, p.listed(same));
-      for (; count < m.count; ++count)
-        pairs.store(k, count, p.order, m.feature[count], m.contact[count]);
+      for (; count < m.count; ++count) {
+        features.set(count, m.feature[count]);
+        pairs.store(k, count, p, m.contact[count]);
+      }
     }
-    pairs.note(k, count, same);
+    pairs.note(k, count, features, same);
   }
 };
 
@@ -184,7 +223,7 @@ struct FindPairContacts {
 inline constexpr int kPartBlocks = 4;
 
 /// The first part of a program in parts: how the bodies lie, unless a search before told. It takes the pairs that are too far
-/// apart out, and says which need the second part.
+/// apart out, and says which need the second part, and which of them for longer.
 template <InParts P, class Real>
 struct SearchPairs {
   static constexpr const char* name = "search_pairs";
@@ -194,7 +233,8 @@ struct SearchPairs {
   SearchStores<typename P::Search> before;
   Span<typename P::Search> search;  ///< [pairs of this program] out
   Span<Index> is_near;              ///< [pairs of this program] out: 1 or 0
-  Span<Index> is_open;              ///< the same, of programs that finish searches
+  Span<Index> is_open;  ///< the same, of programs that finish searches: but for those that are deep
+  Span<Index> is_deep;  ///< the same
 
   SCREE_HD void operator()(Index k) const {
     const LoadedPair<P, Real> p = pairs.load(k);
@@ -202,37 +242,53 @@ struct SearchPairs {
     const auto found = P::search(p.order.a, p.order.b, p.order.d, p.most,
                                  old == kNoPlace ? nullptr : &before[old]);
     search[k] = found;
-    if constexpr (Finishes<P>) is_open[k] = found.is_open() ? 1 : 0;
+    if constexpr (Finishes<P>) {
+      is_deep[k] = found.is_deep() ? 1 : 0;
+      is_open[k] = found.is_open() && !found.is_deep() ? 1 : 0;
+    }
     is_near[k] = found.is_beyond() ? 0 : 1;
-    if (found.is_beyond()) pairs.note(k, 0, p.same());
+    if (found.is_beyond()) pairs.note(k, 0, {}, p.same());
   }
 };
 
-/// The second part, of those that need it.
+/// The second part, of those that need it. Those that take long lie beside each other.
 template <Finishes P, class Real>
 struct FinishPairs {
   static constexpr const char* name = "finish_pairs";
   static constexpr int kBlockThreads = 64;
   ComputedPairs<P, Real> pairs;
-  FlaggedList open;
+  FlaggedLists open;
   Span<typename P::Search> search;  ///< in and out
+  Span<Index> may_pass;             ///< [pairs of this program] out, of these: 1 or 0
 
   SCREE_HD void operator()(Index n) const {
-    if (!open.has(n)) return;
-    const Index k = open.element[n];
+    const Index k = open.find(n);
+    if (k < 0) return;
     const LoadedPair<P, Real> p = pairs.load(k);
     P::finish(p.order.a, p.order.b, p.order.d, search[k]);
+    may_pass[k] = search[k].may_pass ? 1 : 0;
   }
 };
 
-/// Programs whose searches tell whether bodies meet in a face, which takes the third part longer.
-template <class P>
-concept TellsFacets = InParts<P> && requires(const typename P::Search& search) {
-  search.has_facet;
+/// Finds how bodies pass each other, of pairs that may.
+template <Finishes P, class Real>
+struct PassPairs {
+  static constexpr const char* name = "pass_pairs";
+  static constexpr int kBlockThreads = 64;
+  ComputedPairs<P, Real> pairs;
+  FlaggedList passing;
+  Span<typename P::Search> search;  ///< in and out
+
+  SCREE_HD void operator()(Index n) const {
+    if (!passing.has(n)) return;
+    const Index k = passing.element[n];
+    const LoadedPair<P, Real> p = pairs.load(k);
+    P::pass(p.order.a, p.order.b, p.order.d, search[k]);
+  }
 };
 
-/// Takes those pairs out of the ones that are not too far apart.
-template <TellsFacets P>
+/// Takes pairs that meet in a face out of those that are not too far apart: the third part takes longer for them.
+template <Finishes P>
 struct SplitByFacets {
   static constexpr const char* name = "split_by_facets";
   Span<const typename P::Search> search;
@@ -261,11 +317,13 @@ struct FindSearchedContacts {
     const LoadedPair<P, Real> p = pairs.load(k);
     SameList same = p.same();
     Index count = 0;
+    PairFeatures features;
     P::contacts(p.order.a, p.order.b, p.order.d, search[k], p.most, p.listed(same),
                 [&](std::uint32_t feature, const ContactGeometry& g) {
-                  pairs.store(k, count++, p.order, feature, g);
+                  features.set(count, feature);
+                  pairs.store(k, count++, p, g);
                 });
-    pairs.note(k, count, same);
+    pairs.note(k, count, features, same);
   }
 };
 

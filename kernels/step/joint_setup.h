@@ -26,6 +26,7 @@ struct JointDrive {
   double damping = 0;    ///< [N s/m or N m s/rad]
   double most = 0;       ///< that motor or spring give [N or N m]; zero: there is none
   double friction = 0;   ///< that friction gives at most [N or N m]
+  double share = 1;      ///< of the mobility of a spring, what the joints about it leave
 
   SCREE_HD bool is_used() const {
     return lower > -INFINITY || upper < INFINITY || most > 0 || friction > 0;
@@ -388,8 +389,9 @@ struct JointSetup {
       const double rate = r.force_is_last ? dot(axis, b.anchor_velocity() - a.anchor_velocity())
                                           : unit * dot(axis, b.turning - a.turning);
       const double before = rate - drift;  // mean of the last step
-      // (h w)^2 with the mass that the row moves where the others hold.
-      const double mobility = static_cast<double>(r.scale) / (inverse * inverse * unit * unit);
+      // (h w)^2 with the mass that the row moves where the others hold, and other joints.
+      const double mobility =
+          d.share * static_cast<double>(r.scale) / (inverse * inverse * unit * unit);
       const double rigidity = h * h * d.stiffness * mobility;
       const double share = rigidity / (1 + rigidity);
       const double alpha = 0.25 + 0.75 * share, beta = 0.25 - 0.25 * share;

@@ -220,7 +220,7 @@ SCREE_HD inline ConvexCore core_of_box(const BoxAxes& box, const Vec3d& center) 
 SCREE_HD inline bool nearest_contact(const BoxPair& pair, ContactGeometry& g) {
   const ConvexCore a = core_of_box(pair.box[0], {}), b = core_of_box(pair.box[1], pair.d);
   const CoreSearch found = convex_parts::find_nearest(a, b, a.size() + b.size(), 1e300);
-  if (found.state != CoreSearch::State::apart) return false;
+  if (found.state != CoreSearch::State::parted) return false;
   const CoreDistance distance = found.distance();
   g.normal = distance.normal;
   g.gap = distance.separation;

@@ -26,10 +26,11 @@ struct CoreEdge {
 struct CoreFacet {
   static constexpr int kMaxPoints = 8;
   int count = 0;
-  double radius = 0;        ///< of a disc [m]; 0: it is none
-  Vec3d middle, axis;       ///< of a disc: its middle [m], and unit along its normal
-  Vec3d point[kMaxPoints];  ///< [m]
-  Vec3d side[kMaxPoints];   ///< unit, out of the side from each point to the next: see set_sides()
+  double radius = 0;              ///< of a disc [m]; 0: it is none
+  Vec3d middle, axis;             ///< of a disc: its middle [m], and unit along its normal
+  Room<Vec3d, kMaxPoints> point;  ///< [m]
+  Room<Vec3d, kMaxPoints>
+      side;  ///< unit, out of the side from each point to the next: see set_sides()
   std::uint8_t
       name[kMaxPoints];  ///< of each point among those of its core; stays from step to step
 

@@ -21,23 +21,28 @@ struct CoreDistance {
   Vec3d on_a, on_b;  ///< the nearest points of cores that are apart [m]
 };
 
-/// How far the search for that has come. It has two parts, since the second takes much memory and is for few pairs.
-struct CoreSearch {
+/// How far the search for that has come. It has two parts, since the second is for fewer pairs, and takes much memory for some.
+struct alignas(16) CoreSearch {
   enum class State : std::uint8_t {
     beyond,  ///< they are farther apart than was asked for; `separation` is at most their distance
     apart,   ///< it has ended
     overlapping,  ///< it has ended, too
+    parted,       ///< open: they are apart, and it is not known whether by a face
     touching,     ///< open: the surface of M passes through the origin, but for rounding
     inside        ///< open: the origin is inside of M
   };
   State state = State::beyond;
-  bool has_facet = false;  ///< the normal is that of a face
-  bool is_ahead = false;   ///< of a face that parts the cores longer, see look_ahead()
-  double separation = 0;   ///< [m]
+  bool has_facet = false;       ///< the normal is that of a face, but for kFaceCosine
+  bool is_ahead = false;        ///< of a face that parts the cores longer, see look_ahead()
+  bool may_pass = false;        ///< it has ended, but for look_ahead()
+  std::uint8_t unused[4] = {};  ///< a device reads first what it writes in parts
+  double separation = 0;        ///< [m]
   Vec3d point[4];  ///< normal and nearest points; inside: corners of a tetrahedron about the origin
 
   SCREE_HD bool is_beyond() const { return state == State::beyond; }
-  SCREE_HD bool is_open() const { return state == State::touching || state == State::inside; }
+  SCREE_HD bool is_open() const { return state == State::parted || is_deep(); }
+  /// Open, and the second part takes a polytope.
+  SCREE_HD bool is_deep() const { return state == State::touching || state == State::inside; }
   /// Whether it also tells what a search within that distance would [m].
   SCREE_HD bool holds(double most) const { return !is_beyond() || separation > most; }
   SCREE_HD CoreDistance distance() const {
@@ -179,7 +184,13 @@ SCREE_HD inline CoreSearch find_nearest(const ConvexCore& a, const ConvexCore& b
                                         double most) {
   using State = CoreSearch::State;
   CoreSearch out;
-  DifferencePoint v = farthest(a, b, a.center - b.center);
+  const Vec3d between = b.center - a.center;
+  DifferencePoint v = farthest(a, b, -between);
+  const double along = dot(v.w, between), way = norm(between);
+  if (along > most * way) {
+    out.separation = along / way;
+    return out;
+  }
   Simplex s(v);
   double length2 = norm2(v.w);
   for (int step = 0; step < 64; ++step) {
@@ -208,7 +219,7 @@ SCREE_HD inline CoreSearch find_nearest(const ConvexCore& a, const ConvexCore& b
   if (out.separation <= 1e-9 * size) {
     out.state = State::touching;
   } else if (!(out.separation > most)) {
-    out.state = State::apart;
+    out.state = State::parted;
     out.point[0] = (1 / out.separation) * v.w;
     out.point[1] = v.a;
     out.point[2] = v.a + v.w;
@@ -262,6 +273,7 @@ class Polytope {
 
   Vec3d normal{0, 0, 1};  ///< unit, out of M
   double depth = 1e300;   ///< [m]
+  Vec3d deepest;          ///< the point of M that is farthest along it [m]
 
  private:
   static constexpr int kMaxVertices = 28;
@@ -279,6 +291,7 @@ class Polytope {
     if (found < depth) {
       depth = found;
       normal = n;
+      deepest = x;
     }
     return x;
   }
@@ -379,31 +392,43 @@ class Polytope {
 /// Faces are preferred to other directions of overlap that are better by less than this part of the size. Ellipsoids lie
 /// flat on none, and over an edge between faces that are nearly parallel they are deepest along neither normal.
 inline constexpr double kFaceBias = 1e-4, kFaceBiasOfEllipsoids = 1e-9;
+/// Cosine of the largest angle by which a normal is that of a face.
+inline constexpr double kFaceCosine = 1 - 5e-7;
 
 namespace convex_parts {
 
 /// Of the normals of faces, which are what bodies rest on, the one along which cores are farthest apart, without the rounding
-/// of a search. @return  how far [m]
-SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, double size,
-                                 const Vec3d& toward, Vec3d& normal) {
-  double best = -1e300;
-  for (int side = 0; side < 2; ++side) {
-    const ConvexCore& core = side == 0 ? a : b;
-    const ConvexCore& other = side == 0 ? b : a;
-    const double sign = side == 0 ? 1 : -1;
-    const std::uint32_t top = core.top(sign * toward);
-    for (int k = 0; k < core.normal_count(); ++k) {
-      const Vec3d out = core.face_normal(k, sign * toward, top), n = sign * out;
-      const double found =
-          dot(other.center + other.support(-out) - core.center - core.on_face(out, top), out);
-      if (found > best + 1e-9 * size) {
-        best = found;
+/// of a search.
+struct BestFace {
+  double separation = -1e300;  ///< along it [m]
+  Vec3d normal;                ///< unit, from A to B
+  bool is_near =
+      false;  ///< a normal, this or another, differs from `toward` by less than kFaceCosine tells
+
+  /// @param toward  a direction near those that are looked for, unit, from A to B
+  /// @param known   a point of M: along no normal are cores farther apart than that is
+  /// @param least   normals along which cores are not that far apart do not count [m]
+  SCREE_HD BestFace(const ConvexCore& a, const ConvexCore& b, double size, const Vec3d& toward,
+                    const Vec3d& known, double least) {
+    for (int side = 0; side < 2; ++side) {
+      const ConvexCore& core = side == 0 ? a : b;
+      const ConvexCore& other = side == 0 ? b : a;
+      const double sign = side == 0 ? 1 : -1;
+      const std::uint32_t top = core.top(sign * toward);
+      for (int k = 0; k < core.normal_count(); ++k) {
+        const Vec3d out = core.face_normal(k, sign * toward, top), n = sign * out;
+        is_near = is_near || dot(n, toward) >= kFaceCosine;
+        if (dot(known, n) < least - 1e-9 * size) continue;
+        const double found =
+            dot(other.center + other.support(-out) - core.center - core.on_face(out, top), out);
+        if (!(found >= least) || found <= separation + 1e-9 * size) continue;
+        separation = found;
         normal = n;
       }
     }
   }
-  return best;
-}
+  SCREE_HD bool is() const { return separation > -1e300; }
+};
 
 }  // namespace convex_parts
 
@@ -411,28 +436,27 @@ SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, doubl
 /// @param most  cores that are farther apart need no exact answer [m]
 [[gnu::noinline]] SCREE_HD inline CoreSearch search_distance(const ConvexCore& a,
                                                              const ConvexCore& b, double most) {
-  const double size = a.size() + b.size();
-  CoreSearch out = convex_parts::find_nearest(a, b, size, most);
-  if (out.state != CoreSearch::State::apart) return out;
-  Vec3d face;
-  const double by_face = convex_parts::best_face(a, b, size, out.point[0], face);
-  if (by_face >= out.separation * (1 - 1e-7)) {
-    out.point[0] = face;
-    out.has_facet = true;
-  }
-  return out;
+  return convex_parts::find_nearest(a, b, a.size() + b.size(), most);
+}
+
+/// The second part, of cores that are apart.
+SCREE_HD inline void finish_parted(const ConvexCore& a, const ConvexCore& b, CoreSearch& search) {
+  const double gap = search.separation;
+  const convex_parts::BestFace face(a, b, a.size() + b.size(), search.point[0],
+                                    gap * search.point[0], gap * (1 - 1e-7));
+  search.state = CoreSearch::State::apart;
+  search.has_facet = face.is_near;
+  if (face.is()) search.point[0] = face.normal;
 }
 
 /// The second part, of cores that touch or overlap: its arrays are in the stack once.
-[[gnu::noinline]] SCREE_HD inline void finish_distance(const ConvexCore& a, const ConvexCore& b,
-                                                       CoreSearch& search) {
+[[gnu::noinline]] SCREE_HD inline void finish_deep(const ConvexCore& a, const ConvexCore& b,
+                                                   CoreSearch& search) {
   const double size_a = a.size(), size_b = b.size();
   const double size = size_a + size_b, least = size_a < size_b ? size_a : size_b;
   convex_parts::Polytope polytope(a, b, size);
   polytope.grow(search.state == CoreSearch::State::inside ? search.point : nullptr);
   if (a.is_curved() || b.is_curved()) polytope.turn();
-  Vec3d face;
-  const double by_face = convex_parts::best_face(a, b, size, -polytope.normal, face);
   // Of two edges, exactly: a polytope only comes near the normal of round sides that cross.
   Vec3d crossing;
   double by_edges = -1e300;
@@ -461,19 +485,31 @@ SCREE_HD inline double best_face(const ConvexCore& a, const ConvexCore& b, doubl
     offer((1 / size) * (between - dot(between, core.axis[2]) * core.axis[2]));
   }
   search.state = CoreSearch::State::overlapping;
-  const double most_apart = by_edges > -polytope.depth ? by_edges : -polytope.depth;
   using Form = ConvexCore::Form;
   const bool has_ellipsoid = a.form == Form::ellipsoid || b.form == Form::ellipsoid;
-  if (by_face >= most_apart - (has_ellipsoid ? kFaceBiasOfEllipsoids : kFaceBias) * least) {
-    search.point[0] = face;
-    search.has_facet = true;
-    search.separation = by_face;
+  const double most_apart = by_edges > -polytope.depth ? by_edges : -polytope.depth;
+  const double needed = most_apart - (has_ellipsoid ? kFaceBiasOfEllipsoids : kFaceBias) * least;
+  const convex_parts::BestFace face(a, b, size, -polytope.normal, polytope.deepest, needed);
+  search.has_facet = face.is() || face.is_near;
+  if (face.is()) {
+    search.point[0] = face.normal;
+    search.separation = face.separation;
   } else if (by_edges >= -polytope.depth - 1e-9 * size) {
     search.point[0] = crossing;
     search.separation = by_edges;
   } else {
     search.point[0] = -polytope.normal;
     search.separation = -polytope.depth;
+  }
+}
+
+/// The second part.
+[[gnu::noinline]] SCREE_HD inline void finish_distance(const ConvexCore& a, const ConvexCore& b,
+                                                       CoreSearch& search) {
+  if (search.is_deep()) {
+    finish_deep(a, b, search);
+  } else {
+    finish_parted(a, b, search);
   }
 }
 
@@ -487,17 +523,31 @@ SCREE_HD inline CoreDistance core_distance(const ConvexCore& a, const ConvexCore
   return whole_search(a, b, most).distance();
 }
 
-/// Takes the face that parts cores longest on their way, see ahead.h: `separation` along its normal is that of the end of the step.
+SCREE_HD inline Passing passing_of(const ConvexCore& a, const ConvexCore& b) {
+  const double thick_a = a.thickness(), thick_b = b.thickness();
+  return {thick_a < thick_b ? thick_a : thick_b};
+}
+/// Whether cores go far enough along the normal between them for another plane to part them longer.
 /// @param way     of B relative to A in the step [m]
 /// @param search  has ended
+SCREE_HD inline bool may_pass(const ConvexCore& a, const ConvexCore& b, const Vec3d& way,
+                              const CoreSearch& search) {
+  const Passing passing = passing_of(a, b);
+  const double gap = search.separation - a.rounding - b.rounding;
+  const double approach = -dot(search.point[0], way);
+  return passing.parts(gap) && gap < approach && passing.goes_far(approach, 0);
+}
+
+/// Takes the face that parts cores longest on their way, see ahead.h: `separation` along its normal is that of the end of the step.
+/// @param way     of B relative to A in the step [m]
+/// @param search  has ended, and may_pass()
 [[gnu::noinline]] SCREE_HD inline void look_ahead(const ConvexCore& a, const ConvexCore& b,
                                                   const Vec3d& way, CoreSearch& search) {
-  const double thick_a = a.thickness(), thick_b = b.thickness();
-  const Passing passing{thick_a < thick_b ? thick_a : thick_b};
+  search.may_pass = false;
+  const Passing passing = passing_of(a, b);
   const double rounding = a.rounding + b.rounding, gap = search.separation - rounding;
   const Vec3d normal = search.point[0];
   const double approach = -dot(normal, way);
-  if (!passing.parts(gap) || gap >= approach || !passing.goes_far(approach, 0)) return;
   double latest = passing.time(gap, approach) * Passing::kLater;
   // Corners that look at the other core, beside the contact, and points of the cores that are near it.
   const Vec3d along = b.center - a.center;

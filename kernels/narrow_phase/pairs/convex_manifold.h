@@ -60,8 +60,7 @@ struct FacetPlane {
 
 /// How two cores meet, and the contacts that this gives.
 struct CoreMeeting {
-  /// Cosine of the largest angle by which a normal is that of a face, and sine of that by which edges are parallel.
-  static constexpr double kFaceCosine = 1 - 5e-7;
+  /// Sine of the largest angle by which edges are parallel.
   static constexpr double kParallel = 1e-2;
 
   const ConvexCore& a;
@@ -337,7 +336,7 @@ SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, ConvexCo
                                                const Vec3d& d, const Vec3d& way,
                                                std::uint32_t feature) {
   CoreSearch search = whole_search(first, second, 1e300);
-  look_ahead(first, second, way, search);
+  if (may_pass(first, second, way, search)) look_ahead(first, second, way, search);
   const Vec3d moved = search.is_ahead ? way : Vec3d{};
   second.center += moved;
   const CoreMeeting m(first, second, search.distance());
@@ -377,15 +376,16 @@ struct ConvexParts {
     const ConvexCore first = Cores::of_a(a), second = Cores::of_b(b, d);
     const double farthest = most + first.rounding + second.rounding;
     if (before != nullptr && before->holds(farthest)) return *before;
-    CoreSearch found = search_distance(first, second, farthest);
-    if (found.state == CoreSearch::State::apart) look_ahead(first, second, b.way, found);
-    return found;
+    return search_distance(first, second, farthest);
   }
   SCREE_HD static void finish(const PairSide& a, const PairSide& b, const Vec3d& d,
                               Search& search) {
     const ConvexCore first = Cores::of_a(a), second = Cores::of_b(b, d);
     finish_distance(first, second, search);
-    look_ahead(first, second, b.way, search);
+    search.may_pass = may_pass(first, second, b.way, search);
+  }
+  SCREE_HD static void pass(const PairSide& a, const PairSide& b, const Vec3d& d, Search& search) {
+    look_ahead(Cores::of_a(a), Cores::of_b(b, d), b.way, search);
   }
   template <class Listed, class Emit>
   SCREE_HD static void contacts(const PairSide& a, const PairSide& b, const Vec3d& d,

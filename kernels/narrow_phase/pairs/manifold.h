@@ -31,11 +31,13 @@ template <class P>
 concept InParts = requires {
   typename P::Search;
 };
-/// Whether the search itself is in two parts.
+/// Whether the search itself is in parts, and tells which pairs take long in what follows.
 template <class P>
 concept Finishes = InParts<P> &&
     requires(const PairSide& side, const Vec3d& d, typename P::Search& search) {
   P::finish(side, side, d, search);
+  P::pass(side, side, d, search);
+  search.is_deep() || search.may_pass || search.has_facet;
 };
 
 /// All parts at once. @param most  bodies that are farther apart have none [m]
@@ -45,6 +47,7 @@ SCREE_HD Manifold manifold_in_parts(const PairSide& a, const PairSide& b, const 
   typename P::Search search = P::search(a, b, d, most, nullptr);
   if constexpr (Finishes<P>) {
     if (search.is_open()) P::finish(a, b, d, search);
+    if (search.may_pass) P::pass(a, b, d, search);
   }
   Manifold m;
   P::contacts(a, b, d, search, most, listed,

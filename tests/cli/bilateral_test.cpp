@@ -59,7 +59,7 @@ TEST(CliBilateral, SolutionsHaveTheImpulsesOfTheRows) {
   ASSERT_EQ(scree(scratch, {"convert", dump.string(), local.string()}).code, 0);
   const fs::path out = scratch / "solution.hdf5";
   ASSERT_EQ(
-      scree(scratch, {"solve", local.string(), "--solution", out.string(), "--tolerance", "1e-10"})
+      scree(scratch, {"solve", local.string(), "--solution", out.string(), "--tolerance", "1e-9"})
           .code,
       0);
   const auto p = std::get<LocalProblem>(read_problem(local).form);

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <map>
 
 #include "dynamics/dynamics_card.h"
 #include "host/error.h"
@@ -43,14 +44,19 @@ void note_without_effect(const Node& root, Draft& draft) {
         draft.notes.push_back(fmt::format(
             "\"{}\" has no effect: the dynamics \"{}\" have keys of their own in \"dynamics\"", key,
             scene.dynamics.type));
-  std::size_t late = 0;
-  for (const Insertion& insertion : scene.insertions)
-    if (insertion.time > scene.stepping.duration)
-      late += insertion.bodies.size() + insertion.particles.size();
-  if (late > 0)
-    draft.notes.push_back(fmt::format(
-        "{} {} of \"bodies\" and \"particles\" would come after the end of the run, {:g} s", late,
-        late == 1 ? "entry" : "entries", scene.stepping.duration));
+  // Layers of a rain are batches of one entry, of which some may come.
+  std::map<std::string, std::size_t> late;
+  for (const Insertion& insertion : scene.insertions) {
+    if (!(insertion.time > scene.stepping.duration)) continue;
+    for (const BodyDescription& body : insertion.bodies)
+      ++late[fmt::format("bodies[{}]", body.entry)];
+    for (const ParticleSet& set : insertion.particles)
+      late[fmt::format("particles[{}]", set.entry)] += set.position.size();
+  }
+  for (const auto& [entry, count] : late)
+    draft.notes.push_back(fmt::format("{} {} of {} would come after the end of the run, {:g} s",
+                                      count, count == 1 ? "body" : "bodies", entry,
+                                      scene.stepping.duration));
 }
 
 /// Gives the scene the names of its bodies, now that their ids are known.

@@ -218,9 +218,9 @@ struct FindPairContacts {
   }
 };
 
-/// Programs in parts have their stack in memory: with four blocks of 64 threads on a multiprocessor one waits while another runs,
+/// Programs in parts have their stack in memory: with six blocks of 64 threads on a multiprocessor one waits while another runs,
 /// and with more their stacks put each other out of the nearest cache.
-inline constexpr int kPartBlocks = 4;
+inline constexpr int kPartBlocks = 6;
 
 /// The first part of a program in parts: how the bodies lie, unless a search before told. It takes the pairs that are too far
 /// apart out, and says which need the second part, and which of them for longer.
@@ -256,6 +256,7 @@ template <Finishes P, class Real>
 struct FinishPairs {
   static constexpr const char* name = "finish_pairs";
   static constexpr int kBlockThreads = 64;
+  static constexpr int kLeastBlocks = kPartBlocks;
   ComputedPairs<P, Real> pairs;
   FlaggedLists open;
   Span<typename P::Search> search;  ///< in and out
@@ -275,6 +276,7 @@ template <Finishes P, class Real>
 struct PassPairs {
   static constexpr const char* name = "pass_pairs";
   static constexpr int kBlockThreads = 64;
+  static constexpr int kLeastBlocks = kPartBlocks;
   ComputedPairs<P, Real> pairs;
   FlaggedList passing;
   Span<typename P::Search> search;  ///< in and out

@@ -563,14 +563,17 @@ SCREE_HD inline bool may_pass(const ConvexCore& a, const ConvexCore& b, const Ve
     for (int k = 0; k < core.normal_count_at(corner); ++k) {
       const Vec3d out = core.normal_at(k, corner), n = side == 0 ? out : -out;
       if (std::abs(dot(n, normal)) > Passing::kSame) continue;
-      // A point of the other core that is behind the face tells without a search.
       const Vec3d on_face = core.center + core.on_face(out, corner);
-      if (!passing.parts(dot((side == 0 ? near_b : near_a) - on_face, out) - rounding)) continue;
+      const double nearer = -dot(n, way);
+      const auto is_later = [&](double gap_of_face) {
+        return passing.parts(gap_of_face) && passing.time(gap_of_face, nearer) > latest &&
+               passing.goes_far(approach, nearer);
+      };
+      // A point of the other core tells of most faces without a search for the one nearest to them.
+      if (!is_later(dot((side == 0 ? near_b : near_a) - on_face, out) - rounding)) continue;
       const double found = dot(other.center + other.support(-out) - on_face, out) - rounding;
-      const double nearer = -dot(n, way), time = passing.time(found, nearer);
-      if (!passing.parts(found) || !(time > latest) || !passing.goes_far(approach, nearer))
-        continue;
-      latest = time * Passing::kLater;
+      if (!is_later(found)) continue;
+      latest = passing.time(found, nearer) * Passing::kLater;
       search.state = CoreSearch::State::overlapping;
       search.has_facet = true;
       search.is_ahead = true;

@@ -345,6 +345,20 @@ TEST(SceneReader, TextOfASceneHasOverridesAndNoComments) {
   EXPECT_EQ(parsed(text).seed, 9u);
 }
 
+// Layers of a rain are one entry, and those before the end come.
+TEST(SceneReader, TellsWhatWouldComeAfterTheEnd) {
+  std::vector<std::string> notes;
+  parse_scene(R"({"time_step": 0.1, "duration": 1,
+    "bodies": [{"shape": "sphere", "radius": 1, "mass": 1, "insert_at": 0.5},
+               {"shape": "sphere", "radius": 1, "mass": 1, "insert_at": 2, "position": [9, 0, 0]}],
+    "particles": [{"layout": "rain", "count": 60, "radius": 0.1, "density": 1, "layers": 6, "interval": 0.25,
+                   "velocity": [0, 0, -4], "region": {"min": [0, 0, 5], "max": [4, 4, 5.5]}}]})",
+              "scene.json", {}, {}, &notes);
+  EXPECT_THAT(notes, testing::ElementsAre(
+                         "1 body of bodies[1] would come after the end of the run, 1 s",
+                         "10 bodies of particles[0] would come after the end of the run, 1 s"));
+}
+
 TEST(SceneReader, RandomLayoutsFollowTheSeed) {
   const std::string text = with_particles(
       R"({"layout": "random", "count": 20, "radius": 0.05, "density": 1000,

@@ -71,6 +71,7 @@ class ImpactPhase {
     test.time_step = static_cast<Real>(stepping.time_step);
     test.threshold = static_cast<Real>(stepping.restitution_threshold);
     test.touching_gap = static_cast<Real>(kTouching * envelope);
+    test.lifts = !exact_;
     test.gravity_step = gravity_step;
     test.load_gain = load_gain;
     while (stats.rounds < kRounds && round(b, assembly, test, stats)) ++stats.rounds;

@@ -26,15 +26,6 @@ void lighten(Image& image, double left, double top, double right, double bottom)
   }
 }
 
-/// The step of two to four round numbers in a range.
-double tick_step(const ColorRange& range) {
-  const double least = (range.high - range.low) / 3;
-  const double unit = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (factor * unit >= least * (1 - 1e-9)) return factor * unit;
-  return 10 * unit;
-}
-
 /// @param size  of the letters [pixels]
 void add_bar(Image& image, std::string_view title, const ColorRange& range, double size) {
   const double width = 16 * size, height = 0.8 * size, border = 0.9 * size, side = 2.6 * size;
@@ -55,12 +46,11 @@ void add_bar(Image& image, std::string_view title, const ColorRange& range, doub
                   static_cast<std::size_t>(k)] = to_srgb(color[k]);
   }
   draw_text(image, title, left, top - 0.7 * size, size);
-  const double step = tick_step(range);
   double free_from = -1e300;  // where the label before ends
-  for (double k = std::ceil(range.low / step - 1e-9); k * step <= range.high + 1e-9 * step; ++k) {
-    const std::string text = fmt::format("{:.6g}", k == 0 ? 0.0 : k * step);
+  for (const double tick : bar_ticks(range)) {
+    const std::string text = fmt::format("{:.6g}", tick);
     const double x =
-        left + width * std::clamp((k * step - range.low) / (range.high - range.low), 0.0, 1.0);
+        left + width * std::clamp((tick - range.low) / (range.high - range.low), 0.0, 1.0);
     const double half = 0.5 * text_width(text, size);
     if (x - half < free_from) continue;
     draw_text(image, text, x - half, bottom + 1.7 * size, size);
@@ -69,6 +59,22 @@ void add_bar(Image& image, std::string_view title, const ColorRange& range, doub
 }
 
 }  // namespace
+
+std::vector<double> bar_ticks(const ColorRange& range) {
+  constexpr double kRounding = 1e-6;  // ends may come from float
+  double unit = std::pow(10.0, std::ceil(std::log10(range.high - range.low)));
+  for (;; unit /= 10) {
+    for (const double factor : {5.0, 2.0, 1.0}) {
+      const double step = factor * unit;
+      const double first = std::ceil(range.low / step - kRounding);
+      const double last = std::floor(range.high / step + kRounding);
+      if (last - first < 1) continue;
+      std::vector<double> ticks;
+      for (double k = first; k <= last; ++k) ticks.push_back(k == 0 ? 0 : k * step);
+      return ticks;
+    }
+  }
+}
 
 std::string time_text(double time, double time_step) {
   const double digits = std::clamp(std::ceil(-std::log10(time_step) - 1e-9), 0.0, 9.0);

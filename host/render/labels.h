@@ -2,6 +2,7 @@
 // Words and numbers on a picture: the time, and what its colors mean.
 
 #include <string>
+#include <vector>
 
 #include "host/scene.h"
 #include "host/world.h"
@@ -13,6 +14,9 @@ struct ColorRange {
   double low = 0;
   double high = 1;  ///< > low
 };
+
+/// Numbers below the bar of a range: multiples of the largest of 1, 2, 5 times a power of ten of which two or more are in it.
+std::vector<double> bar_ticks(const ColorRange& range);
 
 /// "t = 0.250 s", with as many digits as tell steps apart.
 /// @param time       [s]   @param time_step  [s], > 0

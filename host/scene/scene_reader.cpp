@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -57,6 +58,18 @@ void note_without_effect(const Node& root, Draft& draft) {
     draft.notes.push_back(fmt::format("{} {} of {} would come after the end of the run, {:g} s",
                                       count, count == 1 ? "body" : "bodies", entry,
                                       scene.stepping.duration));
+}
+
+/// What is up in pictures of scenes that do not place the camera: the axis that points most against gravity. Floors of slopes,
+/// where gravity is turned instead, stay level.
+void turn_camera(Scene& scene) {
+  CameraSettings& camera = scene.output.picture.camera;
+  if (!camera.automatic) return;
+  int axis = 2;
+  for (int k = 0; k < 2; ++k)
+    if (std::abs(scene.gravity[k]) > std::abs(scene.gravity[axis])) axis = k;
+  camera.up = {};
+  camera.up[axis] = scene.gravity[axis] > 0 ? -1 : 1;
 }
 
 /// Gives the scene the names of its bodies, now that their ids are known.
@@ -125,6 +138,7 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   name_bodies(draft);
   validate_read(draft.scene, file_name);
   note_without_effect(root, draft);
+  turn_camera(draft.scene);
   if (notes != nullptr) *notes = std::move(draft.notes);
   return std::move(draft.scene);
 }

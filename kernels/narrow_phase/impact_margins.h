@@ -5,6 +5,7 @@
 #include "kernels/backend/atomic.h"
 #include "kernels/backend/backend.h"
 #include "kernels/broad_phase/contact_range.h"
+#include "kernels/contact/contact_velocity.h"
 #include "kernels/contact/contact_view.h"
 
 namespace scree {
@@ -19,29 +20,16 @@ struct ImpactGraph {
   double bounce = 0;  ///< largest restitution of bodies that bounce more than once in a step [-]
   double bounce_threshold = 0;  ///< approach speed up to which they do not [m/s]
 
-  /// Velocity of body B relative to body A at contact c [m/s].
-  SCREE_HD Vec3<Real> relative_velocity(Index c) const {
-    const Index a = contacts.body_a[c], b = contacts.body_b[c];
-    const Vec3<Real> u = bodies.velocity[b] - bodies.velocity[a];
-    if (contacts.is_radial(c)) {  // arms r_a n and -r_b n, and walls do not rotate
-      return u - cross(bodies.radius[a] * bodies.angular_velocity[a] +
-                           bodies.radius[b] * bodies.angular_velocity[b],
-                       contacts.normal[c]);
-    }
-    return u + cross(bodies.angular_velocity[b], contacts.lever_b(c)) -
-           cross(bodies.angular_velocity[a], contacts.lever_a(c));
-  }
-
   /// How far contact c may push its two bodies off their course [m]: the way of a closing speed
   /// that would make the surfaces pass each other, since they may bounce, and more than once; or
   /// what a sliding contact lacks of its lift.
   SCREE_HD double push(Index c) const {
     const Vec3<Real> n = contacts.normal[c];
-    const Vec3<Real> u = relative_velocity(c);
+    const Vec3<Real> u = contact_velocity(bodies, contacts, c);
     const double u_n = dot(u, n);
     const double gap = contacts.gap[c] > 0 ? contacts.gap[c] : Real(0);
     const double h = range.h;
-    const double lifted = h * (lift * norm(u - Real(u_n) * n) - u_n) - gap;
+    const double lifted = h * (lift * norm(across(u, n)) - u_n) - gap;
     const bool is_closing = u_n < 0 && gap + h * (u_n + loaded(c)) < 0;
     const double closing = is_closing ? -h * u_n * bounced(u_n) : 0.0;
     return lifted > closing ? lifted : closing;
@@ -68,7 +56,7 @@ struct ImpactGraph {
   /// How far one body of contact c can be pushed toward the other before that is pushed too [m]:
   /// the gap at the end of the step on their present course.
   SCREE_HD double room(Index c) const {
-    const double way = range.h * dot(relative_velocity(c), contacts.normal[c]);
+    const double way = range.h * dot(contact_velocity(bodies, contacts, c), contacts.normal[c]);
     const double gap = contacts.gap[c];
     const double end = way < 0 ? gap + way : gap;
     return end > 0 ? end : 0.0;

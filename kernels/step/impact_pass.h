@@ -5,6 +5,7 @@
 #include "kernels/backend/atomic.h"
 #include "kernels/backend/backend.h"
 #include "kernels/contact/contact_operator.h"
+#include "kernels/contact/contact_velocity.h"
 #include "kernels/step/step_setup.h"
 
 namespace scree {
@@ -18,16 +19,25 @@ struct ImpactTest {
   Real time_step = 0;                ///< h [s]
   Real threshold = 0;                ///< approach speed below which contacts do not bounce [m/s]
   Real touching_gap = 0;             ///< largest gap of bodies that count as touching [m]
+  bool lifts = false;                ///< whether sliding contacts are lifted: the convex law
   Vec3<Real> gravity_step;           ///< h g [m/s]
   Span<const Vec3<Real>> load_gain;  ///< [owned_count] what other loads add [m/s]; empty: none
 
   SCREE_HD const PairLaw<Real>& pair(Index c) const {
     return law(bodies.material[contacts.body_a[c]], bodies.material[contacts.body_b[c]]);
   }
+  /// A contact that is not closed in the step bounces, too, where the law would lift it as it slides: it would be stopped before
+  /// it could bounce.
   /// @param u_n  normal velocity of contact c [m/s]
   SCREE_HD bool bounces(Index c, Real u_n) const {
-    return pair(c).restitution > 0 && u_n < -threshold &&
-           contacts.gap[c] + time_step * (u_n + 2 * half_load(c)) <= 0;
+    const PairLaw<Real>& own = pair(c);
+    if (!(own.restitution > 0 && u_n < -threshold)) return false;
+    Real nearest = contacts.gap[c] + time_step * (u_n + 2 * half_load(c));
+    if (lifts) {
+      const Vec3<Real> u = contact_velocity(bodies, contacts, c);
+      nearest -= time_step * own.friction * norm(across(u, contacts.normal[c]));
+    }
+    return nearest <= 0;
   }
   SCREE_HD bool touches(Index c) const { return contacts.gap[c] <= touching_gap; }
 

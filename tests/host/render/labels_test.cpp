@@ -53,6 +53,24 @@ TEST(Letters, StandOnTheBaseLineAndHaveTheirHeightAndWidth) {
   }
 }
 
+TEST(BarTicks, AreTwoOrMoreRoundNumbers) {
+  const auto expect = [](double low, double high, const std::vector<double>& ticks) {
+    const std::vector<double> found = bar_ticks({low, high});
+    ASSERT_EQ(found.size(), ticks.size()) << low << " " << high;
+    for (std::size_t k = 0; k < ticks.size(); ++k) EXPECT_NEAR(found[k], ticks[k], 1e-12 * high);
+  };
+  expect(0, 1, {0, 1});
+  expect(1, 7.1, {2, 4, 6});
+  expect(0.05f, 0.1f, {0.05, 0.1});
+  expect(-3, 4.5, {-2, 0, 2, 4});
+  expect(997, 1003, {998, 1000, 1002});
+  for (double high = 1.001; high < 20; high *= 1.01) {
+    const std::size_t count = bar_ticks({1, high}).size();
+    EXPECT_GE(count, 2u) << high;
+    EXPECT_LE(count, 5u) << high;
+  }
+}
+
 TEST(Letters, DigitsLookUnlike) {
   std::vector<Image> digits;
   for (char digit = '0'; digit <= '9'; ++digit) {

@@ -359,6 +359,21 @@ TEST(SceneReader, TellsWhatWouldComeAfterTheEnd) {
                          "10 bodies of particles[0] would come after the end of the run, 1 s"));
 }
 
+TEST(SceneReader, PicturesAreAgainstGravityUp) {
+  const auto up = [](const std::string& gravity) {
+    return parsed(
+               R"({"time_step": 1, "duration": 1, "bodies": [{"shape": "sphere", "radius": 1, "mass": 1}],
+                     "gravity": )" +
+               gravity + "}")
+        .output.picture.camera.up;
+  };
+  EXPECT_EQ(up("[0, 0, -9.81]"), Vec3d(0, 0, 1));
+  EXPECT_EQ(up("[0, 0, 0]"), Vec3d(0, 0, 1));
+  EXPECT_EQ(up("[5, 0, -8]"), Vec3d(0, 0, 1));  // a slope
+  EXPECT_EQ(up("[-9.81, 0, 0]"), Vec3d(1, 0, 0));
+  EXPECT_EQ(up("[0, 9.81, 0]"), Vec3d(0, -1, 0));
+}
+
 TEST(SceneReader, RandomLayoutsFollowTheSeed) {
   const std::string text = with_particles(
       R"({"layout": "random", "count": 20, "radius": 0.05, "density": 1000,

@@ -292,7 +292,8 @@ struct CameraSettings {
   Vec3d target{0, 0, 0};
   Vec3d up{0, 0, 1};
   double vertical_angle = 35;  ///< field of view [deg], in (0, 170)
-  bool automatic = true;       ///< frame all bodies; the fields above are then ignored
+  bool automatic =
+      true;  ///< frame all bodies; of the fields above only `up` and the angle count then
 };
 
 enum class ColorBy { speed, size, id, group };

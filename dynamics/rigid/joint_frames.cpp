@@ -51,8 +51,7 @@ JointFrames frames_of(const Scene& scene, const Joint& joint) {
     out.frame[k] = own;
     if (id == kWorldBody) continue;
     const BodyDescription& body = scene.bodies[static_cast<std::size_t>(id)];
-    const Pose pose =
-        body.kind == BodyKind::kinematic ? pose_at(body, 0) : Pose{body.position, body.orientation};
+    const Pose pose = pose_at(body, 0);
     const Quatd q = normalized(pose.orientation);
     out.anchor[k] = rotate_back(q, minimum_image(anchor - pose.position, period));
     out.frame[k] = conjugate(q) * own;

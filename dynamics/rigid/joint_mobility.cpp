@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "dynamics/rigid/collision_settings.h"
@@ -20,10 +21,11 @@ constexpr double kLeastShare = 1e-7;
 
 using Row = Eigen::Matrix<double, 6, 1>;
 
-/// What a row does to one body: force and moment about its center of mass by a unit impulse.
+/// What a unit impulse along a row does to one body.
 struct RowOnBody {
   int body = kWorldBody;
-  Row impulse = Row::Zero();
+  Row impulse = Row::Zero();   ///< force, and moment about the center of mass
+  Row velocity = Row::Zero();  ///< what that gives to the body
 };
 using RowOnBodies = std::array<RowOnBody, 2>;
 
@@ -77,8 +79,7 @@ class Mobility {
     s.frame = joint.frame[which];
     if (id == kWorldId) return s;
     const BodyDescription& body = scene_.bodies[static_cast<std::size_t>(id)];
-    const Pose pose =
-        body.kind == BodyKind::kinematic ? pose_at(body, 0) : Pose{body.position, body.orientation};
+    const Pose pose = pose_at(body, 0);
     const Quatd q = normalized(pose.orientation);
     s.position = pose.position;
     s.arm = rotate(q, joint.anchor[which]);
@@ -110,6 +111,7 @@ class Mobility {
         const Vec3d moment = is_force ? cross((which == 0 ? a : b).arm, force) : sign * axis;
         on.body = joint.body[which];
         on.impulse << force.x, force.y, force.z, moment.x, moment.y, moment.z;
+        if (is_free(on.body)) on.velocity = velocity(on.body, force, moment);
       }
       out.push_back(row);
     }
@@ -125,33 +127,31 @@ class Mobility {
     return out;
   }
 
-  /// Velocity that an impulse gives to a body.
-  Row velocity(int id, const Row& impulse) const {
-    Row v = Row::Zero();
-    if (!is_free(id)) return v;
+  /// Velocity that an impulse gives to a free body. @param moment  about the center of mass
+  Row velocity(int id, const Vec3d& force, const Vec3d& moment) const {
     const BodyDescription& body = scene_.bodies[static_cast<std::size_t>(id)];
-    const Vec3d linear =
-        on_axes(Vec3d{impulse[0], impulse[1], impulse[2]}, free_linear_axes(body.locks));
+    const Vec3d linear = (1 / body.mass) * on_axes(force, free_linear_axes(body.locks));
     const Vec3d angular =
         inverse_on_axes(rotated_diagonal(normalized(body.orientation), body.inertia),
                         free_angular_axes(body.locks)) *
-        Vec3d{impulse[3], impulse[4], impulse[5]};
-    v << linear.x / body.mass, linear.y / body.mass, linear.z / body.mass, angular.x, angular.y,
-        angular.z;
+        moment;
+    Row v;
+    v << linear.x, linear.y, linear.z, angular.x, angular.y, angular.z;
     return v;
   }
   /// Velocity of one row by a unit impulse along another.
-  double coupling(const RowOnBodies& from, const RowOnBodies& to) const {
+  static double coupling(const RowOnBodies& from, const RowOnBodies& to) {
     double sum = 0;
     for (const RowOnBody& on : from)
       for (const RowOnBody& of : to)
-        if (on.body == of.body) sum += of.impulse.dot(velocity(on.body, on.impulse));
+        if (on.body == of.body) sum += of.impulse.dot(on.velocity);
     return sum;
   }
 
   /// Velocity that a unit impulse gives a row while others are held.
-  double left_of(const RowOnBodies& row, const std::vector<RowOnBodies>& held) const {
+  static double left_of(const RowOnBodies& row, const std::vector<RowOnBodies>& held) {
     const double alone = coupling(row, row);
+    if (held.empty()) return alone;
     const auto n = static_cast<Eigen::Index>(held.size());
     Eigen::MatrixXd among(n, n);
     Eigen::VectorXd with(n);

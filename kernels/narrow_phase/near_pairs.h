@@ -16,9 +16,9 @@ struct NearPairs {
       touching;  ///< [piece count] bit k: the k-th candidate is a contact of two spheres
 };
 
-/// What is stored of a contact until all of them are counted: in float the 32 bytes that a device writes at a time, and else reads
-/// first. Its points lie over each other, so the lever arm of one body follows from that of the other: that of the smaller one is
-/// kept, as the rounding of a long arm would be too much for a short one.
+/// What is stored of a contact until all of them are counted: 32 bytes in float, without holes, since a device reads first what
+/// it writes a part of. The two points of a contact lie over each other, so the lever arm of one body follows from that of the
+/// other. That of the smaller one is kept: the rounding of a long arm would be too much for a short one.
 template <class Real>
 struct alignas(16) FoundContact {
   Vec3<Real> normal;

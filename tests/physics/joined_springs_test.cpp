@@ -49,7 +49,7 @@ Scene ball_with_light_ones(int count) {
 }
 
 TEST(JoinedSprings, ALightEndDoesNotDampThem) {
-  // Five periods and some: the damping of a step is W^1.5 / 2 of critical damping, see docs/theory.md.
+  // Four periods and some: the damping of a step is W^1.5 / 2 of critical damping, see docs/theory.md.
   const double alone = swing_after(ball_with_light_ones(0), 2);
   EXPECT_GT(alone, 0.98 * kFirstSwing);
   EXPECT_NEAR(swing_after(ball_with_light_ones(1), 2), alone, 0.01 * kFirstSwing);

@@ -292,8 +292,7 @@ struct CameraSettings {
   Vec3d target{0, 0, 0};
   Vec3d up{0, 0, 1};
   double vertical_angle = 35;  ///< field of view [deg], in (0, 170)
-  bool automatic =
-      true;  ///< frame all bodies; of the fields above only `up` and the angle count then
+  bool automatic = true;       ///< frame all bodies; above only `up` and the angle count then
 };
 
 enum class ColorBy { speed, size, id, group };

@@ -4,6 +4,7 @@
 // triangle alone, so a body that slides over inner edges meets no ghost. Points at inner edges that are flat or concave
 // are left out, too: the corners of the body are over one of the triangles there.
 
+#include "kernels/narrow_phase/pairs/box_box.h"
 #include "kernels/narrow_phase/pairs/convex_manifold.h"
 #include "kernels/narrow_phase/wall_contacts.h"
 #include "kernels/narrow_phase/wall_images.h"

@@ -5,9 +5,9 @@
 // is clipped by planes through its sides. Where two edges are parallel, their common part has two ends. Else there is one
 // contact, at the nearest points. A feature names the points and edges that make a contact.
 
-#include "kernels/narrow_phase/pairs/box_box.h"
 #include "kernels/narrow_phase/pairs/convex_distance.h"
 #include "kernels/narrow_phase/pairs/convex_shapes.h"
+#include "kernels/narrow_phase/pairs/face_points.h"
 #include "kernels/narrow_phase/pairs/manifold.h"
 
 namespace scree {
@@ -304,7 +304,7 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
   if (meeting.reference >= 0) {
     const Vec3d u = any_orthogonal(meeting.distance.normal);
     const Vec3d v = cross(meeting.distance.normal, u);
-    box_box_parts::FacePoints points;
+    FacePoints points;
     meeting.visit([&](int number, const CoreContact& c) {
       if (!wanted(ConvexFeature::of(meeting.reference, number))) {
         is_nearest = false;
@@ -315,7 +315,7 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
       const ContactGeometry g = rounded_contact(meeting, c, d);
       if (listed(g)) points.add(number, pu, pv, g.gap);
     });
-    count = box_box_parts::reduced(points, meeting.tie, kept, least);
+    count = reduced(points, meeting.tie, kept, least);
   }
   if (is_nearest && (count == 0 || meeting.is_cut_off(least))) {
     const ContactGeometry g = rounded_contact(meeting, meeting.nearest(), d);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "kernels/narrow_phase/pairs/box_box.h"
 #include "kernels/narrow_phase/pairs/convex_manifold.h"
 #include "shapes/box.h"
 #include "tests/kernels/narrow_phase/convex_oracle.h"

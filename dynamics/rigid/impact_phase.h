@@ -1,11 +1,12 @@
 #pragma once
 // Impacts of a step by Poisson's hypothesis, before the step's own contact problem: rounds of
-// compression and release on the contacts that bounce and on those that touch them.
+// compression and release on the contacts that bounce and on those that touch them, and on all joints.
 // docs/theory.md, section "Impacts". Memory: 16 bytes a contact and 4 a body while a round searches
 // for impacts; what else it takes goes with the contacts that take part.
 
 #include <cmath>
 
+#include "dynamics/rigid/joints.h"
 #include "dynamics/rigid/problem_assembly.h"
 #include "kernels/step/impact_pass.h"
 #include "solvers/solver.h"
@@ -25,7 +26,7 @@ struct ImpactStats {
   bool converged = true;
 };
 
-/// Impulses of one round.
+/// Impulses of one round, with those of its joints behind them.
 template <class B, class Real>
 struct ImpactImpulses {
   Index count = 0;
@@ -40,6 +41,7 @@ class ImpactPhase {
       : sums_(b, 1),
         changes_(b, 1),
         layout_(layout),
+        period_(periodic_box(scene.periodicity).length),
         exact_(scene.solver.exact_coulomb),
         absolute_(scene.solver.stop.level == StopRule::Level::absolute ? scene.solver.stop.residual
                                                                        : 0) {
@@ -56,11 +58,12 @@ class ImpactPhase {
   }
 
   /// Gives bodies the velocities that they have after their impacts; loads come later.
+  /// @param joints     after place()
   /// @param envelope   up to which contacts are listed [m]
   /// @param load_gain  what loads beside gravity will add to velocities [m/s]; empty: nothing
-  ImpactStats run(B& b, ProblemAssembly<B, Real>& assembly, const BodyView<Real>& bodies,
-                  const ContactView<Real>& contacts, const SteppingSettings& stepping,
-                  double envelope, const Vec3<Real>& gravity_step,
+  ImpactStats run(B& b, ProblemAssembly<B, Real>& assembly, Joints<B, Real>& joints,
+                  const BodyView<Real>& bodies, const ContactView<Real>& contacts,
+                  const SteppingSettings& stepping, double envelope, const Vec3<Real>& gravity_step,
                   Span<const Vec3<Real>> load_gain) {
     forget();
     ImpactStats stats;
@@ -74,7 +77,8 @@ class ImpactPhase {
     test.lifts = !exact_;
     test.gravity_step = gravity_step;
     test.load_gain = load_gain;
-    while (stats.rounds < kRounds && round(b, assembly, test, stats)) ++stats.rounds;
+    while (stats.rounds < kRounds && round(b, {assembly, joints, stepping}, test, stats))
+      ++stats.rounds;
     return stats;
   }
 
@@ -106,8 +110,15 @@ class ImpactPhase {
     Buffer<B, Real> shifted, restitution, least;
   };
 
-  bool round(B& b, ProblemAssembly<B, Real>& assembly, const ImpactTest<Real>& test,
-             ImpactStats& stats) {
+  /// What makes problems.
+  struct Makers {
+    ProblemAssembly<B, Real>& assembly;
+    Joints<B, Real>& joints;
+    const SteppingSettings& stepping;
+  };
+
+  bool round(B& b, const Makers& makers, const ImpactTest<Real>& test, ImpactStats& stats) {
+    const auto& [assembly, joints, stepping] = makers;
     const Index n = test.contacts.count;
     Buffer<B, Index> takes_part(b, n);
     ImpactSums sums;
@@ -121,9 +132,9 @@ class ImpactPhase {
       if (!(sums.bouncing > 0) || sums.approach_squares < enough) return false;
       for (int k = 0; k < kReach; ++k) {
         if (ghosts_ != nullptr) ghosts_->update(b, reached.view());
-        for_each(b, n,
-                 SpreadImpacts<Real>{test, static_cast<float>(kReach + 1 - k), takes_part.view(),
-                                     reached.view()});
+        const auto least = static_cast<float>(kReach + 1 - k);
+        for_each(b, n, SpreadImpacts<Real>{test, least, takes_part.view(), reached.view()});
+        if (joints.count() > 0) joints.spread_impacts(b, test.bodies, least, reached.view());
       }
     }
     Buffer<B, Offset> place(b, static_cast<Offset>(n) + 1);
@@ -133,12 +144,13 @@ class ImpactPhase {
     const auto radial = static_cast<Index>(fetch(b, place.data() + test.contacts.radial_count));
     Round r(b, count);
     ImpactImpulses<B, Real> found{count, Buffer<B, Index>(b, count),
-                                  Buffer<B, Vec3<Real>>(b, vectors(count))};
+                                  Buffer<B, Vec3<Real>>(b, vectors(count) + joints.vectors())};
     ContactProblem<Real>& p = r.step.problem;
     p.layout = layout_;
     p.contact_count = count;
     if (layout_ == ContactLayout::mixed) p.radial_count = radial;
     p.bodies = test.bodies.ranges();
+    if (layout_ == ContactLayout::jointed) ++p.bodies.count;  // the world
     ContactParts parts(layout_);
     parts.bias = parts.friction = true;
     r.step.contacts.resize_discard(parts, count, radial);
@@ -148,13 +160,14 @@ class ImpactPhase {
                                  layout_, radial, r.step.contacts.spans(), r.restitution.view()});
     assembly.set_bodies(b, test.bodies, {}, r.step);
     r.step.lists.build(b, p);
+    const Span<Vec3<Real>> gamma = found.gamma.view(vectors(count) + joints.vectors());
+    fill(b, gamma, Vec3<Real>{});
+    if (joints.count() > 0) joints.join_impacts(b, test.bodies, stepping, period_, r.step, gamma);
     assembly.share(b, r.step);
 
     double tolerance = std::max(kTolerance * std::sqrt(sums.approach_squares / p.contacts_in_all()),
                                 kShareOfThreshold * static_cast<double>(test.threshold));
     if (absolute_ > 0) tolerance = std::min(tolerance, absolute_);
-    const Span<Vec3<Real>> gamma = found.gamma.view(vectors(count));
-    fill(b, gamma, Vec3<Real>{});
     with_rows<Real>(layout_, [&](auto rows) {
       using R = decltype(rows);
       solve<R>(b, r, gamma, tolerance, stats);
@@ -166,6 +179,7 @@ class ImpactPhase {
     });
     for_each(b, test.bodies.owned_count, TakeVelocities<Real>{p, solver_->velocity(), test.bodies});
     solver_->forget_velocity();
+    joints.keep_impacts(b, test.bodies, gamma);
     if (ghosts_ != nullptr) ghosts_->update(b, test.bodies.velocity, test.bodies.angular_velocity);
     impulses_.push_back(std::move(found));
     return true;
@@ -223,6 +237,7 @@ class ImpactPhase {
   std::vector<ImpactImpulses<B, Real>> impulses_;
   const Ghosts<B>* ghosts_ = nullptr;
   ContactLayout layout_;
+  Vec3d period_;  ///< zero: axis not periodic [m]
   bool exact_;
   double absolute_;  ///< the residual that the scene asks for [m/s], or 0
 };

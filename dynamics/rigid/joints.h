@@ -15,6 +15,7 @@
 #include "kernels/backend/over_ranks.h"
 #include "kernels/step/driven_joints.h"
 #include "kernels/step/joint_correction.h"
+#include "kernels/step/joint_impacts.h"
 #include "solvers/body_contacts.h"
 #include "solvers/contact_passes.h"
 
@@ -54,6 +55,7 @@ class Joints {
       : count_(static_cast<Index>(scene.joints.size())),
         frames_(b),
         impulse_(b, count_),
+        in_impacts_(b),
         state_(b, count_),
         place_(b, count_ > 0 ? static_cast<Offset>(scene.bodies.size()) : 0),
         key_(b, count_),
@@ -87,6 +89,8 @@ class Joints {
   /// Where the bodies of joints are in the step to come. With several ranks joints are in the problems of those that own one
   /// of their bodies; one host read.
   void place(B& b, const BodyView<Real>& bodies) {
+    is_measured_ = false;
+    in_impacts_.release();
     if (count_ == 0) return;
     const bool has_ranks = b.ranks() != nullptr;
     if (has_ranks) fill(b, place_.view(), JointPlaces::kNowhere);
@@ -130,12 +134,14 @@ class Joints {
     setup.period = period;
     setup.time_step = stepping.time_step;
     setup.recovery_speed = stepping.max_recovery_speed;
+    setup.is_measured = is_measured_;
     setup.body_a = tail(joined_.body_a, contacts);
     setup.body_b = tail(joined_.body_b, contacts);
     setup.normal = tail(joined_.normal, contacts);
     setup.row = row_.view(here_);
-    setup.gamma = {gamma.data + gamma.size - vectors(), vectors()};
+    setup.gamma = own_part(gamma);
     reduce<JointSums>(b, here_, setup, StoreResult<JointSums>{sums_.data()});
+    is_measured_ = true;
 
     p.layout = ContactLayout::jointed;
     p.contact_count = total;
@@ -150,6 +156,28 @@ class Joints {
                MarkCountedJoints{bodies.ranges(), setup.body_a, setup.body_b, order_.view(here_),
                                  is_counted_.view(count_)});
     }
+  }
+
+  /// The same for a problem of impacts, which come before that of the step.
+  void join_impacts(B& b, const BodyView<Real>& bodies, const SteppingSettings& stepping,
+                    const Vec3d& period, StepProblem<B, Real>& step, Span<Vec3<Real>> gamma) {
+    join(b, bodies, stepping, period, step, gamma);
+    for_each(b, here_, HoldInImpact<Real>{step.problem, row_.view(here_), own_part(gamma)});
+  }
+  /// Marks bodies that joints hold to those that impacts have reached, see SpreadThroughJoints.
+  void spread_impacts(B& b, const BodyView<Real>& bodies, float least, Span<float> reached) {
+    for_each(
+        b, here_,
+        SpreadThroughJoints{places(bodies), order_.view(here_), state_.view(), least, reached});
+  }
+  /// Adds the impulses that a solver found for the problem of join_impacts() to those of the step.
+  void keep_impacts(B& b, const BodyView<Real>& bodies, Span<const Vec3<Real>> gamma) {
+    if (count_ == 0) return;
+    if (in_impacts_.capacity() == 0)
+      fill(b, in_impacts_.resize_discard(count_), JointImpulse<Real>{});
+    for_each(b, here_,
+             AddJointImpulses<Real>{places(bodies), order_.view(here_), row_.view(here_),
+                                    own_part(gamma), state_.view(), in_impacts_.view(count_)});
   }
 
   /// Makes the impulses of joints a better guess of those of the problem of join(): of joints with drives by a few steps among
@@ -214,7 +242,7 @@ class Joints {
   /// The rows that were kept, with a share of what they do about errors, and no impulses: those of rows that contradict each
   /// other are so large that what is left of their sum is rounding.
   void plan(B& b, double share, Span<Vec3<Real>> gamma) {
-    fill(b, Span<Vec3<Real>>{gamma.data + gamma.size - vectors(), vectors()}, Vec3<Real>{});
+    fill(b, own_part(gamma), Vec3<Real>{});
     for_each(b, here_,
              PlanLess<Real>{std::as_const(planned_).view(here_), static_cast<Real>(share),
                             row_.view(here_)});
@@ -223,13 +251,9 @@ class Joints {
   /// Remembers the impulses that a solver found for the problem of join(), and breaks joints.
   void keep(B& b, const BodyView<Real>& bodies, double time_step, Span<const Vec3<Real>> gamma) {
     for_each(b, here_,
-             KeepJointImpulses<Real>{places(bodies),
-                                     order_.view(here_),
-                                     row_.view(here_),
-                                     {gamma.data + gamma.size - vectors(), vectors()},
-                                     time_step,
-                                     impulse_.view(),
-                                     state_.view()});
+             KeepJointImpulses<Real>{places(bodies), order_.view(here_), row_.view(here_),
+                                     own_part(gamma), time_step, in_impacts_.view(),
+                                     impulse_.view(), state_.view()});
     is_known_ = b.ranks() == nullptr;
     if (may_break_) spread(b);  // what breaks for one of two owners has to break for the other
   }
@@ -238,16 +262,20 @@ class Joints {
   void spread(B& b) {
     if (is_known_ || count_ == 0) return;
     std::vector<JointImpulse<Real>> impulse = download(b, impulse_.view());
+    std::vector<JointImpulse<Real>> in_impacts = impulses_in_impacts(b);
     std::vector<JointState> state = download(b, state_.view());
     std::vector<Told> own;
     const std::vector<Index> counted = download(b, is_counted_.view(count_));
     for (std::size_t j = 0; j < counted.size(); ++j)
-      if (counted[j] != 0) own.push_back({static_cast<Index>(j), impulse[j], state[j]});
+      if (counted[j] != 0)
+        own.push_back({static_cast<Index>(j), impulse[j], in_impacts[j], state[j]});
     for (const Told& told : gather_values(*b.ranks(), own)) {
       impulse[static_cast<std::size_t>(told.joint)] = told.impulse;
+      in_impacts[static_cast<std::size_t>(told.joint)] = told.in_impacts;
       state[static_cast<std::size_t>(told.joint)] = told.state;
     }
     upload(b, impulse, impulse_);
+    upload(b, in_impacts, in_impacts_);
     upload(b, state, state_);
     is_known_ = true;
   }
@@ -263,7 +291,8 @@ class Joints {
       position.push_back(state.position);
       broken.push_back(state.is_broken);
     }
-    s.add("joint/impulse", impulses(b));
+    s.add("joint/impulse", as_vectors(download(b, impulse_.view(count_))));
+    if (in_impacts_.capacity() > 0) s.add("joint/in_impacts", as_vectors(impulses_in_impacts(b)));
     s.add("joint/position", std::move(position));
     s.add("joint/broken", std::move(broken));
   }
@@ -271,6 +300,7 @@ class Joints {
   void check(const WorldState& s) const {
     const auto count = static_cast<std::size_t>(count_);
     require_joints(rows<Vec3d>(s, "joint/impulse").size(), count);
+    if (s.has("joint/in_impacts")) require_joints(rows<Vec3d>(s, "joint/in_impacts").size(), count);
     if (s.has("joint/position") || s.has("joint/broken"))
       require_joint_states(rows<double>(s, "joint/position").size(),
                            rows<std::int32_t>(s, "joint/broken").size(), count);
@@ -282,13 +312,13 @@ class Joints {
     auto broken = rows<std::int32_t>(s, "joint/broken");
     position.resize(static_cast<std::size_t>(count_));  // earlier versions have none
     broken.resize(position.size());
-    std::vector<JointImpulse<Real>> host;
     std::vector<JointState> states;
-    for (std::size_t k = 0; k < position.size(); ++k) {
-      host.push_back({Vec3<Real>(impulse[2 * k]), Vec3<Real>(impulse[2 * k + 1])});
+    for (std::size_t k = 0; k < position.size(); ++k)
       states.push_back({position[k], broken[k] != 0 ? 1 : 0, s.step > 0 ? 1 : 0});
-    }
-    upload(b, host, impulse_);
+    upload(b, as_impulses(impulse), impulse_);
+    in_impacts_.release();
+    if (s.has("joint/in_impacts"))
+      upload(b, as_impulses(rows<Vec3d>(s, "joint/in_impacts")), in_impacts_);
     upload(b, states, state_);
     is_known_ = true;
   }
@@ -312,7 +342,7 @@ class Joints {
   /// What a rank says of a joint.
   struct Told {
     Index joint = 0;
-    JointImpulse<Real> impulse;
+    JointImpulse<Real> impulse, in_impacts;
     JointState state;
   };
 
@@ -324,26 +354,48 @@ class Joints {
     std::vector<JointRecord> out;
     const auto frames = download(b, frames_.view(count_));
     const auto states = download(b, state_.view(count_));
-    const std::vector<Vec3d> impulse = impulses(b);
+    const std::vector<JointImpulse<Real>> impulse = download(b, impulse_.view(count_));
+    const std::vector<JointImpulse<Real>> in_impacts = impulses_in_impacts(b);
     for (std::size_t k = 0; k < frames.size(); ++k)
-      out.push_back({frames[k].body[0], frames[k].body[1], impulse[2 * k], impulse[2 * k + 1],
-                     states[k].position, states[k].is_broken != 0});
+      out.push_back({frames[k].body[0], frames[k].body[1],
+                     Vec3d(impulse[k].force) + Vec3d(in_impacts[k].force),
+                     Vec3d(impulse[k].moment) + Vec3d(in_impacts[k].moment), states[k].position,
+                     states[k].is_broken != 0});
+    return out;
+  }
+
+  /// Those of the impacts of the last step, of each joint.
+  std::vector<JointImpulse<Real>> impulses_in_impacts(B& b) const {
+    std::vector<JointImpulse<Real>> out = download(b, in_impacts_.view(in_impacts_.capacity()));
+    out.resize(static_cast<std::size_t>(count_));
     return out;
   }
 
   /// Force and moment of each joint by turns; double holds float exactly.
-  std::vector<Vec3d> impulses(B& b) const {
+  static std::vector<Vec3d> as_vectors(const std::vector<JointImpulse<Real>>& impulses) {
     std::vector<Vec3d> out;
-    for (const JointImpulse<Real>& impulse : download(b, impulse_.view(count_))) {
+    for (const JointImpulse<Real>& impulse : impulses) {
       out.emplace_back(impulse.force);
       out.emplace_back(impulse.moment);
     }
+    return out;
+  }
+  static std::vector<JointImpulse<Real>> as_impulses(const std::vector<Vec3d>& vectors) {
+    std::vector<JointImpulse<Real>> out;
+    for (std::size_t k = 0; k + 1 < vectors.size(); k += 2)
+      out.push_back({Vec3<Real>(vectors[k]), Vec3<Real>(vectors[k + 1])});
     return out;
   }
 
   template <class T>
   static std::vector<T> rows(const WorldState& s, const char* name) {
     return s.has(name) ? s.at<T>(name) : std::vector<T>{};
+  }
+
+  /// Of the impulses of contacts and joints.
+  template <class T>
+  Span<T> own_part(Span<T> gamma) const {
+    return {gamma.data + gamma.size - vectors(), vectors()};
   }
 
   template <class T>
@@ -354,10 +406,12 @@ class Joints {
   Index count_;
   Index here_ = 0;  ///< in the problem of the step; the first of `order_`
   bool may_break_ = false;
-  bool is_known_ = true;  ///< impulses and states are those of all ranks
+  bool is_known_ = true;      ///< impulses and states are those of all ranks
+  bool is_measured_ = false;  ///< see JointSetup
   Buffer<B, JointFrames> frames_;
-  Buffer<B, JointImpulse<Real>> impulse_;  ///< of the last step, in the order of the scene
-  Buffer<B, JointState> state_;            ///< in the order of the scene
+  Buffer<B, JointImpulse<Real>> impulse_;     ///< of the last step, in the order of the scene
+  Buffer<B, JointImpulse<Real>> in_impacts_;  ///< the same of its impacts; empty: none
+  Buffer<B, JointState> state_;               ///< in the order of the scene
   Buffer<B, Index> place_;
   Buffer<B, std::uint64_t> key_;
   Buffer<B, Index> order_;

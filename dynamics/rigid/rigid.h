@@ -143,8 +143,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
 
     ImpactStats impacts;
     if (has_impacts()) {
-      impacts = impacts_.run(b, assembly_, bodies, contacts, scene_.stepping, summary_.envelope,
-                             gravity_step(), loads_.gains());
+      impacts = impacts_.run(b, assembly_, joints_, bodies, contacts, scene_.stepping,
+                             summary_.envelope, gravity_step(), loads_.gains());
       if (impacts.rounds > 0) loaded = loads_.loaded(b, bodies);  // loads come after impacts
     }
     const double impact_ms = clock.lap();

@@ -170,6 +170,11 @@ inline constexpr std::array kRigidOwnState{
     StateField{.name = "joint/broken",
                .type = StateField::Type::int32,
                .may_be_absent = true,
+               .first_version = 2},
+    StateField{.name = "joint/in_impacts",
+               .type = StateField::Type::vector,
+               .may_be_absent = true,
+               .largest = kLargestFloat,
                .first_version = 2}};
 
 inline constexpr auto kRigidState = followed_by(kBodyState, kRigidOwnState);

@@ -22,13 +22,6 @@ std::optional<Fault> law_fault(const Scene& scene) {
   if (scene.solver.exact_coulomb)
     return Fault{"solver.model", "\"exact\" in a scene with joints",
                  "joints are solved with \"convex\" friction only so far"};
-  const std::vector<Material> pairs = all_pair_values(scene);
-  const bool bounces = std::any_of(pairs.begin(), pairs.end(),
-                                   [](const Material& pair) { return pair.restitution > 0; });
-  if (bounces && scene.stepping.restitution_law == RestitutionLaw::poisson)
-    return Fault{
-        "stepping.restitution_law", "\"poisson\" in a scene with joints and restitution",
-        "impacts before the loads do not know joints yet; take \"newton\", or restitution 0"};
   return std::nullopt;
 }
 

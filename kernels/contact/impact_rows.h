@@ -1,6 +1,6 @@
 #pragma once
 // Contact rows of an impact: the cone of a contact, cut off below a least normal impulse. A contact
-// has no cohesion in an impact; ContactProblem::adhesion holds the least normal impulse instead.
+// has no cohesion in an impact; ContactProblem::adhesion holds the least normal impulse instead. Joints are as in a step.
 // docs/theory.md, section "Impacts".
 
 #include "kernels/contact/contact_rows.h"
@@ -37,6 +37,9 @@ struct ImpactRows : R {
   template <class Real>
   static SCREE_HD Rows project(const ContactProblem<Real>& p, Index c, const Rows& y,
                                const ContactMetric<Real>& m) {
+    if constexpr (R::kHasJoints) {
+      if (R::is_joint(p, c)) return R::project(p, c, y, m);
+    }
     return project_above(p, c, p.adhesion[c], y, m);
   }
 };

@@ -21,11 +21,16 @@ struct JointRows {
   /// Velocities of the rows in the coordinates of solvers, bias included.
   static SCREE_HD JointValues<Real> velocity(const JointRow<Real>& j, const Twist<Real>& a,
                                              const Twist<Real>& b) {
-    const Vec3<Real> linear =
-        b.linear + cross(b.angular, j.arm_b) - a.linear - cross(a.angular, j.arm_a);
-    JointValues<Real> u = j.rows(linear, j.length * (b.angular - a.angular));
+    JointValues<Real> u = speeds(j, a, b);
     for (int k = 0; k < kJointRows; ++k) u[k] += j.bias[k];
     return j.scaled_velocity(u);
+  }
+  /// Of B against A in the rows themselves, without bias [m/s].
+  static SCREE_HD JointValues<Real> speeds(const JointRow<Real>& j, const Twist<Real>& a,
+                                           const Twist<Real>& b) {
+    const Vec3<Real> linear =
+        b.linear + cross(b.angular, j.arm_b) - a.linear - cross(a.angular, j.arm_a);
+    return j.rows(linear, j.length * (b.angular - a.angular));
   }
   static SCREE_HD Twist<Real> wrench(const ContactProblem<Real>& p, Index c, bool side_b,
                                      const Rows& z) {

@@ -81,6 +81,7 @@ struct JointPlaces {
   static constexpr Index kNowhere = -1;
 
   SCREE_HD Index of(Index id) const { return id == kWorldId ? world : place[id]; }
+  SCREE_HD bool moves(Index place) const { return place >= 0 && place < moving_count; }
   /// Whether A of the problem is the second body of the joint: where the first one does not move. Where both do, A is the first
   /// one wherever they are in storage, which differs between ranks that have them.
   SCREE_HD bool is_turned(Index joint) const { return !(of(joints[joint].body[0]) < moving_count); }
@@ -244,6 +245,7 @@ struct JointSetup {
   Vec3<double> period;                    ///< zero: axis not periodic [m]
   double time_step = 0;                   ///< h [s]
   double recovery_speed = 0;              ///< [m/s]
+  bool is_measured = false;               ///< the positions in `state` are of this step already
   Span<Index> body_a;                     ///< out, like the rest
   Span<Index> body_b;
   Span<Vec3<Real>> normal;  ///< the axis: that of a contact has no meaning here
@@ -263,7 +265,7 @@ struct JointSetup {
     const JointMeasure m = measure_joint(joint.form, joint.held, joint.zero, a, b, period);
     const JointDrift drift = drift_of_joint(joint.form, m, a, b, time_step);
     const double sign = sign_of_joint(joint, turned);
-    const double since = state[j].has_moved != 0 ? time_step : 0;
+    const double since = state[j].has_moved != 0 && !is_measured ? time_step : 0;
     const double expected =
         state[j].position + sign * since * turning_about_axis(m.frame, a.turning, b.turning);
     const double position = joint_position(joint.form, m, sign, joint.zero, expected);
@@ -419,6 +421,23 @@ struct JointSetup {
   }
 };
 
+/// Impulse of joint j from that of its row k of the problem.
+template <class Real>
+SCREE_HD JointImpulse<Real> impulse_of_joint(const JointPlaces& places, Index j,
+                                             const JointState& state, const JointRow<Real>& row,
+                                             Span<const Vec3<Real>> gamma, Index k) {
+  const Vec3<Real> force = gamma[2 * static_cast<Offset>(k)];
+  const Vec3<Real> moment = gamma[2 * static_cast<Offset>(k) + 1];
+  const JointValues<Real> g =
+      row.impulse({{force.x, force.y, force.z, moment.x, moment.y, moment.z}});
+  const bool turned = places.is_turned(j);
+  const Real sign = turned ? Real(-1) : Real(1);
+  const Vec3<Real> on_b = sign * row.world_force(g);
+  const Vec3<Real> offset(
+      from_second_anchor(places.joints[j], turned, state.position, Vec3<double>(row.axes[2])));
+  return {on_b, (sign * row.length) * row.world_moment(g) + cross(offset, on_b)};
+}
+
 /// Impulses of joints from those of the problem.
 template <class Real>
 struct KeepJointImpulses {
@@ -427,26 +446,23 @@ struct KeepJointImpulses {
   Span<const Index> order;
   Span<const JointRow<Real>> row;
   Span<const Vec3<Real>> gamma;
-  double time_step = 0;              ///< [s]
-  Span<JointImpulse<Real>> impulse;  ///< of each joint, out
-  Span<JointState> state;            ///< in and out: joints that carry too much break
+  double time_step = 0;                    ///< [s]
+  Span<const JointImpulse<Real>> impacts;  ///< of each joint, in the impacts of the step; or empty
+  Span<JointImpulse<Real>> impulse;        ///< of each joint, without those, out
+  Span<JointState> state;                  ///< in and out: joints that carry too much break
 
   SCREE_HD void operator()(Index k) const {
     const Index j = order[k];
-    const Vec3<Real> force = gamma[2 * static_cast<Offset>(k)];
-    const Vec3<Real> moment = gamma[2 * static_cast<Offset>(k) + 1];
-    const JointValues<Real> g =
-        row[k].impulse({{force.x, force.y, force.z, moment.x, moment.y, moment.z}});
     const JointFrames& joint = places.joints[j];
-    const bool turned = places.is_turned(j);
-    const Real sign = turned ? Real(-1) : Real(1);
-    const Vec3<Real> on_b = sign * row[k].world_force(g);
-    const Vec3<Real> offset(
-        from_second_anchor(joint, turned, state[j].position, Vec3<double>(row[k].axes[2])));
-    impulse[j] = {on_b, (sign * row[k].length) * row[k].world_moment(g) + cross(offset, on_b)};
+    JointImpulse<Real> all = impulse_of_joint(places, j, state[j], row[k], gamma, k);
+    impulse[j] = all;
+    if (!impacts.empty()) {
+      all.force += impacts[j].force;
+      all.moment += impacts[j].moment;
+    }
     const double h = time_step;
-    if (norm(Vec3<double>(impulse[j].force)) > h * joint.break_force ||
-        norm(Vec3<double>(impulse[j].moment)) > h * joint.break_moment)
+    if (norm(Vec3<double>(all.force)) > h * joint.break_force ||
+        norm(Vec3<double>(all.moment)) > h * joint.break_moment)
       state[j].is_broken = 1;
   }
 };

@@ -3,6 +3,7 @@
 #include "host/state_hash.h"
 #include "tests/parity/parity.h"
 #include "tests/physics/column.h"
+#include "tests/physics/joint_scenes.h"
 
 namespace scree::parity {
 namespace {
@@ -68,6 +69,29 @@ TEST_F(ParityStep, SinglePrecision) {
   const Scene scene = standing_column(2e-8);
   expect_same(one_step(BackendKind::cpu, scene, Precision::single_precision),
               one_step(BackendKind::cuda, scene, Precision::single_precision), 1e-6, 1e-4);
+}
+
+/// Bodies on joints of all kinds that bounce.
+TEST_F(ParityStep, ImpactsOfJoints) {
+  Scene scene = row_of_joints(20, 0.5);
+  solve_to(scene, 1e-10);
+  scene.solver.max_iterations = 100000;
+  World falls = world_on(BackendKind::cpu, scene, Precision::double_precision);
+  World other = world_on(BackendKind::cuda, scene, Precision::double_precision);
+  int compared = 0;
+  for (int k = 0; k < 100 && compared < 3; ++k) {
+    const WorldState before = falls.save();
+    falls.step();
+    if (!falls.save().has("joint/in_impacts")) continue;
+    ++compared;
+    other.restore(before);
+    EXPECT_TRUE(other.step().converged) << k;
+    EXPECT_LT(relative_rms(falls.states(), other.states(), 0.03), 1e-6) << k;
+    const std::vector<JointRecord> a = falls.joints(), b = other.joints();
+    for (std::size_t j = 0; j < a.size(); ++j)
+      EXPECT_LT(norm(a[j].force - b[j].force), 1e-5) << k << ' ' << j;
+  }
+  EXPECT_EQ(compared, 3);
 }
 
 /// To 1e-7 m/s the minimum is reached to some 1e-6 only, in double too: solves that end an

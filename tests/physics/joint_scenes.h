@@ -97,9 +97,10 @@ double period_of(World& world, int steps, Value value, Seen seen) {
 
 /// A row of boxes along x, each joined to the next by another kind of joint, with all that drives and limits them, that falls
 /// on a floor between loose balls. Its ends are held to the world and to a fixed body.
-inline Scene row_of_joints(int boxes = 20) {
+inline Scene row_of_joints(int boxes = 20, double restitution = 0) {
   constexpr double kSpacing = 0.12;
   Scene scene = empty_scene(1e-3, 0.4);
+  scene.materials[0].restitution = restitution;
   scene.solver.max_iterations = 20000;
   add_plane(scene);
   for (int k = 0; k < boxes; ++k) {

@@ -33,6 +33,35 @@ TEST_P(JointsOnRanks, OneStepFromTheSameStateIsThatOfOneRank) {
   }
 }
 
+TEST_P(JointsOnRanks, ImpactsOfAStepAreThoseOfOneRank) {
+  Scene scene = row_of_joints(20, 0.5);
+  solve_to(scene, 1e-10);
+  scene.solver.max_iterations = 200000;
+  World falls = reference_world(scene);
+  int compared = 0;
+  for (int k = 0; k < 100 && compared < 3; ++k) {
+    const WorldState before = falls.save();
+    falls.step();
+    const WorldState after = falls.save();
+    if (k % 20 != 0 && !after.has("joint/in_impacts")) continue;
+    const auto [one, more] = compared_step(GetParam(), scene, before, 1e-6);
+    EXPECT_TRUE(more.converged && one.converged) << k;
+    if (!after.has("joint/in_impacts")) continue;
+    ++compared;
+    std::vector<JointRecord> joints;
+    on_ranks(GetParam(), scene, [&](World& world, Ranks& ranks) {
+      world.restore(before);
+      world.step();
+      std::vector<JointRecord> known = world.joints();
+      if (ranks.rank() == 0) joints = std::move(known);
+    });
+    const std::vector<JointRecord> expected = falls.joints();
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      EXPECT_LT(norm(joints[j].force - expected[j].force), 1e-5) << j;
+  }
+  EXPECT_EQ(compared, 3);
+}
+
 /// A chain of rods in space that turns and flies over the borders of ranks.
 Scene flying_chain(int links) {
   Scene scene = empty_scene(1e-3, 0);

@@ -232,12 +232,7 @@ INSTANTIATE_TEST_SUITE_P(
                                                 {"name": "a", "shape": "half_space"})"),
                 "bodies[2].name: \"a\" is not allowed: bodies[1] has this name"},
         Refusal{"NameOfWorld", test::with_body(R"({"name": "world", "shape": "half_space"})"),
-                "bodies[1].name: \"world\" is not allowed: must be a name, and not \"world\""},
-        Refusal{"Impacts",
-                with_joints(R"({"type": "ball", "bodies": ["world", "bob"])" + kAt + "}",
-                            R"("materials": {"default": {"restitution": 0.5}}, )"),
-                "stepping.restitution_law: \"poisson\" in a scene with joints and restitution is "
-                "not allowed: impacts before the loads do not know joints yet"}),
+                "bodies[1].name: \"world\" is not allowed: must be a name, and not \"world\""}),
     [](const auto& one) { return std::string(one.param.what); });
 
 TEST(Joints, OfProgramsAreCheckedToo) {

@@ -108,6 +108,13 @@ struct RunFiles {
       surface_frames.emplace(directory.surface_frames(), scene, resumed_time);
     if (scene.output.force_interval > 0)
       forces.emplace(directory.forces_csv(), ForceTargets(scene), resumed_step);
+    for_each_frame_file([](auto& file) { file.publish_seldom(); });
+  }
+
+  /// Frames that wait are published. @throws RunError
+  void publish() {
+    for_each_frame_file([](auto& file) { file.publish(); });
+    if (frame_index) frame_index->publish();
   }
 
   WallFrameWriter wall_frames;
@@ -118,6 +125,16 @@ struct RunFiles {
   std::optional<ContactFrameWriter> contact_frames;
   std::optional<SurfaceFrameWriter> surface_frames;
   std::optional<ForcesCsv> forces;
+
+ private:
+  /// Pieces are not among them: their index tells of frames that are on disk.
+  template <class Visit>
+  void for_each_frame_file(const Visit& visit) {
+    visit(wall_frames);
+    if (frames) visit(*frames);
+    if (contact_frames) visit(*contact_frames);
+    if (surface_frames) visit(*surface_frames);
+  }
 };
 
 /// What a run reads before it looks at its output directory.
@@ -222,7 +239,7 @@ class Run {
       directory_.require_present();  // when it is gone, that is what to tell
       try {
         finish_record(world);
-        if (files.frame_index) files.frame_index->publish();
+        files.publish();
       } catch (const std::exception&) {
         // The first failure is the one to tell, and often the reason of this one.
       }
@@ -359,7 +376,7 @@ class Run {
       if (files.forces) files.forces->flush();
       auto state = std::make_shared<WorldState>(world.save());
       post(writer, [this, state, &files, &constants = world.constants()] {
-        if (files.frame_index) files.frame_index->publish();  // a resumed run goes on from it
+        files.publish();  // a resumed run goes on from these
         write_checkpoint(directory_.checkpoint_file(), *state, constants, scene_text_,
                          world_options_.backend, world_options_.precision);
       });

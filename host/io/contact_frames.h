@@ -42,6 +42,11 @@ class ContactFrameWriter {
   /// @throws RunError naming the file and the reason; the file keeps the earlier frames
   void append(double time, const std::vector<ContactRecord>& contacts);
 
+  /// From now on frames may wait for a second until they are published, see TwinFile.
+  void publish_seldom() { file_.publish_seldom(); }
+  /// Publishes the frames that wait. @throws RunError as append()
+  void publish() { file_.publish(); }
+
   std::int64_t frame_count() const { return extent_.frames; }
 
  private:

@@ -92,11 +92,13 @@ class FrameWriter {
   /// The same for the bodies of one rank. @param constants  of all bodies of the run
   void append(double time, const OwnBodies& bodies, const BodyConstants& constants);
 
+  /// From now on frames may wait for a second until they are published, see TwinFile.
+  void publish_seldom() { file_.publish_seldom(); }
+  /// Publishes the frames that wait. @throws RunError as append()
+  void publish() { file_.publish(); }
+
   std::int64_t frame_count() const { return extent_.frames; }
   std::optional<double> last_time() const { return last_time_; }
-
-  /// Removes the spare copy. Every frame is on disk already.
-  void finish() noexcept { file_.finish(); }
 
  private:
   using Write = TwinFile::Write;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <utility>
 
@@ -26,51 +27,92 @@ TwinFile::TwinFile(std::filesystem::path path)
     : path_(std::move(path)), spare_(path_), previous_(path_) {
   spare_ += ".next";
   previous_ += ".previous";
-  finish();
+  remove_spare();
 }
 
-TwinFile::~TwinFile() { finish(); }
+TwinFile::~TwinFile() {
+  try {
+    finish();
+  } catch (const RunError&) {
+    // Nothing can be done here; the file keeps what was published.
+  }
+}
 
-void TwinFile::finish() noexcept {
+void TwinFile::finish() {
+  publish();
+  remove_spare();
+}
+
+void TwinFile::remove_spare() noexcept {
+  open_.reset();
   remove_file(spare_);
   remove_file(previous_);
 }
 
 void TwinFile::start(const Write& write_empty) {
+  remove_spare();
   remove_file(path_);
-  try {
-    h5::File file = h5::File::create(spare_);
-    write_empty(file.root());
-    file.close();
-  } catch (const h5::Error& error) {
-    remove_file(spare_);
-    throw RunError(write_failure(path_, error.what(), 0));
-  }
+  published_ = 0;
+  change_spare([&] {
+    open_.emplace(h5::File::create(spare_));
+    write_empty(open_->root());
+    open_->close();
+    open_.reset();
+  });
 }
 
 void TwinFile::append(const Filled& before, const Write& write_frame) {
-  prepare_spare(before);
-  change_spare(before.frames, write_frame);
-  publish(/*keep_previous=*/true);
+  const Clock::time_point begin = Clock::now();
+  if (!open_) {
+    open_spare(before);
+    publishing_ = Clock::now() - begin;
+  }
+  change_spare([&] { write_frame(open_->root()); });
+  const Clock::duration longest =
+      std::min<Clock::duration>((kMostShare - 1) * publishing_, kLongestWait);
+  const bool waits = is_seldom_ && published_ > 0 && Clock::now() - published_at_ < longest;
+  if (!waits) publish();
+}
+
+void TwinFile::publish() {
+  if (!open_) return;
+  const Clock::time_point begin = Clock::now();
+  change_spare([&] {
+    open_->close();
+    open_.reset();
+  });
+  exchange_names(/*keep_previous=*/true);
+  published_at_ = Clock::now();
+  publishing_ += published_at_ - begin;
 }
 
 void TwinFile::cut(const Filled& kept, const Write& write) {
-  prepare_spare(kept);
-  change_spare(kept.frames, [&](h5::Group root) {
-    for (const Growing& dataset : kept.datasets) root.truncate(dataset.name, dataset.rows);
-    write(std::move(root));
+  publish();
+  open_spare(kept);
+  change_spare([&] {
+    for (const Growing& dataset : kept.datasets) open_->root().truncate(dataset.name, dataset.rows);
+    write(open_->root());
+    open_->close();
+    open_.reset();
   });
-  publish(/*keep_previous=*/false);
+  exchange_names(/*keep_previous=*/false);
 }
 
-void TwinFile::change_spare(std::int64_t frames, const Write& write) {
+void TwinFile::open_spare(const Filled& filled) {
+  published_ = filled.frames;
+  prepare_spare(filled);
+  change_spare([&] { open_.emplace(h5::File::open_for_append(spare_)); });
+}
+
+/// A spare that could not be changed is of no use.
+template <class Change>
+void TwinFile::change_spare(const Change& change) {
   try {
-    h5::File file = h5::File::open_for_append(spare_);
-    write(file.root());
-    file.close();
+    change();
   } catch (const h5::Error& error) {
+    open_.reset();
     remove_file(spare_);
-    throw RunError(write_failure(path_, error.what(), frames));
+    throw RunError(write_failure(path_, error.what(), published_));
   }
 }
 
@@ -102,13 +144,13 @@ void TwinFile::prepare_spare(const Filled& filled) {
 }
 
 /// Gives the spare the published name, and the published file the spare's when it is kept.
-void TwinFile::publish(bool keep_previous) {
+void TwinFile::exchange_names(bool keep_previous) {
   sync_file(spare_);
   // A second name keeps the old file. Where links do not exist, the next append copies the file.
   const bool kept = keep_previous && ::link(path_.c_str(), previous_.c_str()) == 0;
   if (::rename(spare_.c_str(), path_.c_str()) != 0) {
     const int reason = errno;
-    finish();
+    remove_spare();
     throw RunError(io_message("cannot replace frames", path_, reason));
   }
   sync_directory_of(path_);

@@ -8,13 +8,17 @@
 // it, and renames it over the published name, whose old contents become the next spare. What
 // carries the published name is always complete, and no reader ever sees it change under its name.
 // The price is twice the writing and, while the run lasts, twice the disk space: a constant factor,
-// where a copy per piece would be quadratic. Other ways that were weighed: one file per piece
+// where a copy per piece would be quadratic. Files of small scenes spend most of their time on that, so pieces may wait in the
+// spare, for a second at most, until publishing takes a tenth of the time; a run that is killed loses those.
+// Other ways that were weighed: one file per piece
 // behind virtual datasets reads back zeros when moved without its parts; SWMR files of a killed
 // writer need a repair tool before ParaView opens them.
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,7 +44,7 @@ class TwinFile {
 
   /// Removes what a killed run left beside the file. @param path  published name
   explicit TwinFile(std::filesystem::path path);
-  ~TwinFile();  ///< as finish()
+  ~TwinFile();  ///< publishes what it can of what waits, and removes the spare copy
   TwinFile(const TwinFile&) = delete;
   TwinFile& operator=(const TwinFile&) = delete;
 
@@ -50,25 +54,43 @@ class TwinFile {
   /// @throws RunError naming the file and the reason
   void start(const Write& write_empty);
 
-  /// Adds a frame and publishes it. @param before  what the file holds
-  /// @throws RunError; the file keeps the earlier frames
+  /// Adds a frame and publishes it, or lets it wait. @param before  what the file holds, with frames that wait
+  /// @throws RunError; the file keeps the frames that were published
   void append(const Filled& before, const Write& write_frame);
+
+  /// From now on frames wait until publishing them takes a tenth of the time at most, but no longer than a second.
+  void publish_seldom() { is_seldom_ = true; }
+
+  /// Publishes the frames that wait. @throws RunError; the file keeps those that were published
+  void publish();
 
   /// Drops the rows beyond those that are kept. @param write  changes the rest of the file
   /// @throws RunError; the file is then as it was
   void cut(const Filled& kept, const Write& write);
 
-  /// Removes the spare copy. Every frame is on disk already.
-  void finish() noexcept;
+  /// Publishes the frames that wait, and removes the spare copy. @throws as publish()
+  void finish();
 
  private:
-  void change_spare(std::int64_t frames, const Write& write);
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kMostShare = 10;  ///< one part in so many of the time for publishing
+  static constexpr std::chrono::seconds kLongestWait{1};
+
+  void open_spare(const Filled& filled);
+  template <class Change>
+  void change_spare(const Change& change);
   void prepare_spare(const Filled& filled);
-  void publish(bool keep_previous);
+  void exchange_names(bool keep_previous);
+  void remove_spare() noexcept;
 
   std::filesystem::path path_;
   std::filesystem::path spare_;     ///< gets the next frame, then the published name
   std::filesystem::path previous_;  ///< the published file while names are exchanged
+  std::optional<h5::File> open_;    ///< the spare while it has frames that wait
+  std::int64_t published_ = 0;      ///< frames of the published file when the spare was opened
+  bool is_seldom_ = false;
+  Clock::time_point published_at_;
+  Clock::duration publishing_{};  ///< what it took the last time
 };
 
 }  // namespace scree

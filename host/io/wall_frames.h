@@ -41,6 +41,15 @@ class WallFrameWriter {
   /// @throws RunError naming the file and the reason; the file keeps the earlier frames
   void append(double time, const BodyStates& states);
 
+  /// From now on frames may wait for a second until they are published, see TwinFile.
+  void publish_seldom() {
+    if (file_) file_->publish_seldom();
+  }
+  /// Publishes the frames that wait. @throws RunError as append()
+  void publish() {
+    if (file_) file_->publish();
+  }
+
   std::int64_t frame_count() const { return extent_.frames; }
   /// Ids of the bodies that it shows are below.
   std::size_t body_end() const;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -104,14 +105,55 @@ class FramesTest : public testing::Test {
 };
 
 TEST_F(FramesTest, ReadBackWithGrowingBodyCounts) {
-  FrameWriter writer(file, scene, single);
-  for (int frame = 0; frame < 9; ++frame) append(writer, frame);
+  std::optional<FrameWriter> writer(std::in_place, file, scene, single);
+  for (int frame = 0; frame < 9; ++frame) append(*writer, frame);
   const std::vector<Frame> frames = read_frames(file);  // while the writer lives
   ASSERT_EQ(frames.size(), 9u);
   for (int frame = 0; frame < 9; ++frame)
     expect_frame(frames[static_cast<std::size_t>(frame)], frame, growing_count(frame));
-  writer.finish();
+  writer.reset();
   EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(FramesTest, MayWaitUntilTheyArePublished) {
+  constexpr int kFrames = 60;
+  const std::filesystem::path killed = directory / "killed.vtkhdf";
+  const auto count = [](int frame) { return std::min(growing_count(frame), 18); };
+  const auto add = [&](FrameWriter& writer, int frame) {
+    writer.append(frame * 0.5, states_of(frame, count(frame)));
+  };
+  const auto expect_frames = [&](std::size_t least) {
+    const std::vector<Frame> frames = read_frames(file);
+    EXPECT_GE(frames.size(), least);
+    for (std::size_t k = 0; k < frames.size(); ++k)
+      expect_frame(frames[k], static_cast<int>(k), count(static_cast<int>(k)));
+    return frames.size();
+  };
+  {
+    FrameWriter writer(file, scene, single);
+    writer.publish_seldom();
+    int waited = 0;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      add(writer, frame);
+      const std::size_t there = expect_frames(1);  // what is there is whole
+      waited += there < static_cast<std::size_t>(frame) + 1 ? 1 : 0;
+      if (frame != 20) continue;
+      writer.publish();
+      EXPECT_EQ(expect_frames(21), 21u);
+      std::filesystem::copy_file(file, killed);  // what a killed run leaves at the least
+    }
+    EXPECT_GT(waited, 0);
+    EXPECT_EQ(writer.frame_count(), kFrames);
+  }
+  EXPECT_EQ(expect_frames(kFrames), static_cast<std::size_t>(kFrames));
+  EXPECT_EQ(file_count(), 2u);
+  std::filesystem::rename(killed, file);
+  FrameWriter resumed(file, scene, single, 7.0);
+  EXPECT_EQ(resumed.frame_count(), 15);
+  resumed.publish_seldom();
+  for (int frame = 15; frame < kFrames; ++frame) add(resumed, frame);
+  resumed.publish();
+  EXPECT_EQ(expect_frames(kFrames), static_cast<std::size_t>(kFrames));
 }
 
 TEST_F(FramesTest, OneBodyAndManyBodies) {

@@ -60,6 +60,15 @@ void note_without_effect(const Node& root, Draft& draft) {
                                       scene.stepping.duration));
 }
 
+/// Notes a duration that does not end with a step, but for the digits of one third.
+void note_whole_steps(Draft& draft) {
+  const SteppingSettings& s = draft.scene.stepping;
+  const double steps = s.duration / s.time_step, taken = std::round(steps);
+  if (!(taken > 0) || std::abs(steps - taken) <= 0.01) return;
+  draft.notes.push_back(fmt::format("duration: {:g} s are {:g} steps of {:g} s: {:g} are taken",
+                                    s.duration, steps, s.time_step, taken));
+}
+
 /// What is up in pictures of scenes that do not place the camera: the axis that points most against gravity. Floors of slopes,
 /// where gravity is turned instead, stay level.
 void turn_camera(Scene& scene) {
@@ -138,6 +147,7 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   name_bodies(draft);
   validate_read(draft.scene, file_name);
   note_without_effect(root, draft);
+  note_whole_steps(draft);
   turn_camera(draft.scene);
   if (notes != nullptr) *notes = std::move(draft.notes);
   return std::move(draft.scene);

@@ -359,6 +359,18 @@ TEST(SceneReader, TellsWhatWouldComeAfterTheEnd) {
                          "10 bodies of particles[0] would come after the end of the run, 1 s"));
 }
 
+TEST(SceneReader, TellsOfADurationThatDoesNotEndWithAStep) {
+  const auto notes_of = [](const std::string& settings) {
+    std::vector<std::string> notes;
+    parse_scene("{" + settings + R"(, "bodies": [{"shape": "sphere", "radius": 1, "mass": 1}]})",
+                "scene.json", {}, {}, &notes);
+    return notes;
+  };
+  EXPECT_THAT(notes_of(R"("time_step": 0.1, "duration": 0.74)"),
+              testing::ElementsAre("duration: 0.74 s are 7.4 steps of 0.1 s: 7 are taken"));
+  EXPECT_THAT(notes_of(R"("time_step": 0.0041667, "duration": 2)"), testing::IsEmpty());
+}
+
 TEST(SceneReader, PicturesAreAgainstGravityUp) {
   const auto up = [](const std::string& gravity) {
     return parsed(

@@ -141,8 +141,6 @@ class Apgd final : public Solver<B, Real> {
   SolveStats run(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, double tolerance) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contacts_in_all() == 0) return {0, 0, true, {}};
-    if (R::kHasJoints && params_.law != ApgdLaw::convex)
-      throw std::logic_error("exact friction does not know joints");
 
     const Offset vectors = R::vector_count(p);
     Workspace w(b, vectors, p.bodies.count);
@@ -153,9 +151,9 @@ class Apgd final : public Solver<B, Real> {
     ApgdVelocities<Real>& velocities = passes.velocity;
     const bool is_lifted = params_.law == ApgdLaw::lifted;
     if (is_lifted) {
-      w.lift.reserve_discard(p.contact_count);
-      w.bias.reserve_discard(p.contact_count);
-      passes.p.bias = ContactBias<Real>(w.bias.view(p.contact_count));
+      w.lift.reserve_discard(p.own_contacts());
+      w.bias.reserve_discard(p.own_contacts());
+      passes.p.bias = ContactBias<Real>(w.bias.view(p.own_contacts()));
       passes.has_moving_bias = true;
     }
     if (w.iteration.stores_extrapolated(passes)) {
@@ -184,9 +182,9 @@ class Apgd final : public Solver<B, Real> {
                                        ApgdStart{state, lipschitz_});
     bool is_unlifted = is_lifted;
     const auto follow_lift = [&] {
-      for_each(b, p.contact_count,
-               FollowLift<R, Real>{p, impulses, velocities, state, w.lift.view(p.contact_count),
-                                   w.bias.view(p.contact_count), is_unlifted});
+      for_each(b, p.own_contacts(),
+               FollowLift<R, Real>{p, impulses, velocities, state, w.lift.view(p.own_contacts()),
+                                   w.bias.view(p.own_contacts()), is_unlifted});
       is_unlifted = false;
     };
     if (is_lifted) follow_lift();

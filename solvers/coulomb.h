@@ -53,8 +53,6 @@ class CoulombFixedPoint final : public Solver<B, Real> {
   /// `converged` is judged on the exact residual; both residuals are of the original problem.
   SolveStats solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
                    double tolerance) override {
-    if (p.layout == ContactLayout::jointed)
-      throw std::logic_error("exact friction does not know joints");
     SolveStats first;
     if (!direct_.empty()) {
       first = solve_directly(b, p, gamma, tolerance);
@@ -152,7 +150,8 @@ class CoulombFixedPoint final : public Solver<B, Real> {
                  const SolveStats& first) {
     const Span<Twist<Real>> velocity = this->start_velocity(b, p);
     if (p.contacts_in_all() == 0) return {0, 0, true, {}};
-    Workspace w(b, p.contact_count);
+    const Index contacts = p.own_contacts();
+    Workspace w(b, contacts);
     const Span<Real> shift = w.shift.view(), change = w.change.view(), bias = w.bias.view();
     ContactProblem<Real> shifted = p;
     shifted.bias = ContactBias<Real>(bias);
@@ -164,7 +163,7 @@ class CoulombFixedPoint final : public Solver<B, Real> {
                                  StoreResult<ShiftSums>{w.sums.data()});
       const ShiftSums sums = fetch(b, w.sums.data());
       relaxation = next_relaxation(relaxation, sums);
-      for_each(b, p.contact_count,
+      for_each(b, contacts,
                ShiftBias<Real>{static_cast<Real>(relaxation), p.bias, change, shift, bias});
       return std::sqrt(sums.change_squares / p.contacts_in_all());
     };

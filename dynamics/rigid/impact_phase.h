@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/joints.h"
 #include "dynamics/rigid/problem_assembly.h"
 #include "kernels/step/impact_pass.h"
@@ -204,7 +205,7 @@ class ImpactPhase {
     const ContactProblem<Real>& p = r.step.problem;
     ContactProblem<Real> shifted = p;
     if (exact_) {
-      copy(b, std::as_const(r.step.contacts.bias).view(p.contact_count), r.shifted.view());
+      copy(b, std::as_const(r.step.contacts.bias).view(p.own_contacts()), r.shifted.view());
       shifted.bias.values = r.shifted.view();
     }
     for (int k = 0;; ++k) {

@@ -17,14 +17,6 @@ namespace {
 /// Forces, stiffness and speeds of joints are far below this.
 constexpr double kLargestOfJoint = 1e15;
 
-/// What the laws of contact must be, for those that meet in contacts.
-std::optional<Fault> law_fault(const Scene& scene) {
-  if (scene.solver.exact_coulomb)
-    return Fault{"solver.model", "\"exact\" in a scene with joints",
-                 "joints are solved with \"convex\" friction only so far"};
-  return std::nullopt;
-}
-
 std::optional<Fault> point_fault(const char* field, const Vec3d& point) {
   if (is_finite(point) && is_in_range(point)) return std::nullopt;
   return Fault{field, vector_text(point),
@@ -183,7 +175,7 @@ std::optional<Fault> joints_fault(const Scene& scene) {
   for (std::size_t k = 0; k < scene.joints.size(); ++k)
     if (auto fault = joint_fault(scene, scene.joints[k]))
       return Fault{fmt::format("joints[{}].{}", k, fault->field), fault->value, fault->expected};
-  return card.has_contacts ? law_fault(scene) : std::nullopt;
+  return std::nullopt;
 }
 
 }  // namespace scree

@@ -199,6 +199,10 @@ struct ContactProblem : ProblemFields<InProblem<Real>> {
   SCREE_HD ContactLists lists(int group) const {
     return group == 0 ? ContactLists{0, a_start, b_start, b_contact} : later[group - 1];
   }
+  /// Contacts without joints: those that have a bias of their own.
+  SCREE_HD Index own_contacts() const {
+    return layout == ContactLayout::jointed ? joint_begin : contact_count;
+  }
   /// Contacts of owned body i, of all groups.
   SCREE_HD Index count_contacts(Index i) const {
     Index n = lists(0).count(i);

@@ -142,24 +142,28 @@ struct ApgdContactStep {
     const auto g = R::velocity(p, c, v_a, v_b);
     const ContactMetric<Real> h = metric.load(c);
     const Vec3<Real> n = p.normal[c];
-    if (exact) {
-      const auto moved = R::project_coulomb(p, c, y - step * solve_metric(h, n, g));
-      R::store(next, c, moved);
-      // There is no objective that could rise: the way of the step against the way gone tells.
-      return {{-static_cast<double>(metric_dot(h, n, moved - y, moved - gamma)),
-               static_cast<double>(metric_norm2(h, n, moved - y))}};
-    }
+    // Of the law itself there is no objective that could rise: the way of the step against the way gone tells.
+    const auto sums_of_law = [&](const auto& moved) {
+      return Sums<2>{{-static_cast<double>(metric_dot(h, n, moved - y, moved - gamma)),
+                      static_cast<double>(metric_norm2(h, n, moved - y))}};
+    };
     if constexpr (R::kHasJoints) {
       if (R::is_joint(p, c)) {
         const Real own_step = step / h.normal;
         const auto moved = R::Joints::project(p, c, y - step * solve_metric(h, n, g), own_step);
         R::store(next, c, moved);
+        if (exact) return sums_of_law(moved);
         // Springs, friction and limits have a part in the objective: g is not zero where they rest.
         const auto slope =
             R::Joints::joint(p, c).has_own_terms() ? (Real(1) / own_step) * (y - moved) : g;
         return {{static_cast<double>(dot(slope, moved - gamma)),
                  static_cast<double>(metric_norm2(h, n, moved - y))}};
       }
+    }
+    if (exact) {
+      const auto moved = R::project_coulomb(p, c, y - step * solve_metric(h, n, g));
+      R::store(next, c, moved);
+      return sums_of_law(moved);
     }
     const auto moved = R::project(p, c, y - step * solve_metric(h, n, g), h);
     R::store(next, c, moved);

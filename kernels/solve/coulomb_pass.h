@@ -28,6 +28,9 @@ struct ShiftChange {
   Span<Real> change;             ///< [m/s] in: the last one, zero for none
   Span<const Vec3<Real>> guess;  ///< not empty: contacts without an impulse here get no shift
   SCREE_HD ShiftSums operator()(Index c) const {
+    if constexpr (R::kHasJoints) {
+      if (R::is_joint(p, c)) return {};
+    }
     const auto u = R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);
     Real target = de_saxce_shift(p, c, u);
     if (!guess.empty()) {

@@ -198,6 +198,9 @@ struct LiftBias {
   Span<Real> bias;  ///< in, out [m/s]
 
   SCREE_HD Sums<1> operator()(Index c) const {
+    if constexpr (R::kHasJoints) {
+      if (R::is_joint(p, c)) return {};
+    }
     const auto u = R::velocity(p, c, velocity[p.body_a[c]], velocity[p.body_b[c]]);
     const Real lifted = p.bias[c] + de_saxce_shift(p, c, u);
     const double change = static_cast<double>(lifted) - bias[c];

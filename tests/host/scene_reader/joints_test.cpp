@@ -311,13 +311,6 @@ TEST(Joints, AreRefusedWithSolversThatDoNotKnowThem) {
       "these do: \"apgd\", \"jacobi\", \"gauss_seidel\", \"gauss_seidel_colored\"");
 }
 
-TEST(Joints, AreRefusedWithExactFriction) {
-  Scene scene = hanging_ball();
-  scene.solver.exact_coulomb = true;
-  EXPECT_THAT(refusal([&] { validate(scene); }),
-              StartsWith("solver.model: \"exact\" in a scene with joints is not allowed"));
-}
-
 TEST(Joints, ThatAreDrivenHaveNoFileOfTheirProblem) {
   BodyProblem problem;
   World held = physics::reference_world(hanging_ball());

@@ -159,6 +159,8 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr double kFirstLead = 1e3, kMostLead = 1e9;
   /// Least reach without a value in the scene, over what it is where bodies begin far apart.
   static constexpr double kLeastReach = 0.01;
+  /// Reach over the size of the smallest free body, at most, where the scene does not say: in wide scenes bodies would float.
+  static constexpr double kMostReach = 0.01;
   /// Square of the speed at which pairs that begin within reach throw bodies, over gravity times the reach, from which on users
   /// are told.
   static constexpr double kThrow = 20;
@@ -194,7 +196,9 @@ class AffineDynamics final : public ModelOn<B, double> {
   void read_parameters() {
     const ParameterValues& values = scene_.dynamics.parameters;
     rule_ = static_cast<affine::StepRule>(std::lround(kStepRule.of(values)));
-    reach_ = kReach.of(values) > 0 ? kReach.of(values) : 1e-3 * setup_.size;
+    reach_ = kReach.of(values) > 0
+                 ? kReach.of(values)
+                 : std::min(1e-3 * setup_.size, kMostReach * setup_.least_free_size);
     set_tolerance(kNewtonTolerance.of(values));
   }
 

@@ -119,12 +119,14 @@ class Builder {
       Bounds own;
       for (const Vec3d& v : surface_of(each.body).first->vertices) own.add(point_of(q, v));
       box.add(own);
-      if (each.body.kind == BodyKind::free)
-        setup_.free_size = std::max(setup_.free_size, norm(own.high - own.low));
+      if (each.body.kind != BodyKind::free) continue;
+      const double size = norm(own.high - own.low);
+      setup_.least_free_size = setup_.free_size > 0 ? std::min(setup_.least_free_size, size) : size;
+      setup_.free_size = std::max(setup_.free_size, size);
     }
     if (box.low.x > box.high.x) return;
     setup_.size = norm(box.high - box.low);
-    if (!(setup_.free_size > 0)) setup_.free_size = setup_.size;
+    if (!(setup_.free_size > 0)) setup_.free_size = setup_.least_free_size = setup_.size;
     middle_ = 0.5 * (box.low + box.high);
   }
 

@@ -42,6 +42,20 @@ TEST(AffineEdges, WhatBeginsNearAWallIsNotThrownOff) {
   }
 }
 
+// A reach that fits the size of the scene alone would be larger than the cube.
+TEST(AffineEdges, ACubeRestsOnAWideFloorAsOnANarrowOne) {
+  for (const double half : {0.5, 500.0}) {
+    Scene scene = affine_scene(0.01, 0);
+    physics::add_wall_box(scene, {0, 0, -0.05}, {half, half, 0.05});
+    add_box(scene, {0, 0, 0.25}, {0.05, 0.05, 0.05}, 1);
+    World world(scene, cpu_options());
+    for (int k = 0; k < 100; ++k) world.step();
+    const double gap = world.states().position[1].z - 0.05;
+    EXPECT_GT(gap, 0) << half;
+    EXPECT_LT(gap, 0.002) << half;
+  }
+}
+
 // Near a barrier Newton steps are as short as gaps. Where they are below the tolerance, but ever longer, no step has ended.
 TEST(AffineEdges, ABallFallsAlikeWhereverItFalls) {
   std::vector<double> height[2];

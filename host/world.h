@@ -111,7 +111,7 @@ struct ContactRecord {
   Vec3d impulse;   ///< world frame, acting on B [N s]
 };
 
-/// One joint in the last step.
+/// One joint in the last step, its impacts included.
 struct JointRecord {
   int body_a = kWorldBody;  ///< ids, or kWorldBody, as in Joint::bodies
   int body_b = kWorldBody;

@@ -217,21 +217,23 @@ class Joints {
     double missed = 0;                   ///< from where the step was to take them [m]
     double error = 0;                    ///< from where they belong [m]
     double speed_before = 0, speed = 0;  ///< of the fastest of their bodies [m/s]
+    /// Of their bodies, once for each of their joints: without joints and contacts, now, and their mass [J, kg].
+    double free_energy = 0, energy = 0, mass = 0;
   };
   /// Corrects the problem of join() by what is missed; solved again, it leaves less. One host read.
   /// @param velocity  of owned bodies and ghosts
-  AtEnd correct(B& b, const BodyView<Real>& bodies, const SteppingSettings& stepping,
-                const Vec3d& period, Span<const Twist<Real>> velocity) {
-    reduce<JointSums>(b, here_,
-                      CorrectJoint<Real>{bodies, velocity, places(bodies), order_.view(here_),
-                                         state_.view(), period, stepping.time_step,
-                                         stepping.max_recovery_speed, row_.view(here_)},
-                      StoreResult<JointSums>{sums_.data()});
-    const JointSums sums = fetch(b, sums_.data());
-    return {over_ranks(b, Largest<double>{sums.max_error}).value,
-            over_ranks(b, Largest<double>{sums.end_error}).value,
-            over_ranks(b, Largest<double>{sums.speed_before}).value,
-            over_ranks(b, Largest<double>{sums.speed}).value};
+  AtEnd correct(B& b, const BodyView<Real>& bodies, const ContactProblem<Real>& problem,
+                const SteppingSettings& stepping, const Vec3d& period,
+                Span<const Twist<Real>> velocity) {
+    reduce<JointSums>(
+        b, here_,
+        CorrectJoint<Real>{bodies, problem.free_velocity, problem.general_inertia, velocity,
+                           places(bodies), order_.view(here_), state_.view(), period,
+                           stepping.time_step, stepping.max_recovery_speed, row_.view(here_)},
+        StoreResult<JointSums>{sums_.data()});
+    const JointSums sums = over_ranks(b, fetch(b, sums_.data()));
+    return {sums.max_error,   sums.end_error, sums.speed_before, sums.speed,
+            sums.free_energy, sums.energy,    sums.mass};
   }
 
   /// Keeps the rows of join() for plan(). Bytes: those of the rows, read and written.
@@ -241,11 +243,11 @@ class Joints {
   }
   /// The rows that were kept, with a share of what they do about errors, and no impulses: those of rows that contradict each
   /// other are so large that what is left of their sum is rounding.
-  void plan(B& b, double share, Span<Vec3<Real>> gamma) {
+  void plan(B& b, const BodyView<Real>& bodies, double share, Span<Vec3<Real>> gamma) {
     fill(b, own_part(gamma), Vec3<Real>{});
     for_each(b, here_,
-             PlanLess<Real>{std::as_const(planned_).view(here_), static_cast<Real>(share),
-                            row_.view(here_)});
+             PlanLess<Real>{places(bodies), order_.view(here_), std::as_const(planned_).view(here_),
+                            static_cast<Real>(share), row_.view(here_)});
   }
 
   /// Remembers the impulses that a solver found for the problem of join(), and breaks joints.

@@ -180,9 +180,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
       correct_joints(
-          b, joints_, *solver_, problem, gamma, {scene_, tolerance, report.max_joint_error}, stats,
+          b, joints_, bodies, *solver_, problem, gamma, {scene_, tolerance, report.max_joint_error},
+          stats,
           [&] {
-            return joints_.correct(b, bodies, scene_.stepping, periodic_box().length,
+            return joints_.correct(b, bodies, problem, scene_.stepping, periodic_box().length,
                                    solver_->velocity());
           },
           [&] {

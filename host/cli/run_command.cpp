@@ -214,8 +214,8 @@ class Run {
     if (!options_.quiet)
       for (const std::string& note : notes_) say(note);
     if (!notice_.empty() && !options_.quiet) say(notice_);
-    RunFiles files(directory_, scene_, world_options_.precision, rank_count(), resumed_step,
-                   resumed_time);
+    std::optional<RunFiles> files(std::in_place, directory_, scene_, world_options_.precision,
+                                  rank_count(), resumed_step, resumed_time);
     if (!made) write_walls(directory_.walls(), scene_);
     std::string overlaps;  // where no contacts of a first step will tell
     if (!made && !card_.has_contacts)
@@ -232,17 +232,21 @@ class Run {
     const SignalGuard signals;
     start_record(resumed_step);
     try {
-      simulate(world, files, signals, resumed_step);
+      simulate(world, *files, signals, resumed_step);
     } catch (const std::exception& error) {
       record_.status = RunStatus::failed;
       record_.message = error.what();
       directory_.require_present();  // when it is gone, that is what to tell
-      try {
-        finish_record(world);
-        files.publish();
-      } catch (const std::exception&) {
-        // The first failure is the one to tell, and often the reason of this one.
-      }
+      const auto try_to = [](const auto& finish) {
+        try {
+          finish();
+        } catch (const std::exception&) {
+          // The first failure is the one to tell, and often the reason of this one.
+        }
+      };
+      try_to([&] { files->publish(); });
+      files.reset();  // on a full disk their second copies make room
+      try_to([&] { finish_record(world); });
       throw;
     }
     finish_record(world);

@@ -1,7 +1,7 @@
 #pragma once
 // Where joints come to lie at the end of a step, and the bias that takes what is off away.
 
-#include "kernels/contact/joint_rows.h"
+#include "kernels/contact/contact_rows.h"
 #include "kernels/step/integrate.h"
 #include "kernels/step/joint_setup.h"
 
@@ -15,8 +15,10 @@ namespace scree {
 template <class Real>
 struct CorrectJoint {
   static constexpr const char* name = "correct_joint";
-  BodyView<Real> bodies;           ///< at the start of the step
-  Span<const Twist<Real>> solved;  ///< of the owned bodies
+  BodyView<Real> bodies;                     ///< at the start of the step
+  FreeVelocity<Real> free;                   ///< without joints and contacts [bodies.count]
+  Span<const GeneralInertia<Real>> inertia;  ///< [bodies.count]
+  Span<const Twist<Real>> solved;            ///< of the owned bodies
   JointPlaces places;
   Span<const Index> order;       ///< joint of each row
   Span<const JointState> state;  ///< of each joint
@@ -55,8 +57,8 @@ struct CorrectJoint {
         length * end.turn -
         (length * now.turn - h * joint_recovery(now.turn, length, h, recovery_speed));
     JointSums sums;
-    note_speeds(joint, first, a, a_twist, sums);
-    note_speeds(joint, second, b, b_twist, sums);
+    note_motion(joint, first, a, a_twist, sums);
+    note_motion(joint, second, b, b_twist, sums);
     if (is_limited)
       sums.max_error = correct_limits(
           joint, end, sign, state[j].position,
@@ -103,7 +105,7 @@ struct CorrectJoint {
     return unit * allowed.beyond(x_end);
   }
 
-  SCREE_HD void note_speeds(const JointFrames& joint, int which, const JointSide& side,
+  SCREE_HD void note_motion(const JointFrames& joint, int which, const JointSide& side,
                             const Twist<Real>& twist, JointSums& sums) const {
     const Index i = places.of(joint.body[which]);
     if (!side.is_free || i == places.world) return;
@@ -113,6 +115,9 @@ struct CorrectJoint {
                        side.radius * static_cast<double>(norm(twist.angular));
     if (before > sums.speed_before) sums.speed_before = before;
     if (now > sums.speed) sums.speed = now;
+    sums.free_energy += 0.5 * LeverArms<Real>::mass_norm2(inertia[i], free[i]);
+    sums.energy += 0.5 * LeverArms<Real>::mass_norm2(inertia[i], twist);
+    sums.mass += static_cast<double>(inertia[i].mass);
   }
 
   /// A side at the end of the step. @param twist  out: that of its body
@@ -136,18 +141,22 @@ struct CorrectJoint {
   }
 };
 
-/// Of what the rows of joint k were to do about errors, a share. Where rows are nearly dependent, as those of bodies in a straight
+/// Of what the rows of joint k were to do about errors, a share; driven rows have none. Where rows are nearly dependent, as those of bodies in a straight
 /// line, velocities that take small errors away are so large that straight ways end farther off than they began.
 template <class Real>
 struct PlanLess {
   static constexpr const char* name = "plan_less";
+  JointPlaces places;
+  Span<const Index> order;  ///< joint of each row
   Span<const JointRow<Real>> planned;
   Real share = 0;
   Span<JointRow<Real>> row;  ///< out
 
   SCREE_HD void operator()(Index k) const {
     JointRow<Real> r = planned[k];
-    for (int i = 0; i < kJointRows; ++i) r.bias[i] *= share;
+    const unsigned held = places.joints[order[k]].held;
+    for (int i = 0; i < kJointRows; ++i)
+      if ((held >> i & 1u) != 0) r.bias[i] *= share;
     if (r.fastest < Real(0)) r.fastest *= share;
     if (r.slowest > Real(0)) r.slowest *= share;
     row[k] = r;

@@ -217,11 +217,16 @@ struct JointSums {
   double end_error = 0;  ///< at the end of the step, with what limits are passed by then [m]
   /// Of the fastest point of a free body, as of a ball, at the start and at the end [m/s].
   double speed_before = 0, speed = 0;
+  /// Of the free bodies, once for each of their joints: without joints and contacts, at the end, and their mass [J, kg].
+  double free_energy = 0, energy = 0, mass = 0;
   SCREE_HD void combine(const JointSums& o) {
     if (o.max_error > max_error) max_error = o.max_error;
     if (o.end_error > end_error) end_error = o.end_error;
     if (o.speed_before > speed_before) speed_before = o.speed_before;
     if (o.speed > speed) speed = o.speed;
+    free_energy += o.free_energy;
+    energy += o.energy;
+    mass += o.mass;
   }
 };
 

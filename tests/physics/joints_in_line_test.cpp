@@ -91,5 +91,52 @@ TEST_P(JointsInLine, AHingeAndALockHold) {
   EXPECT_LT(run.energy, 0.01);
 }
 
+/// Rods of 0.1 kg from one hook to the other, 0.2 m each, in a line or hanging through by the sag.
+Scene chain_between_hooks(int links, JointKind kind, double time_step, double sag = 0) {
+  Scene scene = empty_scene(time_step, 0);
+  scene.solver = SolverSettings{};
+  const auto knot = [&](int k) {
+    const double x = 2.0 * k / links - 1;
+    return Vec3d{0.2 * k, 0, -sag * (1 - x * x)};
+  };
+  for (int k = 0; k < links; ++k) {
+    const Vec3d way = knot(k + 1) - knot(k);
+    add_box(scene, 0.5 * (knot(k) + knot(k + 1)), {0.08, 0.02, 0.02}, 0.1).orientation =
+        exp_map(Vec3d{0, -std::atan2(way.z, way.x), 0});
+  }
+  for (int k = 0; k <= links; ++k)
+    scene.joints.push_back(joint_of(kind, k == 0 ? kWorldBody : k - 1, k == links ? kWorldBody : k,
+                                    knot(k), {0, 1, 0}));
+  return scene;
+}
+
+// What goes across the line is pulled back to it in each step: energy from nowhere, unless a step looks.
+TEST(ChainBetweenHooks, HangsWhereItIsStraight) {
+  for (const int links : {3, 4})
+    for (const JointKind kind : {JointKind::ball, JointKind::hinge})
+      for (const double step : {4e-3, 1e-3, 2.5e-4}) {
+        const Scene scene = chain_between_hooks(links, kind, step);
+        const LineRun most = run_of_line(scene, steps_for(scene, 0.6), Precision::double_precision);
+        EXPECT_LT(most.energy, 0.01) << links << ", steps of " << step;
+        EXPECT_LT(most.error, 1e-5) << links << ", steps of " << step;
+      }
+  const LineRun in_float =
+      run_of_line(chain_between_hooks(3, JointKind::ball, 1e-3), 600, Precision::single_precision);
+  EXPECT_LT(in_float.energy, 0.05);
+}
+
+TEST(ChainBetweenHooks, ThatIsStruckHasNoMoreEnergyThanTheBall) {
+  for (const double restitution : {0.0, 0.8})
+    for (const double sag : {0.0, 1e-4, 1e-3, 1.2e-2})
+      for (const double step : {1e-3, 2e-4}) {
+        Scene scene = chain_between_hooks(6, JointKind::ball, step, sag);
+        scene.gravity = {};
+        scene.materials[0].restitution = restitution;
+        add_sphere(scene, {0.5, 0, 0.09}, 0.05, 1).velocity = {0, 0, -1};
+        const LineRun most = run_of_line(scene, steps_for(scene, 0.2), Precision::double_precision);
+        EXPECT_LT(most.energy, 0.6) << restitution << ", sag " << sag << ", steps of " << step;
+      }
+}
+
 }  // namespace
 }  // namespace scree::physics

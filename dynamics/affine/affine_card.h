@@ -28,9 +28,8 @@ inline constexpr SolverParameter kReach{
     .description =
         "distance up to which bodies push each other away [m]; "
         "0: 0.001 of the diagonal of the "
-        "box about all bodies, but no more than a hundredth of that of the smallest free body; or "
-        "the "
-        "least gap at the start where that is less, but at least a hundredth of it.",
+        "box about all bodies, but no more than a hundredth of that of the smallest free body; "
+        "or the least gap at the start where that is less, but at least a hundredth of it.",
     .standard = 0,
     .low = 0,
     .high = 1e6,

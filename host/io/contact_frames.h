@@ -36,13 +36,13 @@ class ContactFrameWriter {
   ContactFrameWriter(std::filesystem::path path, double time_step, Precision precision,
                      std::optional<double> resume_time = {});
 
-  /// Adds a frame and publishes it. One at the time of the last frame is not written again.
+  /// Adds a frame and publishes it, unless it may wait. One at the time of the last frame is not written again.
   /// @param time      simulated time [s], not before the last frame
   /// @param contacts  of the step that ended then
   /// @throws RunError naming the file and the reason; the file keeps the earlier frames
   void append(double time, const std::vector<ContactRecord>& contacts);
 
-  /// From now on frames may wait for a second until they are published, see TwinFile.
+  /// From now on frames may wait for each other until they are published, see TwinFile.
   void publish_seldom() { file_.publish_seldom(); }
   /// Publishes the frames that wait. @throws RunError as append()
   void publish() { file_.publish(); }

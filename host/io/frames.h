@@ -83,7 +83,7 @@ class FrameWriter {
   FrameWriter(std::filesystem::path path, std::span<const FrameField> fields, Precision precision,
               std::uint64_t body_capacity, std::optional<double> resume_time);
 
-  /// Adds a frame and publishes it. A frame at the time of the last one is not written again, and
+  /// Adds a frame and publishes it, unless it may wait. A frame at the time of the last one is not written again, and
   /// one without bodies is left out.
   /// @param time    simulated time [s], not before the last frame
   /// @param states  bodies inserted so far, by id; never fewer than before
@@ -92,7 +92,7 @@ class FrameWriter {
   /// The same for the bodies of one rank. @param constants  of all bodies of the run
   void append(double time, const OwnBodies& bodies, const BodyConstants& constants);
 
-  /// From now on frames may wait for a second until they are published, see TwinFile.
+  /// From now on frames may wait for each other until they are published, see TwinFile.
   void publish_seldom() { file_.publish_seldom(); }
   /// Publishes the frames that wait. @throws RunError as append()
   void publish() { file_.publish(); }

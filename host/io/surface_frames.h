@@ -63,14 +63,14 @@ class SurfaceFrameWriter {
                      std::optional<double> resume_time = {});
   ~SurfaceFrameWriter();
 
-  /// Adds a frame and publishes it. One at the time of the last frame is not written again, and one
+  /// Adds a frame and publishes it, unless it may wait. One at the time of the last frame is not written again, and one
   /// without free bodies is left out.
   /// @param time    simulated time [s], not before the last frame
   /// @param states  bodies inserted so far, by id; never fewer than before
   /// @throws RunError naming the file and the reason; the file keeps the earlier frames
   void append(double time, const BodyStates& states);
 
-  /// From now on frames may wait for a second until they are published, see TwinFile.
+  /// From now on frames may wait for each other until they are published, see TwinFile.
   void publish_seldom() {
     if (file_) file_->publish_seldom();
   }

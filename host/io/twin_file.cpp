@@ -32,14 +32,10 @@ TwinFile::TwinFile(std::filesystem::path path)
 
 TwinFile::~TwinFile() {
   try {
-    finish();
+    publish();
   } catch (const RunError&) {
     // Nothing can be done here; the file keeps what was published.
   }
-}
-
-void TwinFile::finish() {
-  publish();
   remove_spare();
 }
 
@@ -56,8 +52,7 @@ void TwinFile::start(const Write& write_empty) {
   change_spare([&] {
     open_.emplace(h5::File::create(spare_));
     write_empty(open_->root());
-    open_->close();
-    open_.reset();
+    close_spare();
   });
 }
 
@@ -77,10 +72,7 @@ void TwinFile::append(const Filled& before, const Write& write_frame) {
 void TwinFile::publish() {
   if (!open_) return;
   const Clock::time_point begin = Clock::now();
-  change_spare([&] {
-    open_->close();
-    open_.reset();
-  });
+  change_spare([&] { close_spare(); });
   exchange_names(/*keep_previous=*/true);
   published_at_ = Clock::now();
   publishing_ += published_at_ - begin;
@@ -92,8 +84,7 @@ void TwinFile::cut(const Filled& kept, const Write& write) {
   change_spare([&] {
     for (const Growing& dataset : kept.datasets) open_->root().truncate(dataset.name, dataset.rows);
     write(open_->root());
-    open_->close();
-    open_.reset();
+    close_spare();
   });
   exchange_names(/*keep_previous=*/false);
 }
@@ -102,6 +93,11 @@ void TwinFile::open_spare(const Filled& filled) {
   published_ = filled.frames;
   prepare_spare(filled);
   change_spare([&] { open_.emplace(h5::File::open_for_append(spare_)); });
+}
+
+void TwinFile::close_spare() {
+  open_->close();
+  open_.reset();
 }
 
 /// A spare that could not be changed is of no use.

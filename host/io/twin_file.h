@@ -8,8 +8,8 @@
 // it, and renames it over the published name, whose old contents become the next spare. What
 // carries the published name is always complete, and no reader ever sees it change under its name.
 // The price is twice the writing and, while the run lasts, twice the disk space: a constant factor,
-// where a copy per piece would be quadratic. Files of small scenes spend most of their time on that, so pieces may wait in the
-// spare, for a second at most, until publishing takes a tenth of the time; a run that is killed loses those.
+// where a copy per piece would be quadratic. Files of small scenes spend most of their time on that, so pieces of a second
+// at most may wait in the spare for the next one, until publishing takes a tenth of the time; a run that is killed loses those.
 // Other ways that were weighed: one file per piece
 // behind virtual datasets reads back zeros when moved without its parts; SWMR files of a killed
 // writer need a repair tool before ParaView opens them.
@@ -58,7 +58,7 @@ class TwinFile {
   /// @throws RunError; the file keeps the frames that were published
   void append(const Filled& before, const Write& write_frame);
 
-  /// From now on frames wait until publishing them takes a tenth of the time at most, but no longer than a second.
+  /// From now on a frame may wait for the next one, until publishing takes a tenth of the time; frames of a second at most.
   void publish_seldom() { is_seldom_ = true; }
 
   /// Publishes the frames that wait. @throws RunError; the file keeps those that were published
@@ -68,15 +68,13 @@ class TwinFile {
   /// @throws RunError; the file is then as it was
   void cut(const Filled& kept, const Write& write);
 
-  /// Publishes the frames that wait, and removes the spare copy. @throws as publish()
-  void finish();
-
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int kMostShare = 10;  ///< one part in so many of the time for publishing
   static constexpr std::chrono::seconds kLongestWait{1};
 
   void open_spare(const Filled& filled);
+  void close_spare();
   template <class Change>
   void change_spare(const Change& change);
   void prepare_spare(const Filled& filled);

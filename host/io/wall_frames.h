@@ -35,13 +35,13 @@ class WallFrameWriter {
   WallFrameWriter(std::filesystem::path path, const Scene& scene,
                   std::optional<double> resume_time = {});
 
-  /// Adds a frame and publishes it. One at the time of the last frame is not written again.
+  /// Adds a frame and publishes it, unless it may wait. One at the time of the last frame is not written again.
   /// @param time    simulated time [s], not before the last frame
   /// @param states  by id, of the bodies of the scene at least
   /// @throws RunError naming the file and the reason; the file keeps the earlier frames
   void append(double time, const BodyStates& states);
 
-  /// From now on frames may wait for a second until they are published, see TwinFile.
+  /// From now on frames may wait for each other until they are published, see TwinFile.
   void publish_seldom() {
     if (file_) file_->publish_seldom();
   }

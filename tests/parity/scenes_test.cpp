@@ -189,6 +189,10 @@ Scene kinematic_restitution() {
   Scene scene = kinematic();
   scene.materials[0].restitution = 0.5;
   solve_to(scene, 1e-6);
+  // Whether bodies touch, and so share an impact, is decided at 1e-6 m here. At 0.5 m/s a gap of the third
+  // step is that to 1e-5 of it, and float and double part for good; shifts of 1e-9 m change the energy of these by 4e-6.
+  for (BodyDescription& body : scene.bodies)
+    if (body.kind == BodyKind::free) body.velocity = {0.1, 0.05, -0.45};
   return scene;
 }
 

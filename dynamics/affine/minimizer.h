@@ -160,8 +160,10 @@ class Minimizer {
       report.residual = sums.size;
       // The last step is taken too: bodies slower than the tolerance move, and free ones exactly.
       // What sticks is stiff: however much a contact lacks to hold, the step of one that sticks is short. Steps out of a barrier, or
-      // around in the valley of a stiff body, are short as well, but not shorter than those before.
-      bool is_last = ends() && (iteration == 0 || sums.size < kShrinks * last_size);
+      // around in the valley of a stiff body, are short as well, but not shorter than those before. Where each is a share of the
+      // one before, all that follow are together shorter than the tolerance.
+      const double shrinks = iteration == 0 ? 0 : sums.size / last_size;
+      bool is_last = ends() && sums.size * shrinks < settings.tolerance * (1 - shrinks);
       last_size = sums.size;
       if (is_last && sums.size == 0) return;
       if (!is_last && (iteration >= settings.most_iterations || !(sums.size < 1e300))) break;
@@ -196,7 +198,7 @@ class Minimizer {
         break;
       }
       time_ += share * (goal - time_);
-      is_last = is_last && is_foreseen(at, next, sums.slope);
+      is_last = is_last && is_foreseen(at, next, sums.slope, shrinks);
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
       at = next;
       report.note(at);
@@ -220,8 +222,6 @@ class Minimizer {
   /// Change of a slip that may stick or slide, over that at which it slides, below which a step may be the last: a contact that is
   /// asked for more than it holds by a share x takes no shorter steps than sqrt(x).
   static constexpr double kStick = 0.05;
-  /// Length of a step that ends a minimization, over that of the one before, at most.
-  static constexpr double kShrinks = 0.7;
   /// Most that the energy may miss what was foreseen of its fall, over that: 0.39 where a step takes a body out of a barrier by its gap.
   static constexpr double kForeseen = 0.25;
   /// Share of a Newton step below which there is no lower place on its way.
@@ -229,11 +229,16 @@ class Minimizer {
   /// Widest room about ways [reach].
   static constexpr double kMostRoom = 8;
 
-  /// Whether a Newton step lowered the energy by what its system foresaw. @param slope  of the energy along it
-  static bool is_foreseen(const EnergySum& before, const EnergySum& after, double slope) {
-    const double expected = -0.5 * slope, rounding = before.rounding + after.rounding;
-    const double missed = std::abs(before.energy - after.energy - expected);
-    return missed <= kForeseen * expected + rounding + 1e-14 * std::abs(before.energy);
+  /// Whether a Newton step lowered the energy by what its system foresaw, or by the more that goes with a curvature of which the
+  /// system has too much: with 1 / (1 - x) of it, steps are x times as long as those before, and the energy falls by 1 + x times that.
+  /// @param slope    of the energy along the step
+  /// @param shrinks  x: length of the step over that of the one before
+  static bool is_foreseen(const EnergySum& before, const EnergySum& after, double slope,
+                          double shrinks) {
+    const double expected = -0.5 * slope, fell = before.energy - after.energy;
+    const double few = before.rounding + after.rounding + 1e-14 * std::abs(before.energy);
+    return fell >= (1 - kForeseen) * expected - few &&
+           fell <= (1 + shrinks + kForeseen) * expected + few;
   }
 
   void list(Potential& p) {

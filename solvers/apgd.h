@@ -9,7 +9,8 @@
 // gathered) and one over bodies (136 B and 52 B gathered per contact); one more contact pass at
 // every residual check. L |gamma+ - y|_H of a trial goes with the residual, so that iterations end
 // by themselves where it should be small enough, by what solves before have told; a check follows, two in most solves: one
-// at the start, and that one. There is one at least each twenty times `check_every` iterations.
+// at the start, and that one. There is one at least each thirty times `check_every` iterations, each twenty where the solve
+// before did not reach its tolerance.
 // Where nothing is known yet, or iterations cannot end by themselves (those of doubles, and of general layouts on a CPU),
 // it is each `check_every` iterations. In the second half of the
 // iterations allowed there is also one where the residual should be half that of the best iterate.
@@ -102,10 +103,13 @@ class Apgd final : public Solver<B, Real> {
       return run<typename RowsOf<decltype(rows)>::type>(b, p, gamma, tolerance);
     });
   }
-  std::vector<double> memory() const override { return {lipschitz_, gauge_.carried()}; }
+  std::vector<double> memory() const override {
+    return {lipschitz_, gauge_.carried(), has_converged_ ? 1.0 : 0.0};
+  }
   void restore_memory(const std::vector<double>& m) override {
     lipschitz_ = m.empty() ? 0 : m[0];
     gauge_.carry(m.size() < 2 ? 0 : m[1]);
+    has_converged_ = m.size() > 2 && m[2] > 0;
   }
 
  private:
@@ -197,19 +201,27 @@ class Apgd final : public Solver<B, Real> {
     bool is_guess = true, is_best = true;
     int next_block = params_.max_iterations / kBlocks;
     LoadedBlock<B, Real> loaded(b);
+    ApgdCheck* const found = w.check.data();
+    const bool has_blocks = tolerance > 0 && !passes.exact && !this->is_over_ranks() &&
+                            LoadedBlock<B, Real>::template takes<R>(p);
+    if (has_blocks) LoadedBlock<B, Real>::template queue_contrast<R>(b, p, &found->contrast);
     CheckSchedule schedule(kPatience * params_.check_every, tolerance);
     for (;;) {
       // The host reads the residual, the only synchronization of the loop.
       reduce_contacts<ResidualSums>(b, p, ApgdResidual<R, Real>{p, impulses, velocities, state},
-                                    ApgdCheckFinish{state, w.check.data()});
-      const ApgdCheck check = fetch(b, w.check.data());
+                                    ApgdCheckFinish{state, found});
+      reduce_over_ranks<Sums<1>>(b, p.bodies.owned_count,
+                                 ApgdImpulseEnergy<R, Real>{p, velocities, state},
+                                 StoreResult<Sums<1>>{&found->energy});
+      const ApgdCheck check = fetch(b, static_cast<const ApgdCheck*>(found));
+      const double energy = check.energy.value[0];
+      if (has_blocks) loaded.take_contrast(check.contrast);
       const Residual residual =
           ResidualEvaluator<B, Real>::from_sums(check.residual, p.contacts_in_all());
       const double rms = params_.law == ApgdLaw::convex ? residual.rms : residual.exact_rms;
       if (std::exchange(is_guess, false) && rms > tolerance) {
         // Impulses that grew while bodies were jammed between prescribed ones are far too large
         // once they come free. Many iterations would take them back; one scaling does it.
-        const double energy = w.residual.template impulse_energy<R>(b, p, velocities.of_iterate[0]);
         const double scale = best_scale(residual.objective, energy);
         if (scale < 0.5) {
           for_each(b, static_cast<Index>(gamma.size),
@@ -232,16 +244,16 @@ class Apgd final : public Solver<B, Real> {
       if (is_best && (is_last || 2 * stats.applications >= params_.max_iterations)) {
         best = rms;
         stats.residual = residual;
-        const Span<const Vec3<Real>> found = impulses.current(check.state.accepted);
+        stats.residual.objective -= energy;
+        const Span<const Vec3<Real>> here = impulses.current(check.state.accepted);
         if (!is_last) {
           w.best.reserve_discard(vectors);
-          copy(b, found, w.best.view());
-        } else if (found.data != gamma.data) {
-          copy(b, found, gamma);
+          copy(b, here, w.best.view());
+        } else if (here.data != gamma.data) {
+          copy(b, here, gamma);
         }
       }
       if (is_last) break;
-      const bool has_blocks = tolerance > 0 && !passes.exact && !this->is_over_ranks();
       if (has_blocks && stats.applications >= next_block) {
         next_block += params_.max_iterations / kBlocks;
         const Span<Vec3<Real>> here = impulses.current(stats.iterations);
@@ -256,9 +268,13 @@ class Apgd final : public Solver<B, Real> {
 
       const bool stops = !is_lifted && (this->is_over_ranks() || w.iteration.stops(passes));
       // Checks are where loaded contacts are solved.
-      const bool is_sure =
-          stops && gauge_.is_known() && !(has_blocks && loaded.template may_find<R>(b, passes.p));
-      schedule.set_longest((is_sure ? kLongPatience : kPatience) * params_.check_every);
+      const bool is_sure = stops && gauge_.is_known() && !loaded.may_find();
+      // Steps are much like those before.
+      const bool will_end = is_sure && has_converged_;
+      schedule.set_longest((will_end  ? kLongPatience
+                            : is_sure ? kMediumPatience
+                                      : kPatience) *
+                           params_.check_every);
       const int wait = schedule.next(stats.applications, rms);
       const int left = params_.max_iterations - stats.applications;
       const int to_half = (params_.max_iterations + 1) / 2 - stats.applications;
@@ -272,7 +288,7 @@ class Apgd final : public Solver<B, Real> {
       int most = wait + wait / 4 + 1;
       if (this->is_recorded() || !stops || (enough < 0 && aim > 0)) {
         most = std::min(wait, params_.check_every);
-      } else if (!is_late) {
+      } else if (!is_late && !will_end) {
         most = std::min(most, to_half);
       }
       most = std::min(most, left);
@@ -295,7 +311,6 @@ class Apgd final : public Solver<B, Real> {
     if (is_best) {  // the last iterate, whose velocities and residual are at hand
       const Span<const Twist<Real>> last = velocities.iterate(stats.iterations);
       if (last.data != velocity.data) copy(b, last, velocity);
-      stats.residual.objective -= w.residual.template impulse_energy<R>(b, p, velocity);
     } else {
       copy(b, Span<const Vec3<Real>>(w.best.view()), gamma);
       ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
@@ -303,6 +318,7 @@ class Apgd final : public Solver<B, Real> {
       stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
     }
     w.residual.template add_own<R>(b, p, gamma, velocity, stats.residual);
+    has_converged_ = stats.converged;
     return stats;
   }
 
@@ -340,15 +356,16 @@ class Apgd final : public Solver<B, Real> {
   /// Loaded contacts are solved exactly this many times in a solve, less one.
   static constexpr int kBlocks = 6;
   static constexpr int kLiftEvery = 5;  ///< iterations between two moves of the lift
-  /// Iterations between residual checks, over check_every, where loaded contacts are solved at them; and where trials stop by
-  /// themselves.
-  static constexpr int kPatience = 5, kLongPatience = 20;
+  /// Iterations between residual checks, over check_every: where loaded contacts are solved at them; where trials stop by
+  /// themselves; and where they did so the last time.
+  static constexpr int kPatience = 5, kMediumPatience = 20, kLongPatience = 30;
   /// Residual of an iterate that is worth a check, over that of the best one so far.
   static constexpr double kWorth = 0.5;
 
   SolverParams params_;
   double lipschitz_ = 0;
   ResidualGauge gauge_;
+  bool has_converged_ = false;  ///< the solve before
 };
 
 template <class B, class Real>

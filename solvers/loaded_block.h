@@ -8,7 +8,6 @@
 // impulses of all others kept, which lowers the objective; ordinary iterations do the rest.
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include "solvers/block_impulses.h"
@@ -18,15 +17,23 @@ namespace scree {
 template <class B, class Real>
 class LoadedBlock {
  public:
-  explicit LoadedBlock(B& b) : largest_(b, 1), loaded_(b), contact_(b) {}
+  explicit LoadedBlock(B& b) : loaded_(b), contact_(b) {}
 
-  /// Whether bodies in contact differ so much that there may be loaded contacts; one host read, the first time.
+  /// Whether the contacts of a problem are of the kind that can be solved so.
   template <class R>
-  bool may_find(B& b, const ContactProblem<Real>& p) {
-    if (R::kVectors != 1 || !p.adhesion.values.empty() || p.adhesion.uniform > 0) return false;
-    if (!contrast_) contrast_ = contrast_of<R>(b, p);
-    return *contrast_ > kContrast;
+  static bool takes(const ContactProblem<Real>& p) {
+    return R::kVectors == 1 && p.adhesion.values.empty() && !(p.adhesion.uniform > 0);
   }
+  /// Queues the comparison of the bodies in contact, which take_contrast() is to bring from there.
+  /// @param contrast  on the backend, out
+  template <class R>
+  static void queue_contrast(B& b, const ContactProblem<Real>& p, Largest<double>* contrast) {
+    reduce<Largest<double>>(b, p.contact_count, ContactContrast<R, Real>{p},
+                            StoreResult<Largest<double>>{contrast});
+  }
+  void take_contrast(const Largest<double>& contrast) { contrast_ = contrast.value; }
+  /// Whether bodies in contact differ so much that there may be loaded contacts.
+  bool may_find() const { return contrast_ > kContrast; }
 
   /// Replaces the impulses of the loaded contacts of a problem, always the same one; two host reads where there are none.
   /// @param gamma      in and out, in their cones
@@ -36,7 +43,7 @@ class LoadedBlock {
   template <class R>
   bool solve(B& b, const ContactProblem<Real>& p, Span<Vec3<Real>> gamma,
              Span<const Twist<Real>> velocity, double tolerance) {
-    if (!may_find<R>(b, p)) return false;
+    if (!may_find()) return false;
     const std::vector<Index> chosen = choose<R>(b, p, gamma, load_ * tolerance);
     load_ /= 10;
     if (chosen.empty()) return false;
@@ -47,7 +54,7 @@ class LoadedBlock {
     Buffer<B, BlockContact> block(b, n);
     for_each(b, n, ReadBlock<R, Real>{p, gamma, velocity, contact, block.view()});
     const std::vector<Vec3<double>> found =
-        block_impulses(download(b, block.view()), *contrast_, kShare * tolerance);
+        block_impulses(download(b, block.view()), contrast_, kShare * tolerance);
     if (found.empty()) return false;
     Buffer<B, Vec3<double>> impulse(b);
     upload(b, found, impulse);
@@ -63,13 +70,6 @@ class LoadedBlock {
   static constexpr Index kMaxContacts = 600;
   /// Residual of the block over that of the whole problem.
   static constexpr double kShare = 0.1;
-
-  template <class R>
-  double contrast_of(B& b, const ContactProblem<Real>& p) {
-    reduce<Largest<double>>(b, p.contact_count, ContactContrast<R, Real>{p},
-                            StoreResult<Largest<double>>{largest_.data()});
-    return fetch(b, largest_.data()).value;
-  }
 
   /// Contacts of loaded bodies, ascending; none when they are too many.
   template <class R>
@@ -94,8 +94,7 @@ class LoadedBlock {
   /// `quality` 100 v*, the impulse at the foot of a hundred layers. Less each time, as more
   /// contacts may count.
   double load_ = 1e4;
-  std::optional<double> contrast_;  ///< of the problem, once it is known
-  Buffer<B, Largest<double>> largest_;
+  double contrast_ = 0;  ///< of the problem
   Buffer<B, std::uint8_t> loaded_;
   Buffer<B, Index> contact_;
 };

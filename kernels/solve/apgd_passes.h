@@ -366,10 +366,24 @@ struct ApgdResidual {
   }
 };
 
+/// Energy of the current iterate's impulses, wherever the rotation left its velocities.
+template <class R, class Real>
+struct ApgdImpulseEnergy {
+  static constexpr const char* name = "apgd_impulse_energy";
+  ContactProblem<Real> p;
+  ApgdVelocities<Real> velocity;
+  const ApgdState* state;
+  SCREE_HD Sums<1> operator()(Index i) const {
+    return ImpulseEnergy<R, Real>{p, velocity.current(*state)}(i);
+  }
+};
+
 /// What the host reads at a check, in one transfer.
 struct ApgdCheck {
   ApgdState state;
   ResidualSums residual;
+  Sums<1> energy;            ///< 1/2 |V - v*|_M^2 [J]
+  Largest<double> contrast;  ///< of the bodies in contact, worked out once
 };
 
 /// Stores the residual with the state it belongs to.

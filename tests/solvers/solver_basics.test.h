@@ -282,7 +282,7 @@ TYPED_TEST(SolverBasicsTest, ExactApgdGoesOnAsTheFixedPoint) {
   EXPECT_TRUE(stats.converged) << stats.residual.exact_rms;
   EXPECT_EQ(curve.front().applications, 2);
   EXPECT_EQ(curve.back().applications, stats.applications);
-  EXPECT_EQ(solver.memory().size(), 4U);
+  EXPECT_EQ(solver.memory().size(), 6U);
 }
 
 TYPED_TEST(SolverBasicsTest, CoulombRefusesNonsense) {

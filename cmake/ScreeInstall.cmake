@@ -1,4 +1,4 @@
-# Installs public headers, libraries, program and scenes, and exports the targets for find_package(scree).
+# Installs public headers, libraries, program, scenes and documents, and exports the targets for find_package(scree).
 
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/scree")
@@ -11,7 +11,9 @@ endif()
 install(DIRECTORY "${SCREE_PUBLIC_INCLUDE_DIR}/scree" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
 install(DIRECTORY scenes DESTINATION "${CMAKE_INSTALL_DATADIR}/scree"
   PATTERN "CMakeLists.txt" EXCLUDE PATTERN "*.cpp" EXCLUDE PATTERN "*.h" EXCLUDE)
-install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/scree")
+set(doc_dir "${CMAKE_INSTALL_DATADIR}/doc/scree")
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION "${doc_dir}")
+install(DIRECTORY docs DESTINATION "${doc_dir}" PATTERN "*.py" EXCLUDE)
 
 install(EXPORT screeTargets NAMESPACE scree:: DESTINATION "${package_dir}")
 configure_package_config_file(cmake/screeConfig.cmake.in "${PROJECT_BINARY_DIR}/screeConfig.cmake"

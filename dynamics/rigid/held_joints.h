@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "dynamics/rigid/shared_loads.h"
 #include "dynamics/rigid/sparse_factor.h"
 #include "kernels/contact/contact_operator.h"
 #include "kernels/contact/joint_rows.h"
@@ -36,18 +37,65 @@ class HeldJoints {
     }
     if (!factor_.factorize(rows_, entries_)) return;
     factor_.solve(right_);
-    for (Index k = 0; k < p.joints.size; ++k) {
-      for (int r = 0; r < kJointRows; ++r) {
-        if (row(k, r) < 0) continue;
-        Vec3<Real>& z = gamma[2 * static_cast<Offset>(p.joint_begin + k) + r / 3];
-        z[r % 3] += static_cast<Real>(right_[static_cast<std::size_t>(row(k, r))]);
-      }
-    }
+    add(p, gamma);
+    share_loads(p, gamma);
   }
 
  private:
   /// Entries of joints about one body grow with the square of their number.
   static constexpr std::size_t kMostEntries = 4'000'000;
+
+  static Real& impulse_of(const ContactProblem<Real>& p, Span<Vec3<Real>> gamma, Index joint,
+                          int r) {
+    return gamma[2 * static_cast<Offset>(p.joint_begin + joint) + r / 3][r % 3];
+  }
+
+  /// Adds what was solved for.
+  void add(const ContactProblem<Real>& p, Span<Vec3<Real>> gamma) {
+    for (Index k = 0; k < p.joints.size; ++k)
+      for (int r = 0; r < kJointRows; ++r)
+        if (row(k, r) >= 0)
+          impulse_of(p, gamma, k, r) +=
+              static_cast<Real>(right_[static_cast<std::size_t>(row(k, r))]);
+  }
+
+  /// Where joints are redundant many impulses have one effect. Of these the one with the least squares of forces, and of moments
+  /// over their lengths: loads as of joints that are all alike stiff.
+  void share_loads(const ContactProblem<Real>& p, Span<Vec3<Real>> gamma) {
+    const std::vector<FactorEntry> free = factor_.free_directions();
+    if (free.empty()) return;
+    std::vector<double> impulse(static_cast<std::size_t>(p.joints.size) * kJointRows);
+    std::vector<int> joint_of_row(static_cast<std::size_t>(rows_));
+    for (Index k = 0; k < p.joints.size; ++k) {
+      JointValues<double> z;
+      for (int r = 0; r < kJointRows; ++r) {
+        z[r] = impulse_of(p, gamma, k, r);
+        if (row(k, r) >= 0) joint_of_row[static_cast<std::size_t>(row(k, r))] = k;
+      }
+      const JointValues<double> g = joint_[static_cast<std::size_t>(k)].impulse(z);
+      for (int r = 0; r < kJointRows; ++r)
+        impulse[static_cast<std::size_t>(k * kJointRows + r)] = g[r];
+    }
+    // The directions as impulses: those of one joint follow each other.
+    std::vector<FactorEntry> along;
+    for (std::size_t at = 0; at < free.size();) {
+      const int k = joint_of_row[static_cast<std::size_t>(free[at].row)], column = free[at].column;
+      JointValues<double> z;
+      for (; at < free.size() && free[at].column == column &&
+             joint_of_row[static_cast<std::size_t>(free[at].row)] == k;
+           ++at)
+        for (int r = 0; r < kJointRows; ++r)
+          if (row(k, r) == free[at].row) z[r] = free[at].value;
+      const JointValues<double> g = joint_[static_cast<std::size_t>(k)].impulse(z);
+      for (int r = 0; r < kJointRows; ++r) along.push_back({k * kJointRows + r, column, g[r]});
+    }
+    const std::vector<double> ways = ways_to_least(impulse, along);
+    if (ways.empty()) return;
+    right_.assign(right_.size(), 0);
+    for (const FactorEntry& e : free)
+      right_[static_cast<std::size_t>(e.row)] -= ways[static_cast<std::size_t>(e.column)] * e.value;
+    add(p, gamma);
+  }
 
   int row(Index joint, int r) const {
     return place_[static_cast<std::size_t>(joint)][static_cast<std::size_t>(r)];

@@ -15,6 +15,10 @@ constexpr double kShift = 1e-9;
 constexpr double kLeastPivot = 1e-7;
 /// Multiplications of a factorization that is worth its time: about a tenth of a second.
 constexpr double kMostWork = 1e8;
+/// The same of free_directions(): about a hundredth of a second.
+constexpr double kMostFreeWork = 1e7;
+/// Part of the largest entry of a direction below which one is of rounding.
+constexpr double kLeastPart = 1e-12;
 
 class Factor : public Eigen::SimplicialLDLT<Matrix> {
  public:
@@ -80,6 +84,29 @@ void SparseFactor::solve(std::vector<double>& x) const {
   y.array() *= impl_->inverse_pivot.array();
   impl_->factor.matrixU().solveInPlace(y);
   values = impl_->factor.permutationPinv() * y;
+}
+
+std::vector<FactorEntry> SparseFactor::free_directions() const {
+  // N z = L D L^T z is zero where L^T z has entries in rows without a pivot alone.
+  const Eigen::VectorXd& pivot = impl_->inverse_pivot;
+  const auto superfluous = static_cast<double>((pivot.array() == 0).count());
+  std::vector<FactorEntry> entries;
+  if (superfluous == 0) return entries;
+  const auto size = static_cast<double>(pivot.size());
+  const auto terms = static_cast<double>(impl_->factor.matrixL().nestedExpression().nonZeros());
+  if (superfluous * (terms + size) > kMostFreeWork) return entries;
+  int direction = 0;
+  for (Eigen::Index k = 0; k < pivot.size(); ++k) {
+    if (pivot[k] != 0) continue;
+    Eigen::VectorXd z = Eigen::VectorXd::Unit(pivot.size(), k);
+    impl_->factor.matrixU().solveInPlace(z);
+    z = impl_->factor.permutationPinv() * z;
+    const double least = kLeastPart * z.cwiseAbs().maxCoeff();
+    for (Eigen::Index i = 0; i < z.size(); ++i)
+      if (std::abs(z[i]) > least) entries.push_back({static_cast<int>(i), direction, z[i]});
+    ++direction;
+  }
+  return entries;
 }
 
 }  // namespace scree

@@ -1,5 +1,5 @@
 #pragma once
-// Bodies that ran into each other deeply in a run: their steps are too long for their speeds.
+// Bodies that ran into each other deeply in a run, where steps are too long for their speeds, or appeared in each other.
 
 #include <cstdint>
 #include <string>
@@ -18,9 +18,11 @@ class DeepestOverlap {
   std::string warning(const BodyConstants& bodies) const;
 
  private:
-  double least_ = 0;  ///< that is looked at [m]
+  double least_ = 0;              ///< that is looked at [m]
+  std::int64_t body_count_ = -1;  ///< after the step before
   std::int64_t step_ = 0;
   double time_ = 0;  ///< [s]
+  bool has_joined_ = false;  ///< whether bodies joined with that step
   Overlaps deepest_;
 };
 

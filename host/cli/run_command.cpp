@@ -384,8 +384,8 @@ class Run {
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
           "smaller time step follows it better, or max_turn of the dynamics",
           record_.totals.max_turn(), kMostTurn));
-    for (const std::string& unsolved :
-         {joints_apart(record_.totals, world.constants()), steps_not_converged()}) {
+    for (const std::string& unsolved : {joints_apart(record_.totals, world.constants()),
+                                        steps_not_converged(world.constants())}) {
       if (unsolved.empty()) continue;
       if (options_.require_convergence) throw RunError(unsolved);
       progress.note("warning: " + unsolved);
@@ -402,7 +402,7 @@ class Run {
   }
 
   /// How many steps ended at the iteration cap, as a sentence; empty when none did.
-  std::string steps_not_converged() const {
+  std::string steps_not_converged(const BodyConstants& bodies) const {
     const RunTotals& t = record_.totals;
     if (t.steps_not_converged() == 0) return {};
     const SolverSettings& solver = scene_.solver;
@@ -415,8 +415,18 @@ class Run {
                           solver.max_iterations, solver.max_outer_iterations)
             : fmt::format("solver.max_iterations {}", solver.max_iterations);
     const char* other = own != nullptr ? ", or where rounding hid all lower energies," : "";
-    return fmt::format("{} of {} steps ended at the iteration cap ({}){} above the tolerance",
-                       t.steps_not_converged(), t.steps(), cap, other);
+    return fmt::format("{} of {} steps ended at the iteration cap ({}){} above the tolerance{}",
+                       t.steps_not_converged(), t.steps(), cap, other,
+                       worst_of(t.worst_unsolved(), bodies));
+  }
+
+  static std::string worst_of(const RunTotals::Unsolved& worst, const BodyConstants& bodies) {
+    if (worst.body_a < 0 && worst.body_b < 0) return {};
+    const auto name = [&](int id) {
+      return id < 0 ? "the world" : fmt::format("{} (id {})", body_name(bodies, id), id);
+    };
+    return fmt::format("; the largest residual was {:.3g} m/s in step {}, of {} and {}",
+                       worst.residual, worst.step, name(worst.body_a), name(worst.body_b));
   }
 
   std::string summary() const {

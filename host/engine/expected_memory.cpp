@@ -13,6 +13,11 @@
 namespace scree {
 namespace {
 
+std::string in_mib(double bytes) {
+  const double mib = bytes / (1024.0 * 1024.0);
+  return mib < 100 ? fmt::format("{:.3g} MiB", mib) : fmt::format("{:.0f} MiB", mib);
+}
+
 double body_count(const Scene& scene) { return static_cast<double>(count_bodies(scene).all()); }
 
 }  // namespace
@@ -31,17 +36,16 @@ std::size_t expected_memory(const Scene& scene, const WorldOptions& options) {
 void require_memory_for(double all_bodies, double bytes_per_body, const WorldOptions& options) {
   const MemoryRoom room(options);
   const double bodies = room.share * all_bodies;
-  const double needed = bodies * bytes_per_body, mib = 1024.0 * 1024.0;
+  const double needed = bodies * bytes_per_body;
   if (needed <= room.free) return;
   const char* where = options.backend == BackendKind::cuda ? "device" : "host";
   const std::string there =
-      room.is_limited
-          ? fmt::format("the limit is {:.0f} MiB", room.free / mib)
-          : fmt::format("{:.0f} of {:.0f} MiB are free", room.free / mib, room.all / mib);
+      room.is_limited ? fmt::format("the limit is {}", in_mib(room.free))
+                      : fmt::format("{} of {} are free", in_mib(room.free), in_mib(room.all));
   throw InputError(
-      fmt::format("{:.0f} bodies{} need about {:.0f} MiB of {} memory, {}: about {:.0f} "
+      fmt::format("{:.0f} bodies{} need about {} of {} memory, {}: about {:.0f} "
                   "bodies fit",
-                  bodies, room.share < 1 ? " of this device's ranks" : "", needed / mib, where,
+                  bodies, room.share < 1 ? " of this device's ranks" : "", in_mib(needed), where,
                   there, std::floor(room.free / bytes_per_body)));
 }
 

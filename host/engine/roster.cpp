@@ -143,6 +143,9 @@ std::vector<int> Roster::add(const std::vector<BodyDescription>& bodies,
                                   fault->value, fault->expected));
     added_bodies(scene_).push_back(body);
     if (k < names.size() && !names[k].empty()) {
+      if (names[k] == kWorldName)
+        throw InputError(fault_text(path + ".name", '"' + names[k] + '"',
+                                    "stands for what bodies are fixed to"));
       const auto [place, is_new] = scene_.body_names.emplace(names[k], id);
       if (!is_new)
         throw InputError(fault_text(path + ".name", '"' + names[k] + '"',

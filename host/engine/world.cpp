@@ -14,6 +14,7 @@
 #include "host/engine/cuda_device.h"
 #include "host/engine/roster.h"
 #include "host/error.h"
+#include "host/scene/scene_checks.h"
 
 namespace scree {
 
@@ -184,10 +185,14 @@ int World::body(const std::string& name) const {
 void World::set_gravity(const Vec3d& gravity) { OnDevice(*dynamics_)->set_gravity(gravity); }
 
 void World::set_velocity(int body, const Vec3d& velocity, const Vec3d& angular_velocity) {
-  if (kind_of(body) == BodyKind::free) {
+  const BodyKind kind = kind_of(body);
+  if (kind == BodyKind::free) {
     OnDevice(*dynamics_)->set_velocity(body, velocity, angular_velocity);
     return;
   }
+  if (kind == BodyKind::fixed)
+    throw InputError("set_velocity(): body " + std::to_string(body) +
+                     " is fixed: only free and kinematic bodies have a velocity");
   Motion motion;
   motion.kind = Motion::Kind::linear;
   motion.velocity = velocity;
@@ -303,6 +308,7 @@ void World::restore(const WorldState& state) {
 }
 
 Image World::render(const PictureSettings& settings) const {
+  check_picture(settings);
   return OnDevice(*dynamics_)->render(settings);
 }
 std::size_t World::memory() const { return dynamics_->memory(); }

@@ -169,7 +169,7 @@ void OutputDirectory::require_present() const {
 void OutputDirectory::prepare() {
   std::error_code error;
   fs::create_directories(path_, error);
-  if (error) throw RunError(io_message("cannot create output directory", path_, error.value()));
+  if (error) throw InputError(io_message("cannot create output directory", path_, error.value()));
   lock();
   if (existing_ == ExistingOutput::refuse && !fs::is_empty(path_))
     refuse_folder(path_, "it is not empty any more");

@@ -91,6 +91,9 @@ void RunTotals::add(const StepReport& report) {
     max_joint_error_ = report.max_joint_error;
     joint_error_step_ = report.step;
   }
+  if (!report.converged && report.residual_max > unsolved_.residual)
+    unsolved_ = {report.step, report.residual_max, report.residual_max_body_a,
+                 report.residual_max_body_b};
   last_ = report;
 }
 

@@ -40,6 +40,13 @@ class RunTotals {
   std::int64_t max_contacts() const { return max_contacts_; }
   double max_turn() const { return max_turn_; }  ///< of a body in a step [rad]
   const StepReport& last() const { return last_; }
+  /// The largest residual of a contact or joint in steps above the tolerance.
+  struct Unsolved {
+    std::int64_t step = 0;
+    double residual = 0;                           ///< [m/s]
+    int body_a = kWorldBody, body_b = kWorldBody;  ///< ids; both of the world: not known
+  };
+  const Unsolved& worst_unsolved() const { return unsolved_; }
   const DynamicsCard& card() const { return card_; }
 
  private:
@@ -56,6 +63,7 @@ class RunTotals {
   std::int64_t joint_error_step_ = 0;
   std::int64_t max_contacts_ = 0;
   double max_turn_ = 0;
+  Unsolved unsolved_;
   StepReport last_;
 };
 

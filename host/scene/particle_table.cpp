@@ -107,6 +107,8 @@ ParticleTable read_particle_csv(const std::filesystem::path& file, int shapes) {
   const int at_radius = csv.find("radius");
   const int at_mass = csv.find("mass");
   const int at_density = csv.find("density");
+  if (at_mass >= 0 && at_density >= 0)
+    csv.fail("it has the columns \"mass\" and \"density\"; expected one of them");
   const int at_group = csv.find("group");
   const int at_material = csv.find("material");
   const int at_scale = csv.find("scale");

@@ -296,34 +296,7 @@ void check_settings(const Scene& scene) {
         "output.surface_frames", "true",
         "must be false with output.frame_pieces: surfaces are written by one rank, from the "
         "states of all bodies");
-  const PictureSettings& picture = output.picture;
-  if (!std::isfinite(picture.interval))
-    refuse_value("output.picture.interval", value_text(picture.interval),
-                 "must be a finite number [s]");
-  for (const auto& [key, pixels] : {std::pair{"width", picture.width}, {"height", picture.height}})
-    if (pixels < 16 || pixels > 16384)
-      refuse_value(std::string("output.picture.") + key, fmt::format("{}", pixels),
-                   "must be from 16 to 16384 [pixels]");
-  if (!std::isfinite(picture.color_min) || !(picture.color_max >= picture.color_min) ||
-      !std::isfinite(picture.color_max))
-    refuse_value("output.picture.color_range",
-                 fmt::format("[{}, {}]", picture.color_min, picture.color_max),
-                 "must be two finite numbers, the smaller first");
-  const CameraSettings& camera = picture.camera;
-  if (camera.automatic) return;
-  check_finite("output.picture.camera.position", camera.position, "m");
-  check_finite("output.picture.camera.target", camera.target, "m");
-  check_finite("output.picture.camera.up", camera.up, "-");
-  if (!(camera.vertical_angle > 0 && camera.vertical_angle < 170))
-    refuse_value("output.picture.camera.vertical_angle_deg", value_text(camera.vertical_angle),
-                 "must be between 0 and 170, both excluded [deg]");
-  const Vec3d view = camera.target - camera.position;
-  if (!(norm(view) > 0))
-    refuse_value("output.picture.camera.target", value_text(camera.target),
-                 "must differ from the position");
-  if (!(norm(cross(normalized(view), normalized(camera.up, {0, 0, 0}))) > 1e-6))
-    refuse_value("output.picture.camera.up", value_text(camera.up),
-                 "must not be zero or parallel to the view direction");
+  check_picture(output.picture);
 }
 
 /// Calls f(body, path maker) for the bodies that are described one by one, those of
@@ -503,6 +476,8 @@ void check_body_names(const Scene& scene) {
   const BodyCounts count = count_bodies(scene);
   for (const auto& [name, id] : scene.body_names) {
     if (name.empty()) refuse_value("body_names", "an empty name", "must have a letter or more");
+    if (name == kWorldName)
+      refuse_value("body_names", quoted(name), "stands for what bodies are fixed to");
     if (id < 0 || static_cast<std::size_t>(id) >= count.free + count.fixed)
       refuse_value(fmt::format("body_names[{}]", quoted(printable(name, 80))),
                    fmt::format("{}", id),
@@ -511,6 +486,36 @@ void check_body_names(const Scene& scene) {
 }
 
 }  // namespace
+
+void check_picture(const PictureSettings& picture) {
+  if (!std::isfinite(picture.interval))
+    refuse_value("output.picture.interval", value_text(picture.interval),
+                 "must be a finite number [s]");
+  for (const auto& [key, pixels] : {std::pair{"width", picture.width}, {"height", picture.height}})
+    if (pixels < 16 || pixels > 16384)
+      refuse_value(std::string("output.picture.") + key, fmt::format("{}", pixels),
+                   "must be from 16 to 16384 [pixels]");
+  if (!std::isfinite(picture.color_min) || !(picture.color_max >= picture.color_min) ||
+      !std::isfinite(picture.color_max))
+    refuse_value("output.picture.color_range",
+                 fmt::format("[{}, {}]", picture.color_min, picture.color_max),
+                 "must be two finite numbers, the smaller first");
+  const CameraSettings& camera = picture.camera;
+  if (camera.automatic) return;
+  check_finite("output.picture.camera.position", camera.position, "m");
+  check_finite("output.picture.camera.target", camera.target, "m");
+  check_finite("output.picture.camera.up", camera.up, "-");
+  if (!(camera.vertical_angle > 0 && camera.vertical_angle < 170))
+    refuse_value("output.picture.camera.vertical_angle_deg", value_text(camera.vertical_angle),
+                 "must be between 0 and 170, both excluded [deg]");
+  const Vec3d view = camera.target - camera.position;
+  if (!(norm(view) > 0))
+    refuse_value("output.picture.camera.target", value_text(camera.target),
+                 "must differ from the position");
+  if (!(norm(cross(normalized(view), normalized(camera.up, {0, 0, 0}))) > 1e-6))
+    refuse_value("output.picture.camera.up", value_text(camera.up),
+                 "must not be zero or parallel to the view direction");
+}
 
 void validate(const Scene& scene) {
   check_settings(scene);

@@ -21,6 +21,9 @@ std::string fault_text(const std::string& path, const std::string& value,
 std::string value_text(double value);
 std::string value_text(const Vec3d& value);
 
+/// What joints call the world: no body has this name.
+inline constexpr const char* kWorldName = "world";
+
 /// First fault of one body: shape, pose, velocity, mass, indices and motion. The scene gives the
 /// lists that its indices point into.
 std::optional<Fault> body_fault(const Scene& scene, const BodyDescription& body);
@@ -43,6 +46,8 @@ std::optional<Fault> elasticity_fault(const Scene& scene, const BodyDescription&
 std::optional<Fault> attachment_fault(const Scene& scene, const Attachment& attachment);
 std::optional<Fault> attachments_fault(const Scene& scene);
 
+/// Size, colors and camera of a picture. @throws InputError
+void check_picture(const PictureSettings& picture);
 /// Indices and numbers of all meshes. @throws InputError
 void check_meshes(const Scene& scene);
 /// Meshes of hulls must be convex, and in the principal frame where a body is free, as must those of free bodies that are

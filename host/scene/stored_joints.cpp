@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 
 #include "host/error.h"
 #include "host/scene/joint_cards.h"
@@ -10,25 +11,26 @@
 namespace scree {
 namespace {
 
-/// What drives a joint; null: nothing.
-const char* drive_name(const Joint& joint) {
+/// What drives a joint; empty: nothing.
+std::string drive_of(const Joint& joint) {
   if (joint.kind == JointKind::cable) return "is a cable";
   if (joint.kind == JointKind::spring) return "is a spring";
-  if (joint.motor) return "has a motor";
-  if (joint.friction > 0) return "has friction";
-  if (std::isfinite(joint.limits[0]) || std::isfinite(joint.limits[1])) return "has limits";
-  return nullptr;
+  const char* has = nullptr;
+  if (std::isfinite(joint.limits[0]) || std::isfinite(joint.limits[1])) has = "limits";
+  if (joint.friction > 0) has = "friction";
+  if (joint.motor) has = "a motor";
+  return has == nullptr ? "" : fmt::format("({}) has {}", joint_card(joint.kind).name, has);
 }
 
 }  // namespace
 
 void require_storable_joints(const std::string& where, const Scene& scene) {
   for (std::size_t k = 0; k < scene.joints.size(); ++k)
-    if (const char* drive = drive_name(scene.joints[k]); drive != nullptr)
-      throw InputError(fmt::format(
-          "{}: joints[{}] ({}) {}, which files of contact problems do not hold; expected "
-          "joints without limits, motors and friction, and no cables and springs",
-          where, k, joint_card(scene.joints[k].kind).name, drive));
+    if (const std::string drive = drive_of(scene.joints[k]); !drive.empty())
+      throw InputError(
+          fmt::format("{}: joints[{}] {}, which files of contact problems do not hold; expected "
+                      "joints without limits, motors and friction, and no cables and springs",
+                      where, k, drive));
 }
 
 }  // namespace scree

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "host/error.h"
 #include "host/scene/scene_checks.h"
 
 namespace scree::reader {
@@ -48,7 +47,8 @@ std::string nearest_hint(const std::string& wrong, const std::vector<std::string
   for (const std::string& word : known) {
     if (word.size() > kMaxWordLength) continue;
     const std::size_t distance = edit_distance(wrong, word);
-    if (distance < best) {
+    // With nothing in common they are just two words.
+    if (distance < best && distance < std::max(wrong.size(), word.size())) {
       best = distance;
       name = word;
     }
@@ -127,7 +127,9 @@ std::vector<std::pair<std::string, Node>> Node::members() const {
 
 double Node::number(const Range& range, const char* unit) const {
   const std::string expected = with_unit(range.text, unit);
-  if (!json_->is_number()) refuse(expected);
+  if (!json_->is_number())
+    refuse(expected.find("number") == std::string::npos ? "must be a number; it " + expected
+                                                        : expected);
   const double value = json_->get<double>();
   const bool above = range.low_open ? value > range.low : value >= range.low;
   const bool below = range.high_open ? value < range.high : value <= range.high;
@@ -199,6 +201,8 @@ std::pair<double, double> Node::interval(const char* unit) const {
 std::filesystem::path Node::file() const {
   std::filesystem::path path = source_->base_directory / text();
   std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    refuse("must be a file, and is a folder (" + path.string() + ")");
   if (!std::filesystem::is_regular_file(path, error))
     refuse("no such file (looked for " + path.string() + ")");
   return path;

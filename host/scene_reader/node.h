@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/error.h"
 #include "host/scene_reader/json_text.h"
 #include "host/scene_reader/keys.h"
 #include "kernels/math/quat.h"
@@ -76,6 +77,16 @@ class Node {
   Quat<double> orientation() const;             ///< [w, x, y, z] of length 1 (to 0.1 %)
   std::pair<double, double> interval(const char* unit) const;  ///< [low, high], low < high
   std::filesystem::path file() const;  ///< relative to the scene file; must exist
+  /// What read(file()) makes of the file: faults in it name the place here too.
+  template <class F>
+  auto from_file(const F& read) const {
+    const std::filesystem::path path = file();
+    try {
+      return read(path);
+    } catch (const InputError& error) {
+      fail(error.what());
+    }
+  }
 
   /// One of the named values.
   template <class E>

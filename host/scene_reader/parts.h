@@ -8,6 +8,7 @@
 
 #include "host/scene.h"
 #include "host/scene/convex_hull.h"
+#include "host/scene/scene_checks.h"
 #include "host/scene_reader/node.h"
 
 namespace scree::reader {
@@ -35,8 +36,6 @@ struct Draft {
 
 /// In Draft::body_of_entry: a body that joins the run later.
 inline constexpr int kInserted = -2;
-/// What joints call the world: no body has this name.
-inline constexpr const char* kWorldName = "world";
 
 /// Material named by the key "material" of the node; without the key, the one called "default", or
 /// else the first.

@@ -30,11 +30,11 @@ std::vector<Vec3d> read_points(const Node& node, std::string& key) {
   }
   MeshOptions options;
   options.closed = false;  // only its vertices count
-  const std::filesystem::path path =
-      node.at("file", "must be the name of an .stl or .obj file, or give points [m]").file();
+  const Node file = node.at("file", "must be the name of an .stl or .obj file, or give points [m]");
+  const std::filesystem::path path = file.file();
   node.read("scale", options.scale, kPositive, "m per unit of the file");
   key = fmt::format("{}|{}", path.string(), options.scale);
-  return read_mesh(path, options).vertices;
+  return file.from_file([&](const auto& p) { return read_mesh(p, options); }).vertices;
 }
 
 /// @param is_free  the mesh is moved to the center of mass and the principal axes of the solid inside
@@ -50,7 +50,7 @@ void read_mesh_file(const Node& node, bool is_free, Shape& shape, Draft& draft) 
       fmt::format("mesh|{}|{}|{}|{}", is_free, path.string(), options.scale, options.closed);
   const auto [shared, is_new] = draft.shapes.emplace(key, SharedShape{});
   if (is_new) {
-    TriangleMesh mesh = read_mesh(path, options);
+    TriangleMesh mesh = file.from_file([&](const auto& p) { return read_mesh(p, options); });
     Shape& made = shared->second.shape;
     made.kind = shapes::Mesh::kind;
     if (is_free) {
@@ -376,7 +376,7 @@ void read_motion(const Node& node, Motion& motion) {
       if (const auto file = node.find("file")) {
         node.refuse_keys({"times", "positions", "orientations"},
                          "give either a file or times and positions");
-        read_motion_csv(file->file(), motion);
+        file->from_file([&](const auto& path) { read_motion_csv(path, motion); });
         break;
       }
       for (const Node& t :

@@ -61,7 +61,9 @@ HeightGrid read_heights(const Node& node, std::string& key) {
     const auto [low, high] =
         node.at("height_range", "must be the heights of black and of white [m]").interval("m");
     key = fmt::format("{}|{}|{}", file->file().string(), low, high);
-    return read_height_picture(file->file(), low, high);
+    return file->from_file([low = low, high = high](const auto& path) {
+      return read_height_picture(path, low, high);
+    });
   }
   refuse_key(node, "height_range", "only pictures have this key; a table has height_scale");
   double scale = 1, offset = 0;
@@ -74,7 +76,7 @@ HeightGrid read_heights(const Node& node, std::string& key) {
                     offset);
   if (heights) return read_rows(source, scale, offset);
   if (extension_of(source.text()) != ".csv") source.refuse("the name must end in .csv or .png");
-  return read_height_table(source.file(), scale, offset);
+  return source.from_file([&](const auto& path) { return read_height_table(path, scale, offset); });
 }
 
 }  // namespace

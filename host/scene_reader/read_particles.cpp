@@ -259,15 +259,18 @@ PlacedSpheres with_sizes(const ParticleShapes& shapes, ParticleTable& table,
 
 /// Reads the table that an entry names, which has one particle or more.
 ParticleTable read_table(const Node& named, int shapes) {
-  const std::filesystem::path path = named.file();
-  ParticleTable table;
-  if (path.extension() != ".h5") {
-    table = read_particle_csv(path, shapes);
-  } else if (shapes == 0) {
-    table.particles = read_checkpoint_particles(path);
-  } else {
+  const bool is_checkpoint = named.file().extension() == ".h5";
+  if (is_checkpoint && shapes > 0)
     named.refuse("must be a .csv file: of checkpoints, spheres are read, and a shape is given");
-  }
+  ParticleTable table = named.from_file([&](const auto& path) {
+    ParticleTable read;
+    if (is_checkpoint) {
+      read.particles = read_checkpoint_particles(path);
+    } else {
+      read = read_particle_csv(path, shapes);
+    }
+    return read;
+  });
   if (table.particles.position.empty()) named.refuse("the file holds no particles");
   return table;
 }

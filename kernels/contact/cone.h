@@ -1,5 +1,7 @@
 #pragma once
 // Projections onto the Coulomb cone and its relatives. docs/theory.md, section "Cones".
+//
+// Lengths are those of impulses times a weight [1/kg], velocities: squares of the impulses of dust or mountains are no floats.
 
 #include "kernels/math/scalar.h"
 #include "kernels/math/vec3.h"
@@ -31,34 +33,43 @@ template <class Real>
 SCREE_HD Vec3<Real> project_cone(Real mu, const Vec3<Real>& normal, const Vec3<Real>& y, Real a_n,
                                  Real a_t) {
   const Real y_n = dot(normal, y);
-  const Vec3<Real> y_t = y - y_n * normal;
-  const Real square = norm2(y_t);
-  const Real bound = mu * y_n;
+  const Vec3<Real> v_t = a_t * (y - y_n * normal);
+  const Real square = norm2(v_t);
+  const Real bound = mu * (a_t * y_n);
   const auto sticks = (y_n >= Real(0)) & (square <= bound * bound);
   const Real inverse_length = inverse_sqrt(square);
-  const Real pull = a_n * y_n + mu * a_t * (square * inverse_length);
+  const Real pull = a_n * y_n + mu * (square * inverse_length);
   const Real n = select(pull <= Real(0), Real(0), pull * inverse(a_n + mu * mu * a_t));
   const Real slide = mu * n * inverse_length;
-  return {select(sticks, y.x, n * normal.x + slide * y_t.x),
-          select(sticks, y.y, n * normal.y + slide * y_t.y),
-          select(sticks, y.z, n * normal.z + slide * y_t.z)};
+  return {select(sticks, y.x, n * normal.x + slide * v_t.x),
+          select(sticks, y.y, n * normal.y + slide * v_t.y),
+          select(sticks, y.z, n * normal.z + slide * v_t.z)};
 }
 
 /// Projection of the tangential part of y onto the disk of radius mu y_n, and of y_n onto what
 /// presses. Impulses that do not move when a step against their contact velocities is followed by
 /// this one satisfy Coulomb's law itself: the normal part does not feel the tangential one, where
 /// the projection onto the cone lifts it.
-/// @param y  impulse, world frame [N s]
+/// @param y       impulse, world frame [N s]
+/// @param weight  any of the contact's metric; the result does not depend on it
 /// Source: Alart & Curnier, CMAME 92, 1991; docs/theory.md eq. (7b).
 template <class Real>
-SCREE_HD Vec3<Real> project_disk(Real mu, const Vec3<Real>& normal, const Vec3<Real>& y) {
+SCREE_HD Vec3<Real> project_disk(Real mu, const Vec3<Real>& normal, const Vec3<Real>& y,
+                                 Real weight) {
   const Real y_n = dot(normal, y);
   const Vec3<Real> y_t = y - y_n * normal;
   const Real n = select(y_n <= Real(0), Real(0), y_n);
-  const Real square = norm2(y_t);
-  const Real bound = mu * n;
+  const Real square = norm2(weight * y_t);
+  const Real bound = mu * (weight * n);
   const Real scale = select(square <= bound * bound, Real(1), bound * inverse_sqrt(square));
   return {n * normal.x + scale * y_t.x, n * normal.y + scale * y_t.y, n * normal.z + scale * y_t.z};
+}
+
+/// Length of a part of an impulse [N s].
+/// @param weight  any of the contact's metric
+template <class Real>
+SCREE_HD Real weighed_length(Real weight, const Vec3<Real>& part) {
+  return norm(weight * part) / weight;
 }
 
 /// One bounded part of a contact impulse that shares the contact's normal force.

@@ -151,8 +151,9 @@ SCREE_HD typename R::Rows natural_map(const ContactProblem<Real>& p, Index c,
   const Real trace = R::block_trace(p, c);
   if (!(trace > Real(0)))
     return {};  // no body of this contact can move: no impulse changes anything
-  const Real rho = Real(3) / trace;
-  return (trace / Real(3)) * (gamma - R::project(p, c, gamma - rho * u, euclidean_metric<Real>()));
+  const Real rho = Real(3) / trace, weight = trace / Real(3);
+  // With equal weights a projection is the Euclidean one.
+  return weight * (gamma - R::project(p, c, gamma - rho * u, {weight, weight, weight}));
 }
 
 /// De Saxce's correction: the speed by which the convex cone lifts a sliding contact, mu |u_t|.

@@ -34,10 +34,12 @@ struct ForceRowsBase {
     return {project_cone(p.friction[c], n, y.force + apex, m.normal, m.tangential) - apex};
   }
   /// The same for Coulomb's law itself: normal part first, then the disk that it leaves.
-  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
+  /// @param m  the contact's metric, on which the result does not depend
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y,
+                                       const ContactMetric<Real>& m) {
     const Vec3<Real> n = p.normal[c];
     const Vec3<Real> apex = p.adhesion[c] * n;
-    return {project_disk(p.friction[c], n, y.force + apex) - apex};
+    return {project_disk(p.friction[c], n, y.force + apex, m.tangential) - apex};
   }
 };
 
@@ -258,9 +260,10 @@ struct RollingRows : LeverArms<Real> {
     const Vec3<Real> slide = y.force - dot(n, y.force) * n;
     const Real spin = dot(n, y.moment);
     const Vec3<Real> roll = y.moment - spin * n;
-    const BoundedPart<Real> part[3] = {{p.friction[c], m.tangential, norm(slide)},
-                                       {row.rolling, m.moment, norm(roll)},
-                                       {row.spinning, m.moment, std::abs(spin)}};
+    const BoundedPart<Real> part[3] = {
+        {p.friction[c], m.tangential, weighed_length(m.tangential, slide)},
+        {row.rolling, m.moment, weighed_length(m.moment, roll)},
+        {row.spinning, m.moment, std::abs(spin)}};
     Real normal = shared_normal(m.normal, y_n, part);
     if (normal < least) normal = least;
     Real scale[3];
@@ -270,7 +273,8 @@ struct RollingRows : LeverArms<Real> {
     }
     return {(normal - adhesion) * n + scale[0] * slide, scale[1] * roll + (scale[2] * spin) * n};
   }
-  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y,
+                                       const ContactMetric<Real>& m) {
     const Vec3<Real> n = p.normal[c];
     const RollingRow<Real> row = p.rolling[c];
     const Real spin = dot(n, y.moment);
@@ -280,8 +284,8 @@ struct RollingRows : LeverArms<Real> {
     const auto within = [](Real length, Real bound) {
       return length > bound ? bound / length : Real(1);
     };
-    return {ForceRowsBase<Real>::project_coulomb(p, c, {y.force}).force,
-            within(norm(roll), row.rolling * pressed) * roll +
+    return {ForceRowsBase<Real>::project_coulomb(p, c, {y.force}, m).force,
+            within(weighed_length(m.moment, roll), row.rolling * pressed) * roll +
                 (within(std::abs(spin), row.spinning * pressed) * spin) * n};
   }
   /// Bounds the coupled 6x6 block: force and moment parts of a positive semidefinite block satisfy
@@ -371,8 +375,9 @@ struct JointedRows : RollingRows<Real> {
                                const ContactMetric<Real>& m) {
     return is_joint(p, c) ? Joints::project(p, c, y) : Contacts::project(p, c, y, m);
   }
-  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y) {
-    return is_joint(p, c) ? Joints::project(p, c, y) : Contacts::project_coulomb(p, c, y);
+  static SCREE_HD Rows project_coulomb(const ContactProblem<Real>& p, Index c, const Rows& y,
+                                       const ContactMetric<Real>& m) {
+    return is_joint(p, c) ? Joints::project(p, c, y) : Contacts::project_coulomb(p, c, y, m);
   }
   static SCREE_HD ContactMetric<Real> block_metric(const ContactProblem<Real>& p, Index c) {
     if (is_joint(p, c)) return Joints::block_metric(p, c);

@@ -14,11 +14,11 @@ template <class Real>
 SCREE_HD ForceRows<Real> project_above(const ContactProblem<Real>& p, Index c, Real least,
                                        const ForceRows<Real>& y, const ContactMetric<Real>& m) {
   const Vec3<Real> n = p.normal[c];
-  const Real mu = p.friction[c], bound = mu * least;
+  const Real mu = p.friction[c], bound = mu * (m.tangential * least);
   const Vec3<Real> x = project_cone(mu, n, y.force, m.normal, m.tangential);
   const auto is_high = dot(n, x) >= least;
   const Vec3<Real> slide = y.force - dot(n, y.force) * n;
-  const Real square = norm2(slide);
+  const Real square = norm2(m.tangential * slide);
   const Real scale = select(square <= bound * bound, Real(1), bound * inverse_sqrt(square));
   const Vec3<Real> cut = least * n + scale * slide;
   return {{select(is_high, x.x, cut.x), select(is_high, x.y, cut.y), select(is_high, x.z, cut.z)}};

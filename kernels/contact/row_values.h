@@ -65,18 +65,18 @@ SCREE_HD ForceMomentRows<Real> solve_metric(const ContactMetric<Real>& m, const 
   return {solve_metric(m, n, ForceRows<Real>{x.force}).force, inverse(m.moment) * x.moment};
 }
 
-/// x^T H y.
+/// x^T H y. Weights come first: the products of impulses alone, of grains of a micrometer or of a kilometer, are no float.
 template <class Real>
 SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
                          const ForceRows<Real>& x, const ForceRows<Real>& y) {
-  return m.tangential * dot(x.force, y.force) +
+  return dot(m.tangential * x.force, y.force) +
          (m.normal - m.tangential) * dot(n, x.force) * dot(n, y.force);
 }
 template <class Real>
 SCREE_HD Real metric_dot(const ContactMetric<Real>& m, const Vec3<Real>& n,
                          const ForceMomentRows<Real>& x, const ForceMomentRows<Real>& y) {
   return metric_dot(m, n, ForceRows<Real>{x.force}, ForceRows<Real>{y.force}) +
-         m.moment * dot(x.moment, y.moment);
+         dot(m.moment * x.moment, y.moment);
 }
 /// x^T H x.
 template <class Real, class Rows>

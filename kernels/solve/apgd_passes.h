@@ -161,7 +161,7 @@ struct ApgdContactStep {
       }
     }
     if (exact) {
-      const auto moved = R::project_coulomb(p, c, y - step * solve_metric(h, n, g));
+      const auto moved = R::project_coulomb(p, c, y - step * solve_metric(h, n, g), h);
       R::store(next, c, moved);
       return sums_of_law(moved);
     }

@@ -39,5 +39,39 @@ TEST(CliRunWarnings, BodiesThatRunDeepIntoEachOtherAreTold) {
   EXPECT_TRUE(holds(run.out + run.err, "overlap by 0.145 m in step 6")) << run.out << run.err;
 }
 
+// The step is not to blame where they appear.
+TEST(CliRunWarnings, ParticlesThatAppearInABodyAreToldAsThat) {
+  const Scratch scratch;
+  const nlohmann::json scene = nlohmann::json::parse(R"({
+    "time_step": 0.001, "duration": 0.12, "gravity": [0, 0, 0],
+    "bodies": [{"shape": "box", "kind": "fixed", "size": [1, 1, 0.2], "position": [0, 0, 1.05]}],
+    "particles": [{"layout": "rain", "count": 60, "radius": 0.05, "density": 1000, "velocity": [0, 0, -3], "layers": 3,
+                   "interval": 0.05, "region": {"min": [-0.5, -0.5, 1], "max": [0.5, 0.5, 1.1]}}],
+    "output": {"picture": false}})");
+  const Result run = scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "a"));
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, ": particles joined in this step, where other bodies were"))
+      << run.out << run.err;
+  EXPECT_FALSE(holds(run.out + run.err, "a smaller time step")) << run.out << run.err;
+}
+
+/// A body that rests and is to move.
+TEST(CliRunWarnings, StepsAtTheCapNameTheWorstBodies) {
+  const Scratch scratch;
+  const nlohmann::json scene = nlohmann::json::parse(R"({
+    "time_step": 0.001, "duration": 0.01,
+    "bodies": [{"shape": "sphere", "radius": 0.1, "mass": 1, "position": [2, 0, 0]},
+               {"name": "d", "shape": "box", "size": [1, 0.1, 0.1], "mass": 10}],
+    "joints": [{"type": "fixed", "bodies": ["world", "d"], "anchor": [0, 0, 0]},
+               {"type": "slider", "bodies": ["world", "d"], "anchor": [0, 0, 0], "axis": [1, 0, 0], "motor": {"speed": 1}}],
+    "output": {"picture": false}})");
+  const Result run = scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "a"));
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, "; the largest residual was 0.75")) << run.out << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, "of the world and bodies[1] (id 1)") ||
+              holds(run.out + run.err, "of bodies[1] (id 1) and the world"))
+      << run.out << run.err;
+}
+
 }  // namespace
 }  // namespace scree::test

@@ -26,6 +26,10 @@ done
 "$cxx" -std=c++20 -fsyntax-only -I"$prefix/include" $(pkg-config --cflags eigen3 2>/dev/null) "$temporary/all.cpp" ||
   fail "the public headers include what is not installed"
 
+for document in README.md docs/user_guide.md docs/theory.md; do
+  [ -f "$prefix/share/doc/scree/$document" ] || fail "share/doc/scree/$document is not installed"
+done
+
 cat >"$temporary/use.sh" <<'END'
 set -euo pipefail
 prefix=$1 temporary=$2 cmake=$3 cxx=$4

@@ -504,6 +504,7 @@ TEST_P(ChangingBodies, WhatIsWrongIsRefusedAndChangesNothing) {
               HasSubstr("add(): body 3.mesh: -1"));
   EXPECT_THAT(added([](auto&) {}, "ball"),
               AllOf(HasSubstr("add(): body 3.name: \"ball\""), HasSubstr("body 1 has that name")));
+  EXPECT_THAT(added([](auto&) {}, "world"), HasSubstr("stands for what bodies are fixed to"));
   EXPECT_THAT(refusal([&] {
                 world.add_all({sphere({0, 0, 5}, 0.1, 1)}, {"a", "b"});
               }),

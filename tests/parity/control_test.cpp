@@ -294,10 +294,14 @@ TEST_P(Control, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal([&] { world.set_velocity(4, {}); }),
               HasSubstr("body 4 is not in the simulation"));
   EXPECT_THAT(refusal([&] { world.set_velocity(-1, {}); }), HasSubstr("body -1 is not in"));
+  PictureSettings picture;
+  picture.width = -5;
+  EXPECT_THAT(refusal([&] { world.render(picture); }),
+              HasSubstr("output.picture.width: -5 is not allowed: must be from 16 to 16384"));
   EXPECT_THAT(refusal([&] {
                 world.set_velocity(2, {1, 0, 0});
               }),
-              HasSubstr("body 2 is not kinematic"));
+              HasSubstr("body 2 is fixed: only free and kinematic bodies have a velocity"));
   EXPECT_THAT(refusal([&] {
                 world.set_velocity(0, {nan, 0, 0});
               }),

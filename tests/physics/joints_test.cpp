@@ -1,4 +1,4 @@
-// Ball joints and fixed joints: closed forms.
+// Ball joints and fixed joints: closed forms. What redundant joints carry.
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,48 @@
 
 namespace scree::physics {
 namespace {
+
+/// A door of 10 kg that hangs on two hinges, one above the other, 1 m from its edge to edge and 1.6 m from hinge to hinge.
+Scene door_on_two_hinges(double break_moment) {
+  Scene scene = empty_scene(1e-3, 0);
+  add_box(scene, {0.5, 0, 1}, {0.5, 0.025, 1}, 10);
+  for (const double height : {0.2, 1.8}) {
+    Joint hinge;
+    hinge.kind = JointKind::hinge;
+    hinge.bodies = {kWorldBody, 0};
+    hinge.anchor = {0, 0, height};
+    hinge.axis = {0, 0, 1};
+    hinge.break_moment = break_moment;
+    scene.joints.push_back(hinge);
+  }
+  return scene;
+}
+
+// Five rows of the two hinges are superfluous, so many impulses hold the door. Those of all alike stiff ones are those that are
+// alike, and none carries what may break it while the other carries nothing.
+TEST(RedundantJoints, ShareTheirLoads) {
+  constexpr double kWeight = 10 * kGravity, kArm = 0.5, kApart = 1.6;
+  for (const Precision precision : {Precision::double_precision, Precision::single_precision}) {
+    const double near = precision == Precision::double_precision ? 1e-4 : 0.02;
+    World world(door_on_two_hinges(1e9), cpu_options(1, precision));
+    for (int k = 0; k < 3; ++k) world.step();
+    const auto joints = world.joints();
+    const Vec3d low = (1 / 1e-3) * joints[0].force, high = (1 / 1e-3) * joints[1].force;
+    const double moment = (joints[0].moment.y + joints[1].moment.y) / 1e-3;
+    EXPECT_NEAR(low.z, kWeight / 2, near);
+    EXPECT_NEAR(high.z, kWeight / 2, near);
+    EXPECT_NEAR(low.x, -high.x, near);
+    EXPECT_NEAR(std::abs(moment), kWeight * kArm - std::abs(low.x) * kApart, 10 * near);
+    EXPECT_NEAR(joints[0].moment.y, joints[1].moment.y, near * 1e-3);
+    EXPECT_LT(std::abs(joints[0].moment.y) / 1e-3, 17);
+    EXPECT_GT(std::abs(joints[0].moment.y) / 1e-3, 15);
+  }
+  for (const double most : {17.0, 15.0}) {
+    World world = reference_world(door_on_two_hinges(most));
+    for (int k = 0; k < 3; ++k) world.step();
+    EXPECT_EQ(world.joints()[0].is_broken, most < 16);
+  }
+}
 
 // A ball on a string that goes round: g / (L cos) is the square of its rate.
 TEST(BallJoint, ConicalPendulumGoesRoundAtItsRate) {

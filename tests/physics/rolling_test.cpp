@@ -29,6 +29,35 @@ TEST_P(Rolling, AFloorOfAnyFrictionHolds) {
   }
 }
 
+/// A ball and a box on a slope after 500 steps in float.
+BodyStates states_on_a_slope(double degrees, double size, Model model) {
+  const double time = std::sqrt(size), r = 0.1 * size;
+  Scene scene = empty_scene(1e-3 * time, 0.5, model);
+  solve_to(scene, 1e-6 * kGravity * time);
+  tilt(scene, degrees);
+  add_plane(scene);
+  const double mass = 1000 * 4.0 / 3 * kPi * r * r * r;
+  add_sphere(scene, {0, 0, r}, r, mass);
+  add_box(scene, {0, size, r}, {r, r, r}, mass);
+  World world(scene, cpu_options(1, Precision::single_precision));
+  for (int k = 0; k < 500; ++k) EXPECT_TRUE(world.step().converged) << size;
+  return world.states();
+}
+
+// Squares of the impulses of dust and of mountains are no floats.
+TEST_P(Rolling, BodiesOfAnySizeRollStickAndSlideInFloat) {
+  for (const double size : {1e-6, 1.0, 1e6}) {
+    const double gained = kGravity * 0.5 * std::sqrt(size), slope = radians(17);
+    const BodyStates s = states_on_a_slope(17, size, GetParam());
+    EXPECT_NEAR(s.velocity[1].x, 5.0 / 7 * std::sin(slope) * gained, 1e-3 * gained) << size;
+    EXPECT_NEAR(s.position[2].x, 0, 1e-4 * size) << size;
+    const double steep = radians(35);
+    EXPECT_NEAR(states_on_a_slope(35, size, GetParam()).velocity[2].x,
+                (std::sin(steep) - 0.5 * std::cos(steep)) * gained, 0.01 * gained)
+        << size;
+  }
+}
+
 TEST_P(Rolling, A15_SlideTurnsIntoRolling) {
   const double v0 = 2, mu = 0.2, r = 1;
   Scene scene = empty_scene(1e-3, mu, GetParam());

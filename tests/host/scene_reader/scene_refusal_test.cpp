@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
         RefusedValue{"ZeroTimeStep", R"({"time_step": 0, "duration": 1})",
                      "time_step: 0 is not allowed: must be positive [s]"},
         RefusedValue{"TextForNumber", R"({"time_step": "1", "duration": 1})",
-                     "time_step: \"1\" is not allowed: must be positive [s]"},
+                     "time_step: \"1\" is not allowed: must be a number; it must be positive [s]"},
         RefusedValue{"NumberForText", with_sphere(R"("name": 3)"),
                      "name: 3 is not allowed: must be a text in quotes"},
         RefusedValue{"NumberForBoolean", with_sphere(R"("solver": {"warm_start": 1})"),
@@ -404,6 +404,11 @@ TEST(SceneReader, RefusesMissingFiles) {
   EXPECT_EQ(refusal([&] { read_scene(path); }), path + ": no such file");
 }
 
+TEST(SceneReader, GuessesNoNameThatHasNothingInCommon) {
+  EXPECT_THAT(refused_text(with_sphere(R"("solver": {"name": "q"})")),
+              testing::EndsWith("\"gauss_seidel_colored\", \"schwarz\""));
+}
+
 TEST(SceneReader, NamesTheFileOfABadMeshAndABadTable) {
   const auto mesh = write_file("bad.obj", "v 0 0 0\nf 1 2 3\n");
   const auto table = write_file("bad.csv", "x,y,z\n1,2,oops\n");
@@ -411,11 +416,12 @@ TEST(SceneReader, NamesTheFileOfABadMeshAndABadTable) {
   const auto second = write_file(
       "b.json",
       with_particles(R"({"layout": "file", "file": "bad.csv", "radius": 1, "density": 1})"));
-  EXPECT_THAT(refusal([&] { read_scene(first); }),
-              StartsWith(mesh.string() + ": line 2: vertex 2"));
-  EXPECT_EQ(
-      refusal([&] { read_scene(second); }),
-      table.string() + ": line 2, column \"z\": \"oops\" is not allowed: must be a finite number");
+  EXPECT_THAT(
+      refusal([&] { read_scene(first); }),
+      StartsWith(first.string() + ": bodies[1].file: " + mesh.string() + ": line 2: vertex 2"));
+  EXPECT_EQ(refusal([&] { read_scene(second); }),
+            second.string() + ": particles[0].file: " + table.string() +
+                ": line 2, column \"z\": \"oops\" is not allowed: must be a finite number");
 }
 
 }  // namespace

@@ -1,0 +1,73 @@
+// Unknowns of a singular system that may change without effect, and the least of them.
+
+#include "dynamics/rigid/shared_loads.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+namespace scree {
+namespace {
+
+struct Singular {
+  Eigen::MatrixXd matrix;
+  std::vector<FactorEntry> entries;  ///< of its lower triangle
+};
+
+/// J J^T where J has orthogonal rows at first, and then means of two of them.
+Singular singular_system(int rows, int independent, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd any(independent, independent);
+  for (Eigen::Index k = 0; k < any.size(); ++k) any(k) = normal(random);
+  Eigen::MatrixXd j(rows, independent);
+  j.topRows(independent) = any.householderQr().householderQ();
+  for (int k = independent; k < rows; ++k)
+    j.row(k) = 0.5 * (j.row(k - independent) + j.row(k - independent + 1));
+  Singular s{j * j.transpose(), {}};
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column <= row; ++column)
+      s.entries.push_back({row, column, s.matrix(row, column)});
+  return s;
+}
+
+TEST(SharedLoads, DirectionsHaveNoEffectAndLoadsAreLeast) {
+  constexpr int kRows = 12, kColumns = 7;
+  const Singular s = singular_system(kRows, kColumns, 3);
+  SparseFactor factor;
+  ASSERT_TRUE(factor.factorize(kRows, s.entries));
+  const std::vector<FactorEntry> free = factor.free_directions();
+  ASSERT_FALSE(free.empty());
+  ASSERT_EQ(free.back().column, kRows - kColumns - 1);
+  Eigen::MatrixXd along = Eigen::MatrixXd::Zero(kRows, kRows - kColumns);
+  for (const FactorEntry& e : free) along(e.row, e.column) = e.value;
+  EXPECT_LT((s.matrix * along).norm(), 1e-6 * s.matrix.norm() * along.norm());
+  EXPECT_EQ(along.colPivHouseholderQr().rank(), kRows - kColumns);
+
+  // The least solution is that of a pseudoinverse, which knows nothing of directions.
+  const Eigen::VectorXd right = s.matrix * Eigen::VectorXd::LinSpaced(kRows, -1, 2);
+  std::vector<double> x(right.data(), right.data() + kRows);
+  factor.solve(x);
+  const std::vector<double> ways = ways_to_least(x, free);
+  ASSERT_EQ(ways.size(), static_cast<std::size_t>(kRows - kColumns));
+  const Eigen::VectorXd least =
+      Eigen::Map<const Eigen::VectorXd>(x.data(), kRows) -
+      along * Eigen::Map<const Eigen::VectorXd>(ways.data(), kRows - kColumns);
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
+  inverse.setThreshold(1e-9);
+  inverse.compute(s.matrix);
+  const Eigen::VectorXd expected = inverse.solve(right);
+  EXPECT_LT((least - expected).norm(), 1e-5 * expected.norm());
+}
+
+TEST(SharedLoads, ARegularSystemHasNoDirections) {
+  const Singular s = singular_system(6, 6, 4);
+  SparseFactor factor;
+  ASSERT_TRUE(factor.factorize(6, s.entries));
+  EXPECT_TRUE(factor.free_directions().empty());
+  EXPECT_TRUE(ways_to_least({1, 2}, {}).empty());
+}
+
+}  // namespace
+}  // namespace scree

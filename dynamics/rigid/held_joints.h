@@ -42,6 +42,8 @@ class HeldJoints {
   }
 
  private:
+  /// Size of a joint over the length of its moment rows.
+  static constexpr double kJointSize = 0.1;
   /// Entries of joints about one body grow with the square of their number.
   static constexpr std::size_t kMostEntries = 4'000'000;
 
@@ -60,7 +62,7 @@ class HeldJoints {
   }
 
   /// Where joints are redundant many impulses have one effect. Of these the one with the least squares of forces, and of moments
-  /// over their lengths: loads as of joints that are all alike stiff.
+  /// over the size of a joint: loads as of joints that are all alike stiff, and small beside their bodies.
   void share_loads(const ContactProblem<Real>& p, Span<Vec3<Real>> gamma) {
     const std::vector<FactorEntry> free = factor_.free_directions();
     if (free.empty()) return;
@@ -72,7 +74,7 @@ class HeldJoints {
         z[r] = impulse_of(p, gamma, k, r);
         if (row(k, r) >= 0) joint_of_row[static_cast<std::size_t>(row(k, r))] = k;
       }
-      const JointValues<double> g = joint_[static_cast<std::size_t>(k)].impulse(z);
+      const JointValues<double> g = weighed(k, z);
       for (int r = 0; r < kJointRows; ++r)
         impulse[static_cast<std::size_t>(k * kJointRows + r)] = g[r];
     }
@@ -86,7 +88,7 @@ class HeldJoints {
            ++at)
         for (int r = 0; r < kJointRows; ++r)
           if (row(k, r) == free[at].row) z[r] = free[at].value;
-      const JointValues<double> g = joint_[static_cast<std::size_t>(k)].impulse(z);
+      const JointValues<double> g = weighed(k, z);
       for (int r = 0; r < kJointRows; ++r) along.push_back({k * kJointRows + r, column, g[r]});
     }
     const std::vector<double> ways = ways_to_least(impulse, along);
@@ -95,6 +97,18 @@ class HeldJoints {
     for (const FactorEntry& e : free)
       right_[static_cast<std::size_t>(e.row)] -= ways[static_cast<std::size_t>(e.column)] * e.value;
     add(p, gamma);
+  }
+
+  /// Forces, and moments over the size of the joint. @param z  in the coordinates of solvers
+  JointValues<double> weighed(int joint, const JointValues<double>& z) const {
+    const JointRow<double>& j = joint_[static_cast<std::size_t>(joint)];
+    JointValues<double> g = j.impulse(z);
+    for (int r = 0; r < kJointRows; ++r) {
+      const bool is_axial = r == 2 || r == kJointAxisRow;
+      const bool is_moment = r >= 3;
+      if (is_axial && j.force_is_last ? !is_moment : is_moment) g[r] /= kJointSize;
+    }
+    return g;
   }
 
   int row(Index joint, int r) const {

@@ -21,7 +21,7 @@ class DeepestOverlap {
   double least_ = 0;              ///< that is looked at [m]
   std::int64_t body_count_ = -1;  ///< after the step before
   std::int64_t step_ = 0;
-  double time_ = 0;  ///< [s]
+  double time_ = 0;          ///< [s]
   bool has_joined_ = false;  ///< whether bodies joined with that step
   Overlaps deepest_;
 };

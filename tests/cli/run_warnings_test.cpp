@@ -45,8 +45,8 @@ TEST(CliRunWarnings, ParticlesThatAppearInABodyAreToldAsThat) {
   const nlohmann::json scene = nlohmann::json::parse(R"({
     "time_step": 0.001, "duration": 0.12, "gravity": [0, 0, 0],
     "bodies": [{"shape": "box", "kind": "fixed", "size": [1, 1, 0.2], "position": [0, 0, 1.05]}],
-    "particles": [{"layout": "rain", "count": 60, "radius": 0.05, "density": 1000, "velocity": [0, 0, -3], "layers": 3,
-                   "interval": 0.05, "region": {"min": [-0.5, -0.5, 1], "max": [0.5, 0.5, 1.1]}}],
+    "particles": [{"layout": "rain", "count": 40, "radius": 0.05, "density": 1000, "velocity": [0, 0, -3], "layers": 2, "start": 0.05,
+                   "interval": 0.05, "region": {"min": [-0.5, -0.5, 1], "max": [0.5, 0.5, 1.15]}}],
     "output": {"picture": false}})");
   const Result run = scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "a"));
   EXPECT_EQ(run.code, 0) << run.err;

@@ -63,9 +63,7 @@ void check_joint(const Scene& scene, std::size_t j) {
 }  // namespace
 
 void check_affine(const Scene& scene) {
-  if (!scene.insertions.empty())
-    refuse_value("insertions", fmt::format("a list of {}", scene.insertions.size()),
-                 "must be empty: all bodies of the dynamics \"affine\" are there from the start");
+  require_no_insertions(scene, "all bodies of the dynamics \"affine\" are there from the start");
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (scene.periodicity.periodic[axis])
       refuse_value("periodic", fmt::format("an axis {}", "xyz"[axis]),

@@ -76,7 +76,7 @@ class HeldJoints {
       }
       const JointValues<double> g = weighed(k, z);
       for (int r = 0; r < kJointRows; ++r)
-        impulse[static_cast<std::size_t>(k * kJointRows + r)] = g[r];
+        impulse[static_cast<std::size_t>(k) * kJointRows + static_cast<std::size_t>(r)] = g[r];
     }
     // The directions as impulses: those of one joint follow each other.
     std::vector<FactorEntry> along;

@@ -17,6 +17,8 @@ constexpr double kLeastPivot = 1e-7;
 constexpr double kMostWork = 1e8;
 /// The same of free_directions(): about a hundredth of a second.
 constexpr double kMostFreeWork = 1e7;
+/// Square of what a direction may change, in parts of what its unknowns do one by one: floats that depend on each other do by 4e-15.
+constexpr double kMostEffect = 1e-12;
 /// Part of the largest entry of a direction below which one is of rounding.
 constexpr double kLeastPart = 1e-12;
 
@@ -100,7 +102,10 @@ std::vector<FactorEntry> SparseFactor::free_directions() const {
     if (pivot[k] != 0) continue;
     Eigen::VectorXd z = Eigen::VectorXd::Unit(pivot.size(), k);
     impl_->factor.matrixU().solveInPlace(z);
+    // z.(N + s D) z is the pivot: rows that are but nearly superfluous have an effect.
     z = impl_->factor.permutationPinv() * z;
+    const double alone = z.cwiseAbs2().dot(impl_->matrix.diagonal());
+    if (impl_->factor.vectorD()[k] > (kShift + kMostEffect) * alone) continue;
     const double least = kLeastPart * z.cwiseAbs().maxCoeff();
     for (Eigen::Index i = 0; i < z.size(); ++i)
       if (std::abs(z[i]) > least) entries.push_back({static_cast<int>(i), direction, z[i]});

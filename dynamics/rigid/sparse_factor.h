@@ -25,7 +25,8 @@ class SparseFactor {
   bool factorize(int size, const std::vector<FactorEntry>& entries);
   /// @param x  right-hand side, replaced by the solution; of a matrix that factorize() has taken
   void solve(std::vector<double>& x) const;
-  /// Directions along which unknowns may go without a change of what the matrix makes of them, one for each superfluous row.
+  /// Directions along which unknowns may go without a change of what the matrix makes of them, one for each row that is
+  /// superfluous to rounding.
   /// @return  entries by direction, their column; by unknown within it. None where there are too many to be worth the time
   std::vector<FactorEntry> free_directions() const;
 

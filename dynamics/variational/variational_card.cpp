@@ -99,10 +99,8 @@ bool has_convex_bodies(const Scene& scene) {
 }
 
 void check_variational(const Scene& scene) {
-  if (!scene.insertions.empty())
-    refuse_value(
-        "insertions", fmt::format("a list of {}", scene.insertions.size()),
-        "must be empty: all bodies of the dynamics \"variational\" are there from the start");
+  require_no_insertions(scene,
+                        "all bodies of the dynamics \"variational\" are there from the start");
   require_no_values(scene, kNoValues,
                     "impacts of the dynamics \"variational\" are along the normal");
   for_each_by_id(

@@ -487,6 +487,21 @@ void check_body_names(const Scene& scene) {
 
 }  // namespace
 
+void require_no_insertions(const Scene& scene, const std::string& why) {
+  if (scene.insertions.empty()) return;
+  const Insertion& first = scene.insertions[0];
+  const std::string time = value_text(first.time);
+  if (!first.bodies.empty() && first.bodies[0].entry >= 0)
+    refuse_value(fmt::format("bodies[{}].insert_at", first.bodies[0].entry), time,
+                 "must be missing: " + why);
+  if (!first.particles.empty() && first.particles[0].entry >= 0)
+    refuse_value(fmt::format("particles[{}]", first.particles[0].entry),
+                 fmt::format("a batch that joins at {} s", time),
+                 "must be of another layout: " + why);
+  refuse_value("insertions", fmt::format("a list of {}", scene.insertions.size()),
+               "must be empty: " + why);
+}
+
 void check_picture(const PictureSettings& picture) {
   if (!std::isfinite(picture.interval))
     refuse_value("output.picture.interval", value_text(picture.interval),

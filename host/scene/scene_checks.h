@@ -57,6 +57,10 @@ void check_hulls(const Scene& scene);
 /// What of a wall does not fit the scene's periodic domain.
 std::optional<Fault> periodic_wall_fault(const Scene& scene, const BodyDescription& body);
 
+/// Refuses bodies that join later, naming the first entry of the scene file that has one. @throws InputError
+/// @param why  behind what is expected
+void require_no_insertions(const Scene& scene, const std::string& why);
+
 /// Refuses values of pairs of materials that a model of dynamics does not have, which must be 0. @throws InputError
 /// @param why  behind "must be 0: "
 void require_no_values(const Scene& scene,

@@ -76,6 +76,11 @@ TEST(AffineRefusals, WhatItDoesNotHaveIsNamed) {
               HasSubstr("periodic"));
   EXPECT_THAT(refusal([](Scene& s) { s.insertions.push_back({.time = 1}); }),
               HasSubstr("insertions"));
+  EXPECT_THAT(refusal([](Scene& s) {
+                s.insertions.push_back({.time = 1, .bodies = {s.bodies[0]}});
+                s.insertions[0].bodies[0].entry = 4;
+              }),
+              HasSubstr("bodies[4].insert_at: 1 is not allowed: must be missing"));
 }
 
 TEST(AffineRefusals, ParametersHaveTheirRanges) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "host/error.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/urdf_checks.h"
 #include "host/scene_reader/parts.h"
@@ -57,18 +56,12 @@ void read_urdf_entry(const Node& node, Draft& draft) {
   node.check_keys(scene_keys("urdf"));
   const UrdfPlacement placement = read_placement(node, draft);
   const Node file = node.at("file", "must be the name of a .urdf file");
-  const std::filesystem::path path = file.file();
-  try {
-    const UrdfModel model = read_urdf(path);
-    if (const auto fault = placement_fault(model, placement))
-      Node(node.json(), node.path() + "." + fault->field, node.source())
-          .fail(fault->value + " is not allowed: " + fault->expected);
-    draft.notes.push_back(note_of(model, add_urdf(draft.scene, model, placement)));
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    if (text.starts_with(node.source().file_name)) throw;
-    file.fail(text);
-  }
+  const UrdfModel model = file.from_file([](const auto& path) { return read_urdf(path); });
+  if (const auto fault = placement_fault(model, placement))
+    Node(node.json(), node.path() + "." + fault->field, node.source())
+        .fail(fault->value + " is not allowed: " + fault->expected);
+  draft.notes.push_back(file.from_file(
+      [&](const auto&) { return note_of(model, add_urdf(draft.scene, model, placement)); }));
   for (const auto& [name, body] : draft.scene.body_names)
     if (const auto taken = draft.entry_of_name.find(name); taken != draft.entry_of_name.end())
       node.fail(

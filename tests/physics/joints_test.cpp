@@ -7,7 +7,7 @@
 #include "host/error.h"
 #include "host/problems/body_problem.h"
 #include "host/state_hash.h"
-#include "tests/physics/scene_builder.h"
+#include "tests/physics/joint_scenes.h"
 
 namespace scree::physics {
 namespace {
@@ -17,13 +17,8 @@ Scene door_on_two_hinges(double break_moment) {
   Scene scene = empty_scene(1e-3, 0);
   add_box(scene, {0.5, 0, 1}, {0.5, 0.025, 1}, 10);
   for (const double height : {0.2, 1.8}) {
-    Joint hinge;
-    hinge.kind = JointKind::hinge;
-    hinge.bodies = {kWorldBody, 0};
-    hinge.anchor = {0, 0, height};
-    hinge.axis = {0, 0, 1};
-    hinge.break_moment = break_moment;
-    scene.joints.push_back(hinge);
+    scene.joints.push_back(joint_of(JointKind::hinge, kWorldBody, 0, {0, 0, height}));
+    scene.joints.back().break_moment = break_moment;
   }
   return scene;
 }

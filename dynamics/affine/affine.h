@@ -57,6 +57,7 @@ class AffineDynamics final : public ModelOn<B, double> {
         target_(backend(), rows_),
         rate_(backend(), rows_),
         hit_(backend(), rows_),
+        owed_(backend(), rows_),
         led_(backend()),
         joints_(backend()),
         drives_(backend(), std::ssize(setup_.drives)),
@@ -377,17 +378,45 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// they had flown freely.
   void start_anew(const affine::Potential& p, const affine::StepScheme& scheme) {
     B& b = backend();
-    const std::vector<bool> anew =
-        affine::bodies_near_hit(setup_, minimizer_.touching_bodies(p, earlier_q_.view(), q_.view()),
-                                download(b, Span<const Index>(hit_.view(rows_))));
+    const affine::PushIslands pushed =
+        affine::islands_of_hit(setup_, minimizer_.touching_bodies(p, earlier_q_.view(), q_.view()),
+                               download(b, Span<const Index>(hit_.view(rows_))));
     std::vector<Index> mark;
     for (const Index body : setup_.body_of_row)
-      mark.push_back(anew[static_cast<std::size_t>(body)] ? 1 : 0);
+      mark.push_back(pushed.island[static_cast<std::size_t>(body)] >= 0 ? 1 : 0);
     upload(b, mark, hit_);
-    for_each(b, rows_,
-             affine::StartAnew{scheme, constants_.view(), body_of_row_.view(), hit_.view(rows_),
-                               q_.view(), v_.view(), earlier_q_.view(), earlier_v_.view()});
+    affine::StartAnew anew{
+        scheme,    constants_.view(), body_of_row_.view(), hit_.view(rows_),  q_.view(),
+        v_.view(), earlier_q_.view(), earlier_v_.view(),   owed_.view(rows_), {}};
+    for_each(b, rows_, anew);
+    upload(b, owed_velocities(pushed, download(b, Span<const Vec3d>(owed_.view(rows_)))), owed_);
+    anew.added = owed_.view(rows_);
+    for_each(b, rows_, anew);
     write_poses();
+  }
+  /// By row, what bodies of an island that nothing else touches have to go faster by, so that its momentum stays.
+  /// @param owed  momentum, by row
+  std::vector<Vec3d> owed_velocities(const affine::PushIslands& pushed,
+                                     const std::vector<Vec3d>& owed) const {
+    std::vector<Vec3d> momentum(setup_.bodies.size());
+    std::vector<double> mass(setup_.bodies.size());
+    const auto island_of = [&](std::size_t row) {
+      const Index island = pushed.island[static_cast<std::size_t>(setup_.body_of_row[row])];
+      return island >= 0 && !pushed.is_held[static_cast<std::size_t>(island)] ? island : -1;
+    };
+    for (std::size_t row = 0; row < owed.size(); ++row) {
+      const Index island = island_of(row);
+      if (island < 0) continue;
+      momentum[static_cast<std::size_t>(island)] += owed[row];
+      mass[static_cast<std::size_t>(island)] +=
+          setup_.bodies[static_cast<std::size_t>(setup_.body_of_row[row])].mass.mass;
+    }
+    std::vector<Vec3d> added(owed.size());
+    for (std::size_t row = 0; row < owed.size(); ++row)
+      if (const Index island = island_of(row); island >= 0)
+        added[row] = (1 / mass[static_cast<std::size_t>(island)]) *
+                     momentum[static_cast<std::size_t>(island)];
+    return added;
   }
   void write_poses() {
     for_each(backend(), rows_,
@@ -593,6 +622,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, AffineVec> next_;                           ///< by body, while a step is made
   Buffer<B, AffineVec> target_, rate_;                  ///< by row
   Buffer<B, Index> hit_;                                ///< by row, in the last step
+  Buffer<B, Vec3d> owed_;                               ///< by row, after impacts
   Buffer<B, AffineVec> led_;
   Buffer<B, affine::DrivenJoint> joints_;
   Buffer<B, affine::DriveTerm> drives_;  ///< of the step

@@ -4,47 +4,63 @@
 
 namespace scree::affine {
 
-std::vector<bool> reached_by_push(const AffineSetup& setup, const std::vector<BodyPair>& near,
-                                  const std::function<bool(std::size_t body)>& begins,
-                                  const std::function<bool(std::size_t body)>& passes) {
+PushIslands reached_by_push(const AffineSetup& setup, const std::vector<BodyPair>& near,
+                            const std::function<bool(std::size_t body)>& begins,
+                            const std::function<bool(std::size_t body)>& passes) {
   const std::size_t count = setup.bodies.size();
   std::vector<bool> can_pass(count);
   for (std::size_t body = 0; body < count; ++body)
     can_pass[body] = setup.bodies[body].row >= 0 && passes(body);
   DisjointSets sets(count);
-  const auto join = [&](std::size_t a, std::size_t b) {
-    if (can_pass[a] && can_pass[b]) sets.join(a, b);
+  std::vector<bool> holds(
+      count);  // bodies that something from outside of the sets touches or holds
+  const auto join = [&](int a, int b) {
+    const bool first = a >= 0 && can_pass[static_cast<std::size_t>(a)];
+    const bool second = b >= 0 && can_pass[static_cast<std::size_t>(b)];
+    if (first && second) sets.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+    if (first != second) holds[static_cast<std::size_t>(first ? a : b)] = true;
   };
-  for (const BodyPair& pair : near)
-    join(static_cast<std::size_t>(pair.body[0]), static_cast<std::size_t>(pair.body[1]));
-  for (const auto& [a, b] : setup.held_pairs)
-    if (a >= 0 && b >= 0) join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
-  // Elastic bodies count as one.
-  for (std::size_t body = setup.scene_bodies + 1; body < count; ++body) join(body - 1, body);
-  std::vector<bool> is_pushed(count), reached(count);
-  for (std::size_t body = 0; body < count; ++body)
+  for (const BodyPair& pair : near) join(pair.body[0], pair.body[1]);
+  for (const auto& [a, b] : setup.held_pairs) join(a, b);
+  for (const NodeEquation& e : setup.equations)
+    if (e.row[1] < 0) join(setup.body_of_row[static_cast<std::size_t>(e.row[0])], -1);
+  for (const Solid& solid : setup.solid.solids)
+    for (Index k = solid.tetrahedra_begin; k < solid.tetrahedra_end; ++k) {
+      const Tetrahedron& tetrahedron = setup.solid.tetrahedra[static_cast<std::size_t>(k)];
+      if (k > solid.tetrahedra_begin) join(tetrahedron.body - 1, tetrahedron.body);
+      for (const Index corner : tetrahedron.corner)  // the world holds some
+        if (setup.solid.corners[static_cast<std::size_t>(corner)].body < 0)
+          join(tetrahedron.body, -1);
+    }
+  std::vector<bool> is_pushed(count);
+  PushIslands r{std::vector<Index>(count, -1), std::vector<bool>(count)};
+  for (std::size_t body = 0; body < count; ++body) {
+    if (holds[body]) r.is_held[sets.root(body)] = true;
     if (can_pass[body] && begins(body)) is_pushed[sets.root(body)] = true;
+  }
   for (std::size_t body = 0; body < count; ++body)
-    reached[body] = can_pass[body] && is_pushed[sets.root(body)];
-  return reached;
+    if (can_pass[body] && is_pushed[sets.root(body)])
+      r.island[body] = static_cast<Index>(sets.root(body));
+  return r;
 }
 
 std::vector<bool> bodies_near_led(const AffineSetup& setup, const std::vector<BodyPair>& near) {
-  return reached_by_push(
+  const PushIslands pushed = reached_by_push(
       setup, near, [&](std::size_t body) { return setup.bodies[body].is_led; },
       [](std::size_t) { return true; });
+  std::vector<bool> is_near;
+  for (const Index island : pushed.island) is_near.push_back(island >= 0);
+  return is_near;
 }
 
-std::vector<bool> bodies_near_hit(const AffineSetup& setup, const std::vector<BodyPair>& near,
-                                  const std::vector<Index>& is_hit) {
+PushIslands islands_of_hit(const AffineSetup& setup, const std::vector<BodyPair>& near,
+                           const std::vector<Index>& is_hit) {
   return reached_by_push(
       setup, near,
       [&](std::size_t body) {
         return is_hit[static_cast<std::size_t>(setup.bodies[body].row)] > 0;
       },
-      [&](std::size_t body) {
-        return !setup.bodies[body].is_led && !setup.bodies[body].lame.is_elastic();
-      });
+      [&](std::size_t body) { return !setup.bodies[body].is_led; });
 }
 
 }  // namespace scree::affine

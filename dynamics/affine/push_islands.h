@@ -8,18 +8,24 @@
 
 namespace scree::affine {
 
-/// By body, whether it is one of some or a push on one of them may reach it.
+/// Sets of bodies that pass a push on to each other.
+struct PushIslands {
+  std::vector<Index> island;  ///< by body: the lowest body of its set, -1 of what no push reaches
+  std::vector<bool>
+      is_held;  ///< by that body: something that passes nothing on touches or holds one of the set
+};
+
 /// @param near  pairs of bodies that may touch. @param begins  which bodies are pushed
 /// @param passes  which pass a push on; others are not reached. Fixed bodies never pass one on
-std::vector<bool> reached_by_push(const AffineSetup& setup, const std::vector<BodyPair>& near,
-                                  const std::function<bool(std::size_t body)>& begins,
-                                  const std::function<bool(std::size_t body)>& passes);
+PushIslands reached_by_push(const AffineSetup& setup, const std::vector<BodyPair>& near,
+                            const std::function<bool(std::size_t body)>& begins,
+                            const std::function<bool(std::size_t body)>& passes);
 
 /// Bodies that prescribed ones may push.
 std::vector<bool> bodies_near_led(const AffineSetup& setup, const std::vector<BodyPair>& near);
 
-/// Stiff bodies that share the momentum of an impact. @param is_hit  by row, those that were hit
-std::vector<bool> bodies_near_hit(const AffineSetup& setup, const std::vector<BodyPair>& near,
-                                  const std::vector<Index>& is_hit);
+/// Bodies that share the momentum of an impact. @param is_hit  by row, those that were hit
+PushIslands islands_of_hit(const AffineSetup& setup, const std::vector<BodyPair>& near,
+                           const std::vector<Index>& is_hit);
 
 }  // namespace scree::affine

@@ -31,15 +31,26 @@ struct StepVelocities {
 };
 
 /// Those of free flight from one place to another: bodies that go on from there keep the momentum of the step, and nothing of
-/// what was before it. @param gain  free_gain()
+/// what was before it. @param gain  free_gain() @param is_elastic  a part of a body does not turn as a body does
 SCREE_HD inline StepVelocities free_flight(const StepScheme& scheme, const AffineMass& mass,
                                            const AffineVec& from, const AffineVec& to,
-                                           AffineVec gain) {
+                                           AffineVec gain, bool is_elastic) {
   const AffineVec mean = (1 / scheme.h) * (to - from);
-  const Vec3d turn = turn_rate(mass, to, angular_momentum(mass, to, mean));
-  for (int k = 1; k < 4; ++k) gain.node[k] += cross(turn, cross(turn, to.node[k]));
+  if (!is_elastic) {
+    const Vec3d turn = turn_rate(mass, to, angular_momentum(mass, to, mean));
+    for (int k = 1; k < 4; ++k) gain.node[k] += cross(turn, cross(turn, to.node[k]));
+  }
   const AffineVec half = (0.5 * scheme.h) * gain;
   return {mean - half, mean + half};
+}
+
+/// What bdf2 would still add to the velocity of a center of mass that goes on in free flight: without loads v_n+1 tends to
+/// (3 v_n+1 - v_n) / 2. The sum of mass times that stays, whatever bodies do to each other.
+/// @param bdf2  velocities of the centers before and after the step. @param flown  those of free_flight(). @param gain  free_gain()
+SCREE_HD inline Vec3d owed_velocity(const StepScheme& scheme, const StepVelocities& bdf2,
+                                    const StepVelocities& flown, const AffineVec& gain) {
+  const Vec3d settled = 0.5 * (3.0 * bdf2.after.node[0] - bdf2.before.node[0]);
+  return settled - 0.5 * scheme.h * gain.node[0] - flown.after.node[0];
 }
 
 }  // namespace scree::affine

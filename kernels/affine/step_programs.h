@@ -116,14 +116,21 @@ struct StartAnew {
   Span<AffineVec> v;
   Span<const AffineVec> earlier_q;
   Span<AffineVec> earlier_v;
+  Span<Vec3d> owed;         ///< without `added`: out, by row: momentum that is left over [kg m/s]
+  Span<const Vec3d> added;  ///< by row, to velocities [m/s]
 
   SCREE_HD void operator()(Index row) const {
     if (marked[row] == 0) return;
     const Index b = body_of_row[row];
     const BodyConstant& body = bodies[b];
-    const StepVelocities flown =
-        free_flight(scheme, body.mass, earlier_q[b], q[b],
-                    free_gain(body.mass, q[b], scheme.gravity, body.force, body.torque));
+    const AffineVec gain = free_gain(body.mass, q[b], scheme.gravity, body.force, body.torque);
+    StepVelocities flown =
+        free_flight(scheme, body.mass, earlier_q[b], q[b], gain, body.lame.is_elastic());
+    if (added.empty()) {
+      owed[row] = body.mass.mass * owed_velocity(scheme, {earlier_v[b], v[b]}, flown, gain);
+      return;
+    }
+    for (AffineVec* each : {&flown.before, &flown.after}) each->node[0] += added[row];
     v[b] = flown.after, earlier_v[b] = flown.before;
   }
 };

@@ -4,6 +4,7 @@
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -367,23 +368,29 @@ void AffineSystem::add(const PointJoint& joint) {
   }
 }
 
-void AffineSystem::spread(std::vector<bool>& hit, const std::vector<AffineVec>& q) const {
+void AffineSystem::join(std::vector<std::size_t>& label, std::vector<bool>& is_held,
+                        const std::vector<AffineVec>& q) const {
   std::vector<SurfacePair> near =
       pairs_near(bodies_, q, q, settings_.barrier.separation + settings_.barrier.reach);
   std::erase_if(near, [&](const SurfacePair& pair) {
     return !settings_.barrier.acts(
         nearest_points(pair.kind, points_of(q, pair, rest_points(bodies_, pair))).squared);
   });
-  for (bool grows = true; grows;) {
-    grows = false;
+  for (bool changes = true; changes;) {
+    changes = false;
     const auto meet = [&](std::size_t a, std::size_t b) {
-      if (bodies_[a].fixed || bodies_[b].fixed || hit[a] == hit[b]) return;
-      hit[a] = hit[b] = grows = true;
+      if (bodies_[a].fixed) is_held[b] = true;
+      if (bodies_[b].fixed) is_held[a] = true;
+      if (bodies_[a].fixed || bodies_[b].fixed || label[a] == label[b]) return;
+      label[a] = label[b] = std::min(label[a], label[b]);
+      changes = true;
     };
     for (const SurfacePair& pair : near)
       meet(static_cast<std::size_t>(pair.body[0]), static_cast<std::size_t>(pair.body[1]));
-    for (const PointJoint& joint : joints_)
+    for (const PointJoint& joint : joints_) {
       if (joint.other >= 0) meet(joint.body, static_cast<std::size_t>(joint.other));
+      if (joint.other < 0) is_held[joint.body] = true;
+    }
   }
 }
 
@@ -426,16 +433,39 @@ AffineReport AffineSystem::step() {
   }
   earlier_position_ = impl.start;
   earlier_velocity_ = last_velocity;
+  std::vector<std::size_t> label(bodies_.size());
+  std::iota(label.begin(), label.end(), std::size_t{0});
+  std::vector<bool> is_held(bodies_.size());
   for (std::size_t round = 0; round < bodies_.size(); ++round)
-    for (const State& state : {impl.start, q}) spread(hit, state);
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    AffineBody& body = bodies_[b];
-    if (!hit[b]) continue;
-    const StepVelocities flown =
-        free_flight(scheme, body.mass, impl.start[b], q[b],
-                    free_gain(body.mass, q[b], scheme.gravity, body.force, body.torque));
-    earlier_velocity_[b] = flown.before;
-    body.velocity = flown.after;
+    for (const State& state : {impl.start, q}) join(label, is_held, state);
+  for (std::size_t island = 0; island < bodies_.size(); ++island) {
+    bool starts_anew = false, stays = true;
+    Vec3d owed;
+    double mass = 0;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (label[b] != island) continue;
+      starts_anew = starts_anew || hit[b];
+      stays = stays && !is_held[b];
+      // Of free flight the mean velocity is the sum of both ends over two, and bdf2 goes on to (3 v' - v) / 2 without forces.
+      const AffineBody& body = bodies_[b];
+      const Vec3d gain = scheme.gravity + (1 / body.mass.mass) * body.force;
+      const Vec3d mean = (1 / scheme.h) * (q[b].node[0] - impl.start[b].node[0]);
+      const Vec3d settled = 1.5 * body.velocity.node[0] - 0.5 * last_velocity[b].node[0];
+      owed += body.mass.mass * (settled - scheme.h * gain - mean);
+      mass += body.mass.mass;
+    }
+    if (!starts_anew) continue;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (label[b] != island) continue;
+      AffineBody& body = bodies_[b];
+      StepVelocities flown =
+          free_flight(scheme, body.mass, impl.start[b], q[b],
+                      free_gain(body.mass, q[b], scheme.gravity, body.force, body.torque), false);
+      if (stays)
+        flown.before.node[0] += (1 / mass) * owed, flown.after.node[0] += (1 / mass) * owed;
+      earlier_velocity_[b] = flown.before;
+      body.velocity = flown.after;
+    }
   }
 
   report.gap = 2 * impl.reach();

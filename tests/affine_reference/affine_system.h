@@ -82,8 +82,10 @@ class AffineSystem {
 
  private:
   struct Impl;
-  /// Marks also bodies within reach of a marked one, or that joints hold to it, and so on.
-  void spread(std::vector<bool>& hit, const std::vector<AffineVec>& q) const;
+  /// Gives bodies within reach of each other, or that joints hold together, the lower of their labels, and so on.
+  /// @param is_held  marks those that a fixed body or the world touches or holds
+  void join(std::vector<std::size_t>& label, std::vector<bool>& is_held,
+            const std::vector<AffineVec>& q) const;
   AffineSettings settings_;
   std::vector<AffineBody> bodies_;
   std::vector<PointJoint> joints_;

@@ -93,6 +93,34 @@ TEST(ElasticBodies, KeepTheirMomentum) {
   EXPECT_NEAR(norm(s.angular_velocity[0]), std::sqrt(14.0), 0.2);
 }
 
+/// Whichever of the two comes, and whatever is on it: what one gives the other gets.
+TEST(ElasticBodies, ShareTheMomentumOfAnImpactWithStiffOnes) {
+  for (const bool elastic_comes : {false, true})
+    for (const double time_step : {0.01, 0.002}) {
+      SCOPED_TRACE(testing::Message() << elastic_comes << " " << time_step);
+      Scene scene = affine_scene(time_step, 0, 1);
+      scene.gravity = {};
+      scene.dynamics.parameters["tolerance"] = 1e-7;
+      BodyDescription& elastic =
+          add_elastic_box(scene, {}, {0.2, 0.2, 0.2}, {2, 2, 2}, kDensity, {1e6, 0.3});
+      const double mass = elastic.mass;
+      if (elastic_comes) elastic.velocity = {-2, 0, 0};
+      BodyDescription& stiff = add_box(scene, {-0.3, 0.02, 0.03}, {0.1, 0.1, 0.1}, mass);
+      if (!elastic_comes) stiff.velocity = {2, 0, 0};
+      World world(scene, cpu_options());
+      const double momentum = (elastic_comes ? -2 : 2) * mass, energy = 2 * mass;
+      bool met = false;
+      for (int k = 0; k < 0.4 / time_step; ++k) {
+        const StepReport report = world.step();
+        ASSERT_TRUE(report.converged);
+        EXPECT_NEAR(report.own[momentum_x], momentum, 1e-6 * mass);
+        EXPECT_LE(report.kinetic_energy, energy * (1 + 1e-9));
+        met = met || report.kinetic_energy < 0.8 * energy;
+      }
+      EXPECT_TRUE(met);
+    }
+}
+
 Scene falling_elastic_boxes() {
   Scene scene = affine_scene(0.01, 0.3);
   scene.dynamics.parameters["reach"] = 2e-3;

@@ -50,9 +50,9 @@ inline constexpr SolverParameter kSlipSpeed{
 inline constexpr SolverParameter kFrictionSolves{
     .key = "friction_solves",
     .description =
-        "minimizations a step, each with the friction of the one before [-]; 0: until "
-        "it does not change.",
-    .standard = 1,
+        "most minimizations a step, each with the friction of the one before [-]; those after the "
+        "first only where contacts slide; 0: until it does not change.",
+    .standard = 2,
     .low = 0,
     .high = 1e3,
     .is_low_allowed = true,
@@ -63,7 +63,8 @@ inline constexpr SolverParameter kNewtonTolerance{
         "a step is done when Newton's method moves no corner faster than this [m/s]; 0: "
         "0.001 of the diagonal of the largest body that moves, a second, or a hundredth of what "
         "gravity "
-        "changes a velocity by in a step where that is less.",
+        "changes a velocity by in a step, or a hundredth of the reach in a step, where that is "
+        "less.",
     .standard = 0,
     .low = 0,
     .high = 1e6,

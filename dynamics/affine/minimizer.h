@@ -74,7 +74,8 @@ class Minimizer {
         energy_(b, 1),
         share_(b, 1),
         sums_(b, 1),
-        touch_(b, 1) {}
+        touch_(b, 1),
+        speed_(b, 1) {}
 
   /// Ways of bodies that the next list is for, by body: written before begin().
   Span<AffineVec> from() { return from_.view(); }
@@ -137,6 +138,15 @@ class Minimizer {
     p.slips = slips_.view(count);
   }
 
+  /// Whether a contact of the friction that is remembered slides.
+  bool slides(const Potential& p, Span<const AffineVec> q) {
+    const auto count = static_cast<Index>(p.slips.size);
+    if (count == 0) return false;
+    reduce<Largest<double>>(*b_, count, SpeedOfSlip{p, q},
+                            StoreResult<Largest<double>>{speed_.data()});
+    return fetch(*b_, speed_.data()).value >= 1;
+  }
+
   /// Moves q to the minimum. @param report  adds to it
   void minimize(Potential& p, Span<AffineVec> q, const MinimizerSettings& settings,
                 MinimizerReport& report) {
@@ -174,8 +184,9 @@ class Minimizer {
         copy(*b_, Span<const AffineVec>(q), from_.view());
         copy(*b_, Span<const AffineVec>(full_.view()), to_.view());
         // The next Newton steps are shorter and begin on this way: half of its length is room for them. Wide lists pay where
-        // the search looked at much and found little.
-        const double most = (near_.finds_few() ? kMostRoom : 1) * p.barrier.reach;
+        // the search looked at much and found little, and where a device has threads for what they hold beside.
+        const bool is_short = B::kIsDevice && p.near.pairs.size < kShortList;
+        const double most = (near_.finds_few() || is_short ? kMostRoom : 1) * p.barrier.reach;
         room_ = std::clamp(0.5 * sums.size, p.barrier.reach, most);
         list(p);
         goal = 1;
@@ -228,6 +239,8 @@ class Minimizer {
   static constexpr double kLeastShare = 1e-12;
   /// Widest room about ways [reach].
   static constexpr double kMostRoom = 8;
+  /// Near pairs for which a device takes hardly longer than for a few.
+  static constexpr Offset kShortList = 1 << 15;
 
   /// Whether a Newton step lowered the energy by what its system foresaw, or by the more that goes with a curvature of which the
   /// system has too much: with 1 / (1 - x) of it, steps are x times as long as those before, and the energy falls by 1 + x times that.
@@ -406,6 +419,7 @@ class Minimizer {
   Buffer<B, LeastShare> share_;
   Buffer<B, StepSums> sums_;
   Buffer<B, FirstTouch> touch_;
+  Buffer<B, Largest<double>> speed_;
 };
 
 }  // namespace scree::affine

@@ -197,6 +197,21 @@ struct TouchOfPair {
   }
 };
 
+/// How far a contact slipped over what counts as sliding; 0 where nothing rubs.
+struct SpeedOfSlip {
+  static constexpr const char* name = "affine_speed_of_slip";
+  Potential p;
+  Span<const AffineVec> q;
+
+  SCREE_HD Largest<double> operator()(Index i) const {
+    const Slip& slip = p.slips[i];
+    if (!(slip.contact.bound > 0)) return {};
+    double u[2];
+    slip_of(slip.contact, p.moved(slip, p.rest_of(slip), q), u);
+    return {std::sqrt(u[0] * u[0] + u[1] * u[1]) / p.law.slip};
+  }
+};
+
 /// Marks pairs of bodies of which features are within reach.
 struct MarkBodies {
   static constexpr const char* name = "affine_mark_bodies";

@@ -54,7 +54,8 @@ std::vector<Vec3d> nodes_of(World& world) { return world.save().at<Vec3d>("affin
 TEST(AffineModel, MovesAsTheReferenceUntilChaosTellsThemApart) {
   for (const double rule : {0.0, 1.0, 2.0}) {
     SCOPED_TRACE(rule);
-    const Scene scene = falling_boxes(rule);
+    Scene scene = falling_boxes(rule);
+    scene.dynamics.parameters["friction_solves"] = 1;  // as the reference
     AffineSystem reference = reference_of(scene);
     World world(scene, cpu_options());
     int contacts = 0;
@@ -166,6 +167,30 @@ TEST(AffineModel, ABlockOnASteepSlopeSlidesAsCoulombSays) {
   const double slope = physics::radians(25);
   const double expected = kGravity * (std::sin(slope) - 0.4 * std::cos(slope));
   EXPECT_NEAR(world.states().velocity[1].x - from, expected, 0.01 * expected);
+}
+
+// A flat box that slides flush stays so, from the first step on: friction that lags behind the normal force by a step lets it rock and
+// take off.
+TEST(AffineModel, ABoxSlidesFlushAtAnySlopeAndStep) {
+  struct Slide {
+    double degrees, friction, time_step, duration;
+  };
+  for (const Slide& slide : {Slide{60, 0.8, 1e-3, 2}, {85, 1, 1e-3, 2}, {45, 0.5, 0.05, 1}}) {
+    SCOPED_TRACE(slide.degrees);
+    Scene scene =
+        affine_scene(slide.time_step, slide.friction, static_cast<double>(StepRule::bdf2));
+    physics::tilt(scene, slide.degrees);
+    add_plane(scene);
+    add_box(scene, {0, 0, 0.0504}, {0.1, 0.1, 0.05}, 4);
+    World world(scene, cpu_options());
+    const double slope = physics::radians(slide.degrees);
+    const double expected = kGravity * (std::sin(slope) - slide.friction * std::cos(slope));
+    const auto steps = std::lround(slide.duration / slide.time_step);
+    for (long k = 0; k < steps; ++k) world.step();
+    EXPECT_NEAR(world.states().velocity[1].x, expected * slide.duration,
+                3e-3 * expected * slide.duration);
+    EXPECT_LT(norm(world.states().angular_velocity[1]), 1e-3);
+  }
 }
 
 // A contact that sticks is stiff: its Newton step is short however much it lacks to hold. Tolerances of a large scene are longer:

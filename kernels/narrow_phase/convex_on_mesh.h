@@ -62,12 +62,10 @@ struct ConvexOnMesh {
       const auto wanted = [&](std::uint32_t feature) {
         return !is_inner(corner, meeting, t, feature);
       };
-      convex_contacts(
-          meeting, d + corner.way, is_nearest, wanted,
-          [&](const ContactGeometry& g) { return listed(at_start(g, corner.way)); },
-          [&](std::uint32_t feature, const ContactGeometry&) {
-            emit(element(info, image, t, feature));
-          });
+      fast_contacts(meeting, d + corner.way, wall_way(solid, range, a, d), corner.way, is_nearest,
+                    wanted, listed, [&](std::uint32_t feature, const ContactGeometry&) {
+                      emit(element(info, image, t, feature));
+                    });
     });
   }
 
@@ -83,7 +81,7 @@ struct ConvexOnMesh {
     if (!find(t, corner, body, d, 1e300, distance, is_nearest)) return no_contact();
     const CoreMeeting meeting(body, corner.core, distance);
     const std::uint32_t feature = slot & ((1u << ConvexFeature::kBits) - 1);
-    return at_start(rounded_contact(meeting, meeting.contact(feature), d + corner.way), corner.way);
+    return fast_contact(meeting, d + corner.way, corner.way, feature);
   }
 
  private:

@@ -19,6 +19,7 @@
 #include "kernels/narrow_phase/pairs/convex_distance.h"
 #include "kernels/narrow_phase/pairs/face_points.h"
 #include "kernels/narrow_phase/pairs/manifold.h"
+#include "kernels/narrow_phase/pairs/middle_contact.h"
 #include "kernels/narrow_phase/pairs/sphere_box.h"
 
 namespace scree {
@@ -81,6 +82,7 @@ SCREE_HD inline bool are_apart(const BoxPair& pair, double most) {
 struct BoxFeature {
   static constexpr int kBits = 9;
   static constexpr std::uint32_t kNearest = 0;
+  static constexpr std::uint32_t kMiddle = (1u << kBits) - 1;  ///< see MiddleContact
   static constexpr std::uint32_t kEdges = 1;
   static constexpr std::uint32_t kFaces = 10;
   // Points of a reference face.
@@ -102,7 +104,7 @@ struct BoxFeature {
   /// @param side  bit 0: the positive end; bit 1: of the second axis after that of the reference
   SCREE_HD static int side(int edge, int side) { return kSide + 4 * edge + side; }
 };
-static_assert(BoxFeature::kFaces + 6 * BoxFeature::kPoints <= 1u << BoxFeature::kBits);
+static_assert(BoxFeature::kFaces + 6 * BoxFeature::kPoints <= BoxFeature::kMiddle);
 
 namespace box_box_parts {
 
@@ -422,7 +424,26 @@ SCREE_HD inline int deepest_corner(const BoxPair& pair, int box, int axis) {
 
 }  // namespace box_box_parts
 
-/// Geometry of the contact that a feature names.
+/// See MiddleContact, with the normal along which boxes meet.
+struct BoxMiddle {
+  ConvexCore first, second;
+  Vec3d normal, d;
+
+  SCREE_HD BoxMiddle(const BoxPair& pair, const box_box_parts::SeparatingAxis& axis)
+      : first(box_box_parts::core_of_box(pair.box[0], {})),
+        second(box_box_parts::core_of_box(pair.box[1], pair.d)),
+        normal(axis.box < 0 ? box_box_parts::edge_contact(pair, axis.i, axis.j).normal
+                            : box_box_parts::face_contact(pair, axis.box, axis.i, 0).normal),
+        d(pair.d) {}
+  SCREE_HD bool is_wanted(const Vec3d& way) const {
+    return MiddleContact::is_wanted(first, second, normal, way);
+  }
+  SCREE_HD ContactGeometry geometry() const {
+    return MiddleContact::geometry(first, second, normal, d);
+  }
+};
+
+/// Geometry of the contact that a feature names, but for that of the middle.
 SCREE_HD inline ContactGeometry box_box_contact(const BoxPair& pair, std::uint32_t feature) {
   using namespace box_box_parts;
   if (feature == BoxFeature::kNearest) {
@@ -450,7 +471,16 @@ SCREE_HD void box_box(BoxPair pair, const box_box_parts::SeparatingAxis& axis, d
   const Vec3d way = axis.is_ahead ? pair.way : Vec3d{};
   pair.d += way;
   const auto listed = [&](const ContactGeometry& g) { return wanted(at_start(g, way)); };
+  const double thickness = smallest(pair.box[0].half) < smallest(pair.box[1].half)
+                               ? smallest(pair.box[0].half)
+                               : smallest(pair.box[1].half);
+  // Most pairs are slow, and need not know along which normal.
+  const bool is_fast =
+      norm2(pair.way) > thickness * thickness && BoxMiddle(pair, axis).is_wanted(pair.way);
+  int taken = 0;
   const auto emit = [&](std::uint32_t feature, const ContactGeometry& g) {
+    if (is_fast && taken == Manifold::kMaxContacts - 1) return;  // the middle has its place
+    ++taken;
     take(feature, at_start(g, way));
   };
   const double tie = BoxScale(pair).tie;
@@ -478,8 +508,16 @@ SCREE_HD void box_box(BoxPair pair, const box_box_parts::SeparatingAxis& axis, d
       emit(BoxFeature::face(axis.box, axis.i, kept[k]),
            face_contact(pair, axis.box, axis.i, kept[k]));
   }
+  const auto add_middle = [&] {
+    if (!is_fast || taken == 0) return;
+    const ContactGeometry g = BoxMiddle(pair, axis).geometry();
+    if (listed(g)) take(BoxFeature::kMiddle, at_start(g, way));
+  };
   // No contact that is nearer than all of these is left, unless corners or other edges are nearest.
-  if (count > 0 || least <= axis.separation * (1 + 1e-9)) return;
+  if (count > 0 || least <= axis.separation * (1 + 1e-9)) {
+    add_middle();
+    return;
+  }
   ContactGeometry g;
   std::uint32_t feature = BoxFeature::kNearest;
   if (axis.is_ahead || !(axis.separation > 0 && nearest_contact(pair, g))) {
@@ -489,6 +527,7 @@ SCREE_HD void box_box(BoxPair pair, const box_box_parts::SeparatingAxis& axis, d
     g = box_box_contact(pair, feature);
   }
   add_listed(feature, g);
+  add_middle();
 }
 
 struct BoxBox {
@@ -502,9 +541,12 @@ struct BoxBox {
   SCREE_HD static ContactGeometry contact(const PairSide& a, const PairSide& b, const Vec3d& d,
                                           std::uint32_t feature) {
     BoxPair boxes = pair(a, b, d);
-    const Vec3d way = Search(boxes, 1e300).is_ahead ? boxes.way : Vec3d{};
+    const Search axis(boxes, 1e300);
+    const Vec3d way = axis.is_ahead ? boxes.way : Vec3d{};
     boxes.d += way;
-    return at_start(box_box_contact(boxes, feature), way);
+    return at_start(feature == BoxFeature::kMiddle ? BoxMiddle(boxes, axis).geometry()
+                                                   : box_box_contact(boxes, feature),
+                    way);
   }
   SCREE_HD static Search search(const PairSide& a, const PairSide& b, const Vec3d& d, double most,
                                 const Search* before) {

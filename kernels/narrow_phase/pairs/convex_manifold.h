@@ -9,6 +9,7 @@
 #include "kernels/narrow_phase/pairs/convex_shapes.h"
 #include "kernels/narrow_phase/pairs/face_points.h"
 #include "kernels/narrow_phase/pairs/manifold.h"
+#include "kernels/narrow_phase/pairs/middle_contact.h"
 
 namespace scree {
 
@@ -17,6 +18,7 @@ namespace scree {
 struct ConvexFeature {
   static constexpr int kBits = 8;
   static constexpr std::uint32_t kNearest = 0;
+  static constexpr std::uint32_t kMiddle = (1u << kBits) - 1;  ///< see MiddleContact
   static constexpr int kNames = ConvexCore::kNames;
   static constexpr int kOwn = kNames, kSides = 2 * kNames, kPoints = 2 * kNames + kNames * kNames;
 
@@ -24,7 +26,7 @@ struct ConvexFeature {
     return static_cast<std::uint32_t>(1 + reference * kPoints + point);
   }
 };
-static_assert(1 + 2 * ConvexFeature::kPoints <= 1 << ConvexFeature::kBits);
+static_assert(1 + 2 * ConvexFeature::kPoints <= ConvexFeature::kMiddle);
 
 /// A contact of two cores: a point of A, and how far B is from it along the normal.
 struct CoreContact {
@@ -330,6 +332,39 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
   }
 }
 
+/// What convex_contacts() finds, and a contact of the middle where bodies are fast, see MiddleContact: the last one then makes room.
+/// @param way    of the second body relative to the first in the step [m]
+/// @param moved  what of it the second has gone already [m]
+template <class Wanted, class Listed, class Emit>
+SCREE_HD void fast_contacts(const CoreMeeting& meeting, const Vec3d& d, const Vec3d& way,
+                            const Vec3d& moved, bool is_nearest, Wanted&& wanted, Listed&& listed,
+                            Emit&& emit) {
+  const Vec3d& normal = meeting.distance.normal;
+  const bool is_fast = MiddleContact::is_wanted(meeting.a, meeting.b, normal, way);
+  int count = 0;
+  convex_contacts(
+      meeting, d, is_nearest, wanted,
+      [&](const ContactGeometry& g) { return listed(at_start(g, moved)); },
+      [&](std::uint32_t feature, const ContactGeometry& g) {
+        if (is_fast && count == Manifold::kMaxContacts - 1) return;
+        ++count;
+        emit(feature, at_start(g, moved));
+      });
+  if (!is_fast || count == 0) return;
+  const ContactGeometry g =
+      at_start(MiddleContact::geometry(meeting.a, meeting.b, normal, d), moved);
+  if (listed(g)) emit(ConvexFeature::kMiddle, g);
+}
+
+/// The contact of two bodies that a feature names, as fast_contacts() found it.
+SCREE_HD inline ContactGeometry fast_contact(const CoreMeeting& meeting, const Vec3d& d,
+                                             const Vec3d& moved, std::uint32_t feature) {
+  return at_start(feature == ConvexFeature::kMiddle
+                      ? MiddleContact::geometry(meeting.a, meeting.b, meeting.distance.normal, d)
+                      : rounded_contact(meeting, meeting.contact(feature), d),
+                  moved);
+}
+
 /// The contact of two bodies that a feature names.
 /// @param way  of the second relative to the first in the step [m]
 SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, ConvexCore second,
@@ -339,11 +374,10 @@ SCREE_HD inline ContactGeometry convex_contact(const ConvexCore& first, ConvexCo
   if (may_pass(first, second, way, search)) look_ahead(first, second, way, search);
   const Vec3d moved = search.is_ahead ? way : Vec3d{};
   second.center += moved;
-  const CoreMeeting m(first, second, search.distance());
-  return at_start(rounded_contact(m, m.contact(feature), d + moved), moved);
+  return fast_contact(CoreMeeting(first, second, search.distance()), d + moved, moved, feature);
 }
 
-/// The contacts of two bodies that are listed, see convex_contacts().
+/// The contacts of two bodies that are listed, see fast_contacts().
 /// @param way     of the second relative to the first in the step [m]
 /// @param search  has ended
 /// @param most    bodies that are farther apart have none [m]
@@ -355,10 +389,8 @@ SCREE_HD void convex_manifold(const ConvexCore& first, ConvexCore second, const 
   const Vec3d moved = search.is_ahead ? way : Vec3d{};
   second.center += moved;
   const auto all = [](std::uint32_t) { return true; };
-  convex_contacts(
-      CoreMeeting(first, second, search.distance()), d + moved, true, all,
-      [&](const ContactGeometry& g) { return listed(at_start(g, moved)); },
-      [&](std::uint32_t feature, const ContactGeometry& g) { emit(feature, at_start(g, moved)); });
+  fast_contacts(CoreMeeting(first, second, search.distance()), d + moved, way, moved, true, all,
+                listed, emit);
 }
 
 /// Pair functions by cores, see InParts. @tparam Cores  its of_a(a) and of_b(b, d) give them

@@ -63,6 +63,7 @@ class AffineDynamics final : public ModelOn<B, double> {
         joint_position_(backend()),
         sums_(backend(), 1),
         strain_(backend(), 1),
+        body_strain_(backend(), static_cast<Index>(setup_.scene_bodies)),
         missed_(backend(), 1),
         led_time_(setup_.led.size()) {
     B& b = backend();
@@ -138,8 +139,9 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
   int body_count() const override { return store_.ranges().present_count(); }
   BodyStates states() override {
-    write_solid_poses();
+    write_output();
     BodyStates states = store_.states(static_cast<Index>(store_.ranges().present_count()));
+    add_axes(states);
     solids_.add_bent(backend(), q_.view(), states);
     return states;
   }
@@ -394,10 +396,30 @@ class AffineDynamics final : public ModelOn<B, double> {
              affine::WritePoses{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
                                 store_.view()});
   }
-  /// Only when they are asked for: a pass goes through a body alone.
-  void write_solid_poses() {
+  /// Strains, and poses of elastic bodies. Only when they are asked for: a pass goes through a body alone.
+  void write_output() {
+    const auto count = static_cast<Index>(setup_.scene_bodies);
+    for_each(backend(), count, affine::WriteStrains{q_.view(), body_strain_.view(count)});
     solids_.write_poses(backend(), constants_.view(std::ssize(setup_.bodies)), q_.view(), v_.view(),
-                        store_.view());
+                        store_.view(), body_strain_.view(count));
+  }
+  /// What states of rigid bodies lack. Of elastic bodies, of which each part has its own A, that of their pose.
+  void add_axes(BodyStates& states) {
+    const auto count = static_cast<Index>(setup_.scene_bodies);
+    const std::vector<AffineVec> q = download(backend(), std::as_const(q_).view(count));
+    const std::vector<double> strain = download(backend(), std::as_const(body_strain_).view(count));
+    states.axes.resize(setup_.scene_bodies);
+    states.own.assign(1, std::vector<double>(setup_.scene_bodies));
+    for (std::size_t body = 0; body < setup_.scene_bodies; ++body) {
+      const auto id = static_cast<std::size_t>(setup_.id_of_body[body]);
+      states.axes[id] = {q[body].node[1], q[body].node[2], q[body].node[3]};
+      states.own[kStrainField][id] = strain[body];
+    }
+    for (const affine::Solid& solid : setup_.solid.solids) {
+      const auto id = static_cast<std::size_t>(solid.id);
+      const AffineVec own = affine::pose_coordinates({states.position[id], states.orientation[id]});
+      states.axes[id] = {own.node[1], own.node[2], own.node[3]};
+    }
   }
   affine::AffineSums sum() {
     reduce<affine::AffineSums>(backend(), rows_,
@@ -485,7 +507,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   void save_arrays(WorldState& s) override {
-    write_solid_poses();
+    write_output();
     store_.save_owned(s);
     s.add("affine/position", nodes(q_));
     s.add("affine/velocity", nodes(v_));
@@ -546,14 +568,14 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   typename ModelOn<B, double>::Drawn drawn() override {
-    write_solid_poses();
+    write_output();
     solids_.draw(backend(), q_.view(), store_.view(),
                  [&](Index id) { return obstacles_.vertices_of(id); });
     return {parts_.place(store_.view()), shapes_.view(shapes_.capacity()), obstacles_.mesh_set()};
   }
 
   void for_each_array(const typename ModelOn<B, double>::VisitArray& visit) override {
-    write_solid_poses();
+    write_output();
     const BodyView<double> bodies = store_.view();
     const Index n = store_.owned_count();
     const auto rows = [n](const auto* data) { return [data, n] { return array_of(data, n); }; };
@@ -563,6 +585,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     visit({"orientation", "1", "body to world, unit quaternion w x y z", false},
           rows(bodies.orientation.data));
     visit({"angular_velocity", "rad/s", "world frame", false}, rows(bodies.angular_velocity.data));
+    visit({"strain", "1", "how far from rigid it is, |A^T A - I|", false},
+          rows(static_cast<const double*>(body_strain_.data())));
     visit({"id", "1", "index of the body in the scene", false}, rows(bodies.id.data));
   }
 
@@ -599,6 +623,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, double> joint_position_;     ///< where the last step began [m or rad]
   Buffer<B, affine::AffineSums> sums_;
   Buffer<B, Largest<double>> strain_;
+  Buffer<B, double> body_strain_;  ///< by body of the scene, see write_output()
   Buffer<B, Sums<1>> missed_;
   std::vector<double>
       led_time_;  ///< of the motion of each led body [s]: it waits where it is blocked

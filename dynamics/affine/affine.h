@@ -3,9 +3,9 @@
 // and along ways that have none. docs/theory.md, sections "Affine bodies" and "Barrier contact". All states are in double, whatever
 // the precision of the run.
 
-#include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dynamics/affine/affine_card.h"
@@ -14,11 +14,13 @@
 #include "dynamics/affine/nested_bodies.h"
 #include "dynamics/affine/push_islands.h"
 #include "dynamics/affine/solids.h"
+#include "dynamics/affine/start_checks.h"
 #include "dynamics/model_on.h"
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
 #include "dynamics/rigid/part_store.h"
+#include "host/scene/body_name.h"
 #include "host/scene/motion.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/affine/step_programs.h"
@@ -476,14 +478,15 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// A step ends without intersections only where it begins without.
   void require_apart() {
     if (rows_ == 0) return;
-    affine::require_no_crossing(setup_);
+    const auto name = [&](Index id) { return body_name(this->constants(), id, scene_.body_names); };
+    affine::require_no_crossing(setup_, name);
     fill(backend(), target_.view(), AffineVec{});  // of no step
     affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});
     minimizer_.begin(surfaces_, p);
     minimizer_.take_near_ms();  // of no step
     const double separation = p.barrier.separation;
-    if (const auto pair = pair_within(p, separation))
-      affine::throw_touching((*pair)[0], (*pair)[1], separation);
+    if (const auto near = features_within(p, separation))
+      affine::throw_touching(setup_, near->first, near->second, separation, name);
     const double least = minimizer_.least_distance(p, q_.view()), gap = least - separation;
     if (!(kReach.of(scene_.dynamics.parameters) > 0))
       reach_ = std::clamp(gap, kLeastReach * reach_, reach_);
@@ -492,18 +495,21 @@ class AffineDynamics final : public ModelOn<B, double> {
     const double energy = p.barrier(least * least).value;
     const double speed = std::sqrt(2 * energy / setup_.mean_mass);
     if (!(speed * speed > kThrow * norm(scene_.gravity) * reach_)) return;
-    const auto pair = pair_within(p, least * (1 + 1e-9));
-    if (pair)
-      warnings_.push_back(affine::throw_warning((*pair)[0], (*pair)[1], gap, reach_, speed));
+    if (const auto near = features_within(p, least * (1 + 1e-9))) {
+      const auto of = [&](Index body) {
+        return name(setup_.id_of_body[static_cast<std::size_t>(body)]);
+      };
+      const auto& [first, second] = near->second.body;
+      warnings_.push_back(affine::throw_warning(of(first), of(second), gap, reach_, speed));
+    }
   }
-  /// Ids of two bodies that are no farther apart than a distance, if there are such.
-  std::optional<std::array<int, 2>> pair_within(const affine::Potential& p, double distance) {
+  /// Features of two bodies that are no farther apart than a distance, if there are such.
+  std::optional<std::pair<affine::NearPair, affine::BodyPair>> features_within(
+      const affine::Potential& p, double distance) {
     const Index found = minimizer_.touching(p, q_.view(), distance);
     if (found < 0) return std::nullopt;
     const affine::NearPair near = fetch(backend(), p.near.pairs.data + found);
-    const affine::BodyPair pair = fetch(backend(), p.near.bodies.data + near.bodies);
-    const auto id = [&](Index body) { return setup_.id_of_body[static_cast<std::size_t>(body)]; };
-    return std::array{id(pair.body[0]), id(pair.body[1])};
+    return std::pair(near, fetch(backend(), p.near.bodies.data + near.bodies));
   }
 
   void save_arrays(WorldState& s) override {

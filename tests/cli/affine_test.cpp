@@ -135,6 +135,22 @@ TEST(CliAffine, ResumedRunsOfElasticBodiesAreTheSame) {
             steps_without_times(scratch / "whole/steps.csv"));
 }
 
+TEST(CliAffine, BodiesThatIntersectAreNamed) {
+  const Scratch scratch;
+  const json scene = json::parse(R"({
+    "name": "lid", "time_step": 0.01, "duration": 0.02, "dynamics": {"type": "affine"},
+    "bodies": [{"shape": "half_space", "point": [0, 0, -9]},
+               {"name": "lid", "shape": "box", "size": [1, 1, 1], "density": 1000},
+               {"name": "pot", "shape": "box", "size": [1, 1, 1], "density": 1000, "position": [0.5, 0.4, 0.3]}]})");
+  for (const char* command : {"run", "check"}) {
+    const Result result = scree(scratch, {command, put_scene(scratch, scene).string()});
+    EXPECT_EQ(result.code, 2);
+    for (const char* part :
+         {"bodies[1] \"lid\"", "bodies[2] \"pot\"", "intersect at the start: triangle "})
+      EXPECT_TRUE(holds(result.err, part)) << result.err;
+  }
+}
+
 TEST(CliAffine, WhatTheModelDoesNotUseIsRefusedOrTold) {
   const Scratch scratch;
   json scene = json::parse(R"({

@@ -432,20 +432,6 @@ TEST(AffineModel, ALedBoxPushesAndStopsWhereItIsBlocked) {
   EXPECT_LT(report.own[max_strain], 0.02);
 }
 
-TEST(AffineModel, ScenesThatStartTogetherAreRefusedByTheirTriangles) {
-  Scene scene = affine_scene(0.01, 0);
-  add_box(scene, {}, {0.1, 0.1, 0.1}, 1);
-  add_box(scene, {0.15, 0.05, 0.02}, {0.1, 0.1, 0.1}, 1);
-  try {
-    World world(scene, cpu_options());
-    FAIL() << "no error";
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("bodies 0 and 1 intersect at the start: edge"),
-              std::string::npos)
-        << e.what();
-  }
-}
-
 TEST(AffineModel, LoadsOfABodyMoveAndTurnIt) {
   Scene scene = affine_scene(0.001, 0);
   scene.gravity = {};

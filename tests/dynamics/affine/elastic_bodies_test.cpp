@@ -327,7 +327,7 @@ TEST(ElasticBodies, WhatTheyCannotBeIsNamed) {
   EXPECT_THAT(refusal_of_elastic([](Scene& s) {
                 s.bodies[1].position = {0.1, 0, 0};
               }),
-              HasSubstr("bodies 0 and 1 intersect"));
+              HasSubstr("body 0 and body 1 intersect"));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
+#include "dynamics/affine/joint_warnings.h"
 #include "dynamics/affine/minimizer.h"
 #include "dynamics/affine/nested_bodies.h"
 #include "dynamics/affine/push_islands.h"
@@ -89,6 +90,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (const std::vector<affine::Nested> nested = affine::nested_with_elastic(setup_);
         !nested.empty())
       warnings_.push_back(affine::nested_warning(nested));
+    for (std::string& each : affine::joint_warnings(setup_, scene_.stepping.time_step))
+      warnings_.push_back(std::move(each));
     for (std::size_t b = 0; b < setup_.bodies.size(); ++b)
       if (affine::is_too_stiff(setup_.bodies[b], scene_.stepping.time_step)) {
         warnings_.push_back(affine::stiff_warning(setup_.id_of_body[b]));

@@ -89,7 +89,7 @@ class Builder {
     for (const Body& body : all_) add(body);
     number_rows();
     for (std::size_t b = 0; b < all_.size(); ++b) lock(static_cast<int>(b));
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) hold(scene_.joints[j]);
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) hold(j);
     std::vector<ElasticBody> elastic;
     for (std::size_t b = 0; b < all_.size(); ++b)
       if (all_[b].body.elastic->is_on())
@@ -298,7 +298,8 @@ class Builder {
     if (used > 0) setup_.equations.push_back(e);
   }
 
-  void hold(const Joint& joint) {
+  void hold(std::size_t number) {
+    const Joint& joint = scene_.joints[number];
     std::array<int, 2> body{-1, -1};
     double reach = 0;  // of points about the anchor
     for (std::size_t k = 0; k < 2; ++k) {
@@ -324,11 +325,12 @@ class Builder {
       }
     }
     if (body[0] >= 0 && body[1] >= 0) setup_.held_pairs.push_back(body);
-    drive(joint, body);
+    drive(number, body);
   }
 
   /// What acts along or about the axis of a joint.
-  void drive(const Joint& joint, const std::array<int, 2>& body) {
+  void drive(std::size_t number, const std::array<int, 2>& body) {
+    const Joint& joint = scene_.joints[number];
     DrivenJoint d;
     d.slides = joint.kind == JointKind::slider;
     d.axis = joint.axis;
@@ -359,7 +361,9 @@ class Builder {
       law.stiffness = motor->stiffness, law.damping = motor->damping;
       law.most = motor->max_force;
     }
-    if (law.is_used()) setup_.drives.push_back(d);
+    if (!law.is_used()) return;
+    setup_.drives.push_back(d);
+    setup_.joint_of_drive.push_back(number);
   }
 
   using Key = std::tuple<ShapeKind, int, double, double, double, double, ShapeKind, double, double,

@@ -34,6 +34,7 @@ struct AffineSetup {
   std::vector<std::array<int, 2>> held_pairs;  ///< bodies that joints hold, which do not touch
   std::vector<NodeEquation> equations;
   std::vector<DrivenJoint> drives;
+  std::vector<std::size_t> joint_of_drive;  ///< its number in the scene
   std::vector<LedBody> led;
   Index first_led_row = 0;
   std::size_t scene_bodies = 0;  ///< those that are no tetrahedra

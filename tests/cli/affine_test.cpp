@@ -135,6 +135,32 @@ TEST(CliAffine, ResumedRunsOfElasticBodiesAreTheSame) {
             steps_without_times(scratch / "whole/steps.csv"));
 }
 
+TEST(CliAffine, JointsThatContradictAreTold) {
+  const Scratch scratch;
+  json scene = json::parse(R"({
+    "name": "cart", "time_step": 0.01, "duration": 0.02, "dynamics": {"type": "affine"},
+    "bodies": [{"name": "cart", "shape": "box", "size": [1, 1, 1], "density": 1000}],
+    "joints": [{"type": "slider", "bodies": ["world", "cart"], "axis": [1, 0, 0], "anchor": [0, 0, 0]}],
+    "output": {"picture": false}})");
+  const auto told = [&] {
+    return scree(scratch,
+                 run_arguments(put_scene(scratch, scene).string(), scratch / "a", {"--force"}))
+        .err;
+  };
+  EXPECT_FALSE(holds(told(), "joints["));
+  scene["joints"][0]["limits"] = {0.5, 1};
+  EXPECT_TRUE(holds(told(),
+                    "warning: joints[0]: its bodies began apart, 0.5 m beyond its "
+                    "\"limits\" [0.5, 1]"));
+  scene["joints"][0].erase("limits");
+  scene["joints"][0]["motor"] = {{"speed", 1}};
+  EXPECT_FALSE(holds(told(), "joints["));
+  scene["bodies"][0]["lock"] = {"x"};
+  EXPECT_TRUE(holds(told(),
+                    "warning: joints[0]: its motor has no \"max_force\", and other joints "
+                    "or locks hold what it drives"));
+}
+
 TEST(CliAffine, BodiesThatIntersectAreNamed) {
   const Scratch scratch;
   const json scene = json::parse(R"({

@@ -488,7 +488,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     minimizer_.begin(surfaces_, p);
     minimizer_.take_near_ms();  // of no step
     const double separation = p.barrier.separation;
-    if (const auto near = features_within(p, separation))
+    if (const auto near = features_within(p, separation + affine::touching_gap(setup_)))
       affine::throw_touching(setup_, near->first, near->second, separation, name);
     const double least = minimizer_.least_distance(p, q_.view()), gap = least - separation;
     if (!(kReach.of(scene_.dynamics.parameters) > 0))

@@ -126,6 +126,8 @@ class Builder {
     }
     if (box.low.x > box.high.x) return;
     setup_.size = norm(box.high - box.low);
+    for (int k = 0; k < 3; ++k)
+      setup_.farthest = std::max({setup_.farthest, -box.low[k], box.high[k]});
     if (!(setup_.free_size > 0)) setup_.free_size = setup_.least_free_size = setup_.size;
     middle_ = 0.5 * (box.low + box.high);
   }

@@ -40,6 +40,7 @@ struct AffineSetup {
   std::size_t scene_bodies = 0;  ///< those that are no tetrahedra
   SolidSetup solid;
   double size = 0;             ///< diagonal of the box about all bounded bodies [m]
+  double farthest = 0;         ///< largest coordinate of that box [m]
   double free_size = 0;        ///< largest diagonal of the box about a free one, or else that [m]
   double least_free_size = 0;  ///< the least one, or else that [m]
   double mean_mass = 0;        ///< of free bodies [kg]

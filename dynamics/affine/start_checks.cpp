@@ -169,6 +169,10 @@ void require_no_crossing(const AffineSetup& setup, const BodyNames& name) {
   }
 }
 
+double touching_gap(const AffineSetup& setup) {
+  return 1e-12 * std::max(setup.size, setup.farthest);
+}
+
 void throw_touching(const AffineSetup& setup, const NearPair& near, const BodyPair& bodies,
                     double separation, const BodyNames& name) {
   NearPair alone = near;
@@ -195,9 +199,10 @@ void throw_touching(const AffineSetup& setup, const NearPair& near, const BodyPa
   }
   throw InputError(fmt::format(
       "{} and {} touch at the start: triangle {} of the first and triangle {} of the second are "
-      "{:.3g} m apart, and must be more than the \"separation\" of {:g} m apart",
+      "{:.3g} m apart, and must be more than {:.3g} m apart (the \"separation\" of {:g} m, "
+      "and 1e-12 of the scene for rounding)",
       names[0], names[1], triangle[0], triangle[1], std::sqrt(squared_distance(near.kind, x)),
-      separation));
+      separation + touching_gap(setup), separation));
 }
 
 std::string throw_warning(const std::string& first, const std::string& second, double gap,

@@ -15,6 +15,10 @@ using BodyNames = std::function<std::string(Index)>;
 /// Looks at all bodies that may touch, where they are at time zero. @throws InputError naming two that intersect, and a triangle of each
 void require_no_crossing(const AffineSetup& setup, const BodyNames& name);
 
+/// What is nearer than this touches, but for rounding [m]: 1e-12 of the size of the scene, or of its largest coordinate. That is some
+/// thousand times what a place is rounded by, and far below any gap that somebody gave.
+double touching_gap(const AffineSetup& setup);
+
 /// A scene that starts with bodies that touch. @param near  of their features  @throws InputError naming the bodies and a triangle of each
 [[noreturn]] void throw_touching(const AffineSetup& setup, const NearPair& near,
                                  const BodyPair& bodies, double separation, const BodyNames& name);

@@ -155,6 +155,14 @@ TEST(AffineRefusals, BodiesThatTouchAreNamedWithTheirTriangles) {
   ASSERT_EQ(numbers.size(), 2u) << message;
   if (message.starts_with("body 1")) std::swap(numbers[0], numbers[1]);
   expect_meeting(scene, numbers);
+  // What rounding makes of a gap is none, and neither is what rounding takes away.
+  EXPECT_THAT(beside(std::nextafter(0.2, 1), 0), HasSubstr("touch at the start"));
+  EXPECT_THAT(beside(std::nextafter(0.2, 0), 0), HasSubstr("touch at the start"));
+  EXPECT_THAT(beside(0.2 + 1e-13, 0), HasSubstr("touch at the start"));
+  EXPECT_EQ(beside(0.2 + 1e-11, 0), "nothing");
+  // It is larger far from the origin.
+  EXPECT_THAT(beside(0.2 + 1e-11, 1000), HasSubstr("touch at the start"));
+  EXPECT_EQ(beside(0.2 + 1e-8, 1000), "nothing");
 }
 
 TEST(AffineRefusals, ElasticBodiesThatIntersectAreNamedWithTheirTriangles) {

@@ -34,6 +34,7 @@ std::vector<std::int64_t> Dynamics::give_own_bodies(OwnBodiesSink& sink) {
     take_rows(all.position), take_rows(all.orientation);
     take_rows(all.velocity), take_rows(all.angular_velocity);
     for (std::vector<double>& quantity : all.own) take_rows(quantity);
+    if (!all.axes.empty()) take_rows(all.axes);
   }
   own.states = std::move(all);
   sink.take(time(), own, constants());

@@ -2,6 +2,7 @@
 // The simulation as a program sees it: make a World from a Scene, step it, read it. No CUDA type is
 // visible here; the backend and the precision are chosen at run time.
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -97,6 +98,8 @@ struct BodyStates {
   std::vector<Vec3d> velocity;
   std::vector<Vec3d> angular_velocity;   ///< world frame [rad/s]
   std::vector<std::vector<double>> own;  ///< quantities of the model, see Own in dynamics_card.h
+  /// Of models whose bodies give way: the columns of A, where a point X of a body is at position + A X. Empty: bodies are rigid.
+  std::vector<std::array<Vec3d, 3>> axes;
   /// Of bodies that bend, by id: where the vertices of their meshes are [m].
   std::map<int, std::vector<Vec3d>> bent;
 };

@@ -3,22 +3,25 @@
 // and along ways that have none. docs/theory.md, sections "Affine bodies" and "Barrier contact". All states are in double, whatever
 // the precision of the run.
 
-#include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
+#include "dynamics/affine/joint_warnings.h"
 #include "dynamics/affine/minimizer.h"
 #include "dynamics/affine/nested_bodies.h"
 #include "dynamics/affine/push_islands.h"
 #include "dynamics/affine/solids.h"
+#include "dynamics/affine/start_checks.h"
 #include "dynamics/model_on.h"
 #include "dynamics/rigid/body_loading.h"
 #include "dynamics/rigid/named_arrays.h"
 #include "dynamics/rigid/obstacles.h"
 #include "dynamics/rigid/part_store.h"
+#include "host/scene/body_name.h"
 #include "host/scene/motion.h"
 #include "host/scene/scene_summary.h"
 #include "kernels/affine/step_programs.h"
@@ -64,6 +67,7 @@ class AffineDynamics final : public ModelOn<B, double> {
         joint_position_(backend()),
         sums_(backend(), 1),
         strain_(backend(), 1),
+        body_strain_(backend(), static_cast<Index>(setup_.scene_bodies)),
         missed_(backend(), 1),
         led_time_(setup_.led.size()) {
     B& b = backend();
@@ -87,6 +91,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (const std::vector<affine::Nested> nested = affine::nested_with_elastic(setup_);
         !nested.empty())
       warnings_.push_back(affine::nested_warning(nested));
+    for (std::string& each : affine::joint_warnings(setup_, scene_.stepping.time_step))
+      warnings_.push_back(std::move(each));
     for (std::size_t b = 0; b < setup_.bodies.size(); ++b)
       if (affine::is_too_stiff(setup_.bodies[b], scene_.stepping.time_step)) {
         warnings_.push_back(affine::stiff_warning(setup_.id_of_body[b]));
@@ -139,8 +145,9 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
   int body_count() const override { return store_.ranges().present_count(); }
   BodyStates states() override {
-    write_solid_poses();
+    write_output();
     BodyStates states = store_.states(static_cast<Index>(store_.ranges().present_count()));
+    add_axes(states);
     solids_.add_bent(backend(), q_.view(), states);
     return states;
   }
@@ -430,10 +437,30 @@ class AffineDynamics final : public ModelOn<B, double> {
              affine::WritePoses{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
                                 store_.view()});
   }
-  /// Only when they are asked for: a pass goes through a body alone.
-  void write_solid_poses() {
+  /// Strains, and poses of elastic bodies. Only when they are asked for: a pass goes through a body alone.
+  void write_output() {
+    const auto count = static_cast<Index>(setup_.scene_bodies);
+    for_each(backend(), count, affine::WriteStrains{q_.view(), body_strain_.view(count)});
     solids_.write_poses(backend(), constants_.view(std::ssize(setup_.bodies)), q_.view(), v_.view(),
-                        store_.view());
+                        store_.view(), body_strain_.view(count));
+  }
+  /// What states of rigid bodies lack. Of elastic bodies, of which each part has its own A, that of their pose.
+  void add_axes(BodyStates& states) {
+    const auto count = static_cast<Index>(setup_.scene_bodies);
+    const std::vector<AffineVec> q = download(backend(), std::as_const(q_).view(count));
+    const std::vector<double> strain = download(backend(), std::as_const(body_strain_).view(count));
+    states.axes.resize(setup_.scene_bodies);
+    states.own.assign(1, std::vector<double>(setup_.scene_bodies));
+    for (std::size_t body = 0; body < setup_.scene_bodies; ++body) {
+      const auto id = static_cast<std::size_t>(setup_.id_of_body[body]);
+      states.axes[id] = {q[body].node[1], q[body].node[2], q[body].node[3]};
+      states.own[kStrainField][id] = strain[body];
+    }
+    for (const affine::Solid& solid : setup_.solid.solids) {
+      const auto id = static_cast<std::size_t>(solid.id);
+      const AffineVec own = affine::pose_coordinates({states.position[id], states.orientation[id]});
+      states.axes[id] = {own.node[1], own.node[2], own.node[3]};
+    }
   }
   affine::AffineSums sum() {
     reduce<affine::AffineSums>(backend(), rows_,
@@ -490,14 +517,15 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// A step ends without intersections only where it begins without.
   void require_apart() {
     if (rows_ == 0) return;
-    affine::require_no_crossing(setup_);
+    const auto name = [&](Index id) { return body_name(this->constants(), id, scene_.body_names); };
+    affine::require_no_crossing(setup_, name);
     fill(backend(), target_.view(), AffineVec{});  // of no step
     affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});
     minimizer_.begin(surfaces_, p);
     minimizer_.take_near_ms();  // of no step
     const double separation = p.barrier.separation;
-    if (const auto pair = pair_within(p, separation))
-      affine::throw_touching((*pair)[0], (*pair)[1], separation);
+    if (const auto near = features_within(p, separation + affine::touching_gap(setup_)))
+      affine::throw_touching(setup_, near->first, near->second, separation, name);
     const double least = minimizer_.least_distance(p, q_.view()), gap = least - separation;
     if (!(kReach.of(scene_.dynamics.parameters) > 0))
       reach_ = std::clamp(gap, kLeastReach * reach_, reach_);
@@ -506,22 +534,25 @@ class AffineDynamics final : public ModelOn<B, double> {
     const double energy = p.barrier(least * least).value;
     const double speed = std::sqrt(2 * energy / setup_.mean_mass);
     if (!(speed * speed > kThrow * norm(scene_.gravity) * reach_)) return;
-    const auto pair = pair_within(p, least * (1 + 1e-9));
-    if (pair)
-      warnings_.push_back(affine::throw_warning((*pair)[0], (*pair)[1], gap, reach_, speed));
+    if (const auto near = features_within(p, least * (1 + 1e-9))) {
+      const auto of = [&](Index body) {
+        return name(setup_.id_of_body[static_cast<std::size_t>(body)]);
+      };
+      const auto& [first, second] = near->second.body;
+      warnings_.push_back(affine::throw_warning(of(first), of(second), gap, reach_, speed));
+    }
   }
-  /// Ids of two bodies that are no farther apart than a distance, if there are such.
-  std::optional<std::array<int, 2>> pair_within(const affine::Potential& p, double distance) {
+  /// Features of two bodies that are no farther apart than a distance, if there are such.
+  std::optional<std::pair<affine::NearPair, affine::BodyPair>> features_within(
+      const affine::Potential& p, double distance) {
     const Index found = minimizer_.touching(p, q_.view(), distance);
     if (found < 0) return std::nullopt;
     const affine::NearPair near = fetch(backend(), p.near.pairs.data + found);
-    const affine::BodyPair pair = fetch(backend(), p.near.bodies.data + near.bodies);
-    const auto id = [&](Index body) { return setup_.id_of_body[static_cast<std::size_t>(body)]; };
-    return std::array{id(pair.body[0]), id(pair.body[1])};
+    return std::pair(near, fetch(backend(), p.near.bodies.data + near.bodies));
   }
 
   void save_arrays(WorldState& s) override {
-    write_solid_poses();
+    write_output();
     store_.save_owned(s);
     s.add("affine/position", nodes(q_));
     s.add("affine/velocity", nodes(v_));
@@ -582,14 +613,14 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
 
   typename ModelOn<B, double>::Drawn drawn() override {
-    write_solid_poses();
+    write_output();
     solids_.draw(backend(), q_.view(), store_.view(),
                  [&](Index id) { return obstacles_.vertices_of(id); });
     return {parts_.place(store_.view()), shapes_.view(shapes_.capacity()), obstacles_.mesh_set()};
   }
 
   void for_each_array(const typename ModelOn<B, double>::VisitArray& visit) override {
-    write_solid_poses();
+    write_output();
     const BodyView<double> bodies = store_.view();
     const Index n = store_.owned_count();
     const auto rows = [n](const auto* data) { return [data, n] { return array_of(data, n); }; };
@@ -599,6 +630,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     visit({"orientation", "1", "body to world, unit quaternion w x y z", false},
           rows(bodies.orientation.data));
     visit({"angular_velocity", "rad/s", "world frame", false}, rows(bodies.angular_velocity.data));
+    visit({"strain", "1", "how far from rigid it is, |A^T A - I|", false},
+          rows(static_cast<const double*>(body_strain_.data())));
     visit({"id", "1", "index of the body in the scene", false}, rows(bodies.id.data));
   }
 
@@ -636,6 +669,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, double> joint_position_;     ///< where the last step began [m or rad]
   Buffer<B, affine::AffineSums> sums_;
   Buffer<B, Largest<double>> strain_;
+  Buffer<B, double> body_strain_;  ///< by body of the scene, see write_output()
   Buffer<B, Sums<1>> missed_;
   std::vector<double>
       led_time_;  ///< of the motion of each led body [s]: it waits where it is blocked

@@ -123,6 +123,12 @@ inline constexpr auto kAffineReport =
     followed_by(followed_by(kStepColumns, kMinimizerColumns),
                 followed_by(momentum_columns(kMomentumColumn), kMinimizerTimes));
 
+/// Place in BodyStates::own.
+inline constexpr std::size_t kStrainField = 0;
+/// |A^T A - I|, of elastic bodies the largest of their tetrahedra.
+inline constexpr auto kAffineFrame =
+    followed_by(kRigidFrame, std::array{FrameField{"strain", 1, Own{kStrainField}}});
+
 inline constexpr std::array kAffineOwnState{
     // Four vectors a body: center of mass and columns of A, of free bodies and then of kinematic ones.
     StateField{
@@ -177,7 +183,7 @@ constexpr DynamicsCard affine_card() {
           .has_collision_groups = true,
           .has_loads = true,
           .report = kAffineReport,
-          .frame = kRigidFrame,
+          .frame = kAffineFrame,
           .state = kAffineState,
           .check = check_affine,
           .bytes_per_body = affine_bytes_per_body};

@@ -89,7 +89,7 @@ class Builder {
     for (const Body& body : all_) add(body);
     number_rows();
     for (std::size_t b = 0; b < all_.size(); ++b) lock(static_cast<int>(b));
-    for (std::size_t j = 0; j < scene_.joints.size(); ++j) hold(scene_.joints[j]);
+    for (std::size_t j = 0; j < scene_.joints.size(); ++j) hold(j);
     std::vector<ElasticBody> elastic;
     for (std::size_t b = 0; b < all_.size(); ++b)
       if (all_[b].body.elastic->is_on())
@@ -126,6 +126,8 @@ class Builder {
     }
     if (box.low.x > box.high.x) return;
     setup_.size = norm(box.high - box.low);
+    for (int k = 0; k < 3; ++k)
+      setup_.farthest = std::max({setup_.farthest, -box.low[k], box.high[k]});
     if (!(setup_.free_size > 0)) setup_.free_size = setup_.least_free_size = setup_.size;
     middle_ = 0.5 * (box.low + box.high);
   }
@@ -298,7 +300,8 @@ class Builder {
     if (used > 0) setup_.equations.push_back(e);
   }
 
-  void hold(const Joint& joint) {
+  void hold(std::size_t number) {
+    const Joint& joint = scene_.joints[number];
     std::array<int, 2> body{-1, -1};
     double reach = 0;  // of points about the anchor
     for (std::size_t k = 0; k < 2; ++k) {
@@ -324,11 +327,12 @@ class Builder {
       }
     }
     if (body[0] >= 0 && body[1] >= 0) setup_.held_pairs.push_back(body);
-    drive(joint, body);
+    drive(number, body);
   }
 
   /// What acts along or about the axis of a joint.
-  void drive(const Joint& joint, const std::array<int, 2>& body) {
+  void drive(std::size_t number, const std::array<int, 2>& body) {
+    const Joint& joint = scene_.joints[number];
     DrivenJoint d;
     d.slides = joint.kind == JointKind::slider;
     d.axis = joint.axis;
@@ -359,7 +363,9 @@ class Builder {
       law.stiffness = motor->stiffness, law.damping = motor->damping;
       law.most = motor->max_force;
     }
-    if (law.is_used()) setup_.drives.push_back(d);
+    if (!law.is_used()) return;
+    setup_.drives.push_back(d);
+    setup_.joint_of_drive.push_back(number);
   }
 
   using Key = std::tuple<ShapeKind, int, double, double, double, double, ShapeKind, double, double,
@@ -374,75 +380,6 @@ class Builder {
   Vec3d middle_;                       ///< of the box about all that is bounded [m]
   std::vector<SolidMoments> moments_;  ///< of surfaces
 };
-
-/// Whether the segment from a to b passes through the inside of a triangle.
-bool passes(const Vec3d& a, const Vec3d& b, const Vec3d& p, const Vec3d& q, const Vec3d& r) {
-  const auto volume = [](const Vec3d& d, const Vec3d& e, const Vec3d& f, const Vec3d& g) {
-    return dot(cross(e - d, f - d), g - d);
-  };
-  const double from = volume(p, q, r, a), to = volume(p, q, r, b);
-  if (!(from * to < 0)) return false;
-  const double s = volume(a, b, p, q), t = volume(a, b, q, r), u = volume(a, b, r, p);
-  return (s > 0 && t > 0 && u > 0) || (s < 0 && t < 0 && u < 0);
-}
-
-/// First edge of `a` that passes through a triangle of `b`. @param where  both boxes
-std::pair<int, int> edge_through(const Surface& a, const std::vector<Vec3d>& at_a, const Surface& b,
-                                 const std::vector<Vec3d>& at_b) {
-  const auto box_of = [](const auto& corners, const std::vector<Vec3d>& at) {
-    Bounds box;
-    for (const int v : corners) box.add(at[static_cast<std::size_t>(v)]);
-    return box;
-  };
-  Bounds all_a;
-  for (const Vec3d& x : at_a) all_a.add(x);
-  std::vector<std::pair<int, Bounds>> triangles;
-  Bounds all_b;
-  for (std::size_t t = 0; t < b.triangles.size(); ++t) {
-    const Bounds box = box_of(b.triangles[t], at_b);
-    all_b.add(box);
-    if (box.near(all_a, 0)) triangles.emplace_back(static_cast<int>(t), box);
-  }
-  for (std::size_t e = 0; e < a.edges.size(); ++e) {
-    const Bounds box = box_of(a.edges[e], at_a);
-    if (!box.near(all_b, 0)) continue;
-    const Vec3d &from = at_a[static_cast<std::size_t>(a.edges[e][0])],
-                &to = at_a[static_cast<std::size_t>(a.edges[e][1])];
-    for (const auto& [t, other] : triangles) {
-      if (!box.near(other, 0)) continue;
-      const auto& corner = b.triangles[static_cast<std::size_t>(t)];
-      if (passes(from, to, at_b[static_cast<std::size_t>(corner[0])],
-                 at_b[static_cast<std::size_t>(corner[1])],
-                 at_b[static_cast<std::size_t>(corner[2])]))
-        return {static_cast<int>(e), t};
-    }
-  }
-  return {-1, -1};
-}
-
-std::vector<Vec3d> corners_at(const Surface& surface, const AffineVec& q) {
-  std::vector<Vec3d> at;
-  for (const Vec3d& v : surface.vertices) at.push_back(point_of(q, v));
-  return at;
-}
-
-[[noreturn]] void throw_crossing(const AffineSetup& setup, Index a, Index b, const Crossing& c) {
-  const auto id = [&](Index body) { return setup.id_of_body[static_cast<std::size_t>(body)]; };
-  const auto is_part = [&](Index body) {  // its edges and triangles have no numbers that users know
-    return setup.bodies[static_cast<std::size_t>(body)].lame.is_elastic();
-  };
-  const int id_a = id(a), id_b = id(b);
-  if (is_part(a) || is_part(b))
-    throw InputError(fmt::format(
-        "bodies {} and {} intersect at the start; bodies of the dynamics \"affine\" must be apart",
-        std::min(id_a, id_b), std::max(id_a, id_b)));
-  const bool is_first = c.edge_of_first >= 0;
-  throw InputError(fmt::format(
-      "bodies {} and {} intersect at the start: edge {} of body {} passes through triangle {} of "
-      "body {}; bodies of the dynamics \"affine\" must be apart",
-      id_a, id_b, is_first ? c.edge_of_first : c.edge_of_second, is_first ? id_a : id_b,
-      is_first ? c.triangle_of_second : c.triangle_of_first, is_first ? id_b : id_a));
-}
 
 }  // namespace
 
@@ -468,54 +405,6 @@ bool may_touch(const AffineSetup& setup, Index a, Index b) {
 }
 
 AffineSetup affine_setup(const Scene& scene) { return Builder(scene).build(); }
-
-Crossing first_crossing(const Surface& first, const AffineVec& at_first, const Surface& second,
-                        const AffineVec& at_second) {
-  const std::vector<Vec3d> a = corners_at(first, at_first), b = corners_at(second, at_second);
-  Crossing c;
-  std::tie(c.edge_of_first, c.triangle_of_second) = edge_through(first, a, second, b);
-  if (!c.is_one())
-    std::tie(c.edge_of_second, c.triangle_of_first) = edge_through(second, b, first, a);
-  return c;
-}
-
-void require_no_crossing(const AffineSetup& setup) {
-  const auto surface = [&](Index body) -> const Surface& {
-    return *setup.surfaces[static_cast<std::size_t>(
-        setup.surface_of_body[static_cast<std::size_t>(body)])];
-  };
-  const auto place = [&](Index body) -> const AffineVec& {
-    return setup.position[static_cast<std::size_t>(body)];
-  };
-  std::vector<Bounds> boxes;
-  std::vector<Index> order;  // along x
-  for (Index body = 0; body < std::ssize(setup.bodies); ++body) {
-    Bounds box;
-    for (const Vec3d& x : corners_at(surface(body), place(body))) box.add(x);
-    boxes.push_back(box);
-    order.push_back(body);
-  }
-  const auto box_of = [&](Index body) -> const Bounds& {
-    return boxes[static_cast<std::size_t>(body)];
-  };
-  std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return box_of(a).low.x < box_of(b).low.x; });
-  for (auto i = order.begin(); i != order.end(); ++i) {
-    for (auto k = i + 1; k != order.end() && box_of(*k).low.x <= box_of(*i).high.x; ++k) {
-      const auto [a, b] = std::minmax(*i, *k);
-      if (!box_of(a).near(box_of(b), 0) || !may_touch(setup, a, b)) continue;
-      const Crossing crossing = first_crossing(surface(a), place(a), surface(b), place(b));
-      if (crossing.is_one()) throw_crossing(setup, a, b, crossing);
-    }
-  }
-}
-
-void throw_touching(int id_a, int id_b, double separation) {
-  throw InputError(
-      fmt::format("bodies {} and {} touch at the start: they must be more than the \"separation\" "
-                  "of {:g} m apart",
-                  id_a, id_b, separation));
-}
 
 bool is_too_stiff(const BodyConstant& body, double time_step) {
   constexpr double kMost = 1e8;  // from there on cubes lost a tenth of their spin in a second
@@ -556,14 +445,6 @@ std::string blocked_warning(std::int64_t steps) {
       "in {} steps kinematic bodies stayed where they were, blocked by what they push "
       "(blocked_bodies): their motions go on later by as much",
       steps);
-}
-
-std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed) {
-  return fmt::format(
-      "bodies {} and {} start {:.3g} m apart, within the reach of {:.3g} m: the barrier throws "
-      "them off at up to {:.2g} m/s; start "
-      "them farther apart, or take a smaller \"reach\" or a larger time step",
-      id_a, id_b, gap, reach, speed);
 }
 
 }  // namespace scree::affine

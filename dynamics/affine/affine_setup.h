@@ -34,11 +34,13 @@ struct AffineSetup {
   std::vector<std::array<int, 2>> held_pairs;  ///< bodies that joints hold, which do not touch
   std::vector<NodeEquation> equations;
   std::vector<DrivenJoint> drives;
+  std::vector<std::size_t> joint_of_drive;  ///< its number in the scene
   std::vector<LedBody> led;
   Index first_led_row = 0;
   std::size_t scene_bodies = 0;  ///< those that are no tetrahedra
   SolidSetup solid;
   double size = 0;             ///< diagonal of the box about all bounded bodies [m]
+  double farthest = 0;         ///< largest coordinate of that box [m]
   double free_size = 0;        ///< largest diagonal of the box about a free one, or else that [m]
   double least_free_size = 0;  ///< the least one, or else that [m]
   double mean_mass = 0;        ///< of free bodies [kg]
@@ -50,23 +52,8 @@ AffineSetup affine_setup(const Scene& scene);
 /// The coordinates of a rigid pose.
 AffineVec pose_coordinates(const Pose& pose);
 
-/// An edge of one surface that passes through a triangle of the other, with the bodies where they are.
-struct Crossing {
-  int edge_of_first = -1, triangle_of_second = -1;
-  int edge_of_second = -1, triangle_of_first = -1;
-  bool is_one() const { return edge_of_first >= 0 || edge_of_second >= 0; }
-};
-Crossing first_crossing(const Surface& first, const AffineVec& at_first, const Surface& second,
-                        const AffineVec& at_second);
-
 /// Whether two bodies have contacts with each other.
 bool may_touch(const AffineSetup& setup, Index a, Index b);
-
-/// Looks at all bodies that may touch, where they are at time zero. @throws InputError naming two that intersect
-void require_no_crossing(const AffineSetup& setup);
-
-/// A scene that starts with bodies that touch. @throws InputError naming the bodies
-[[noreturn]] void throw_touching(int id_a, int id_b, double separation);
 
 /// Whether a body is so stiff for a time step [s] that Newton's method makes but short steps around in the valley of states without
 /// strain: it may stop turning.
@@ -79,8 +66,5 @@ std::string tolerance_warning(double tolerance, double gained, double fitting);
 /// Of stiff bodies that gave way, and of kinematic ones that what they press on stopped.
 std::string strain_warning(double strain, std::int64_t step);
 std::string blocked_warning(std::int64_t steps);
-
-/// Of two bodies that the barrier acts on at the start. @param speed  that it may give a body [m/s]
-std::string throw_warning(int id_a, int id_b, double gap, double reach, double speed);
 
 }  // namespace scree::affine

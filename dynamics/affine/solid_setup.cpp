@@ -62,6 +62,7 @@ class SolidBuilder {
     add_tetrahedra(elastic, solid);
     solid.tetrahedra_end = size_of(out_.tetrahedra);
     out_.solids.push_back(solid);
+    out_.triangles.push_back(mesh_->triangles);
   }
 
   void finish() { out_.links.begin.push_back(size_of(out_.links.links)); }

@@ -1,6 +1,7 @@
 #pragma once
 // Elastic bodies as tetrahedra, each of which is an affine body whose corners others share.
 
+#include <array>
 #include <vector>
 
 #include "dynamics/affine/linked_rows.h"
@@ -15,6 +16,8 @@ struct SolidSetup {
   std::vector<Solid> solids;
   std::vector<Tetrahedron> tetrahedra;
   std::vector<SolidCorner> corners;
+  std::vector<std::vector<std::array<int, 3>>>
+      triangles;  ///< of the surface of each solid, by corners of its mesh
   LinkTable links;
 };
 

@@ -35,12 +35,13 @@ class Solids {
                             std::as_const(place_).view(place_.capacity()), q});
   }
 
+  /// Their poses as rigid bodies, and how strained they are. @param strain  by body
   void write_poses(B& b, Span<const BodyConstant> bodies, Span<const AffineVec> q,
-                   Span<const AffineVec> v, const BodyView<double>& store) {
+                   Span<const AffineVec> v, const BodyView<double>& store, Span<double> strain) {
     const auto count = static_cast<Index>(solids_.size());
     for_each(b, count,
              WriteSolidPoses{bodies, on_backend_.view(count), tetrahedra_.view(tetrahedron_count_),
-                             q, v, store});
+                             q, v, store, strain});
   }
 
   /// Adds where the vertices of meshes are, by id.

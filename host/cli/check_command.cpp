@@ -10,6 +10,7 @@
 #include "dynamics/dynamics_card.h"
 #include "host/io/surface_frames.h"
 #include "host/problems/body_problem.h"
+#include "host/scene/body_name.h"
 #include "host/scene/overlaps.h"
 #include "host/scene/run_summary.h"
 #include "host/scene_reader.h"

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/scene/body_name.h"
+
 namespace scree {
 namespace {
 

@@ -29,6 +29,7 @@
 #include "host/io/writer_thread.h"
 #include "host/ranks/launch.h"
 #include "host/ranks/mpi_ranks.h"
+#include "host/scene/body_name.h"
 #include "host/scene/overlaps.h"
 #include "host/scene/stored_joints.h"
 #include "host/scene_reader.h"

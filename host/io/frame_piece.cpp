@@ -13,12 +13,15 @@ BodyStates states_below(const OwnBodies& bodies, std::size_t end) {
   BodyStates kept;
   kept.position.resize(end, Vec3d{kNone, kNone, kNone});
   const bool turns = !bodies.states.orientation.empty();  // models may have none
+  const bool gives_way = !bodies.states.axes.empty();
+  if (gives_way) kept.axes.resize(end);
   if (turns) kept.orientation.resize(end, Quatd{kNone, kNone, kNone, kNone});
   for (std::size_t i = 0; i < bodies.id.size(); ++i) {
     const auto id = static_cast<std::size_t>(bodies.id[i]);
     if (id >= end) break;  // ids rise
     kept.position[id] = bodies.states.position[i];
     if (turns) kept.orientation[id] = bodies.states.orientation[i];
+    if (gives_way) kept.axes[id] = bodies.states.axes[i];
   }
   return kept;
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/error.h"
+#include "host/io/body_points.h"
 #include "host/io/vtkhdf.h"
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/scene_checks.h"
@@ -300,14 +301,12 @@ void SurfaceFrameWriter::write_frame(h5::Group vtk, const SurfaceExtent& after, 
   surfaces_->for_each(end, [&](std::size_t id, const Shape& shape, int) {
     double scale = 1;
     const Surface& surface = surfaces_->of(shape, scale);
-    // Orientations of float runs are unit only to their rounding; models may have none.
-    const Quatd turn = states.orientation.empty() ? Quatd{} : normalized(states.orientation[id]);
+    const BodyPoints place(states, id);
     const auto speed = static_cast<float>(norm(states.velocity[id]));
     const auto bent = states.bent.find(static_cast<int>(id));
     for (std::size_t v = 0; v < surface.vertices.size(); ++v) {
-      const Vec3d x = bent != states.bent.end()
-                          ? bent->second.at(v)
-                          : states.position[id] + rotate(turn, scale * surface.vertices[v]);
+      const Vec3d x =
+          bent != states.bent.end() ? bent->second.at(v) : place(scale * surface.vertices[v]);
       for (int k = 0; k < 3; ++k) points.add(static_cast<float>(x[k]));
       speeds.add(speed);
     }
@@ -343,7 +342,8 @@ void SurfaceFrameWriter::append(double time, const BodyStates& states) {
   if (size.bodies == 0) return;  // readers have trouble with empty parts
   if (size.bodies < extent_.last.bodies || size.bodies > whole_.bodies ||
       states.velocity.size() != bodies ||
-      (!states.orientation.empty() && states.orientation.size() != bodies))
+      (!states.orientation.empty() && states.orientation.size() != bodies) ||
+      (!states.axes.empty() && states.axes.size() != bodies))
     throw RunError(
         fmt::format("a frame of the surfaces of {} bodies does not fit the {} of the last frame "
                     "and the {} of the scene",

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/error.h"
+#include "host/io/body_points.h"
 #include "host/io/values.h"
 #include "host/io/vtkhdf.h"
 
@@ -179,11 +180,8 @@ std::vector<Vec3d> WallFrameWriter::corners(const BodyStates& states) const {
   std::vector<Vec3d> all;
   all.reserve(corner_count_);
   for (const WallSurface& wall : walls_) {
-    // Orientations of float runs are unit only to their rounding; models may have none.
-    const Quatd turn =
-        states.orientation.empty() ? Quatd{} : normalized(states.orientation.at(wall.body));
-    for (const Vec3d& corner : wall.surface.vertices)
-      all.push_back(states.position.at(wall.body) + rotate(turn, corner));
+    const BodyPoints place(states, wall.body);
+    for (const Vec3d& corner : wall.surface.vertices) all.push_back(place(corner));
   }
   return all;
 }

@@ -10,6 +10,7 @@
 
 #include "dynamics/dynamics_card.h"
 #include "host/error.h"
+#include "host/scene/body_name.h"
 #include "host/scene/particle_shapes.h"
 #include "shapes/shape_card.h"
 
@@ -153,13 +154,6 @@ Overlaps overlaps_as_rigid(Scene scene, const WorldOptions& options) {
     found.not_looked_for = error.what();
     return found;
   }
-}
-
-std::string body_name(const BodyConstants& body, int id) {
-  const BodyConstant constant = body[static_cast<std::size_t>(id)];
-  if (constant.entry < 0) return fmt::format("body {}", id);
-  if (!constant.is_particle) return fmt::format("bodies[{}]", constant.entry);
-  return fmt::format("particles[{}] #{}", constant.entry, constant.number);
 }
 
 std::string overlap_warning(const Overlaps& o, const BodyConstants& body) {

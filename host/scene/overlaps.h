@@ -34,10 +34,6 @@ Overlaps find_overlaps(Scene scene, const WorldOptions& options);
 /// The same as if all bodies were rigid: what lies inside a solid, or below a floor, crosses no surface, so not all models see it.
 Overlaps overlaps_as_rigid(Scene scene, const WorldOptions& options);
 
-/// A body as its scene file lists it, such as "bodies[3]" or "particles[0] #12"; by its id when the
-/// scene comes from no file.
-std::string body_name(const BodyConstants& body, int id);
-
 /// One line for a user, empty when there are none.
 std::string overlap_warning(const Overlaps& overlaps, const BodyConstants& body);
 

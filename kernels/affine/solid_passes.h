@@ -56,6 +56,15 @@ struct JoinTetrahedra {
   }
 };
 
+/// How far from rigid bodies of the scene are, but for elastic ones, of which nothing is known here. Bytes a body: 96 read, 8 written.
+struct WriteStrains {
+  static constexpr const char* name = "affine_write_strains";
+  Span<const AffineVec> q;  ///< by body
+  Span<double> strain;      ///< out, by body
+
+  SCREE_HD void operator()(Index b) const { strain[b] = strain_norm(q[b]); }
+};
+
 /// Poses of elastic bodies as rigid ones: of the affine motion nearest to theirs, by mass. An item goes through a whole body.
 struct WriteSolidPoses {
   static constexpr const char* name = "affine_write_solid_poses";
@@ -65,12 +74,14 @@ struct WriteSolidPoses {
   Span<const Tetrahedron> tetrahedra;
   Span<const AffineVec> q, v;  ///< by body
   BodyView<double> store;
+  Span<double> strain;  ///< out, by body: the largest of its tetrahedra
 
   SCREE_HD void operator()(Index i) const {
     const Solid& solid = solids[i];
     const AffineMass& mass = bodies[solid.body].mass;
     AffineVec all;  // the integral of density x (1, X)
     Vec3d velocity, momentum;
+    double worst = 0;
     for (Index k = solid.tetrahedra_begin; k < solid.tetrahedra_end; ++k) {
       const Tetrahedron& t = tetrahedra[k];
       const AffineMass& own = bodies[t.body].mass;
@@ -79,7 +90,10 @@ struct WriteSolidPoses {
         all.node[n] += (n == 0 ? Vec3d{} : part.node[n]) +
                        (own.mass * node_weight(t.center, n)) * q[t.body].node[0];
       velocity += (own.mass / mass.mass) * v[t.body].node[0];
+      const double its = strain_norm(q[t.body]);
+      worst = its > worst ? its : worst;
     }
+    strain[solid.body] = worst;
     const AffineVec nearest = mass.solve(all);
     for (Index k = solid.tetrahedra_begin; k < solid.tetrahedra_end; ++k) {
       const Index b = tetrahedra[k].body;

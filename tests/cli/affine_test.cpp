@@ -1,8 +1,13 @@
 // Affine and elastic bodies from the command line: files, resuming, warnings.
 
+#include <algorithm>
+#include <map>
+
 #include "dynamics/affine/affine_card.h"
 #include "host/io/h5.h"
+#include "kernels/affine/orthogonality.h"
 #include "tests/cli/program.h"
+#include "tests/exact_triangles.h"
 #include "tests/steps_file.h"
 
 namespace scree::test {
@@ -42,6 +47,83 @@ TEST(CliAffine, ElasticBodiesAreInSurfacesAsTheyBend) {
   EXPECT_LT(lowest, -1.05);
 }
 
+/// Blocks that press on each other until they are some percent flatter, turned so that edges lie across faces.
+json pressed_blocks() {
+  return json::parse(R"({
+    "name": "pressed", "time_step": 0.01, "duration": 0.5, "dynamics": {"type": "affine", "stiffness": 1e5},
+    "bodies": [
+      {"shape": "box", "size": [1, 1, 1], "density": 1000, "position": [0, 0, 0.505]},
+      {"shape": "box", "size": [1, 1, 1], "density": 1000, "position": [0, 0, 1.515], "rotation_deg": {"axis": [0, 0, 1], "angle": 30}},
+      {"shape": "box", "size": [1, 1, 1], "density": 1000, "position": [0, 0, 2.525], "rotation_deg": {"axis": [0, 0, 1], "angle": 60}},
+      {"shape": "box", "size": [4, 4, 0.2], "kind": "fixed", "position": [0, 0, -0.1]}],
+    "output": {"frame_interval": 0.1, "surface_frames": true, "picture": false}})");
+}
+
+/// Triangles of the bodies of a frame of surfaces, which all of them are in, by body.
+std::map<std::int64_t, std::vector<exact::Triangle>> triangles_of(const h5::Group& vtk,
+                                                                  std::size_t frame) {
+  const auto points = vtk.read<float>("Points");
+  const auto first = static_cast<std::size_t>(vtk.read<std::int64_t>("Steps/PointOffsets")[frame]);
+  const auto offsets = vtk.read<std::int64_t>("Polygons/Offsets");
+  const auto corners = vtk.read<std::int64_t>("Polygons/Connectivity");
+  const auto id = vtk.read<std::int64_t>("CellData/id");
+  std::map<std::int64_t, std::vector<exact::Triangle>> all;
+  for (std::size_t face = 0; face < id.size(); ++face) {
+    const auto corner = [&](std::int64_t k) {
+      const std::size_t p = first + static_cast<std::size_t>(corners[static_cast<std::size_t>(k)]);
+      return Vec3d{points[3 * p], points[3 * p + 1], points[3 * p + 2]};
+    };
+    for (std::int64_t k = offsets[face] + 2; k < offsets[face + 1]; ++k)
+      all[id[face]].push_back({corner(offsets[face]), corner(k - 1), corner(k)});
+  }
+  return all;
+}
+
+TEST(CliAffine, SurfacesAreThoseOfTheState) {
+  const Scratch scratch;
+  const std::string scene = put_scene(scratch, pressed_blocks()).string();
+  const Result run = scree(scratch, run_arguments(scene, scratch / "a"));
+  ASSERT_EQ(run.code, 0) << run.err;
+  const h5::File file = h5::File::open(scratch / "a" / "surfaces.vtkhdf");
+  const h5::Group vtk = file.root().open_group("VTKHDF");
+  const std::size_t frames = vtk.shape("Steps/Values").rows;
+  ASSERT_EQ(frames, 6u);
+  for (std::size_t frame = 0; frame < frames; ++frame) {
+    const auto bodies = triangles_of(vtk, frame);
+    ASSERT_EQ(bodies.size(), 3u);
+    for (std::int64_t a = 0; a < 3; ++a)
+      for (std::int64_t b = a + 1; b < 3; ++b)
+        for (const exact::Triangle& s : bodies.at(a))
+          for (const exact::Triangle& t : bodies.at(b))
+            ASSERT_FALSE(exact::triangles_touch(s, t))
+                << "frame " << frame << ": " << a << ", " << b;
+  }
+  // In the last one corners are where the checkpoint, which holds four vectors of each body, says.
+  const h5::File checkpoint = h5::File::open(scratch / "a" / "checkpoint.h5");
+  const auto nodes = checkpoint.root().read<double>("affine/position");
+  double strain = 0;
+  for (const auto& [id, triangles] : triangles_of(vtk, frames - 1)) {
+    affine::AffineVec q;
+    for (int k = 0; k < 12; ++k)
+      q.node[k / 3][k % 3] = nodes[static_cast<std::size_t>(12 * id + k)];
+    strain = std::max(strain, affine::strain_norm(q));
+    for (const exact::Triangle& triangle : triangles)
+      for (const Vec3d& x : triangle) {
+        double least = 1;
+        for (int corner = 0; corner < 8; ++corner) {
+          const auto side = [&](int axis) { return (corner >> axis & 1) != 0 ? 0.5 : -0.5; };
+          least = std::min(least, norm(point_of(q, {side(0), side(1), side(2)}) - x));
+        }
+        EXPECT_LT(least, 3e-7) << "body " << id;  // float
+      }
+  }
+  EXPECT_GT(strain, 0.02);
+  const h5::File poses = h5::File::open(scratch / "a" / "frames.vtkhdf");
+  const auto strains = poses.root().read<float>("VTKHDF/PointData/strain");
+  ASSERT_EQ(strains.size(), 4 * frames);
+  EXPECT_FLOAT_EQ(*std::max_element(strains.end() - 4, strains.end()), static_cast<float>(strain));
+}
+
 TEST(CliAffine, ResumedRunsOfElasticBodiesAreTheSame) {
   const Scratch scratch;
   const std::string scene = put_scene(scratch, hanging_octahedron(scratch)).string();
@@ -51,6 +133,48 @@ TEST(CliAffine, ResumedRunsOfElasticBodiesAreTheSame) {
   ASSERT_EQ(resumed.code, 0) << resumed.err;
   EXPECT_EQ(steps_without_times(scratch / "a/steps.csv"),
             steps_without_times(scratch / "whole/steps.csv"));
+}
+
+TEST(CliAffine, JointsThatContradictAreTold) {
+  const Scratch scratch;
+  json scene = json::parse(R"({
+    "name": "cart", "time_step": 0.01, "duration": 0.02, "dynamics": {"type": "affine"},
+    "bodies": [{"name": "cart", "shape": "box", "size": [1, 1, 1], "density": 1000}],
+    "joints": [{"type": "slider", "bodies": ["world", "cart"], "axis": [1, 0, 0], "anchor": [0, 0, 0]}],
+    "output": {"picture": false}})");
+  const auto told = [&] {
+    return scree(scratch,
+                 run_arguments(put_scene(scratch, scene).string(), scratch / "a", {"--force"}))
+        .err;
+  };
+  EXPECT_FALSE(holds(told(), "joints["));
+  scene["joints"][0]["limits"] = {0.5, 1};
+  EXPECT_TRUE(holds(told(),
+                    "warning: joints[0]: its bodies began apart, 0.5 m beyond its "
+                    "\"limits\" [0.5, 1]"));
+  scene["joints"][0].erase("limits");
+  scene["joints"][0]["motor"] = {{"speed", 1}};
+  EXPECT_FALSE(holds(told(), "joints["));
+  scene["bodies"][0]["lock"] = {"x"};
+  EXPECT_TRUE(holds(told(),
+                    "warning: joints[0]: its motor has no \"max_force\", and other joints "
+                    "or locks hold what it drives"));
+}
+
+TEST(CliAffine, BodiesThatIntersectAreNamed) {
+  const Scratch scratch;
+  const json scene = json::parse(R"({
+    "name": "lid", "time_step": 0.01, "duration": 0.02, "dynamics": {"type": "affine"},
+    "bodies": [{"shape": "half_space", "point": [0, 0, -9]},
+               {"name": "lid", "shape": "box", "size": [1, 1, 1], "density": 1000},
+               {"name": "pot", "shape": "box", "size": [1, 1, 1], "density": 1000, "position": [0.5, 0.4, 0.3]}]})");
+  for (const char* command : {"run", "check"}) {
+    const Result result = scree(scratch, {command, put_scene(scratch, scene).string()});
+    EXPECT_EQ(result.code, 2);
+    for (const char* part :
+         {"bodies[1] \"lid\"", "bodies[2] \"pot\"", "intersect at the start: triangle "})
+      EXPECT_TRUE(holds(result.err, part)) << result.err;
+  }
 }
 
 TEST(CliAffine, WhatTheModelDoesNotUseIsRefusedOrTold) {

@@ -57,6 +57,24 @@ TEST(CliIpcScenes, AFaultNamesFileKeyAndValue) {
       << result.err;
 }
 
+// Two tetrahedra, of which the second is moved by just the size of the first.
+TEST(CliIpcScenes, BodiesThatTouchButForRoundingAreRefusedByTheirTriangles) {
+  if (find_dynamics("affine") == nullptr) GTEST_SKIP() << "no dynamics \"affine\"";
+  const Scratch scratch;
+  nlohmann::json scene = nlohmann::json::parse(kFallingTetrahedron);
+  nlohmann::json& bodies = scene["rigid_body_problem"]["rigid_bodies"];
+  bodies[1] = bodies[0];
+  bodies[1]["position"] = {1, 1, 0};
+  const fs::path file = put(scratch / "touching.json", scene.dump());
+  const Result run = scree(scratch, run_arguments(file, scratch / "run"));
+  EXPECT_EQ(run.code, 2);
+  EXPECT_TRUE(holds(run.err, "bodies[0] \"") && holds(run.err, "bodies[1] \"")) << run.err;
+  EXPECT_TRUE(holds(run.err, "touch at the start: triangle ")) << run.err;
+  bodies[1]["position"] = {1.001, 1, 0};
+  const Result apart = scree(scratch, run_arguments(put(file, scene.dump()), scratch / "run"));
+  EXPECT_EQ(apart.code, 0) << apart.err;
+}
+
 /// A box of 1 x 2 x 3 m that was turned by 30 degrees about z, spins about it and falls.
 constexpr const char* kSpinningBox = R"({
   "timestep": 0.01, "max_time": 0.05, "output": {"frame_interval": 0.01, "picture": {"width": 64, "height": 48}},

@@ -37,7 +37,7 @@ TEST(AffineEdges, WhatBeginsNearAWallIsNotThrownOff) {
     scene.dynamics.parameters["reach"] = 0.014;
     EXPECT_THAT(World(scene, cpu_options()).warnings(),
                 ::testing::ElementsAre(::testing::StartsWith(
-                    "bodies 1 and 0 start 0.00" + std::to_string(static_cast<int>(1e3 * gap)) +
+                    "body 1 and body 0 start 0.00" + std::to_string(static_cast<int>(1e3 * gap)) +
                     " m apart, within the reach of 0.014 m")));
   }
 }

@@ -3,10 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "dynamics/affine/affine_setup.h"
 #include "host/error.h"
 #include "tests/dynamics/affine_scenes.h"
+#include "tests/exact_triangles.h"
+#include "tests/tetrahedra_box.h"
 
 namespace scree::affine {
 namespace {
@@ -90,11 +98,102 @@ TEST(AffineRefusals, ParametersHaveTheirRanges) {
               AllOf(HasSubstr("dynamics.stiffness: 0"), HasSubstr("excluded")));
 }
 
-TEST(AffineRefusals, BodiesThatTouchAreNamed) {
-  EXPECT_THAT(refusal([](Scene& s) {
-                s.bodies[1].position = {0.2, 0, 0};
-              }),
-              HasSubstr("bodies 0 and 1 touch at the start"));
+/// Whether triangles of two boxes meet. @param numbers  of a triangle of each
+void expect_meeting(const Scene& scene, const std::vector<int>& numbers) {
+  const AffineSetup setup = affine_setup(scene);
+  std::array<exact::Triangle, 2> found;
+  for (std::size_t body = 0; body < 2; ++body) {
+    const Surface& surface = *setup.surfaces[static_cast<std::size_t>(setup.surface_of_body[body])];
+    const auto number = static_cast<std::size_t>(body == 0 ? numbers.front() : numbers.back());
+    for (std::size_t k = 0; k < 3; ++k)
+      found[body][k] =
+          point_of(setup.position[body],
+                   surface.vertices[static_cast<std::size_t>(surface.triangles.at(number)[k])]);
+  }
+  EXPECT_TRUE(exact::triangles_touch(found[0], found[1]));
+}
+
+/// Whole numbers in a text that follow a word.
+std::vector<int> numbers_after(const std::string& text, const std::string& word) {
+  std::vector<int> numbers;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
+    numbers.push_back(std::stoi(text.substr(at + word.size())));
+  return numbers;
+}
+
+TEST(AffineRefusals, BodiesThatIntersectAreNamedWithTheirTriangles) {
+  Scene scene;
+  const std::string message = refusal([&](Scene& s) {
+    s.bodies[1].position = {0.15, 0.05, 0.02};
+    s.bodies[0].entry = 3;
+    s.body_names = {{"lid", 0}, {"pot", 1}};
+    scene = s;
+  });
+  EXPECT_THAT(message, AllOf(HasSubstr("bodies[3] \"lid\""), HasSubstr("body 1 \"pot\""),
+                             HasSubstr(" intersect at the start: triangle "),
+                             HasSubstr("between corners ")));
+  std::vector<int> numbers = numbers_after(message, "triangle ");
+  ASSERT_EQ(numbers.size(), 2u) << message;
+  if (message.starts_with("body 1")) std::swap(numbers[0], numbers[1]);
+  expect_meeting(scene, numbers);
+}
+
+TEST(AffineRefusals, BodiesThatTouchAreNamedWithTheirTriangles) {
+  Scene scene;
+  const auto beside = [&](double x, double far) {
+    return refusal([&](Scene& s) {
+      s.bodies[0].position.x = far;
+      s.bodies[1].position = {far + x, 0, 0};
+      s.body_names = {{"lid", 0}};
+      scene = s;
+    });
+  };
+  const std::string message = beside(0.2, 0);
+  EXPECT_THAT(message, AllOf(HasSubstr("body 0 \"lid\""), HasSubstr("body 1"),
+                             HasSubstr(" touch at the start: triangle ")));
+  std::vector<int> numbers = numbers_after(message, "triangle ");
+  ASSERT_EQ(numbers.size(), 2u) << message;
+  if (message.starts_with("body 1")) std::swap(numbers[0], numbers[1]);
+  expect_meeting(scene, numbers);
+  // What rounding makes of a gap is none, and neither is what rounding takes away.
+  EXPECT_THAT(beside(std::nextafter(0.2, 1), 0), HasSubstr("touch at the start"));
+  EXPECT_THAT(beside(std::nextafter(0.2, 0), 0), HasSubstr("touch at the start"));
+  EXPECT_THAT(beside(0.2 + 1e-13, 0), HasSubstr("touch at the start"));
+  EXPECT_EQ(beside(0.2 + 1e-11, 0), "nothing");
+  // It is larger far from the origin.
+  EXPECT_THAT(beside(0.2 + 1e-11, 1000), HasSubstr("touch at the start"));
+  EXPECT_EQ(beside(0.2 + 1e-8, 1000), "nothing");
+}
+
+TEST(AffineRefusals, ElasticBodiesThatIntersectAreNamedWithTheirTriangles) {
+  Scene scene = test::affine_scene(0.01, 0.5);
+  test::add_elastic_box(scene, {0, 0, 0}, {0.4, 0.4, 0.4}, {3, 3, 3}, 1000, {1e6, 0.3});
+  physics::add_box(scene, {0.25, 0.03, 0.02}, {0.1, 0.1, 0.1}, 1);
+  scene.body_names = {{"jelly", 0}};
+  try {
+    const World world(scene, physics::cpu_options());
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_THAT(message, AllOf(HasSubstr("body 0 \"jelly\""), HasSubstr("body 1"),
+                               HasSubstr("intersect at the start: triangle ")));
+    std::vector<int> numbers = numbers_after(message, "triangle ");
+    ASSERT_EQ(numbers.size(), 2u) << message;
+    if (message.starts_with("body 1")) std::swap(numbers[0], numbers[1]);
+    // Of the elastic one as its mesh numbers them.
+    const TriangleMesh& mesh = scene.meshes[static_cast<std::size_t>(scene.bodies[0].shape.mesh)];
+    const AffineSetup setup = affine_setup(scene);
+    const Surface& box = *setup.surfaces[static_cast<std::size_t>(setup.surface_of_body[1])];
+    exact::Triangle first, second;
+    for (std::size_t k = 0; k < 3; ++k) {
+      first[k] = mesh.vertices[static_cast<std::size_t>(
+          mesh.triangles.at(static_cast<std::size_t>(numbers[0]))[k])];
+      second[k] = point_of(setup.position[1],
+                           box.vertices[static_cast<std::size_t>(
+                               box.triangles.at(static_cast<std::size_t>(numbers[1]))[k])]);
+    }
+    EXPECT_TRUE(exact::triangles_touch(first, second)) << message;
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "dynamics/affine/affine_card.h"
 #include "host/error.h"
 #include "host/state_hash.h"
 #include "tests/dynamics/affine/exact_surfaces.h"
@@ -55,6 +56,11 @@ TEST(ElasticBodies, ABarHangsAsLongAsItsWeightMakesIt) {
   EXPECT_LT(report.kinetic_energy, 1e-12);
   const double expected = kDensity * kGravity * kLength * kLength / (2 * kYoung);
   EXPECT_NEAR(sag(world), expected, 0.005 * expected);
+  // The highest tetrahedra are stretched most, by what hangs below their middle.
+  const double most = kDensity * kGravity * kLength * (1 - 0.5 / 20) / kYoung;
+  EXPECT_NEAR(world.states().own[kStrainField][0], 2 * most, 0.02 * 2 * most);
+  EXPECT_EQ(*static_cast<const double*>(world.array("strain").data),
+            world.states().own[kStrainField][0]);
 }
 
 // Let go, the wave that starts at the fixed end takes the lower one to twice that way, and back.
@@ -349,7 +355,7 @@ TEST(ElasticBodies, WhatTheyCannotBeIsNamed) {
   EXPECT_THAT(refusal_of_elastic([](Scene& s) {
                 s.bodies[1].position = {0.1, 0, 0};
               }),
-              HasSubstr("bodies 0 and 1 intersect"));
+              HasSubstr("body 0 and body 1 intersect"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Motors, springs, friction and limits of joints of affine bodies, in closed forms.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "dynamics/affine/affine_card.h"
@@ -252,6 +253,81 @@ TEST(AffineJointDrives, AMotorGivesNoMoreThanItsMostInALargeScene) {
   // The load falls with the cosine of the angle, by less than 1 % here.
   const double about_hinge = 10 * ((1 + 0.01) / 12 + 0.25);
   EXPECT_NEAR(rate(world), 0.1 * (10 * kGravity * 0.5 - 30) / about_hinge, 0.012);
+}
+
+/// What a scene is told of its joints.
+std::vector<std::string> told_of_joints(const Scene& scene) {
+  const World world(scene, cpu_options());
+  std::vector<std::string> told;
+  for (const std::string& each : world.warnings())
+    if (each.starts_with("joints[")) told.push_back(each);
+  return told;
+}
+
+TEST(AffineJointDrives, JointsThatBeginBeyondTheirLimitsAreTold) {
+  for (const JointKind kind : {JointKind::hinge, JointKind::slider}) {
+    Scene scene = driven_scene(1);
+    add_box(scene, {}, {0.1, 0.1, 0.1}, 1);
+    scene.joints = {joint_of(kind, kWorldBody, 0, {}, {1, 0, 0})};
+    for (const auto& limits :
+         {std::array{-1.0, 1.0}, std::array{0.0, 1.0}, std::array{-1.0, 0.0}}) {
+      scene.joints[0].limits = limits;
+      EXPECT_THAT(told_of_joints(scene), testing::IsEmpty());
+    }
+    for (const auto& limits : {std::array{0.5, 1.0}, std::array{-1.0, -0.5}}) {
+      scene.joints[0].limits = limits;
+      const bool slides = kind == JointKind::slider;
+      EXPECT_THAT(told_of_joints(scene),
+                  testing::ElementsAre(
+                      testing::AllOf(testing::HasSubstr("joints[0]: its bodies began apart"),
+                                     testing::HasSubstr(slides ? "0.5 m beyond" : "0.5 rad beyond"),
+                                     testing::HasSubstr(slides ? "at 250 m/s" : "at 250 rad/s"))));
+    }
+  }
+}
+
+TEST(AffineJointDrives, MotorsThatCannotMoveAreTold) {
+  const auto held = testing::ElementsAre(testing::AllOf(
+      testing::HasSubstr("joints["), testing::HasSubstr("they contradict each other")));
+  // A slider, alone, with a lock along its axis, and with one across it.
+  Scene slider = driven_scene(1);
+  add_box(slider, {}, {0.1, 0.1, 0.1}, 1);
+  slider.joints = {joint_of(JointKind::slider, kWorldBody, 0, {}, {1, 0, 0})};
+  slider.joints[0].motor = JointMotor{.speed = 1};
+  EXPECT_THAT(told_of_joints(slider), testing::IsEmpty());
+  slider.bodies[0].locks = lock_y;
+  EXPECT_THAT(told_of_joints(slider), testing::IsEmpty());
+  slider.bodies[0].locks = lock_x;
+  EXPECT_THAT(told_of_joints(slider), held);
+  slider.joints[0].motor->max_force = 5;
+  EXPECT_THAT(told_of_joints(slider), testing::IsEmpty());
+  // A hinge, with a lock of the other turns, and with two joints that hold its body otherwise.
+  Scene hinge = rod_on_hinge(1);
+  hinge.joints[0].motor = JointMotor{.speed = -1};
+  EXPECT_THAT(told_of_joints(hinge), testing::IsEmpty());
+  hinge.bodies[0].locks = lock_rx | lock_rz;
+  EXPECT_THAT(told_of_joints(hinge), testing::IsEmpty());
+  hinge.bodies[0].locks = 0;
+  hinge.joints.push_back(joint_of(JointKind::fixed, 0, kWorldBody, {1, 0, 0}, {1, 0, 0}));
+  EXPECT_THAT(told_of_joints(hinge), held);
+  hinge.joints[1].kind = JointKind::ball;
+  EXPECT_THAT(told_of_joints(hinge), held);
+  // Four rods in a frame turn, until one more joint closes it.
+  Scene frame = driven_scene(1);
+  const Vec3d corner[] = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3d &from = corner[k], &to = corner[k + 1];
+    const bool is_flat = k == 1;
+    add_box(frame, 0.5 * (from + to) + Vec3d{0, 0.1 * k, 0},
+            is_flat ? Vec3d{0.02, 0.02, 0.4} : Vec3d{0.4, 0.02, 0.02}, 1);
+  }
+  for (int k = 0; k < 4; ++k)
+    frame.joints.push_back(joint_of(JointKind::hinge, k == 0 ? kWorldBody : k - 1,
+                                    k == 3 ? kWorldBody : k, corner[k], {0, 1, 0}));
+  frame.joints[0].motor = JointMotor{.speed = 1};
+  EXPECT_THAT(told_of_joints(frame), testing::IsEmpty());
+  frame.joints.push_back(joint_of(JointKind::hinge, kWorldBody, 1, {1, 0, 0.5}, {0, 1, 0}));
+  EXPECT_THAT(told_of_joints(frame), held);
 }
 
 }  // namespace

@@ -5,9 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "host/compounds.h"
 #include "host/error.h"
@@ -223,6 +226,37 @@ TEST_F(SurfaceFramesTest, RoundedBodiesOfOneOuterSizeHaveSurfacesOfTheirOwn) {
   // The sharper box is the larger one, by more than that.
   EXPECT_GT(found.at(0).volume, 1.05 * found.at(1).volume);
   EXPECT_GT(found.at(1).volume, 1.3 * found.at(2).volume);
+}
+
+TEST_F(SurfaceFramesTest, BodiesThatGiveWayAreAsTheyAre) {
+  SurfaceFrameWriter writer(file, scene);
+  BodyStates states = states_at(1, bodies_of(0));
+  const double turned = 0.3, cosine = std::cos(turned), sine = std::sin(turned);
+  states.axes.assign(states.position.size(),
+                     {{{1.1 * cosine, 1.1 * sine, 0}, {-sine, cosine, 0}, {0.2, 0, 0.9}}});
+  writer.append(0, states);
+  const SurfaceFrame frame = read_surface_frames(file).at(0);
+  std::set<std::array<int, 3>> corners;  // of the box, by the sides that they are on
+  for (std::size_t face = 0; face < frame.id.size(); ++face) {
+    if (frame.id[face] != 2) continue;
+    for (std::int64_t k = frame.offsets[face]; k < frame.offsets[face + 1]; ++k) {
+      const auto p = static_cast<std::size_t>(frame.connectivity[static_cast<std::size_t>(k)]);
+      const Vec3d x = Vec3d{frame.points[3 * p], frame.points[3 * p + 1], frame.points[3 * p + 2]} -
+                      states.position[2];
+      // x = A X, from its last row on.
+      const double own_z = x.z / 0.9;
+      const Vec3d flat = x - own_z * states.axes[2][2];
+      const double own_x = (cosine * flat.x + sine * flat.y) / 1.1;
+      const double own_y = cosine * flat.y - sine * flat.x;
+      EXPECT_NEAR(std::abs(own_x), 0.3, 1e-6);
+      EXPECT_NEAR(std::abs(own_y), 0.2, 1e-6);
+      EXPECT_NEAR(std::abs(own_z), 0.4, 1e-6);
+      corners.insert({own_x > 0, own_y > 0, own_z > 0});
+    }
+  }
+  EXPECT_EQ(corners.size(), 8u);
+  states.axes.pop_back();
+  EXPECT_THROW(writer.append(1, states), RunError);
 }
 
 TEST_F(SurfaceFramesTest, BodiesTurn) {

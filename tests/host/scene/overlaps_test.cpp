@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/error.h"
+#include "host/scene/body_name.h"
 #include "shapes/sphere.h"
 #include "tests/host/scene_texts.h"
 
@@ -142,6 +143,7 @@ TEST(Overlaps, ThoseOfBodiesWithoutAFileAreNamedById) {
   set_mass_from_density(body, 1);
   scene.bodies = {body, body};
   EXPECT_EQ(body_name(BodyConstants(scene), 1), "body 1");
+  EXPECT_EQ(body_name(BodyConstants(scene), 1, {{"lid", 1}, {"pot", 0}}), "body 1 \"lid\"");
 }
 
 }  // namespace

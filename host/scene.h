@@ -200,8 +200,8 @@ enum class JointKind : std::uint8_t {
   spring        ///< pulls two points to a distance, and damps
 };
 
-/// Drives a hinge or a slider. With stiffness or damping it is a spring and damper that pulls to
-/// `position`, else it keeps `speed`.
+/// Drives a hinge or a slider. With `force` it gives that, less damping times the speed; else
+/// with stiffness or damping it is a spring and damper that pulls to `position`; else it keeps `speed`.
 struct JointMotor {
   double speed = 0;      ///< of the second body against the first [rad/s or m/s]
   double position = 0;   ///< from that at time zero [rad or m]
@@ -209,6 +209,12 @@ struct JointMotor {
   double damping = 0;    ///< [N m s/rad or N s/m], >= 0
   /// Most that it gives [N m or N], > 0.
   double max_force = std::numeric_limits<double>::infinity();
+  /// On the second body, of either sign [N m or N]; then it has no speed, position, stiffness and largest force.
+  std::optional<double> force{};
+
+  bool keeps_speed() const { return !force && stiffness == 0 && damping == 0; }
+  /// Most that it gives beside `force` [N m or N].
+  double most_beside_force() const { return force && damping == 0 ? 0 : max_force; }
 };
 
 /// Holds two bodies together. They do not touch each other.

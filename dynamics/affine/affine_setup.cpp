@@ -357,7 +357,8 @@ class Builder {
     if (const auto& motor = joint.motor) {
       law.speed = motor->speed, law.rest = motor->position;
       law.stiffness = motor->stiffness, law.damping = motor->damping;
-      law.most = motor->max_force;
+      law.most = motor->most_beside_force();
+      law.force = motor->force.value_or(0);
     }
     if (law.is_used()) setup_.drives.push_back(d);
   }

@@ -80,8 +80,9 @@ JointDrive drive_of(const Joint& joint) {
     const JointMotor& motor = *joint.motor;
     d.stiffness = motor.stiffness;
     d.damping = motor.damping;
-    d.target = d.stiffness > 0 || d.damping > 0 ? motor.position : motor.speed;
-    d.most = motor.max_force;
+    d.target = motor.keeps_speed() ? motor.speed : motor.position;
+    d.most = motor.most_beside_force();
+    d.force = motor.force.value_or(0);
   }
   if (joint.kind == JointKind::cable) d.upper = 0;
   if (joint.kind == JointKind::spring) {

@@ -13,22 +13,23 @@ struct JointCard {
   const char* axis = nullptr;         ///< what its `axis` is; null: it has none
   const char* second_axis = nullptr;  ///< the same of `second_axis`
   bool has_two_points = false;        ///< `anchors` and a length; else one `anchor` for both bodies
-  bool has_drive = false;             ///< takes limits, a motor and friction
-  const char* position = nullptr;     ///< unit of its way, null: it has none that is one number
+  /// Takes limits, friction and a motor, whose moment or force has this key; null: nothing of these.
+  const char* drive = nullptr;
+  const char* position = nullptr;  ///< unit of its way, null: it has none that is one number
 };
 
 inline constexpr std::array kJointCards{
     JointCard{.kind = JointKind::hinge,
               .name = "hinge",
               .axis = "a hinge needs the direction it turns about, [x, y, z]",
-              .has_drive = true,
+              .drive = "torque",
               .position = "rad"},
     JointCard{.kind = JointKind::ball, .name = "ball"},
     JointCard{.kind = JointKind::fixed, .name = "fixed"},
     JointCard{.kind = JointKind::slider,
               .name = "slider",
               .axis = "a slider needs the direction it moves along, [x, y, z]",
-              .has_drive = true,
+              .drive = "force",
               .position = "m"},
     JointCard{.kind = JointKind::cylindrical,
               .name = "cylindrical",

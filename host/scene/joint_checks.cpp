@@ -65,12 +65,22 @@ std::optional<Fault> amount_fault(const std::string& field, double value, bool m
                            may_be_zero ? "zero or positive" : "positive", kLargestOfJoint)};
 }
 
-std::optional<Fault> motor_fault(const JointMotor& motor) {
-  for (const auto& [key, value] :
-       {std::pair{"motor.speed", motor.speed}, std::pair{"motor.position", motor.position}})
+/// @param force_key  of its moment or force
+std::optional<Fault> motor_fault(const JointMotor& motor, const char* force_key) {
+  const std::string force = std::string("motor.") + force_key;
+  for (const auto& [key, value] : {std::pair{std::string("motor.speed"), motor.speed},
+                                   std::pair{std::string("motor.position"), motor.position},
+                                   std::pair{force, motor.force.value_or(0)}})
     if (!(std::abs(value) <= kLargestOfJoint))
       return Fault{key, fmt::format("{:g}", value),
                    fmt::format("must be from {:g} to {:g}", -kLargestOfJoint, kLargestOfJoint)};
+  if (motor.force) {
+    const bool is_alone = motor.speed == 0 && motor.position == 0 && motor.stiffness == 0 &&
+                          std::isinf(motor.max_force);
+    if (!is_alone)
+      return Fault{force, fmt::format("{:g}", *motor.force),
+                   "must be without speed, position, stiffness and max_force: a motor has one law"};
+  }
   if (auto fault = amount_fault("motor.stiffness", motor.stiffness, true, false)) return fault;
   if (auto fault = amount_fault("motor.damping", motor.damping, true, false)) return fault;
   return amount_fault("motor.max_force", motor.max_force, false, true);
@@ -81,14 +91,14 @@ std::optional<Fault> drive_fault(const Joint& joint) {
   const JointCard& card = joint_card(joint.kind);
   const auto [low, high] = joint.limits;
   const bool has_limits = !std::isinf(low) || !std::isinf(high);
-  if (!card.has_drive && (has_limits || joint.motor || joint.friction != 0))
+  if (card.drive == nullptr && (has_limits || joint.motor || joint.friction != 0))
     return Fault{"type", fmt::format("\"{}\" with limits, a motor or friction", card.name),
                  "a hinge or a slider can have these"};
   if (!(low <= high))
     return Fault{"limits", fmt::format("[{:g}, {:g}]", low, high),
                  "must be two numbers, the lower one first"};
   if (joint.motor)
-    if (auto fault = motor_fault(*joint.motor)) return fault;
+    if (auto fault = motor_fault(*joint.motor, card.drive)) return fault;
   if (auto fault = amount_fault("friction", joint.friction, true, false)) return fault;
   if (auto fault = amount_fault("stiffness", joint.stiffness, true, false)) return fault;
   if (auto fault = amount_fault("damping", joint.damping, true, false)) return fault;

@@ -61,7 +61,7 @@ void read_anchors(const Node& node, const JointCard& card, Joint& joint) {
 
 /// What moves and holds a joint along or about its axis.
 void read_drive(const Node& node, const JointCard& card, Joint& joint) {
-  if (!card.has_drive)
+  if (card.drive == nullptr)
     for (const char* key : {"limits", "motor", "friction"})
       if (const auto value = node.find(key)) refuse_key(*value, card);
   if (!card.has_two_points)
@@ -73,7 +73,7 @@ void read_drive(const Node& node, const JointCard& card, Joint& joint) {
     const auto [low, high] = limits->interval("rad, or m");
     joint.limits = {low, high};
   }
-  if (const auto motor = node.find("motor")) joint.motor = read_joint_motor(*motor);
+  if (const auto motor = node.find("motor")) joint.motor = read_joint_motor(*motor, card.drive);
   node.read("friction", joint.friction, kNonNegative, "N m, or N");
   node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
             "m");
@@ -98,12 +98,26 @@ int read_held_body(const Node& node, const Draft& draft) {
   return body;
 }
 
-JointMotor read_joint_motor(const Node& node) {
+JointMotor read_joint_motor(const Node& node, const std::string& force_key) {
   node.check_keys(scene_keys("joint_motor"));
   JointMotor motor;
+  for (const char* key : {"torque", "force"})
+    if (const auto other = node.find(key); other && key != force_key)
+      other->fail(fmt::format("a motor of this joint has no such key, it has \"{}\"", force_key));
+  if (const auto force = node.find(force_key)) {
+    for (const char* key : {"speed", "position", "stiffness", "max_force"})
+      if (const auto other = node.find(key))
+        other->fail(fmt::format("a motor with \"{}\" has no such key", force_key));
+    motor.force = force->number(kFinite, "N m, or N");
+    node.read("damping", motor.damping, kNonNegative, "N m s/rad, or N s/m");
+    return motor;
+  }
   const auto speed = node.find("speed"), position = node.find("position");
   if (speed.has_value() == position.has_value())
-    node.fail("must have either \"speed\", or \"position\" with \"stiffness\" and \"damping\"");
+    node.fail(
+        fmt::format("must have either \"speed\", or \"position\" with \"stiffness\" and "
+                    "\"damping\", or \"{}\"",
+                    force_key));
   if (speed) {
     for (const char* key : {"stiffness", "damping"})
       if (const auto other = node.find(key))

@@ -25,11 +25,12 @@ struct JointDrive {
   double stiffness = 0;  ///< of a spring [N/m or N m/rad]; without it and damping a motor
   double damping = 0;    ///< [N s/m or N m s/rad]
   double most = 0;       ///< that motor or spring give [N or N m]; zero: there is none
+  double force = 0;      ///< that a motor gives beside them whatever the speed [N or N m]
   double friction = 0;   ///< that friction gives at most [N or N m]
   double share = 1;      ///< of the mobility of a spring, what the joints about it leave
 
   SCREE_HD bool is_used() const {
-    return lower > -INFINITY || upper < INFINITY || most > 0 || friction > 0;
+    return lower > -INFINITY || upper < INFINITY || most > 0 || force != 0 || friction > 0;
   }
 };
 
@@ -376,6 +377,7 @@ struct JointSetup {
 
   /// What the last row gives. Its main part is that of the motor, u = speed, or of the spring,
   ///   gamma = -h k (x + h (alpha u - beta u_0)) - h c u    u, u_0: mean of this step and of the last
+  /// and what a motor gives at any speed shifts it.
   /// With alpha + beta >= 1/2 and alpha >= beta it is stable at any step; docs/theory.md, "Joints".
   /// @param sign      -1: A of the problem is the second body of the joint
   /// @param position  of the joint at the start of the step [m or rad]
@@ -390,6 +392,7 @@ struct JointSetup {
     if (!(inverse > 0)) return unit * beyond;  // nothing can follow
 
     const double drift = static_cast<double>(r.bias[kJointAxisRow]);
+    const double force = sign * d.force;
     double level = 0, compliance = 0;  // the main part takes the velocity to `level`
     if (d.stiffness > 0 || d.damping > 0) {
       const Vec3<double> axis(r.axes[2]);
@@ -405,7 +408,7 @@ struct JointSetup {
       const double resistance = alpha * h * d.stiffness + d.damping;
       compliance = unit * unit / (h * resistance);
       const double ahead = unit * (x - sign * d.target) - beta * h * before;
-      level = -d.stiffness * ahead / resistance;
+      level = (unit * force - d.stiffness * ahead) / resistance;
     } else {
       level = sign * unit * d.target;
     }
@@ -415,8 +418,8 @@ struct JointSetup {
     r.bias[kJointAxisRow] = static_cast<Real>(drift - level);
     // In the coordinates of solvers.
     const double impulse = h / (unit * inverse);
-    r.most = limited_value<Real>(impulse * d.most);
-    r.least = -r.most;
+    r.most = limited_value<Real>(impulse * (force + d.most));
+    r.least = limited_value<Real>(impulse * (force - d.most));
     r.compliance = static_cast<Real>(inverse * inverse * compliance);
     r.friction = limited_value<Real>(impulse * d.friction);
     r.rest = static_cast<Real>(inverse * (drift - level));

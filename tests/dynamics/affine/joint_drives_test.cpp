@@ -116,6 +116,38 @@ TEST_P(AffineDrives, MotorStallsAtItsBound) {
   }
 }
 
+// A motor with a torque gives that, of either sign and however weak; a turn within a step counts as its sine.
+TEST_P(AffineDrives, MotorGivesItsTorque) {
+  for (const double torque : {0.4, -1e-3}) {
+    double inertia = 0;
+    Scene scene = flywheel(GetParam(), inertia);
+    scene.joints[0].motor = JointMotor{.force = torque};
+    World world(scene, cpu_options());
+    run(world, 20);
+    const double gained = torque / inertia * 20 * kStep;
+    const double turn = gained * kStep;
+    // implicit_euler loses the square of its turn from the spin of a body in a step.
+    EXPECT_NEAR(rate(world) / gained, 1, 1e-6 + 20 * turn * turn) << torque;
+  }
+}
+
+TEST_P(AffineDrives, MotorGivesItsForce) {
+  Scene scene = driven_scene(GetParam());
+  add_box(scene, {0, 0, 0}, {0.1, 0.1, 0.1}, 2);
+  scene.joints.push_back(joint_of(JointKind::slider, kWorldBody, 0, {}, {0, 0, 1}));
+  for (const double force : {-7.0, 3.0, 2 * kGravity}) {  // the last one is the weight
+    scene.joints[0].motor = JointMotor{.force = force};
+    World world(scene, cpu_options());
+    run(world, 200);
+    EXPECT_NEAR(world.states().velocity[0].z, (force / 2 - kGravity) * 200 * kStep, 1e-6) << force;
+  }
+  scene.joints[0].motor->damping = 4;  // m v' = F - m g - c v
+  scene.gravity = {};
+  World damped(scene, cpu_options());
+  run(damped, 4000);
+  EXPECT_NEAR(damped.states().velocity[0].z, 2 * kGravity / 4, 1e-5);
+}
+
 TEST_P(AffineDrives, FrictionStopsAWheel) {
   double inertia = 0;
   Scene scene = flywheel(GetParam(), inertia);

@@ -84,6 +84,18 @@ TEST(Joints, OfAllKindsAreRead) {
   EXPECT_TRUE(std::isinf(scene.joints[6].motor->max_force));
 }
 
+TEST(Joints, MotorsWithATorqueOrAForceAreRead) {
+  const Scene scene = parsed(with_joints(R"(
+      {"type": "hinge", "bodies": ["world", "bob"], "anchor": [0, 0, 1], "axis": [0, 1, 0],
+       "motor": {"torque": -0.05}},
+      {"type": "slider", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [1, 0, 0],
+       "motor": {"force": 7, "damping": 2}})"));
+  EXPECT_EQ(scene.joints[0].motor->force, -0.05);
+  EXPECT_FALSE(scene.joints[0].motor->keeps_speed());
+  EXPECT_EQ(scene.joints[1].motor->force, 7);
+  EXPECT_EQ(scene.joints[1].motor->damping, 2);
+}
+
 struct Refusal {
   const char* what;
   std::string text;
@@ -194,6 +206,23 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"MotorWithTwoTargets",
                 hinge(R"("motor": {"speed": 1, "position": 1, "stiffness": 1})"),
                 "joints[0].motor: must have either \"speed\", or \"position\""},
+        Refusal{"TorqueWithSpeed", hinge(R"("motor": {"speed": 1, "torque": 1})"),
+                "joints[0].motor.speed: a motor with \"torque\" has no such key"},
+        Refusal{"TorqueWithPosition",
+                hinge(R"("motor": {"torque": 1, "position": 1, "stiffness": 1})"),
+                "joints[0].motor.position: a motor with \"torque\" has no such key"},
+        Refusal{"TorqueWithMaxForce", hinge(R"("motor": {"torque": 1, "max_force": 1})"),
+                "joints[0].motor.max_force: a motor with \"torque\" has no such key"},
+        Refusal{"ForceOfHinge", hinge(R"("motor": {"force": 1})"),
+                "joints[0].motor.force: a motor of this joint has no such key, it has \"torque\""},
+        Refusal{
+            "TorqueOfSlider",
+            joint("slider", R"("anchor": [0, 0, 1], "axis": [0, 1, 0], "motor": {"torque": 1})"),
+            "joints[0].motor.torque: a motor of this joint has no such key, it has \"force\""},
+        Refusal{"HugeTorque", hinge(R"("motor": {"torque": 1e30})"),
+                "joints[0].motor.torque: 1e+30 is not allowed: must be from"},
+        Refusal{"TorqueInWords", hinge(R"("motor": {"torque": "1"})"),
+                "joints[0].motor.torque: \"1\" is not allowed"},
         Refusal{"PositionWithoutStiffness", hinge(R"("motor": {"position": 1})"),
                 "joints[0].motor.stiffness: missing"},
         Refusal{"SpeedWithStiffness", hinge(R"("motor": {"speed": 1, "stiffness": 1})"),
@@ -253,6 +282,10 @@ TEST(Joints, OfProgramsAreCheckedToo) {
   joint.motor = JointMotor{.stiffness = -1};
   EXPECT_THAT(refusal([&] { validate(scene); }),
               StartsWith("joints[0].motor.stiffness: -1 is not allowed"));
+  joint.motor = JointMotor{.speed = 2, .force = 3};
+  EXPECT_EQ(refusal([&] { validate(scene); }),
+            "joints[0].motor.torque: 3 is not allowed: must be without speed, position, stiffness "
+            "and max_force: a motor has one law");
   joint.motor = JointMotor{};
   joint.kind = JointKind::ball;
   EXPECT_EQ(

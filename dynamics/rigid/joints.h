@@ -206,10 +206,15 @@ class Joints {
     }
   }
 
-  /// Largest distance of two anchors, or turn of two axes times the size of a body, at the start of
-  /// the step [m], of all ranks. One host read.
-  double largest_error(B& b) const {
-    return over_ranks(b, Largest<double>{fetch(b, sums_.data()).max_error}).value;
+  struct Worst {
+    double error =
+        0;  ///< distance of two anchors, or turn of two axes times the size of a body [m]
+    Index joint = -1;  ///< in the order of the scene; -1: no joint is off
+  };
+  /// At the start of the step, of all ranks. One host read.
+  Worst worst(B& b) const {
+    const JointSums sums = over_ranks(b, fetch(b, sums_.data()));
+    return {sums.max_error, sums.max_error_joint};
   }
 
   /// Where joints will be with velocities that a solver found, of all ranks.

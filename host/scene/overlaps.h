@@ -37,6 +37,8 @@ Overlaps overlaps_as_rigid(Scene scene, const WorldOptions& options);
 /// A body as its scene file lists it, such as "bodies[3]" or "particles[0] #12"; by its id when the
 /// scene comes from no file.
 std::string body_name(const BodyConstants& body, int id);
+/// The same with its id, or "the world".
+std::string body_with_id(const BodyConstants& body, int id);
 
 /// One line for a user, empty when there are none.
 std::string overlap_warning(const Overlaps& overlaps, const BodyConstants& body);

@@ -215,13 +215,18 @@ SCREE_HD inline Vec3<double> joint_recovery(const Vec3<double>& error, double le
 /// What the set-up of joints adds up.
 struct JointSums {
   double max_error = 0;  ///< distance of two anchors, or turn times length, that should be zero [m]
-  double end_error = 0;  ///< at the end of the step, with what limits are passed by then [m]
+  Index max_error_joint = -1;  ///< the first of those with that error; -1: none has one
+  double end_error = 0;        ///< at the end of the step, with what limits are passed by then [m]
   /// Of the fastest point of a free body, as of a ball, at the start and at the end [m/s].
   double speed_before = 0, speed = 0;
   /// Of the free bodies, once for each of their joints: without joints and contacts, at the end, and their mass [J, kg].
   double free_energy = 0, energy = 0, mass = 0;
   SCREE_HD void combine(const JointSums& o) {
-    if (o.max_error > max_error) max_error = o.max_error;
+    const bool is_first = o.max_error == max_error && o.max_error_joint < max_error_joint;
+    if (o.max_error > max_error || is_first) {
+      max_error = o.max_error;
+      max_error_joint = o.max_error_joint;
+    }
     if (o.end_error > end_error) end_error = o.end_error;
     if (o.speed_before > speed_before) speed_before = o.speed_before;
     if (o.speed > speed) speed = o.speed;
@@ -323,6 +328,7 @@ struct JointSetup {
     const bool is_turn_held = (joint.held >> 3) != 0;
     const double tilt = is_turn_held ? length * norm(m.turn) : 0;
     if (tilt > sums.max_error) sums.max_error = tilt;
+    if (sums.max_error > 0) sums.max_error_joint = j;
     return sums;
   }
 

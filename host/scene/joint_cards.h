@@ -2,6 +2,7 @@
 // The kinds of joints: names in scene files, and what each of them asks for.
 
 #include <array>
+#include <cmath>
 
 #include "host/scene.h"
 
@@ -15,6 +16,7 @@ struct JointCard {
   bool has_two_points = false;        ///< `anchors` and a length; else one `anchor` for both bodies
   /// Takes limits, friction and a motor, whose moment or force has this key; null: nothing of these.
   const char* drive = nullptr;
+  bool has_turn = false;           ///< takes them about its axis too, as its `turn`
   const char* position = nullptr;  ///< unit of its way, null: it has none that is one number
 };
 
@@ -35,6 +37,8 @@ inline constexpr std::array kJointCards{
               .name = "cylindrical",
               .axis = "a cylindrical joint needs the direction it moves along and turns about, "
                       "[x, y, z]",
+              .drive = "force",
+              .has_turn = true,
               .position = "m"},
     JointCard{.kind = JointKind::universal,
               .name = "universal",
@@ -46,6 +50,15 @@ inline constexpr std::array kJointCards{
     JointCard{.kind = JointKind::cable, .name = "cable", .has_two_points = true, .position = "m"},
     JointCard{
         .kind = JointKind::spring, .name = "spring", .has_two_points = true, .position = "m"}};
+
+/// Of a motor about an axis, as JointCard::drive.
+inline constexpr const char* kTurnDrive = "torque";
+
+/// Whether there is anything.
+inline bool has_drive(const AxisDrive& drive) {
+  return !std::isinf(drive.limits[0]) || !std::isinf(drive.limits[1]) || drive.motor ||
+         drive.friction != 0;
+}
 
 constexpr const JointCard& joint_card(JointKind kind) {
   for (const JointCard& card : kJointCards)

@@ -59,6 +59,18 @@ void read_anchors(const Node& node, const JointCard& card, Joint& joint) {
   joint.second_anchor = ends[1].vector("m");
 }
 
+/// Limits, motor and friction of one axis.
+AxisDrive read_axis(const Node& node, const char* force_key) {
+  AxisDrive drive;
+  if (const auto limits = node.find("limits")) {
+    const auto [low, high] = limits->interval("rad, or m");
+    drive.limits = {low, high};
+  }
+  if (const auto motor = node.find("motor")) drive.motor = read_joint_motor(*motor, force_key);
+  node.read("friction", drive.friction, kNonNegative, "N m, or N");
+  return drive;
+}
+
 /// What moves and holds a joint along or about its axis.
 void read_drive(const Node& node, const JointCard& card, Joint& joint) {
   if (card.drive == nullptr)
@@ -69,12 +81,17 @@ void read_drive(const Node& node, const JointCard& card, Joint& joint) {
   if (card.kind != JointKind::spring)
     for (const char* key : {"stiffness", "damping"})
       if (const auto value = node.find(key)) refuse_key(*value, card);
-  if (const auto limits = node.find("limits")) {
-    const auto [low, high] = limits->interval("rad, or m");
-    joint.limits = {low, high};
+  if (card.drive != nullptr) {
+    const AxisDrive own = read_axis(node, card.drive);
+    joint.limits = own.limits;
+    joint.motor = own.motor;
+    joint.friction = own.friction;
   }
-  if (const auto motor = node.find("motor")) joint.motor = read_joint_motor(*motor, card.drive);
-  node.read("friction", joint.friction, kNonNegative, "N m, or N");
+  if (const auto turn = node.find("turn")) {
+    if (!card.has_turn) refuse_key(*turn, card);
+    turn->check_keys(scene_keys("joint_turn"));
+    joint.turn = read_axis(*turn, kTurnDrive);
+  }
   node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
             "m");
   if (card.kind == JointKind::spring)

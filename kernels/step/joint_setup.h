@@ -45,6 +45,7 @@ struct JointFrames {
   JointDrive drive;
   double break_force = INFINITY;   ///< a joint that carries more is no more [N]
   double break_moment = INFINITY;  ///< [N m]
+  Index turn_of = -1;  ///< joint that this is the drive about the axis of; -1: a joint of its own
 };
 
 /// What a joint remembers from step to step.
@@ -478,6 +479,25 @@ struct KeepJointImpulses {
     if (norm(Vec3<double>(all.force)) > h * joint.break_force ||
         norm(Vec3<double>(all.moment)) > h * joint.break_moment)
       state[j].is_broken = 1;
+  }
+};
+
+/// Drives about the axes of joints, which are behind these: each breaks with its joint, by the moment of both.
+template <class Real>
+struct BreakTurns {
+  static constexpr const char* name = "break_turns";
+  Span<const JointFrames> joints;
+  Index first = 0;                                  ///< of the drives
+  double time_step = 0;                             ///< [s]
+  Span<const JointImpulse<Real>> impacts, impulse;  ///< see KeepJointImpulses
+  Span<JointState> state;                           ///< in and out
+
+  SCREE_HD void operator()(Index k) const {
+    const Index turn = first + k, own = joints[turn].turn_of;
+    Vec3<double> moment(impulse[own].moment + impulse[turn].moment);
+    if (!impacts.empty()) moment += Vec3<double>(impacts[own].moment + impacts[turn].moment);
+    if (norm(moment) > time_step * joints[own].break_moment) state[own].is_broken = 1;
+    state[turn].is_broken = state[own].is_broken;
   }
 };
 

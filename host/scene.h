@@ -200,8 +200,8 @@ enum class JointKind : std::uint8_t {
   spring        ///< pulls two points to a distance, and damps
 };
 
-/// Drives a hinge or a slider. With stiffness or damping it is a spring and damper that pulls to
-/// `position`, else it keeps `speed`.
+/// Drives a joint along or about its axis. With `force` it gives that, less damping times the speed; else
+/// with stiffness or damping it is a spring and damper that pulls to `position`; else it keeps `speed`.
 struct JointMotor {
   double speed = 0;      ///< of the second body against the first [rad/s or m/s]
   double position = 0;   ///< from that at time zero [rad or m]
@@ -209,6 +209,21 @@ struct JointMotor {
   double damping = 0;    ///< [N m s/rad or N s/m], >= 0
   /// Most that it gives [N m or N], > 0.
   double max_force = std::numeric_limits<double>::infinity();
+  /// On the second body, of either sign [N m or N]; then it has no speed, position, stiffness and largest force.
+  std::optional<double> force{};
+
+  bool keeps_speed() const { return !force && stiffness == 0 && damping == 0; }
+  /// Most that it gives beside `force` [N m or N].
+  double most_beside_force() const { return force && damping == 0 ? 0 : max_force; }
+};
+
+/// What acts along or about the axis of a joint.
+struct AxisDrive {
+  /// Least and largest angle [rad] or way [m] of the second body from time zero.
+  std::array<double, 2> limits{-std::numeric_limits<double>::infinity(),
+                               std::numeric_limits<double>::infinity()};
+  std::optional<JointMotor> motor{};
+  double friction = 0;  ///< moment [N m] or force [N] that keeps it at rest, >= 0
 };
 
 /// Holds two bodies together. They do not touch each other.
@@ -224,16 +239,20 @@ struct Joint {
   Vec3d second_axis{1, 0, 0};  ///< universal: in the second body, unit, at a right angle to `axis`
   /// Distance, cable, spring: of the two points, longest, at rest [m]; negative: that at time zero.
   double length = -1;
-  /// Hinge, slider: least and largest angle [rad] or way [m] of the second body from time zero.
+  /// Hinge, slider, cylindrical: least and largest angle [rad] or way [m] of the second body from time zero.
   std::array<double, 2> limits{-std::numeric_limits<double>::infinity(),
                                std::numeric_limits<double>::infinity()};
-  std::optional<JointMotor> motor{};  ///< hinge, slider
-  double friction = 0;   ///< hinge, slider: moment [N m] or force [N] that keeps it at rest, >= 0
+  std::optional<JointMotor> motor{};  ///< of these
+  double friction = 0;   ///< of these: moment [N m] or force [N] that keeps it at rest, >= 0
   double stiffness = 0;  ///< spring [N/m], >= 0
   double damping = 0;    ///< spring [N s/m], >= 0
   /// A joint that carried more than one of these in a step is no more in those after it [N], [N m], > 0.
   double break_force = std::numeric_limits<double>::infinity();
   double break_moment = std::numeric_limits<double>::infinity();
+  AxisDrive turn{};  ///< cylindrical: about its axis, while the three above act along it
+
+  /// The three above.
+  AxisDrive drive() const { return {limits, motor, friction}; }
 };
 
 /// Corners of an elastic body that another body carries, or that stay where they are.

@@ -88,8 +88,8 @@ struct UrdfPlacement {
   UrdfSurface surface = {};
   std::map<std::string, UrdfSurface> surfaces = {};    ///< of links that have another
   std::map<std::string, double> joint_positions = {};  ///< at the start, else 0 [rad], [m]
-  /// By joint. Their position is one of the joint, as its limits are. Without a largest force they
-  /// have the effort of the joint.
+  /// By joint. Their position is one of the joint, as its limits are. Those with a speed or a position and
+  /// without a largest force have the effort of the joint.
   std::map<std::string, JointMotor> motors = {};
 };
 

@@ -327,14 +327,16 @@ class Builder {
       }
     }
     if (body[0] >= 0 && body[1] >= 0) setup_.held_pairs.push_back(body);
-    drive(number, body);
+    drive(number, body, joint.drive(), slides);
+    drive(number, body, joint.turn, false);
   }
 
   /// What acts along or about the axis of a joint.
-  void drive(std::size_t number, const std::array<int, 2>& body) {
+  void drive(std::size_t number, const std::array<int, 2>& body, const AxisDrive& own,
+             bool slides) {
     const Joint& joint = scene_.joints[number];
     DrivenJoint d;
-    d.slides = joint.kind == JointKind::slider;
+    d.slides = slides;
     d.axis = joint.axis;
     const Vec3d across = any_orthogonal(joint.axis);
     double inertia = 0, reach = 0;
@@ -343,9 +345,9 @@ class Builder {
       d.point[k] = joint.anchor;
       d.across[k][0] = across, d.across[k][1] = cross(joint.axis, across);
       if (body[k] < 0) continue;
-      const Pose own = place_of(all_[static_cast<std::size_t>(body[k])].body);
-      d.point[k] = rotate_back(own.orientation, joint.anchor - own.position);
-      for (Vec3d& each : d.across[k]) each = rotate_back(own.orientation, each);
+      const Pose place = place_of(all_[static_cast<std::size_t>(body[k])].body);
+      d.point[k] = rotate_back(place.orientation, joint.anchor - place.position);
+      for (Vec3d& each : d.across[k]) each = rotate_back(place.orientation, each);
       const BodyConstant& constant = setup_.bodies[static_cast<std::size_t>(body[k])];
       if (constant.row < 0) continue;
       const double lever = d.slides ? 1 : constant.radius;
@@ -354,14 +356,15 @@ class Builder {
       reach = std::max(reach, lever);
     }
     DriveLaw& law = d.law;
-    law.lower = joint.limits[0], law.upper = joint.limits[1];
-    law.friction = joint.friction;
+    law.lower = own.limits[0], law.upper = own.limits[1];
+    law.friction = own.friction;
     law.inertia = inertia;
     law.slip = kSlipSpeed.of(scene_.dynamics.parameters) / reach;
-    if (const auto& motor = joint.motor) {
+    if (const auto& motor = own.motor) {
       law.speed = motor->speed, law.rest = motor->position;
       law.stiffness = motor->stiffness, law.damping = motor->damping;
-      law.most = motor->max_force;
+      law.most = motor->most_beside_force();
+      law.force = motor->force.value_or(0);
     }
     if (!law.is_used()) return;
     setup_.drives.push_back(d);

@@ -138,11 +138,11 @@ class Minimizer {
     p.slips = slips_.view(count);
   }
 
-  /// Whether a contact of the friction that is remembered slides.
-  bool slides(const Potential& p, Span<const AffineVec> q) {
+  /// Whether a contact of the friction that is remembered slides, of those that move a body by more than that in the step [m].
+  bool slides(const Potential& p, Span<const AffineVec> q, double least) {
     const auto count = static_cast<Index>(p.slips.size);
     if (count == 0) return false;
-    reduce<Largest<double>>(*b_, count, SpeedOfSlip{p, q},
+    reduce<Largest<double>>(*b_, count, SpeedOfSlip{p, q, least},
                             StoreResult<Largest<double>>{speed_.data()});
     return fetch(*b_, speed_.data()).value >= 1;
   }
@@ -184,9 +184,8 @@ class Minimizer {
         copy(*b_, Span<const AffineVec>(q), from_.view());
         copy(*b_, Span<const AffineVec>(full_.view()), to_.view());
         // The next Newton steps are shorter and begin on this way: half of its length is room for them. Wide lists pay where
-        // the search looked at much and found little, and where a device has threads for what they hold beside.
-        const bool is_short = B::kIsDevice && p.near.pairs.size < kShortList;
-        const double most = (near_.finds_few() || is_short ? kMostRoom : 1) * p.barrier.reach;
+        // the search looked at much and found little.
+        const double most = (near_.finds_few() ? kMostRoom : 1) * p.barrier.reach;
         room_ = std::clamp(0.5 * sums.size, p.barrier.reach, most);
         list(p);
         goal = 1;
@@ -239,8 +238,6 @@ class Minimizer {
   static constexpr double kLeastShare = 1e-12;
   /// Widest room about ways [reach].
   static constexpr double kMostRoom = 8;
-  /// Near pairs for which a device takes hardly longer than for a few.
-  static constexpr Offset kShortList = 1 << 15;
 
   /// Whether a Newton step lowered the energy by what its system foresaw, or by the more that goes with a curvature of which the
   /// system has too much: with 1 / (1 - x) of it, steps are x times as long as those before, and the energy falls by 1 + x times that.

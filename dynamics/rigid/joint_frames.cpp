@@ -35,6 +35,34 @@ constexpr const RowsOfJoint& rows_of_joint(JointKind kind) {
   return kRowsOfJoints[0];
 }
 
+JointDrive drive_of(const AxisDrive& drive) {
+  JointDrive d;
+  d.lower = drive.limits[0];
+  d.upper = drive.limits[1];
+  d.friction = drive.friction;
+  if (drive.motor) {
+    const JointMotor& motor = *drive.motor;
+    d.stiffness = motor.stiffness;
+    d.damping = motor.damping;
+    d.target = motor.keeps_speed() ? motor.speed : motor.position;
+    d.most = motor.most_beside_force();
+    d.force = motor.force.value_or(0);
+  }
+  return d;
+}
+
+/// What acts on the last row of a joint.
+JointDrive drive_along(const Joint& joint) {
+  JointDrive d = drive_of(joint.drive());
+  if (joint.kind == JointKind::cable) d.upper = 0;
+  if (joint.kind == JointKind::spring) {
+    d.stiffness = joint.stiffness;
+    d.damping = joint.damping;
+    d.most = std::numeric_limits<double>::infinity();
+  }
+  return d;
+}
+
 /// The joint in the frames of its bodies, from their poses at time zero. Where space repeats, the
 /// anchor of a body is the image nearest to it.
 JointFrames frames_of(const Scene& scene, const Joint& joint) {
@@ -59,7 +87,7 @@ JointFrames frames_of(const Scene& scene, const Joint& joint) {
   const RowsOfJoint& rows = rows_of_joint(joint.kind);
   out.form = rows.form;
   out.held = rows.held;
-  out.drive = drive_of(joint);
+  out.drive = drive_along(joint);
   if (card.has_two_points)
     out.zero = joint.length < 0 ? norm(minimum_image(joint.second_anchor - joint.anchor, period))
                                 : joint.length;
@@ -68,36 +96,34 @@ JointFrames frames_of(const Scene& scene, const Joint& joint) {
   return out;
 }
 
-}  // namespace
-
-JointDrive drive_of(const Joint& joint) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  JointDrive d;
-  d.lower = joint.limits[0];
-  d.upper = joint.limits[1];
-  d.friction = joint.friction;
-  if (joint.motor) {
-    const JointMotor& motor = *joint.motor;
-    d.stiffness = motor.stiffness;
-    d.damping = motor.damping;
-    d.target = d.stiffness > 0 || d.damping > 0 ? motor.position : motor.speed;
-    d.most = motor.max_force;
-  }
-  if (joint.kind == JointKind::cable) d.upper = 0;
-  if (joint.kind == JointKind::spring) {
-    d.stiffness = joint.stiffness;
-    d.damping = joint.damping;
-    d.most = kNone;
-  }
-  return d;
+/// The drive about the axis of a joint.
+JointFrames turn_of(const JointFrames& joint, Index number, const AxisDrive& drive) {
+  JointFrames out = joint;
+  out.form = JointForm::turn;
+  out.held = 0;
+  out.drive = drive_of(drive);
+  out.break_force = out.break_moment = std::numeric_limits<double>::infinity();
+  out.turn_of = number;
+  return out;
 }
+
+}  // namespace
 
 std::vector<JointFrames> joint_frames(const Scene& scene) {
   std::vector<JointFrames> out;
   for (const Joint& joint : scene.joints) out.push_back(frames_of(scene, joint));
+  for (std::size_t j = 0; j < scene.joints.size(); ++j)
+    if (has_drive(scene.joints[j].turn))
+      out.push_back(turn_of(out[j], static_cast<Index>(j), scene.joints[j].turn));
   const std::vector<double> share = mobility_shares(scene, out);
   for (std::size_t j = 0; j < out.size(); ++j) out[j].drive.share = share[j];
   return out;
+}
+
+std::size_t joint_frame_count(const Scene& scene) {
+  std::size_t count = scene.joints.size();
+  for (const Joint& joint : scene.joints) count += has_drive(joint.turn) ? 1 : 0;
+  return count;
 }
 
 }  // namespace scree

@@ -34,13 +34,13 @@ inline std::vector<std::array<Index, 2>> joined_bodies(const Scene& scene) {
 }
 
 /// Driven joints of the free body that has the most of them.
-inline int most_drives(const Scene& scene) {
+inline int most_drives(const Scene& scene, const std::vector<JointFrames>& frames) {
   std::vector<int> count(scene.bodies.size());
   int most = 0;
-  for (const Joint& joint : scene.joints) {
-    if (!drive_of(joint).is_used()) continue;
-    for (const int id : joint.bodies) {
-      if (id == kWorldBody) continue;
+  for (const JointFrames& joint : frames) {
+    if (!joint.drive.is_used()) continue;
+    for (const Index id : joint.body) {
+      if (id == kWorldId) continue;
       const auto body = static_cast<std::size_t>(id);
       if (scene.bodies[body].kind == BodyKind::free) most = std::max(most, ++count[body]);
     }
@@ -52,7 +52,8 @@ template <class B, class Real>
 class Joints {
  public:
   Joints(B& b, const Scene& scene)
-      : count_(static_cast<Index>(scene.joints.size())),
+      : own_count_(static_cast<Index>(scene.joints.size())),
+        count_(static_cast<Index>(joint_frame_count(scene))),
         frames_(b),
         impulse_(b, count_),
         in_impacts_(b),
@@ -73,7 +74,9 @@ class Joints {
       may_break_ =
           may_break_ || std::isfinite(joint.break_force) || std::isfinite(joint.break_moment);
     }
-    most_drives_ = most_drives(scene);
+    most_drives_ = most_drives(scene, frames);
+    for (const JointFrames& joint : frames)
+      if (joint.turn_of >= 0) turn_of_.push_back(joint.turn_of);
     upload(b, frames, frames_);
     fill(b, state_.view(), JointState{});
     forget(b);
@@ -206,10 +209,17 @@ class Joints {
     }
   }
 
-  /// Largest distance of two anchors, or turn of two axes times the size of a body, at the start of
-  /// the step [m], of all ranks. One host read.
-  double largest_error(B& b) const {
-    return over_ranks(b, Largest<double>{fetch(b, sums_.data()).max_error}).value;
+  struct Worst {
+    double error =
+        0;  ///< distance of two anchors, or turn of two axes times the size of a body [m]
+    Index joint = -1;  ///< in the order of the scene; -1: no joint is off
+  };
+  /// At the start of the step, of all ranks. One host read.
+  Worst worst(B& b) const {
+    const JointSums sums = over_ranks(b, fetch(b, sums_.data()));
+    const Index j = sums.max_error_joint;
+    return {sums.max_error,
+            j < own_count_ ? j : turn_of_[static_cast<std::size_t>(j - own_count_)]};
   }
 
   /// Where joints will be with velocities that a solver found, of all ranks.
@@ -256,6 +266,10 @@ class Joints {
              KeepJointImpulses<Real>{places(bodies), order_.view(here_), row_.view(here_),
                                      own_part(gamma), time_step, in_impacts_.view(),
                                      impulse_.view(), state_.view()});
+    if (may_break_)
+      for_each(b, count_ - own_count_,
+               BreakTurns<Real>{frames_.view(), own_count_, time_step, in_impacts_.view(),
+                                impulse_.view(), state_.view()});
     is_known_ = b.ranks() == nullptr;
     if (may_break_) spread(b);  // what breaks for one of two owners has to break for the other
   }
@@ -363,6 +377,11 @@ class Joints {
                      Vec3d(impulse[k].force) + Vec3d(in_impacts[k].force),
                      Vec3d(impulse[k].moment) + Vec3d(in_impacts[k].moment), states[k].position,
                      states[k].is_broken != 0});
+    for (std::size_t k = 0; k < turn_of_.size(); ++k) {
+      const JointRecord& turn = out[static_cast<std::size_t>(own_count_) + k];
+      out[static_cast<std::size_t>(turn_of_[k])].moment += turn.moment;
+    }
+    out.resize(static_cast<std::size_t>(own_count_));
     return out;
   }
 
@@ -405,8 +424,10 @@ class Joints {
     return {buffer.data() + contacts, here_};
   }
 
-  Index count_;
-  Index here_ = 0;  ///< in the problem of the step; the first of `order_`
+  Index own_count_;             ///< of the scene
+  Index count_;                 ///< with the drives about axes behind them, see joint_frames()
+  std::vector<Index> turn_of_;  ///< joint of each of these drives
+  Index here_ = 0;              ///< in the problem of the step; the first of `order_`
   bool may_break_ = false;
   bool is_known_ = true;      ///< impulses and states are those of all ranks
   bool is_measured_ = false;  ///< see JointSetup

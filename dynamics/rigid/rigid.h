@@ -162,7 +162,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (joints_.count() > 0) {
       joints_.join(b, bodies, scene_.stepping, periodic_box().length, assembled, gamma);
       assembly_.share(b, assembled);  // joints are among what bodies have
-      report.max_joint_error = joints_.largest_error(b);
+      const auto worst = joints_.worst(b);
+      report.max_joint_error = worst.error;
+      report.max_joint_error_joint = worst.joint;
     }
     const double reference = reference_speed(loads_.is_used() ? &loads : nullptr, h * gravity_,
                                              sums, store_.owned_count());

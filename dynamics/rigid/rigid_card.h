@@ -25,6 +25,7 @@ inline constexpr std::array kRigidReport{
     ReportColumn{"objective_J", &StepReport::objective},
     ReportColumn{"max_penetration_m", &StepReport::max_penetration},
     ReportColumn{"max_joint_error_m", &StepReport::max_joint_error},
+    ReportColumn{"max_joint_error_joint", &StepReport::max_joint_error_joint},
     ReportColumn{"max_cone_violation_N_s", &StepReport::max_cone_violation},
     ReportColumn{"kinetic_energy_J", &StepReport::kinetic_energy},
     ReportColumn{"collision_ms", &StageTimes::collision},

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "dynamics/memory_room.h"
+#include "dynamics/rigid/joint_frames.h"
 #include "dynamics/rigid/shared_constants.h"
 #include "dynamics/rigid/step_parts.h"
 #include "host/scene/run_summary.h"
@@ -157,7 +158,7 @@ double in_solver(const Sizes& s, bool near_pairs) {
 double bytes_per_body(const Sizes& s, bool near_pairs) {
   const auto bodies =
       static_cast<double>(s.summary.free_capacity) + static_cast<double>(s.summary.fixed_count);
-  const double joints = static_cast<double>(s.scene.joints.size()) / bodies;
+  const double joints = static_cast<double>(joint_frame_count(s.scene)) / bodies;
   return std::max({in_collision(s), in_warm_start(s, near_pairs), in_solver(s, near_pairs)}) +
          joints * joint(s);
 }

@@ -4,9 +4,13 @@
 
 #include <algorithm>
 
+#include "host/scene/body_name.h"
+#include "host/scene/joint_cards.h"
+
 namespace scree {
 
-std::string joints_apart(const RunTotals& t, const BodyConstants& bodies) {
+std::string joints_apart(const RunTotals& t, const std::vector<Joint>& joints,
+                         const BodyConstants& bodies) {
   constexpr double kApart = 0.02;               // of the smallest body
   constexpr std::size_t kMostBodies = 1 << 20;  // that are looked at for it
   if (!(t.max_joint_error() > 0)) return {};
@@ -17,10 +21,16 @@ std::string joints_apart(const RunTotals& t, const BodyConstants& bodies) {
     if (counts && (smallest == 0 || body.radius < smallest)) smallest = body.radius;
   }
   if (!(t.max_joint_error() > kApart * smallest)) return {};
-  return fmt::format(
+  std::string text = fmt::format(
       "joints were off by up to {:.3g} m, in step {} (max_joint_error_m): they contradict each "
       "other or a motion, began apart, or are so nearly in a line that they cannot hold",
       t.max_joint_error(), t.joint_error_step());
+  if (t.joint_error_joint() < 0) return text;  // models may not know
+  const auto number = static_cast<std::size_t>(t.joint_error_joint());
+  const Joint& worst = joints.at(number);
+  return text + fmt::format("; farthest off was joints[{}] ({}) of {} and {}", number,
+                            joint_card(worst.kind).name, body_with_id(bodies, worst.bodies[0]),
+                            body_with_id(bodies, worst.bodies[1]));
 }
 
 }  // namespace scree

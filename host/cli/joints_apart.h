@@ -2,6 +2,7 @@
 // Joints that did not hold in a run.
 
 #include <string>
+#include <vector>
 
 #include "host/body_constants.h"
 #include "host/io/run_record.h"
@@ -9,6 +10,7 @@
 namespace scree {
 
 /// What a user is told of them, a sentence; empty when all held.
-std::string joints_apart(const RunTotals& totals, const BodyConstants& bodies);
+std::string joints_apart(const RunTotals& totals, const std::vector<Joint>& joints,
+                         const BodyConstants& bodies);
 
 }  // namespace scree

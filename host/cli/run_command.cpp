@@ -206,6 +206,7 @@ class Run {
     s.stepping = scene.stepping;
     s.solver = scene.solver;
     s.output = scene.output;
+    s.joints = scene.joints;  // to name one that does not hold
     return s;
   }
 
@@ -385,8 +386,9 @@ class Run {
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
           "smaller time step follows it better, or max_turn of the dynamics",
           record_.totals.max_turn(), kMostTurn));
-    for (const std::string& unsolved : {joints_apart(record_.totals, world.constants()),
-                                        steps_not_converged(world.constants())}) {
+    for (const std::string& unsolved :
+         {joints_apart(record_.totals, scene_.joints, world.constants()),
+          steps_not_converged(world.constants())}) {
       if (unsolved.empty()) continue;
       if (options_.require_convergence) throw RunError(unsolved);
       progress.note("warning: " + unsolved);
@@ -423,11 +425,9 @@ class Run {
 
   static std::string worst_of(const RunTotals::Unsolved& worst, const BodyConstants& bodies) {
     if (worst.body_a < 0 && worst.body_b < 0) return {};
-    const auto name = [&](int id) {
-      return id < 0 ? "the world" : fmt::format("{} (id {})", body_name(bodies, id), id);
-    };
     return fmt::format("; the largest residual was {:.3g} m/s in step {}, of {} and {}",
-                       worst.residual, worst.step, name(worst.body_a), name(worst.body_b));
+                       worst.residual, worst.step, body_with_id(bodies, worst.body_a),
+                       body_with_id(bodies, worst.body_b));
   }
 
   std::string summary() const {

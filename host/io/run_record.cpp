@@ -90,6 +90,7 @@ void RunTotals::add(const StepReport& report) {
   if (report.max_joint_error > max_joint_error_) {
     max_joint_error_ = report.max_joint_error;
     joint_error_step_ = report.step;
+    joint_error_joint_ = report.max_joint_error_joint;
   }
   if (!report.converged && report.residual_max > unsolved_.residual)
     unsolved_ = {report.step, report.residual_max, report.residual_max_body_a,

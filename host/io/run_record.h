@@ -37,6 +37,7 @@ class RunTotals {
   double max_penetration() const { return max_penetration_; }  ///< [m]
   double max_joint_error() const { return max_joint_error_; }  ///< [m]
   std::int64_t joint_error_step() const { return joint_error_step_; }
+  int joint_error_joint() const { return joint_error_joint_; }  ///< its number in Scene::joints
   std::int64_t max_contacts() const { return max_contacts_; }
   double max_turn() const { return max_turn_; }  ///< of a body in a step [rad]
   const StepReport& last() const { return last_; }
@@ -61,6 +62,7 @@ class RunTotals {
   double max_residual_relative_ = 0;
   double max_penetration_ = 0, max_joint_error_ = 0;
   std::int64_t joint_error_step_ = 0;
+  int joint_error_joint_ = -1;
   std::int64_t max_contacts_ = 0;
   double max_turn_ = 0;
   Unsolved unsolved_;

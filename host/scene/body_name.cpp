@@ -20,4 +20,8 @@ std::string body_name(const BodyConstants& body, int id, const std::map<std::str
   return text;
 }
 
+std::string body_with_id(const BodyConstants& body, int id) {
+  return id < 0 ? "the world" : fmt::format("{} (id {})", body_name(body, id), id);
+}
+
 }  // namespace scree

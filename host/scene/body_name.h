@@ -13,5 +13,7 @@ namespace scree {
 /// @param names  see Scene::body_names
 std::string body_name(const BodyConstants& body, int id,
                       const std::map<std::string, int>& names = {});
+/// The same with its id, or "the world".
+std::string body_with_id(const BodyConstants& body, int id);
 
 }  // namespace scree

@@ -2,6 +2,7 @@
 // The kinds of joints: names in scene files, and what each of them asks for.
 
 #include <array>
+#include <cmath>
 
 #include "host/scene.h"
 
@@ -13,27 +14,31 @@ struct JointCard {
   const char* axis = nullptr;         ///< what its `axis` is; null: it has none
   const char* second_axis = nullptr;  ///< the same of `second_axis`
   bool has_two_points = false;        ///< `anchors` and a length; else one `anchor` for both bodies
-  bool has_drive = false;             ///< takes limits, a motor and friction
-  const char* position = nullptr;     ///< unit of its way, null: it has none that is one number
+  /// Takes limits, friction and a motor, whose moment or force has this key; null: nothing of these.
+  const char* drive = nullptr;
+  bool has_turn = false;           ///< takes them about its axis too, as its `turn`
+  const char* position = nullptr;  ///< unit of its way, null: it has none that is one number
 };
 
 inline constexpr std::array kJointCards{
     JointCard{.kind = JointKind::hinge,
               .name = "hinge",
               .axis = "a hinge needs the direction it turns about, [x, y, z]",
-              .has_drive = true,
+              .drive = "torque",
               .position = "rad"},
     JointCard{.kind = JointKind::ball, .name = "ball"},
     JointCard{.kind = JointKind::fixed, .name = "fixed"},
     JointCard{.kind = JointKind::slider,
               .name = "slider",
               .axis = "a slider needs the direction it moves along, [x, y, z]",
-              .has_drive = true,
+              .drive = "force",
               .position = "m"},
     JointCard{.kind = JointKind::cylindrical,
               .name = "cylindrical",
               .axis = "a cylindrical joint needs the direction it moves along and turns about, "
                       "[x, y, z]",
+              .drive = "force",
+              .has_turn = true,
               .position = "m"},
     JointCard{.kind = JointKind::universal,
               .name = "universal",
@@ -45,6 +50,15 @@ inline constexpr std::array kJointCards{
     JointCard{.kind = JointKind::cable, .name = "cable", .has_two_points = true, .position = "m"},
     JointCard{
         .kind = JointKind::spring, .name = "spring", .has_two_points = true, .position = "m"}};
+
+/// Of a motor about an axis, as JointCard::drive.
+inline constexpr const char* kTurnDrive = "torque";
+
+/// Whether there is anything.
+inline bool has_drive(const AxisDrive& drive) {
+  return !std::isinf(drive.limits[0]) || !std::isinf(drive.limits[1]) || drive.motor ||
+         drive.friction != 0;
+}
 
 constexpr const JointCard& joint_card(JointKind kind) {
   for (const JointCard& card : kJointCards)

@@ -65,31 +65,52 @@ std::optional<Fault> amount_fault(const std::string& field, double value, bool m
                            may_be_zero ? "zero or positive" : "positive", kLargestOfJoint)};
 }
 
-std::optional<Fault> motor_fault(const JointMotor& motor) {
+/// @param path       of the motor
+/// @param force_key  of its moment or force
+std::optional<Fault> motor_fault(const JointMotor& motor, const std::string& path,
+                                 const char* force_key) {
+  const std::string force = path + "." + force_key;
   for (const auto& [key, value] :
-       {std::pair{"motor.speed", motor.speed}, std::pair{"motor.position", motor.position}})
+       {std::pair{path + ".speed", motor.speed}, std::pair{path + ".position", motor.position},
+        std::pair{force, motor.force.value_or(0)}})
     if (!(std::abs(value) <= kLargestOfJoint))
       return Fault{key, fmt::format("{:g}", value),
                    fmt::format("must be from {:g} to {:g}", -kLargestOfJoint, kLargestOfJoint)};
-  if (auto fault = amount_fault("motor.stiffness", motor.stiffness, true, false)) return fault;
-  if (auto fault = amount_fault("motor.damping", motor.damping, true, false)) return fault;
-  return amount_fault("motor.max_force", motor.max_force, false, true);
+  if (motor.force) {
+    const bool is_alone = motor.speed == 0 && motor.position == 0 && motor.stiffness == 0 &&
+                          std::isinf(motor.max_force);
+    if (!is_alone)
+      return Fault{force, fmt::format("{:g}", *motor.force),
+                   "must be without speed, position, stiffness and max_force: a motor has one law"};
+  }
+  if (auto fault = amount_fault(path + ".stiffness", motor.stiffness, true, false)) return fault;
+  if (auto fault = amount_fault(path + ".damping", motor.damping, true, false)) return fault;
+  return amount_fault(path + ".max_force", motor.max_force, false, true);
+}
+
+/// Limits, motor and friction of one axis. @param prefix  of their keys
+std::optional<Fault> axis_fault(const AxisDrive& drive, const std::string& prefix,
+                                const char* force_key) {
+  const auto [low, high] = drive.limits;
+  if (!(low <= high))
+    return Fault{prefix + "limits", fmt::format("[{:g}, {:g}]", low, high),
+                 "must be two numbers, the lower one first"};
+  if (drive.motor)
+    if (auto fault = motor_fault(*drive.motor, prefix + "motor", force_key)) return fault;
+  return amount_fault(prefix + "friction", drive.friction, true, false);
 }
 
 /// Limits, motor, friction, spring and strength.
 std::optional<Fault> drive_fault(const Joint& joint) {
   const JointCard& card = joint_card(joint.kind);
-  const auto [low, high] = joint.limits;
-  const bool has_limits = !std::isinf(low) || !std::isinf(high);
-  if (!card.has_drive && (has_limits || joint.motor || joint.friction != 0))
-    return Fault{"type", fmt::format("\"{}\" with limits, a motor or friction", card.name),
-                 "a hinge or a slider can have these"};
-  if (!(low <= high))
-    return Fault{"limits", fmt::format("[{:g}, {:g}]", low, high),
-                 "must be two numbers, the lower one first"};
-  if (joint.motor)
-    if (auto fault = motor_fault(*joint.motor)) return fault;
-  if (auto fault = amount_fault("friction", joint.friction, true, false)) return fault;
+  const std::string kind = fmt::format("\"{}\"", card.name);
+  if (card.drive == nullptr && has_drive(joint.drive()))
+    return Fault{"type", kind + " with limits, a motor or friction",
+                 "a hinge, a slider or a cylindrical joint can have these"};
+  if (!card.has_turn && has_drive(joint.turn))
+    return Fault{"type", kind + " with a turn", "a cylindrical joint can have it"};
+  if (auto fault = axis_fault(joint.drive(), "", card.drive)) return fault;
+  if (auto fault = axis_fault(joint.turn, "turn.", kTurnDrive)) return fault;
   if (auto fault = amount_fault("stiffness", joint.stiffness, true, false)) return fault;
   if (auto fault = amount_fault("damping", joint.damping, true, false)) return fault;
   if (joint.kind == JointKind::spring && joint.stiffness == 0 && joint.damping == 0)

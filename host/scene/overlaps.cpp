@@ -159,11 +159,10 @@ Overlaps overlaps_as_rigid(Scene scene, const WorldOptions& options) {
 std::string overlap_warning(const Overlaps& o, const BodyConstants& body) {
   if (o.pairs == 0) return "";
   return fmt::format(
-      "{}{} pair{} of bodies overlap{} at the start; deepest: {} (id {}) and {} (id {}) by {:.3g} "
+      "{}{} pair{} of bodies overlap{} at the start; deepest: {} and {} by {:.3g} "
       "m, {:.3g} % of the thickness of the thinner one",
       o.has_more ? "more than " : "", o.pairs, o.pairs == 1 ? "" : "s", o.pairs == 1 ? "s" : "",
-      body_name(body, o.body_a), o.body_a, body_name(body, o.body_b), o.body_b, o.depth,
-      100 * o.fraction);
+      body_with_id(body, o.body_a), body_with_id(body, o.body_b), o.depth, 100 * o.fraction);
 }
 
 }  // namespace scree

@@ -16,9 +16,11 @@ std::string drive_of(const Joint& joint) {
   if (joint.kind == JointKind::cable) return "is a cable";
   if (joint.kind == JointKind::spring) return "is a spring";
   const char* has = nullptr;
-  if (std::isfinite(joint.limits[0]) || std::isfinite(joint.limits[1])) has = "limits";
-  if (joint.friction > 0) has = "friction";
-  if (joint.motor) has = "a motor";
+  for (const AxisDrive& drive : {joint.drive(), joint.turn}) {
+    if (std::isfinite(drive.limits[0]) || std::isfinite(drive.limits[1])) has = "limits";
+    if (drive.friction > 0) has = "friction";
+    if (drive.motor) has = "a motor";
+  }
   return has == nullptr ? "" : fmt::format("({}) has {}", joint_card(joint.kind).name, has);
 }
 

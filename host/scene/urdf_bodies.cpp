@@ -11,6 +11,7 @@
 #include "host/io/printable.h"
 #include "host/scene/compound.h"
 #include "host/scene/convex_hull.h"
+#include "host/scene/joint_cards.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/urdf_checks.h"
 #include "host/urdf.h"
@@ -31,6 +32,12 @@ UrdfPose operator*(const UrdfPose& a, const UrdfPose& b) {
 bool can_be_driven(const UrdfJoint& joint) {
   return joint.kind == UrdfJointKind::revolute || joint.kind == UrdfJointKind::continuous ||
          joint.kind == UrdfJointKind::prismatic;
+}
+
+/// Of a joint that is not floating.
+JointKind kind_of_joint(const UrdfJoint& joint) {
+  if (joint.kind == UrdfJointKind::fixed) return JointKind::fixed;
+  return joint.kind == UrdfJointKind::prismatic ? JointKind::slider : JointKind::hinge;
 }
 
 double position_of(const UrdfJoint& joint, const UrdfPlacement& placement) {
@@ -342,9 +349,7 @@ class Builder {
     joint.bodies = {body_of_link_[from.parent], body_of_link_[from.child]};
     const UrdfPose at = in_world(poses_[from.child]);
     joint.anchor = at.position;
-    joint.kind = from.kind == UrdfJointKind::fixed       ? JointKind::fixed
-                 : from.kind == UrdfJointKind::prismatic ? JointKind::slider
-                                                         : JointKind::hinge;
+    joint.kind = kind_of_joint(from);
     if (can_be_driven(from)) {
       // A joint's motion leaves its own axis where it was.
       joint.axis = normalized(rotate(at.orientation, from.axis));
@@ -371,10 +376,11 @@ class Builder {
       return;
     }
     JointMotor motor = found->second;
-    motor.position -= start;
-    if (std::isinf(motor.max_force)) motor.max_force = from.effort;
-    const bool keeps_speed = motor.stiffness == 0 && motor.damping == 0;
-    if (!keeps_speed)
+    if (!motor.force) {
+      motor.position -= start;
+      if (std::isinf(motor.max_force)) motor.max_force = from.effort;
+    }
+    if (!motor.keeps_speed())
       motor.damping += from.damping;
     else if (from.damping > 0)
       result_.notes.push_back(
@@ -398,33 +404,39 @@ std::optional<Fault> motor_fault(const UrdfJoint& joint, const JointMotor& motor
   const std::string path = fmt::format("motors.{}", printable(joint.name, 60));
   if (joint.effort == 0)
     return Fault{path, "a motor", "the effort of this joint is 0 in the URDF file"};
-  const bool keeps_speed = motor.stiffness == 0 && motor.damping == 0;
-  if (keeps_speed && std::abs(motor.speed) > joint.velocity)
+  if (motor.keeps_speed() && std::abs(motor.speed) > joint.velocity)
     return Fault{path + ".speed", fmt::format("{:g}", motor.speed),
                  fmt::format("the velocity of this joint is limited to {:g} [rad/s, or m/s]",
                              joint.velocity)};
-  if (!std::isinf(motor.max_force) && motor.max_force > joint.effort)
+  const auto effort_fault = [&](const char* key, double value) {
     return Fault{
-        path + ".max_force", fmt::format("{:g}", motor.max_force),
+        fmt::format("{}.{}", path, key), fmt::format("{:g}", value),
         fmt::format("the effort of this joint is limited to {:g} [N m, or N]", joint.effort)};
+  };
+  if (!std::isinf(motor.max_force) && motor.max_force > joint.effort)
+    return effort_fault("max_force", motor.max_force);
+  if (motor.force && std::abs(*motor.force) > joint.effort)
+    return effort_fault(joint_card(kind_of_joint(joint)).drive, *motor.force);
   return std::nullopt;
+}
+
+/// Null: there is none that can be driven.
+const UrdfJoint* driven_joint(const UrdfModel& model, const std::string& name) {
+  for (const UrdfJoint& joint : model.joints)
+    if (joint.name == name && can_be_driven(joint)) return &joint;
+  return nullptr;
 }
 
 }  // namespace
 
 std::optional<Fault> placement_fault(const UrdfModel& model, const UrdfPlacement& placement) {
-  const auto joint_of = [&](const std::string& name) -> const UrdfJoint* {
-    for (const UrdfJoint& joint : model.joints)
-      if (joint.name == name && can_be_driven(joint)) return &joint;
-    return nullptr;
-  };
   const auto unknown = [&](const char* key, const std::string& name) {
     return Fault{
         fmt::format("{}.{}", key, printable(name, 60)), "this name",
         fmt::format("{} has no revolute, continuous or prismatic joint so called", model.file)};
   };
   for (const auto& [name, position] : placement.joint_positions) {
-    const UrdfJoint* joint = joint_of(name);
+    const UrdfJoint* joint = driven_joint(model, name);
     if (joint == nullptr) return unknown("joint_positions", name);
     if (!(position >= joint->limits[0] && position <= joint->limits[1] && std::isfinite(position)))
       return Fault{
@@ -441,7 +453,7 @@ std::optional<Fault> placement_fault(const UrdfModel& model, const UrdfPlacement
     return Fault{"velocity", vector_text(placement.velocity),
                  "must be 0, as the angular velocity, where the base is fixed"};
   for (const auto& [name, motor] : placement.motors) {
-    const UrdfJoint* joint = joint_of(name);
+    const UrdfJoint* joint = driven_joint(model, name);
     if (joint == nullptr) return unknown("motors", name);
     if (auto fault = motor_fault(*joint, motor)) return fault;
   }
@@ -453,6 +465,11 @@ std::optional<Fault> placement_fault(const UrdfModel& model, const UrdfPlacement
                    fmt::format("{} has no link so called", model.file)};
   }
   return std::nullopt;
+}
+
+const char* urdf_motor_key(const UrdfModel& model, const std::string& name) {
+  const UrdfJoint* const joint = driven_joint(model, name);
+  return joint == nullptr ? nullptr : joint_card(kind_of_joint(*joint)).drive;
 }
 
 UrdfBodies add_urdf(Scene& scene, const UrdfModel& model, const UrdfPlacement& placement) {

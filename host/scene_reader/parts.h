@@ -67,7 +67,8 @@ void read_orientation(const Node& node, Quatd& orientation);
 void read_body(const Node& node, std::size_t index, Draft& draft);
 /// An entry of `urdf`; all of `bodies` were read.
 void read_urdf_entry(const Node& node, Draft& draft);
-JointMotor read_joint_motor(const Node& node);
+/// @param force_key  of what it gives whatever the speed: "torque" or "force", as the joint turns or moves
+JointMotor read_joint_motor(const Node& node, const std::string& force_key);
 /// Index in Scene::bodies of one that is there from the start, by its name or number, or kWorldBody.
 int read_held_body(const Node& node, const Draft& draft);
 /// An entry of `attachments`; all bodies were read.

@@ -59,9 +59,21 @@ void read_anchors(const Node& node, const JointCard& card, Joint& joint) {
   joint.second_anchor = ends[1].vector("m");
 }
 
+/// Limits, motor and friction of one axis.
+AxisDrive read_axis(const Node& node, const char* force_key) {
+  AxisDrive drive;
+  if (const auto limits = node.find("limits")) {
+    const auto [low, high] = limits->interval("rad, or m");
+    drive.limits = {low, high};
+  }
+  if (const auto motor = node.find("motor")) drive.motor = read_joint_motor(*motor, force_key);
+  node.read("friction", drive.friction, kNonNegative, "N m, or N");
+  return drive;
+}
+
 /// What moves and holds a joint along or about its axis.
 void read_drive(const Node& node, const JointCard& card, Joint& joint) {
-  if (!card.has_drive)
+  if (card.drive == nullptr)
     for (const char* key : {"limits", "motor", "friction"})
       if (const auto value = node.find(key)) refuse_key(*value, card);
   if (!card.has_two_points)
@@ -69,12 +81,17 @@ void read_drive(const Node& node, const JointCard& card, Joint& joint) {
   if (card.kind != JointKind::spring)
     for (const char* key : {"stiffness", "damping"})
       if (const auto value = node.find(key)) refuse_key(*value, card);
-  if (const auto limits = node.find("limits")) {
-    const auto [low, high] = limits->interval("rad, or m");
-    joint.limits = {low, high};
+  if (card.drive != nullptr) {
+    const AxisDrive own = read_axis(node, card.drive);
+    joint.limits = own.limits;
+    joint.motor = own.motor;
+    joint.friction = own.friction;
   }
-  if (const auto motor = node.find("motor")) joint.motor = read_joint_motor(*motor);
-  node.read("friction", joint.friction, kNonNegative, "N m, or N");
+  if (const auto turn = node.find("turn")) {
+    if (!card.has_turn) refuse_key(*turn, card);
+    turn->check_keys(scene_keys("joint_turn"));
+    joint.turn = read_axis(*turn, kTurnDrive);
+  }
   node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
             "m");
   if (card.kind == JointKind::spring)
@@ -98,12 +115,26 @@ int read_held_body(const Node& node, const Draft& draft) {
   return body;
 }
 
-JointMotor read_joint_motor(const Node& node) {
+JointMotor read_joint_motor(const Node& node, const std::string& force_key) {
   node.check_keys(scene_keys("joint_motor"));
   JointMotor motor;
+  for (const char* key : {"torque", "force"})
+    if (const auto other = node.find(key); other && key != force_key)
+      other->fail(fmt::format("a motor of this joint has no such key, it has \"{}\"", force_key));
+  if (const auto force = node.find(force_key)) {
+    for (const char* key : {"speed", "position", "stiffness", "max_force"})
+      if (const auto other = node.find(key))
+        other->fail(fmt::format("a motor with \"{}\" has no such key", force_key));
+    motor.force = force->number(kFinite, "N m, or N");
+    node.read("damping", motor.damping, kNonNegative, "N m s/rad, or N s/m");
+    return motor;
+  }
   const auto speed = node.find("speed"), position = node.find("position");
   if (speed.has_value() == position.has_value())
-    node.fail("must have either \"speed\", or \"position\" with \"stiffness\" and \"damping\"");
+    node.fail(
+        fmt::format("must have either \"speed\", or \"position\" with \"stiffness\" and "
+                    "\"damping\", or \"{}\"",
+                    force_key));
   if (speed) {
     for (const char* key : {"stiffness", "damping"})
       if (const auto other = node.find(key))

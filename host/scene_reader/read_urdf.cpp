@@ -32,10 +32,18 @@ UrdfPlacement read_placement(const Node& node, Draft& draft) {
   if (const auto positions = node.find("joint_positions"))
     for (const auto& [name, position] : positions->members())
       placement.joint_positions[name] = position.number(kFinite, "rad, or m");
-  if (const auto motors = node.find("motors"))
-    for (const auto& [name, motor] : motors->members())
-      placement.motors[name] = read_joint_motor(motor);
   return placement;
+}
+
+/// What drives the joints of a model. A name that none has is refused later, with the others of the placement.
+void read_motors(const Node& node, const UrdfModel& model, UrdfPlacement& placement) {
+  const auto motors = node.find("motors");
+  if (!motors) return;
+  for (const auto& [name, motor] : motors->members()) {
+    const char* key = urdf_motor_key(model, name);
+    if (key == nullptr) key = motor.has("force") ? "force" : "torque";
+    placement.motors[name] = read_joint_motor(motor, key);
+  }
 }
 
 std::string note_of(const UrdfModel& model, const UrdfBodies& added) {
@@ -54,9 +62,10 @@ std::string note_of(const UrdfModel& model, const UrdfBodies& added) {
 
 void read_urdf_entry(const Node& node, Draft& draft) {
   node.check_keys(scene_keys("urdf"));
-  const UrdfPlacement placement = read_placement(node, draft);
+  UrdfPlacement placement = read_placement(node, draft);
   const Node file = node.at("file", "must be the name of a .urdf file");
   const UrdfModel model = file.from_file([](const auto& path) { return read_urdf(path); });
+  read_motors(node, model, placement);
   if (const auto fault = placement_fault(model, placement))
     Node(node.json(), node.path() + "." + fault->field, node.source())
         .fail(fault->value + " is not allowed: " + fault->expected);

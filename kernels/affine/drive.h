@@ -45,12 +45,13 @@ struct DriveLaw {
   double stiffness = 0;                        ///< of that spring [N/m or N m/rad]
   double damping = 0;   ///< [N s/m or N m s/rad]; without it and stiffness a motor keeps its speed
   double most = 0;      ///< that motor or spring give [N or N m]; zero: there is none
+  double force = 0;     ///< that a motor gives beside them whatever the speed [N or N m]
   double friction = 0;  ///< [N or N m]
   double slip = 0;      ///< speed off by which a motor gives most, and friction [m/s or rad/s]
   double inertia = 0;   ///< about that of the way [kg or kg m^2]
 
   SCREE_HD bool is_used() const {
-    return lower > -INFINITY || upper < INFINITY || most > 0 || friction > 0;
+    return lower > -INFINITY || upper < INFINITY || most > 0 || force != 0 || friction > 0;
   }
 };
 
@@ -74,6 +75,7 @@ struct DriveTerm {
   Index body[2] = {};  ///< one that is twice there has slopes of the first alone
   AffineVec slope[2];  ///< of the way since the start of the step
   BoundedSpring motor, friction;
+  double force = 0;                            ///< on the way whatever it is [N or N m]
   double lower = -INFINITY, upper = INFINITY;  ///< limits of the way
   double hard = 0;                             ///< [N/m or N m/rad]
 
@@ -84,11 +86,12 @@ struct DriveTerm {
   }
   SCREE_HD double energy(double way) const {
     const double off = beyond(way);
-    return motor.energy(way) + friction.energy(way) + (off != 0 ? 0.5 * hard * off * off : 0);
+    return motor.energy(way) + friction.energy(way) - force * way +
+           (off != 0 ? 0.5 * hard * off * off : 0);
   }
   SCREE_HD double first(double way) const {
     const double off = beyond(way);
-    return motor.slope(way) + friction.slope(way) + (off != 0 ? hard * off : 0);
+    return motor.slope(way) + friction.slope(way) - force + (off != 0 ? hard * off : 0);
   }
   SCREE_HD double second(double way) const {
     return motor.curvature(way) + friction.curvature(way) + (beyond(way) != 0 ? hard : 0);
@@ -122,6 +125,7 @@ struct SetDrives {
     t.hard = DriveTerm::kHard * law.inertia / (h * h);
     t.lower = law.lower - at, t.upper = law.upper - at;
     t.motor.most = law.most;
+    t.force = law.force;
     if (law.stiffness > 0 || law.damping > 0) {
       t.motor.stiffness = law.stiffness + law.damping / h;
       t.motor.rest = law.stiffness * (law.rest - at) / t.motor.stiffness;

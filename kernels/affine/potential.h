@@ -197,18 +197,25 @@ struct TouchOfPair {
   }
 };
 
-/// How far a contact slipped over what counts as sliding; 0 where nothing rubs.
+/// How far a contact slipped over what counts as sliding; 0 where what it rubs with moves no body far.
 struct SpeedOfSlip {
   static constexpr const char* name = "affine_speed_of_slip";
   Potential p;
   Span<const AffineVec> q;
+  double least = 0;  ///< way that counts [m]
 
   SCREE_HD Largest<double> operator()(Index i) const {
     const Slip& slip = p.slips[i];
-    if (!(slip.contact.bound > 0)) return {};
+    const double first = mass(slip.body[0]), second = mass(slip.body[1]);
+    if (!(p.scale * slip.contact.bound > least * (first < second ? first : second))) return {};
     double u[2];
     slip_of(slip.contact, p.moved(slip, p.rest_of(slip), q), u);
     return {std::sqrt(u[0] * u[0] + u[1] * u[1]) / p.law.slip};
+  }
+
+ private:
+  SCREE_HD double mass(Index body) const {
+    return p.bodies[body].row < 0 ? 1e300 : p.bodies[body].mass.mass;
   }
 };
 

@@ -15,11 +15,17 @@ namespace scree {
 ///   cross  two points are one; the axis of A is at a right angle to that of B. The last row turns
 ///          about the normal of both
 ///   line   the last row goes along the line from the point of A to that of B
-enum class JointForm : std::uint8_t { point, slide, cross, line };
+///   turn   the last row turns about the axis of A; there are no others
+enum class JointForm : std::uint8_t { point, slide, cross, line, turn };
 
 /// Whether the last row is a force, see JointRow.
 SCREE_HD constexpr bool ends_with_force(JointForm form) {
   return form == JointForm::slide || form == JointForm::line;
+}
+
+/// Whether the position is an angle that counts whole turns.
+SCREE_HD constexpr bool counts_turns(JointForm form) {
+  return form == JointForm::point || form == JointForm::turn;
 }
 
 /// One of the two bodies of a joint.
@@ -108,6 +114,10 @@ SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, double
       if ((held >> kJointAxisRow & 1u) != 0)
         m.gap = (m.position - zero) * rotate(m.frame, {0, 0, 1});
       break;
+    case JointForm::turn:
+      m.gap = {};
+      m.position = angle_about_axis(a, b);
+      break;
   }
   return m;
 }
@@ -126,7 +136,7 @@ SCREE_HD inline double joint_position(JointForm form, const JointMeasure& m, dou
                                       double zero, double expected) {
   constexpr double kTurn = 6.283185307179586477;
   const double position = sign * m.position - zero;
-  if (form != JointForm::point) return position;
+  if (!counts_turns(form)) return position;
   return position + kTurn * std::rint((expected - position) / kTurn);
 }
 
@@ -146,6 +156,7 @@ SCREE_HD inline JointDrift drift_of_joint(JointForm form, const JointMeasure& m,
   const Vec3<double> axis = rotate(m.frame, {0, 0, 1});
   switch (form) {
     case JointForm::point:
+    case JointForm::turn:
       break;
     case JointForm::slide:  // Coriolis, in the frame of A
       d.linear -= 2.0 * cross(a.turning, b.anchor_velocity() - a.anchor_velocity());

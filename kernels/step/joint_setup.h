@@ -25,11 +25,12 @@ struct JointDrive {
   double stiffness = 0;  ///< of a spring [N/m or N m/rad]; without it and damping a motor
   double damping = 0;    ///< [N s/m or N m s/rad]
   double most = 0;       ///< that motor or spring give [N or N m]; zero: there is none
+  double force = 0;      ///< that a motor gives beside them whatever the speed [N or N m]
   double friction = 0;   ///< that friction gives at most [N or N m]
   double share = 1;      ///< of the mobility of a spring, what the joints about it leave
 
   SCREE_HD bool is_used() const {
-    return lower > -INFINITY || upper < INFINITY || most > 0 || friction > 0;
+    return lower > -INFINITY || upper < INFINITY || most > 0 || force != 0 || friction > 0;
   }
 };
 
@@ -44,6 +45,7 @@ struct JointFrames {
   JointDrive drive;
   double break_force = INFINITY;   ///< a joint that carries more is no more [N]
   double break_moment = INFINITY;  ///< [N m]
+  Index turn_of = -1;  ///< joint that this is the drive about the axis of; -1: a joint of its own
 };
 
 /// What a joint remembers from step to step.
@@ -214,13 +216,18 @@ SCREE_HD inline Vec3<double> joint_recovery(const Vec3<double>& error, double le
 /// What the set-up of joints adds up.
 struct JointSums {
   double max_error = 0;  ///< distance of two anchors, or turn times length, that should be zero [m]
-  double end_error = 0;  ///< at the end of the step, with what limits are passed by then [m]
+  Index max_error_joint = -1;  ///< the first of those with that error; -1: none has one
+  double end_error = 0;        ///< at the end of the step, with what limits are passed by then [m]
   /// Of the fastest point of a free body, as of a ball, at the start and at the end [m/s].
   double speed_before = 0, speed = 0;
   /// Of the free bodies, once for each of their joints: without joints and contacts, at the end, and their mass [J, kg].
   double free_energy = 0, energy = 0, mass = 0;
   SCREE_HD void combine(const JointSums& o) {
-    if (o.max_error > max_error) max_error = o.max_error;
+    const bool is_first = o.max_error == max_error && o.max_error_joint < max_error_joint;
+    if (o.max_error > max_error || is_first) {
+      max_error = o.max_error;
+      max_error_joint = o.max_error_joint;
+    }
     if (o.end_error > end_error) end_error = o.end_error;
     if (o.speed_before > speed_before) speed_before = o.speed_before;
     if (o.speed > speed) speed = o.speed;
@@ -322,6 +329,7 @@ struct JointSetup {
     const bool is_turn_held = (joint.held >> 3) != 0;
     const double tilt = is_turn_held ? length * norm(m.turn) : 0;
     if (tilt > sums.max_error) sums.max_error = tilt;
+    if (sums.max_error > 0) sums.max_error_joint = j;
     return sums;
   }
 
@@ -376,6 +384,7 @@ struct JointSetup {
 
   /// What the last row gives. Its main part is that of the motor, u = speed, or of the spring,
   ///   gamma = -h k (x + h (alpha u - beta u_0)) - h c u    u, u_0: mean of this step and of the last
+  /// and what a motor gives at any speed shifts it.
   /// With alpha + beta >= 1/2 and alpha >= beta it is stable at any step; docs/theory.md, "Joints".
   /// @param sign      -1: A of the problem is the second body of the joint
   /// @param position  of the joint at the start of the step [m or rad]
@@ -390,6 +399,7 @@ struct JointSetup {
     if (!(inverse > 0)) return unit * beyond;  // nothing can follow
 
     const double drift = static_cast<double>(r.bias[kJointAxisRow]);
+    const double force = sign * d.force;
     double level = 0, compliance = 0;  // the main part takes the velocity to `level`
     if (d.stiffness > 0 || d.damping > 0) {
       const Vec3<double> axis(r.axes[2]);
@@ -405,7 +415,7 @@ struct JointSetup {
       const double resistance = alpha * h * d.stiffness + d.damping;
       compliance = unit * unit / (h * resistance);
       const double ahead = unit * (x - sign * d.target) - beta * h * before;
-      level = -d.stiffness * ahead / resistance;
+      level = (unit * force - d.stiffness * ahead) / resistance;
     } else {
       level = sign * unit * d.target;
     }
@@ -415,8 +425,8 @@ struct JointSetup {
     r.bias[kJointAxisRow] = static_cast<Real>(drift - level);
     // In the coordinates of solvers.
     const double impulse = h / (unit * inverse);
-    r.most = limited_value<Real>(impulse * d.most);
-    r.least = -r.most;
+    r.most = limited_value<Real>(impulse * (force + d.most));
+    r.least = limited_value<Real>(impulse * (force - d.most));
     r.compliance = static_cast<Real>(inverse * inverse * compliance);
     r.friction = limited_value<Real>(impulse * d.friction);
     r.rest = static_cast<Real>(inverse * (drift - level));
@@ -469,6 +479,25 @@ struct KeepJointImpulses {
     if (norm(Vec3<double>(all.force)) > h * joint.break_force ||
         norm(Vec3<double>(all.moment)) > h * joint.break_moment)
       state[j].is_broken = 1;
+  }
+};
+
+/// Drives about the axes of joints, which are behind these: each breaks with its joint, by the moment of both.
+template <class Real>
+struct BreakTurns {
+  static constexpr const char* name = "break_turns";
+  Span<const JointFrames> joints;
+  Index first = 0;                                  ///< of the drives
+  double time_step = 0;                             ///< [s]
+  Span<const JointImpulse<Real>> impacts, impulse;  ///< see KeepJointImpulses
+  Span<JointState> state;                           ///< in and out
+
+  SCREE_HD void operator()(Index k) const {
+    const Index turn = first + k, own = joints[turn].turn_of;
+    Vec3<double> moment(impulse[own].moment + impulse[turn].moment);
+    if (!impacts.empty()) moment += Vec3<double>(impacts[own].moment + impacts[turn].moment);
+    if (norm(moment) > time_step * joints[own].break_moment) state[own].is_broken = 1;
+    state[turn].is_broken = state[own].is_broken;
   }
 };
 

@@ -100,7 +100,7 @@ def house_of_cards(options):
                        "position": vector(side * start, 0, 0.15), "velocity": vector(-side * 1.5, 0, 0.8)})
     head = {"$schema": "schema.json", "name": "house_of_cards", "precision": "double", "time_step": 0.01, "duration": 2.0,
             "materials": {"default": {"friction": 0.5}},
-            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 2e-4, "slip_speed": 1e-4,
+            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 2e-4, "slip_speed": 1e-4, "friction_solves": 1,
                          "tolerance": 1e-3}}
     comment = [f"A house of cards of {options.levels} stories: {len(bodies) - 3} cards of 88 by 63 by 1 mm, and two balls that hit it.",
                "Written by scenes/generators/affine.py."]
@@ -168,7 +168,7 @@ def gears(options):
             bodies.append(body)
     head = {"$schema": "schema.json", "name": "gears", "precision": "double", "time_step": 0.01, "duration": 3.0,
             "materials": {"default": {"friction": 0.1}},
-            "dynamics": {"type": "affine", "stiffness": 1e9, "reach": 1e-4, "tolerance": 1e-3}}
+            "dynamics": {"type": "affine", "stiffness": 1e9, "reach": 1e-4, "friction_solves": 1, "tolerance": 1e-3}}
     comment = [f"{len(bodies)} gears on axles that mesh with all their neighbors; the one at the lower left drives them.",
                "Written by scenes/generators/affine.py."]
     output = {"frame_interval": 0.02, "picture": {"interval": 0.1, "width": 960, "height": 640, "color_by": "id", "labels": False,
@@ -226,7 +226,7 @@ def chain_net(options):
                        "position": vector(0, 0, radius + 0.1 * size), "velocity": [0, 0, -1]})
     head = {"$schema": "schema.json", "name": options.file.stem, "precision": "double", "time_step": 0.01, "duration": 1.0,
             "materials": {"default": {"friction": 0.2}},
-            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 1e-4, "tolerance": 2e-3}}
+            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 1e-4, "friction_solves": 1, "tolerance": 2e-3}}
     comment = [f"A net of {rings} rings, held at its rim" + (", catches a ball." if options.ball else "."),
                "Written by scenes/generators/affine.py."]
     output = {"frame_interval": 0.02, "picture": {"interval": 0.1, "width": 960, "height": 720, "color_by": "id", "labels": False,
@@ -296,7 +296,7 @@ def ships(options):
             attach(name, craft, (x + dx - 0.03, y + dy - 0.03, low - 0.03), (x + dx + 0.03, y + dy + 0.03, low + 0.03))
     head = {"$schema": "schema.json", "name": "ships", "precision": "double", "time_step": 0.01, "duration": 1.5,
             "materials": {"default": {"friction": 0.3}},
-            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 2e-3, "tolerance": 5e-3}}
+            "dynamics": {"type": "affine", "rule": "implicit_euler", "reach": 2e-3, "friction_solves": 1, "tolerance": 5e-3}}
     comment = [f"Two stiff ships with soft sails, and {options.helicopters} helicopters with soft rotors and wheels that fall on them.",
                "Written by scenes/generators/affine.py."]
     output = {"frame_interval": 0.02, "surface_frames": True,

@@ -18,10 +18,31 @@ TEST(CliRunWarnings, JointsThatDoNotHoldAreTold) {
   const Result run = scree(scratch, run_arguments(file, scratch / "a"));
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_TRUE(holds(run.out + run.err, "joints were off by up to 0.6")) << run.out << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, "(distance) of the world and bodies[0] (id 0)")) << run.err;
   const Result strict =
       scree(scratch, run_arguments(file, scratch / "b", {"--require-convergence"}));
   EXPECT_EQ(strict.code, 1);
   EXPECT_TRUE(holds(strict.err, "joints were off")) << strict.err;
+}
+
+/// A ball joint and a rod of half a meter to a point 1 m above it: of what is off, the rod has most.
+TEST(CliRunWarnings, TheJointThatIsFarthestOffIsNamed) {
+  const Scratch scratch;
+  const nlohmann::json scene = nlohmann::json::parse(R"({
+    "time_step": 0.001, "duration": 0.1,
+    "bodies": [{"name": "other", "shape": "sphere", "radius": 0.05, "mass": 1, "position": [3, 0, 0]},
+               {"name": "s", "shape": "sphere", "radius": 0.05, "mass": 1, "position": [0, 0, 1]}],
+    "joints": [{"type": "ball", "bodies": ["world", "other"], "anchor": [3, 0, 0]},
+               {"type": "ball", "bodies": ["world", "s"], "anchor": [0, 0, 1]},
+               {"type": "distance", "bodies": ["s", "world"], "anchors": [[0, 0, 1], [0, 0, 2]], "length": 0.5}],
+    "output": {"picture": false}})");
+  const Result run = scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "a"));
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(holds(run.out + run.err,
+                    "farthest off was joints[2] (distance) of bodies[1] (id 1) and the world"))
+      << run.out << run.err;
+  const std::string table = contents(scratch / "a/steps.csv");
+  EXPECT_NE(table.find("max_joint_error_m,max_joint_error_joint,"), std::string::npos) << table;
 }
 
 /// Boxes that meet at 40 m/s in steps of 1/60 s turn into each other.

@@ -12,8 +12,8 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kSpeed = 100;      // [m/s]
-constexpr double kTimeStep = 1e-3;  // [s]
+constexpr double kShotSpeed = 100;      // [m/s]
+constexpr double kShotStep = 1e-3;  // [s]
 constexpr int kShots = 12;          // of a shape
 
 struct Named {
@@ -68,12 +68,12 @@ TEST_P(FastBodies, DoNotPassThinWalls) {
         scene_of(GetParam().keys + ", {" + shape.keys + R"(, "density": 1000})");
     for (int shot = 0; shot < kShots; ++shot) {
       Scene scene = wall_and_shot;
-      scene.stepping.time_step = kTimeStep;
+      scene.stepping.time_step = kShotStep;
       scene.gravity = {};
       const std::size_t id = scene.bodies.size() - 1;
       BodyDescription& body = scene.bodies.back();
       body.position = {between(-0.6, -0.5), between(-0.012, 0.012), between(-0.02, 0.02)};
-      body.velocity = {kSpeed, 0, 0};
+      body.velocity = {kShotSpeed, 0, 0};
       body.orientation = exp_map(Vec3d{between(-2, 2), between(-2, 2), between(-2, 2)});
       World world(scene, cpu_options());
       for (int k = 0; k < 12; ++k) world.step();

@@ -180,6 +180,72 @@ TEST_P(JointDrives, MotorMovesASlider) {
   EXPECT_NEAR(world.joints()[0].force.z / kStep, -2 * kGravity, 1e-2);
 }
 
+// A motor with a torque gives that, whichever body comes first, however weak it is, at any speed.
+TEST_P(JointDrives, MotorGivesItsTorque) {
+  constexpr double kTorque = 0.05;
+  constexpr int kSteps = 300;
+  for (const std::string& solver : kJointSolvers) {
+    for (const double sign : {1.0, -1.0}) {
+      for (const bool world_first : {true, false}) {
+        double inertia = 0;
+        Scene scene = flywheel(inertia);
+        scene.solver.name = solver;
+        if (!world_first) std::swap(scene.joints[0].bodies[0], scene.joints[0].bodies[1]);
+        scene.joints[0].motor = JointMotor{.force = sign * kTorque};
+        World world = world_of(scene);
+        for (int k = 0; k < kSteps; ++k) EXPECT_TRUE(world.step().converged) << solver << k;
+        const double gained = sign * kTorque / inertia * kSteps * kStep;
+        EXPECT_NEAR(rate(world) / (world_first ? gained : -gained), 1, is_double() ? 1e-9 : 1e-5)
+            << solver << sign << world_first;
+        EXPECT_NEAR(world.joints()[0].moment.y / kStep / (sign * kTorque), 1,
+                    is_double() ? 1e-9 : 1e-6);
+      }
+    }
+  }
+}
+
+TEST_P(JointDrives, MotorGivesItsForce) {
+  Scene scene = empty_scene(kStep, 0);
+  add_box(scene, {0, 0, 0}, {0.1, 0.1, 0.1}, 2);
+  scene.joints.push_back(joint_of(JointKind::slider, kWorldBody, 0, {0.2, 0, 0}, {0, 0, 1}));
+  for (const double force : {-7.0, 3.0, 2 * kGravity}) {  // the last one is the weight
+    scene.joints[0].motor = JointMotor{.force = force};
+    World world = world_of(scene);
+    for (int k = 0; k < 300; ++k) EXPECT_TRUE(world.step().converged) << force << k;
+    const double gained = (force / 2 - kGravity) * 300 * kStep;
+    EXPECT_NEAR(world.states().velocity[0].z, gained, is_double() ? 1e-9 : 1e-4) << force;
+    EXPECT_NEAR(world.joints()[0].force.z / kStep / force, 1, is_double() ? 1e-9 : 1e-6);
+  }
+}
+
+// What else acts on the joint adds to it: friction against the motion, a limit, damping.
+TEST_P(JointDrives, TorqueIsBesideFrictionLimitsAndDamping) {
+  double inertia = 0;
+  Scene scene = flywheel(inertia);
+  const double exact = is_double() ? 1e-6 : 1e-4;
+  scene.joints[0].motor = JointMotor{.force = 0.4};
+  scene.joints[0].friction = 0.1;
+  World rubs = world_of(scene);
+  for (int k = 0; k < 300; ++k) rubs.step();
+  EXPECT_NEAR(rate(rubs) / (0.3 / inertia * 300 * kStep), 1, exact);
+  scene.joints[0].friction = 0.5;
+  World holds = world_of(scene);
+  for (int k = 0; k < 300; ++k) holds.step();
+  EXPECT_NEAR(rate(holds), 0, exact);
+  scene.joints[0].friction = 0;
+  scene.joints[0].limits = {-1, 0.2};
+  World stops = world_of(scene);
+  for (int k = 0; k < 1000; ++k) stops.step();
+  EXPECT_NEAR(stops.joints()[0].position, 0.2, exact);
+  EXPECT_NEAR(stops.joints()[0].moment.y, 0, kStep * 0.4 * exact);
+  scene.joints[0].limits = Joint{}.limits;
+  scene.joints[0].motor->damping = 0.2;  // I w' = T - c w
+  World damped = world_of(scene);
+  for (int k = 0; k < 500; ++k) damped.step();
+  const double fall = std::pow(1 + kStep * 0.2 / inertia, -500);
+  EXPECT_NEAR(rate(damped), 0.4 / 0.2 * (1 - fall), 2 * exact);
+}
+
 // A motor that pushes against a limit: what the limit gives is the difference.
 TEST_P(JointDrives, MotorPushesAgainstALimit) {
   for (const std::string& solver : kJointSolvers) {

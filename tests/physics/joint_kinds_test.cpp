@@ -205,9 +205,30 @@ TEST_P(JointKinds, DistancePullsToItsLength) {
   scene.joints.push_back(line_of(JointKind::distance, kWorldBody, 0, {}, {1.02, 0, 0}));
   scene.joints[0].length = 1;
   World world = world_of(scene);
-  EXPECT_NEAR(world.step().max_joint_error, 0.02, 1e-7);
+  const StepReport first = world.step();
+  EXPECT_NEAR(first.max_joint_error, 0.02, 1e-7);
+  EXPECT_EQ(first.max_joint_error_joint, 0);
   for (int k = 0; k < 100; ++k) world.step();
   EXPECT_NEAR(world.states().position[0].x, 1, 1e-6);
+}
+
+TEST_P(JointKinds, TheJointThatIsFarthestOffIsTold) {
+  Scene scene = empty_scene(1e-3, 0);
+  scene.gravity = {};
+  for (int k = 0; k < 5; ++k) {
+    const Vec3d at{1, static_cast<double>(k), 0};
+    add_sphere(scene, at, 0.05, 1);
+    scene.joints.push_back(line_of(JointKind::distance, k, kWorldBody, at, {0, at.y, 0}));
+    scene.joints.back().length = k == 3 ? 0.97 : 1.01;
+  }
+  EXPECT_EQ(world_of(scene).step().max_joint_error_joint, 3);
+  scene.joints[3].length = 1;
+  EXPECT_EQ(world_of(scene).step().max_joint_error_joint,
+            0);  // the first of those that are off as far
+  for (Joint& joint : scene.joints) joint.length = 1;
+  EXPECT_EQ(world_of(scene).step().max_joint_error_joint, -1);
+  scene.joints.clear();
+  EXPECT_EQ(world_of(scene).step().max_joint_error_joint, -1);
 }
 
 // Falls freely until the cable is taut, then hangs from it; the cable never pushes and gives no energy.

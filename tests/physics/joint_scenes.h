@@ -126,6 +126,10 @@ inline Scene row_of_joints(int boxes = 20, double restitution = 0) {
     if (kind == JointKind::universal) joint.second_axis = {0, 0, 1};
     if (kind == JointKind::hinge) joint.limits = {-0.1, 0.1}, joint.friction = 1e-3;
     if (kind == JointKind::slider) joint.motor = JointMotor{.speed = 0.3, .max_force = 2};
+    if (kind == JointKind::cylindrical) {
+      joint.limits = {-0.01, 0.01}, joint.friction = 0.1;
+      joint.turn.limits = {-0.2, 0.2}, joint.turn.motor = JointMotor{.force = 2e-3};
+    }
     if (kind == JointKind::spring) joint.stiffness = 200, joint.damping = 0.5;
     scene.joints.push_back(joint);
   }

@@ -29,6 +29,7 @@ TEST_P(JointsOnRanks, OneStepFromTheSameStateIsThatOfOneRank) {
     ASSERT_GT(one.contact_count, 20);
     EXPECT_TRUE(more.converged && one.converged) << solver;
     EXPECT_NEAR(more.max_joint_error, one.max_joint_error, 1e-12 + 1e-9 * one.max_joint_error);
+    EXPECT_EQ(more.max_joint_error_joint, one.max_joint_error_joint);
     EXPECT_NEAR(more.kinetic_energy, one.kinetic_energy, 1e-6 * one.kinetic_energy);
   }
 }

@@ -117,6 +117,76 @@ TEST_P(AffineDrives, MotorStallsAtItsBound) {
   }
 }
 
+// A motor with a torque gives that, of either sign and however weak; a turn within a step counts as its sine.
+TEST_P(AffineDrives, MotorGivesItsTorque) {
+  for (const double torque : {0.4, -1e-3}) {
+    double inertia = 0;
+    Scene scene = flywheel(GetParam(), inertia);
+    scene.joints[0].motor = JointMotor{.force = torque};
+    World world(scene, cpu_options());
+    run(world, 20);
+    const double gained = torque / inertia * 20 * kStep;
+    const double turn = gained * kStep;
+    // implicit_euler loses the square of its turn from the spin of a body in a step.
+    EXPECT_NEAR(rate(world) / gained, 1, 1e-6 + 20 * turn * turn) << torque;
+  }
+}
+
+TEST_P(AffineDrives, MotorGivesItsForce) {
+  Scene scene = driven_scene(GetParam());
+  add_box(scene, {0, 0, 0}, {0.1, 0.1, 0.1}, 2);
+  scene.joints.push_back(joint_of(JointKind::slider, kWorldBody, 0, {}, {0, 0, 1}));
+  for (const double force : {-7.0, 3.0, 2 * kGravity}) {  // the last one is the weight
+    scene.joints[0].motor = JointMotor{.force = force};
+    World world(scene, cpu_options());
+    run(world, 200);
+    EXPECT_NEAR(world.states().velocity[0].z, (force / 2 - kGravity) * 200 * kStep, 1e-6) << force;
+  }
+  scene.joints[0].motor->damping = 4;  // m v' = F - m g - c v
+  scene.gravity = {};
+  World damped(scene, cpu_options());
+  run(damped, 4000);
+  EXPECT_NEAR(damped.states().velocity[0].z, 2 * kGravity / 4, 1e-5);
+}
+
+// Along a cylindrical joint and about it, both at once.
+TEST_P(AffineDrives, DriveCylindricalJoints) {
+  Scene scene = driven_scene(GetParam());
+  const double inertia = add_box(scene, {0, 0, 0}, {0.2, 0.2, 0.1}, 2).inertia.z;
+  scene.joints.push_back(joint_of(JointKind::cylindrical, kWorldBody, 0, {}, {0, 0, 1}));
+  Joint& joint = scene.joints[0];
+  const auto spin = [](const World& world) { return world.states().angular_velocity[0].z; };
+  const auto height = [](const World& world) { return world.states().position[0].z; };
+
+  joint.motor = JointMotor{.force = 5};
+  joint.turn.motor = JointMotor{.force = 0.05};
+  World pushed(scene, cpu_options());
+  run(pushed, 100);
+  EXPECT_NEAR(pushed.states().velocity[0].z, (5.0 / 2 - kGravity) * 100 * kStep, 1e-6);
+  EXPECT_NEAR(spin(pushed) / (0.05 / inertia * 100 * kStep), 1, 1e-4);
+
+  joint.limits = {-0.05, 1};
+  joint.turn.motor = JointMotor{.speed = 3, .max_force = 2};
+  joint.turn.limits = {-1, 1.2};
+  World limited(scene, cpu_options());
+  run(limited, 1500);
+  EXPECT_NEAR(height(limited), -0.05, 1e-5);
+  const Vec3d x = rotate(limited.states().orientation[0], {1, 0, 0});
+  EXPECT_NEAR(std::atan2(x.y, x.x), 1.2, 1e-4);
+  EXPECT_NEAR(spin(limited), 0, 1e-4);
+
+  joint.limits = Joint{}.limits;
+  joint.motor.reset();
+  joint.turn = {};
+  joint.friction = 2 * kGravity * 0.5;
+  joint.turn.friction = 0.1;
+  scene.bodies[0].angular_velocity = {0, 0, 4};
+  World rubs(scene, cpu_options());
+  run(rubs, 50);
+  EXPECT_NEAR(rubs.states().velocity[0].z, -0.5 * kGravity * 50 * kStep, 1e-3);
+  EXPECT_NEAR(spin(rubs) / (4 - 0.1 / inertia * 50 * kStep), 1, 0.01);
+}
+
 TEST_P(AffineDrives, FrictionStopsAWheel) {
   double inertia = 0;
   Scene scene = flywheel(GetParam(), inertia);

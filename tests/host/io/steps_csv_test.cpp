@@ -35,6 +35,7 @@ StepReport report_of(std::int64_t step) {
   report.objective = -1.5;
   report.max_penetration = 1e-4;
   report.max_joint_error = 1e-7;
+  report.max_joint_error_joint = 4;
   report.max_cone_violation = 1e-9;
   report.kinetic_energy = 12.25;
   report.ms = {1.5, 0.25, 3.125, 0.5, 5.375};
@@ -79,6 +80,7 @@ TEST_F(StepsCsvTest, EveryFieldComesBack) {
     EXPECT_EQ(found.objective, expected.objective);
     EXPECT_EQ(found.max_penetration, expected.max_penetration);
     EXPECT_EQ(found.max_joint_error, expected.max_joint_error);
+    EXPECT_EQ(found.max_joint_error_joint, 4);
     EXPECT_EQ(found.max_cone_violation, expected.max_cone_violation);
     EXPECT_EQ(found.kinetic_energy, expected.kinetic_energy);
     EXPECT_EQ(found.ms.collision, 1.5);

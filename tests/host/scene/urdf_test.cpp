@@ -71,6 +71,14 @@ TEST(UrdfWithoutXml, SaysWhichPackageIsMissing) {
               AllOf(StartsWith("arm.urdf: "), HasSubstr("libtinyxml2-dev")));
 }
 
+std::string scene_with(const std::string& entry, const std::string& more = "") {
+  return R"({"time_step": 1e-3, "duration": 1, "materials": {"default": {}, "rubber": {"friction": 1}},
+      "bodies": [{"name": "floor", "shape": "half_space"},
+                 {"name": "late", "shape": "sphere", "radius": 0.1, "density": 1000, "insert_at": 1}],
+      "urdf": [)" +
+         entry + "]" + more + "}";
+}
+
 TEST_F(Urdf, LinksBecomeBodiesAndJoints) {
   const Scene scene = robot_scene(robot(
       link("a") + link("b") + link("c") + link("d") +
@@ -149,6 +157,34 @@ TEST_F(Urdf, LimitsAndMotorsCountFromZeroOfTheFile) {
   EXPECT_EQ(scene.joints[0].motor->position, 0.5);
   EXPECT_EQ(scene.joints[0].motor->max_force, 7);
   EXPECT_EQ(scene.joints[0].motor->damping, 1.5);  // its own and that of the joint
+}
+
+TEST_F(Urdf, MotorsMayHaveATorque) {
+  const std::filesystem::path file = write_file(
+      "arm.urdf",
+      robot(
+          link("a") + link("b") + link("c") +
+          joint(
+              "ab", "revolute", "a", "b",
+              R"(<limit lower="-1" upper="2" effort="7" velocity="2"/><dynamics damping="0.5"/>)") +
+          joint("bc", "prismatic", "b", "c",
+                R"(<limit lower="-1" upper="2" effort="5" velocity="2"/>)")));
+  const auto scene_of = [&](const std::string& motors) {
+    return parse_scene(
+        scene_with(R"({"file": "arm.urdf", "joint_positions": {"ab": 0.5}, "motors": )" + motors +
+                   "}"),
+        "x.json", file.parent_path());
+  };
+  const Scene scene = scene_of(R"({"ab": {"torque": -6}, "bc": {"force": 4}})");
+  EXPECT_EQ(scene.joints[0].motor->force, -6);
+  EXPECT_EQ(scene.joints[0].motor->damping, 0.5);  // that of the joint
+  EXPECT_EQ(scene.joints[1].motor->force, 4);
+  EXPECT_THAT(refusal([&] { scene_of(R"({"ab": {"torque": -8}})"); }),
+              AllOf(HasSubstr("urdf[0].motors.ab.torque: -8"), HasSubstr("limited to 7")));
+  EXPECT_THAT(refusal([&] { scene_of(R"({"bc": {"torque": 1}})"); }),
+              AllOf(HasSubstr("urdf[0].motors.bc.torque: "), HasSubstr("it has \"force\"")));
+  EXPECT_THAT(refusal([&] { scene_of(R"({"cb": {"force": 1}})"); }),
+              AllOf(HasSubstr("urdf[0].motors.cb: "), HasSubstr("no revolute")));
 }
 
 TEST_F(Urdf, InertiaKeepsItsAxes) {
@@ -539,14 +575,6 @@ TEST_F(UrdfRefusal, OfWhatASceneAsksFor) {
 }
 
 // ---- as an entry of a scene ---------------------------------------------------------------------
-
-std::string scene_with(const std::string& entry, const std::string& more = "") {
-  return R"({"time_step": 1e-3, "duration": 1, "materials": {"default": {}, "rubber": {"friction": 1}},
-      "bodies": [{"name": "floor", "shape": "half_space"},
-                 {"name": "late", "shape": "sphere", "radius": 0.1, "density": 1000, "insert_at": 1}],
-      "urdf": [)" +
-         entry + "]" + more + "}";
-}
 
 TEST_F(Urdf, IsAnEntryOfAScene) {
   const std::filesystem::path file = write_file(

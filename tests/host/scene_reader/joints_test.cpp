@@ -84,6 +84,35 @@ TEST(Joints, OfAllKindsAreRead) {
   EXPECT_TRUE(std::isinf(scene.joints[6].motor->max_force));
 }
 
+TEST(Joints, MotorsWithATorqueOrAForceAreRead) {
+  const Scene scene = parsed(with_joints(R"(
+      {"type": "hinge", "bodies": ["world", "bob"], "anchor": [0, 0, 1], "axis": [0, 1, 0],
+       "motor": {"torque": -0.05}},
+      {"type": "slider", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [1, 0, 0],
+       "motor": {"force": 7, "damping": 2}})"));
+  EXPECT_EQ(scene.joints[0].motor->force, -0.05);
+  EXPECT_FALSE(scene.joints[0].motor->keeps_speed());
+  EXPECT_EQ(scene.joints[1].motor->force, 7);
+  EXPECT_EQ(scene.joints[1].motor->damping, 2);
+}
+
+TEST(Joints, CylindricalOnesMayBeDrivenAlongAndAboutTheirAxis) {
+  const Scene scene = parsed(with_joints(R"(
+      {"type": "cylindrical", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [0, 0, 1],
+       "limits": [-1, 2], "motor": {"force": 4}, "friction": 5,
+       "turn": {"limits": [-3, 4], "motor": {"torque": 6}, "friction": 7}},
+      {"type": "cylindrical", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [0, 0, 1]})"));
+  const Joint& joint = scene.joints[0];
+  EXPECT_EQ(joint.limits, (std::array{-1.0, 2.0}));
+  EXPECT_EQ(joint.motor->force, 4);
+  EXPECT_EQ(joint.friction, 5);
+  EXPECT_EQ(joint.turn.limits, (std::array{-3.0, 4.0}));
+  EXPECT_EQ(joint.turn.motor->force, 6);
+  EXPECT_EQ(joint.turn.friction, 7);
+  EXPECT_FALSE(scene.joints[1].turn.motor);
+  EXPECT_TRUE(std::isinf(scene.joints[1].turn.limits[0]));
+}
+
 struct Refusal {
   const char* what;
   std::string text;
@@ -103,6 +132,9 @@ std::string joint(const std::string& type, const std::string& keys) {
 }
 std::string hinge(const std::string& keys) {
   return joint("hinge", R"("anchor": [0, 0, 1], "axis": [0, 1, 0], )" + keys);
+}
+std::string cylindrical(const std::string& keys) {
+  return joint("cylindrical", R"("anchor": [0, 0, 1], "axis": [0, 1, 0], )" + keys);
 }
 std::string line(const std::string& type, const std::string& keys) {
   return joint(type, R"("anchors": [[0, 0, 1], [0, 0, 0]])" + keys);
@@ -194,6 +226,35 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"MotorWithTwoTargets",
                 hinge(R"("motor": {"speed": 1, "position": 1, "stiffness": 1})"),
                 "joints[0].motor: must have either \"speed\", or \"position\""},
+        Refusal{"TorqueWithSpeed", hinge(R"("motor": {"speed": 1, "torque": 1})"),
+                "joints[0].motor.speed: a motor with \"torque\" has no such key"},
+        Refusal{"TorqueWithPosition",
+                hinge(R"("motor": {"torque": 1, "position": 1, "stiffness": 1})"),
+                "joints[0].motor.position: a motor with \"torque\" has no such key"},
+        Refusal{"TorqueWithMaxForce", hinge(R"("motor": {"torque": 1, "max_force": 1})"),
+                "joints[0].motor.max_force: a motor with \"torque\" has no such key"},
+        Refusal{"ForceOfHinge", hinge(R"("motor": {"force": 1})"),
+                "joints[0].motor.force: a motor of this joint has no such key, it has \"torque\""},
+        Refusal{
+            "TorqueOfSlider",
+            joint("slider", R"("anchor": [0, 0, 1], "axis": [0, 1, 0], "motor": {"torque": 1})"),
+            "joints[0].motor.torque: a motor of this joint has no such key, it has \"force\""},
+        Refusal{"HugeTorque", hinge(R"("motor": {"torque": 1e30})"),
+                "joints[0].motor.torque: 1e+30 is not allowed: must be from"},
+        Refusal{"TorqueInWords", hinge(R"("motor": {"torque": "1"})"),
+                "joints[0].motor.torque: \"1\" is not allowed"},
+        Refusal{"TurnOfHinge", hinge(R"("turn": {"friction": 1})"),
+                "joints[0].turn: a joint of type \"hinge\" has no such key"},
+        Refusal{"UnknownKeyOfTurn", cylindrical(R"("turn": {"axis": [0, 0, 1]})"),
+                "joints[0].turn.axis: unknown key. Known keys: limits, motor, friction"},
+        Refusal{"ForceOfTurn", cylindrical(R"("turn": {"motor": {"force": 1}})"),
+                "joints[0].turn.motor.force: a motor of this joint has no such key, it has "
+                "\"torque\""},
+        Refusal{"HugeFrictionOfTurn", cylindrical(R"("turn": {"friction": 1e30})"),
+                "joints[0].turn.friction: 1e+30 is not allowed: must be zero or positive and up "
+                "to"},
+        Refusal{"HugeTorqueOfTurn", cylindrical(R"("turn": {"motor": {"torque": 1e30}})"),
+                "joints[0].turn.motor.torque: 1e+30 is not allowed: must be from"},
         Refusal{"PositionWithoutStiffness", hinge(R"("motor": {"position": 1})"),
                 "joints[0].motor.stiffness: missing"},
         Refusal{"SpeedWithStiffness", hinge(R"("motor": {"speed": 1, "stiffness": 1})"),
@@ -226,7 +287,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"UnknownKey",
                 with_joints(R"({"type": "ball", "body": 1, "bodies": ["world", 0])" + kAt + "}"),
                 "joints[0].body: unknown key. Known keys: type, bodies, anchor, axis, "
-                "anchors, second_axis, length, limits, motor, friction, stiffness, damping, "
+                "anchors, second_axis, length, limits, motor, friction, turn, stiffness, damping, "
                 "break_force, break_moment"},
         Refusal{"NameTwice", test::with_body(R"({"name": "a", "shape": "half_space"},
                                                 {"name": "a", "shape": "half_space"})"),
@@ -253,12 +314,20 @@ TEST(Joints, OfProgramsAreCheckedToo) {
   joint.motor = JointMotor{.stiffness = -1};
   EXPECT_THAT(refusal([&] { validate(scene); }),
               StartsWith("joints[0].motor.stiffness: -1 is not allowed"));
+  joint.motor = JointMotor{.speed = 2, .force = 3};
+  EXPECT_EQ(refusal([&] { validate(scene); }),
+            "joints[0].motor.torque: 3 is not allowed: must be without speed, position, stiffness "
+            "and max_force: a motor has one law");
   joint.motor = JointMotor{};
   joint.kind = JointKind::ball;
+  EXPECT_EQ(refusal([&] { validate(scene); }),
+            "joints[0].type: \"ball\" with limits, a motor or friction is not allowed: a hinge, a "
+            "slider or a cylindrical joint can have these");
+  joint.kind = JointKind::hinge;
+  joint.turn.friction = 1;
   EXPECT_EQ(
       refusal([&] { validate(scene); }),
-      "joints[0].type: \"ball\" with limits, a motor or friction is not allowed: a hinge or a "
-      "slider can have these");
+      "joints[0].type: \"hinge\" with a turn is not allowed: a cylindrical joint can have it");
 }
 
 /// A ball that hangs from the world.
@@ -319,6 +388,12 @@ TEST(Joints, ThatAreDrivenHaveNoFileOfTheirProblem) {
   scene.joints[0].limits = {-1, 1};
   World world = physics::reference_world(scene);
   EXPECT_THAT(refusal([&] { world.step(problem); }), HasSubstr("joints[0] (hinge) has limits"));
+  scene.joints[0].kind = JointKind::cylindrical;
+  scene.joints[0].limits = Joint{}.limits;
+  scene.joints[0].turn.friction = 1;
+  World turned = physics::reference_world(scene);
+  EXPECT_THAT(refusal([&] { turned.step(problem); }),
+              HasSubstr("joints[0] (cylindrical) has friction"));
 }
 
 TEST(Joints, OfASavedStateAreThoseOfTheScene) {

@@ -75,7 +75,9 @@ TEST(DriveTermTest, DerivativesAreThoseOfTheEnergy) {
   t.lower = -0.4, t.upper = 0.5, t.hard = 1e3;
   DriveTerm loose;  // a motor without a bound, and nothing else
   loose.motor = {0.3, 40, INFINITY};
-  for (const DriveTerm& each : {t, loose}) {
+  DriveTerm forced = t;
+  forced.force = 3;
+  for (const DriveTerm& each : {t, loose, forced}) {
     double last = -1e300;
     for (const double way : {-0.9, -0.42, -0.2, -0.021, 0.001, 0.04, 0.22, 0.31, 0.44, 0.52, 0.8}) {
       const auto energy = [&](const Eigen::VectorXd& x) { return test::scalar(each.energy(x(0))); };

@@ -12,7 +12,7 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kShotSpeed = 100;      // [m/s]
+constexpr double kShotSpeed = 100;  // [m/s]
 constexpr double kShotStep = 1e-3;  // [s]
 constexpr int kShots = 12;          // of a shape
 

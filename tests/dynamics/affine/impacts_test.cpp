@@ -111,7 +111,8 @@ TEST(AffineImpacts, ACrowdKeepsItsMomentum) {
   Scene scene = affine_scene(kTimeStep, 0, kSecondOrder);
   scene.gravity = {};
   for (int k = 0; k < 27; ++k) {
-    const Vec3d place{0.16 * (k / 9 - 1), 0.16 * (k / 3 % 3 - 1), 0.16 * (k % 3 - 1)};
+    const int x = k / 9 - 1, y = k / 3 % 3 - 1, z = k % 3 - 1;
+    const Vec3d place{0.16 * x, 0.16 * y, 0.16 * z};
     BodyDescription& box =
         add_box(scene, place, {0.04, 0.03, 0.05}, std::pow(10.0, (7 * k % 27) / 13.0 - 1));
     box.velocity = (k == 13 ? 0.0 : -3 / norm(place)) * place + Vec3d{0.1 * (k % 5), 0, 0.2};

@@ -403,34 +403,13 @@ class AffineDynamics final : public ModelOn<B, double> {
         scheme,    constants_.view(), body_of_row_.view(), hit_.view(rows_),  q_.view(),
         v_.view(), earlier_q_.view(), earlier_v_.view(),   owed_.view(rows_), {}};
     for_each(b, rows_, anew);
-    upload(b, owed_velocities(pushed, download(b, Span<const Vec3d>(owed_.view(rows_)))), owed_);
+    upload(b,
+           affine::shared_velocities(setup_, pushed,
+                                     download(b, Span<const Vec3d>(owed_.view(rows_)))),
+           owed_);
     anew.added = owed_.view(rows_);
     for_each(b, rows_, anew);
     write_poses();
-  }
-  /// By row, what bodies of an island that nothing else touches have to go faster by, so that its momentum stays.
-  /// @param owed  momentum, by row
-  std::vector<Vec3d> owed_velocities(const affine::PushIslands& pushed,
-                                     const std::vector<Vec3d>& owed) const {
-    std::vector<Vec3d> momentum(setup_.bodies.size());
-    std::vector<double> mass(setup_.bodies.size());
-    const auto island_of = [&](std::size_t row) {
-      const Index island = pushed.island[static_cast<std::size_t>(setup_.body_of_row[row])];
-      return island >= 0 && !pushed.is_held[static_cast<std::size_t>(island)] ? island : -1;
-    };
-    for (std::size_t row = 0; row < owed.size(); ++row) {
-      const Index island = island_of(row);
-      if (island < 0) continue;
-      momentum[static_cast<std::size_t>(island)] += owed[row];
-      mass[static_cast<std::size_t>(island)] +=
-          setup_.bodies[static_cast<std::size_t>(setup_.body_of_row[row])].mass.mass;
-    }
-    std::vector<Vec3d> added(owed.size());
-    for (std::size_t row = 0; row < owed.size(); ++row)
-      if (const Index island = island_of(row); island >= 0)
-        added[row] = (1 / mass[static_cast<std::size_t>(island)]) *
-                     momentum[static_cast<std::size_t>(island)];
-    return added;
   }
   void write_poses() {
     for_each(backend(), rows_,

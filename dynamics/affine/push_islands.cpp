@@ -63,4 +63,27 @@ PushIslands islands_of_hit(const AffineSetup& setup, const std::vector<BodyPair>
       [&](std::size_t body) { return !setup.bodies[body].is_led; });
 }
 
+std::vector<Vec3d> shared_velocities(const AffineSetup& setup, const PushIslands& pushed,
+                                     const std::vector<Vec3d>& momentum) {
+  struct Sum {
+    Vec3d momentum;
+    double mass = 0;
+  };
+  std::vector<Sum> sums(setup.bodies.size());  // by the lowest body of a set
+  const auto sum_of = [&](std::size_t row) -> Sum* {
+    const Index island = pushed.island[static_cast<std::size_t>(setup.body_of_row[row])];
+    const auto lowest = static_cast<std::size_t>(island);
+    return island >= 0 && !pushed.is_held[lowest] ? &sums[lowest] : nullptr;
+  };
+  for (std::size_t row = 0; row < momentum.size(); ++row)
+    if (Sum* const sum = sum_of(row)) {
+      sum->momentum += momentum[row];
+      sum->mass += setup.bodies[static_cast<std::size_t>(setup.body_of_row[row])].mass.mass;
+    }
+  std::vector<Vec3d> velocity(momentum.size());
+  for (std::size_t row = 0; row < momentum.size(); ++row)
+    if (const Sum* const sum = sum_of(row)) velocity[row] = (1 / sum->mass) * sum->momentum;
+  return velocity;
+}
+
 }  // namespace scree::affine

@@ -28,4 +28,9 @@ std::vector<bool> bodies_near_led(const AffineSetup& setup, const std::vector<Bo
 PushIslands islands_of_hit(const AffineSetup& setup, const std::vector<BodyPair>& near,
                            const std::vector<Index>& is_hit);
 
+/// By row, what bodies of a set that nothing else touches or holds go faster by, so that together they get some momentum [m/s].
+/// @param momentum  by row [kg m/s]
+std::vector<Vec3d> shared_velocities(const AffineSetup& setup, const PushIslands& pushed,
+                                     const std::vector<Vec3d>& momentum);
+
 }  // namespace scree::affine

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Prints a scene of bodies on joints that bounce.
+"""Prints a scene of bodies on joints.
 
     python3 scenes/generators/joined.py dumbbells > dumbbells.json
 
 dumbbells   1,000 pairs of balls on fixed joints that rain between four walls
 chain       200 balls on ball joints that hang in a line and are hit from the side
+arc         1,000 rods of 3 cm on ball joints between two hooks, on an arc from which they swing
 """
 import json
+import math
 import random
 import sys
 
@@ -39,7 +41,25 @@ def chain(count=200):
             "materials": {"default": {"friction": 0.3, "restitution": 0.7}}, "bodies": bodies, "joints": joints}
 
 
-scenes = {"dumbbells": dumbbells, "chain": chain}
+def arc(count=1000, length=0.03, half_angle=1):
+    angle = 2 * half_angle / count
+    radius = 0.5 * length / math.sin(angle / 2)
+
+    def at(k):
+        turn = angle * k - half_angle
+        return [radius * math.sin(turn), 0, -radius * math.cos(turn)]
+
+    bodies = [{"shape": "box", "size": [length, 0.008, 0.008], "mass": 0.01,
+               "position": [0.5 * (a + b) for a, b in zip(at(k), at(k + 1))],
+               "rotation_deg": {"axis": [0, 1, 0], "angle": math.degrees(half_angle - angle * (k + 0.5))}}
+              for k in range(count)]
+    joints = [{"type": "ball", "bodies": ["world" if k == 0 else k - 1, "world" if k == count else k], "anchor": at(k)}
+              for k in range(count + 1)]
+    return {"name": "arc", "precision": "double", "time_step": 1e-3, "duration": 10, "solver": {"max_iterations": 4000},
+            "bodies": bodies, "joints": joints}
+
+
+scenes = {"dumbbells": dumbbells, "chain": chain, "arc": arc}
 if len(sys.argv) != 2 or sys.argv[1] not in scenes:
     sys.exit(__doc__)
 scene = scenes[sys.argv[1]]()

@@ -11,10 +11,8 @@ namespace {
 
 constexpr double kAxisStep = 1e-3, kAxisMass = 1.5;
 
-class CylindricalJoints : public testing::TestWithParam<Precision> {
+class CylindricalJoints : public JointTest {
  protected:
-  World world_of(const Scene& scene) const { return joint_world(scene, GetParam()); }
-  bool is_double() const { return GetParam() == Precision::double_precision; }
   double exact() const { return is_double() ? 1e-9 : 2e-5; }
 };
 INSTANTIATE_TEST_SUITE_P(Precisions, CylindricalJoints,

@@ -12,10 +12,8 @@ namespace {
 
 constexpr double kStep = 1e-3;
 
-class JointDrives : public testing::TestWithParam<Precision> {
+class JointDrives : public JointTest {
  protected:
-  World world_of(const Scene& scene) const { return joint_world(scene, GetParam()); }
-  bool is_double() const { return GetParam() == Precision::double_precision; }
   /// Share of a force that solvers leave undone in a step.
   double left() const { return is_double() ? 1e-6 : 5e-4; }
 };

@@ -9,11 +9,7 @@
 namespace scree::physics {
 namespace {
 
-class JointKinds : public testing::TestWithParam<Precision> {
- protected:
-  World world_of(const Scene& scene) const { return joint_world(scene, GetParam()); }
-  bool is_double() const { return GetParam() == Precision::double_precision; }
-};
+class JointKinds : public JointTest {};
 INSTANTIATE_TEST_SUITE_P(Precisions, JointKinds,
                          testing::Values(Precision::single_precision, Precision::double_precision),
                          name_of_precision);

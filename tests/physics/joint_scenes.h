@@ -36,6 +36,13 @@ inline World joint_world(Scene scene, Precision precision) {
   return World(scene, cpu_options(1, precision));
 }
 
+/// Tests of joints in both precisions.
+class JointTest : public testing::TestWithParam<Precision> {
+ protected:
+  World world_of(const Scene& scene) const { return joint_world(scene, GetParam()); }
+  bool is_double() const { return GetParam() == Precision::double_precision; }
+};
+
 inline std::string name_of_precision(const testing::TestParamInfo<Precision>& one) {
   return one.param == Precision::double_precision ? "Double" : "Float";
 }

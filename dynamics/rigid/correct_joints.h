@@ -35,7 +35,7 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
   const auto solve_again = [&] {
     keep();
     const SolveStats first = stats;
-    joints.guess(b, problem, gamma, wanted.scene.solver.warm_start);
+    joints.guess(b, bodies, problem, gamma, wanted.scene.solver.warm_start);
     stats = solver.solve(b, problem, gamma, wanted.tolerance);
     stats.iterations += first.iterations;
     stats.applications += first.applications;

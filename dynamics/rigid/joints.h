@@ -7,17 +7,15 @@
 #include <vector>
 
 #include "dynamics/model_errors.h"
-#include "dynamics/rigid/held_joints.h"
 #include "dynamics/rigid/joint_frames.h"
+#include "dynamics/rigid/joint_guess.h"
 #include "dynamics/rigid/problem_assembly.h"
 #include "host/world.h"
 #include "host/world_state.h"
 #include "kernels/backend/over_ranks.h"
-#include "kernels/step/driven_joints.h"
 #include "kernels/step/joint_correction.h"
 #include "kernels/step/joint_impacts.h"
 #include "solvers/body_contacts.h"
-#include "solvers/contact_passes.h"
 
 namespace scree {
 
@@ -33,54 +31,10 @@ inline std::vector<std::array<Index, 2>> joined_bodies(const Scene& scene) {
   return out;
 }
 
-/// Driven joints of the free body that has the most of them.
-inline int most_drives(const Scene& scene, const std::vector<JointFrames>& frames) {
-  std::vector<int> count(scene.bodies.size());
-  int most = 0;
-  for (const JointFrames& joint : frames) {
-    if (!joint.drive.is_used()) continue;
-    for (const Index id : joint.body) {
-      if (id == kWorldId) continue;
-      const auto body = static_cast<std::size_t>(id);
-      if (scene.bodies[body].kind == BodyKind::free) most = std::max(most, ++count[body]);
-    }
-  }
-  return most;
-}
-
 template <class B, class Real>
 class Joints {
  public:
-  Joints(B& b, const Scene& scene)
-      : own_count_(static_cast<Index>(scene.joints.size())),
-        count_(static_cast<Index>(joint_frame_count(scene))),
-        frames_(b),
-        impulse_(b, count_),
-        in_impacts_(b),
-        state_(b, count_),
-        place_(b, count_ > 0 ? static_cast<Offset>(scene.bodies.size()) : 0),
-        key_(b, count_),
-        order_(b, count_),
-        sort_(b),
-        joined_(b),
-        row_(b, count_),
-        planned_(b, count_),
-        sums_(b, 1),
-        here_count_(b, 1),
-        is_counted_(b),
-        lists_(b) {
-    const std::vector<JointFrames> frames = joint_frames(scene);
-    for (const Joint& joint : scene.joints) {
-      may_break_ =
-          may_break_ || std::isfinite(joint.break_force) || std::isfinite(joint.break_moment);
-    }
-    most_drives_ = most_drives(scene, frames);
-    for (const JointFrames& joint : frames)
-      if (joint.turn_of >= 0) turn_of_.push_back(joint.turn_of);
-    upload(b, frames, frames_);
-    fill(b, state_.view(), JointState{});
-    forget(b);
-  }
+  Joints(B& b, const Scene& scene) : Joints(b, scene, joint_frames(scene)) {}
 
   Index count() const { return count_; }
   /// Impulse vectors of the joints in a problem, after place().
@@ -183,30 +137,10 @@ class Joints {
                                     own_part(gamma), state_.view(), in_impacts_.view(count_)});
   }
 
-  /// Makes the impulses of joints a better guess of those of the problem of join(): of joints with drives by a few steps among
-  /// them, since a solver stops at once where a weak motor or spring is all that is missing, in each step anew; of held rows,
-  /// where the problem is in host memory and starts from impulses of the step before, see HeldJoints.
-  void guess(B& b, const ContactProblem<Real>& problem, Span<Vec3<Real>> gamma, bool is_warm) {
-    const bool has_held = !B::kIsDevice && is_warm;
-    if (most_drives_ == 0 && !has_held) return;
-    Buffer<B, Twist<Real>> velocity(b, problem.bodies.owned_count);
-    const auto gather = [&] {
-      ContactPasses<JointedRows<Real>, B, Real>::gather_velocities(b, problem, gamma,
-                                                                   velocity.view());
-    };
-    const int rounds = has_held && most_drives_ > 0 ? 2 : 1;
-    for (int round = 0; round < rounds; ++round) {
-      const int passes = most_drives_ > 1 ? kDrivePasses : most_drives_;
-      for (int pass = 0; pass < passes; ++pass) {
-        gather();
-        for_each(b, here_, SolveDrivenJoints<Real>{problem, velocity.view(), gamma});
-      }
-      if constexpr (!B::kIsDevice) {
-        if (!has_held) continue;
-        gather();
-        held_.improve(problem, velocity.view(), gamma);
-      }
-    }
+  /// Makes the impulses of joints a better guess of those of the problem of join(), see JointGuess.
+  void guess(B& b, const BodyView<Real>& bodies, const ContactProblem<Real>& problem,
+             Span<Vec3<Real>> gamma, bool is_warm) {
+    guess_.improve(b, problem, places(bodies), order_.view(here_), gamma, is_warm);
   }
 
   struct Worst {
@@ -355,6 +289,36 @@ class Joints {
   }
 
  private:
+  Joints(B& b, const Scene& scene, const std::vector<JointFrames>& frames)
+      : own_count_(static_cast<Index>(scene.joints.size())),
+        count_(static_cast<Index>(frames.size())),
+        frames_(b),
+        impulse_(b, count_),
+        in_impacts_(b),
+        state_(b, count_),
+        place_(b, count_ > 0 ? static_cast<Offset>(scene.bodies.size()) : 0),
+        key_(b, count_),
+        order_(b, count_),
+        sort_(b),
+        joined_(b),
+        row_(b, count_),
+        planned_(b, count_),
+        sums_(b, 1),
+        here_count_(b, 1),
+        is_counted_(b),
+        lists_(b),
+        guess_(b, scene, frames) {
+    for (const Joint& joint : scene.joints) {
+      may_break_ =
+          may_break_ || std::isfinite(joint.break_force) || std::isfinite(joint.break_moment);
+    }
+    for (const JointFrames& joint : frames)
+      if (joint.turn_of >= 0) turn_of_.push_back(joint.turn_of);
+    upload(b, frames, frames_);
+    fill(b, state_.view(), JointState{});
+    forget(b);
+  }
+
   /// What a rank says of a joint.
   struct Told {
     Index joint = 0;
@@ -445,10 +409,7 @@ class Joints {
   Buffer<B, Sums<1>> here_count_;
   Buffer<B, Index> is_counted_;  ///< with several ranks: of each joint, see MarkCountedJoints
   GroupContacts<B> lists_;
-  /// Steps of driven joints that share bodies.
-  static constexpr int kDrivePasses = 8;
-  int most_drives_ = 0;  ///< of a free body
-  HeldJoints<Real> held_;
+  JointGuess<B, Real> guess_;
 };
 
 }  // namespace scree

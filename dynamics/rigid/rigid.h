@@ -178,7 +178,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     const double tolerance =
         residual_tolerance(scene_.solver.stop, reference, summary_.median_diameter, h, steepest_);
     if (joints_.count() > 0 && tolerance > 0)
-      joints_.guess(b, problem, gamma, scene_.solver.warm_start);
+      joints_.guess(b, bodies, problem, gamma, scene_.solver.warm_start);
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
       correct_joints(

@@ -9,18 +9,22 @@
 
 namespace scree {
 
-std::string joints_apart(const RunTotals& t, const std::vector<Joint>& joints,
-                         const BodyConstants& bodies) {
+bool are_joints_apart(double error, const BodyConstants& bodies) {
   constexpr double kApart = 0.02;               // of the smallest body
   constexpr std::size_t kMostBodies = 1 << 20;  // that are looked at for it
-  if (!(t.max_joint_error() > 0)) return {};
+  if (!(error > 0)) return false;
   double smallest = 0;  // radius
   for (std::size_t id = 0; id < std::min(bodies.size(), kMostBodies); ++id) {
     const BodyConstant body = bodies[id];
     const bool counts = body.kind == BodyKind::free && body.radius > 0;
     if (counts && (smallest == 0 || body.radius < smallest)) smallest = body.radius;
   }
-  if (!(t.max_joint_error() > kApart * smallest)) return {};
+  return error > kApart * smallest;
+}
+
+std::string joints_apart(const RunTotals& t, const std::vector<Joint>& joints,
+                         const BodyConstants& bodies) {
+  if (!are_joints_apart(t.max_joint_error(), bodies)) return {};
   std::string text = fmt::format(
       "joints were off by up to {:.3g} m, in step {} (max_joint_error_m): they contradict each "
       "other or a motion, began apart, or are so nearly in a line that they cannot hold",

@@ -9,6 +9,10 @@
 
 namespace scree {
 
+/// Whether joints are farther off than any that hold: a few hundredths of the smallest body.
+/// @param error  of joints [m]
+bool are_joints_apart(double error, const BodyConstants& bodies);
+
 /// What a user is told of them, a sentence; empty when all held.
 std::string joints_apart(const RunTotals& totals, const std::vector<Joint>& joints,
                          const BodyConstants& bodies);

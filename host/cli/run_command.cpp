@@ -362,7 +362,8 @@ class Run {
     if (files.forces) files.forces->flush();
     progress.finish();
     record_.transport = transport();
-    record_.status = signals.received() == 0 ? RunStatus::done : RunStatus::interrupted;
+    const std::string apart = joints_apart(record_.totals, scene_.joints, world.constants());
+    set_status_at_end(signals.received() != 0, apart, world.constants());
     if (signals.received() != 0)
       progress.note("interrupted: checkpoint written, continue with --resume");
     if (!options_.quiet) progress.note(summary());
@@ -386,13 +387,23 @@ class Run {
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
           "smaller time step follows it better, or max_turn of the dynamics",
           record_.totals.max_turn(), kMostTurn));
-    for (const std::string& unsolved :
-         {joints_apart(record_.totals, scene_.joints, world.constants()),
-          steps_not_converged(world.constants())}) {
+    for (const std::string& unsolved : {apart, steps_not_converged(world.constants())}) {
       if (unsolved.empty()) continue;
       if (options_.require_convergence) throw RunError(unsolved);
       progress.note("warning: " + unsolved);
     }
+  }
+
+  /// @param apart  what is told of joints that did not hold
+  void set_status_at_end(bool is_interrupted, const std::string& apart,
+                         const BodyConstants& bodies) {
+    record_.status = is_interrupted ? RunStatus::interrupted : RunStatus::done;
+    const StepReport& last = record_.totals.last();
+    if (is_interrupted || !are_joints_apart(last.max_joint_error, bodies)) return;
+    record_.status = RunStatus::joints_apart;
+    if (!record_.message.empty()) record_.message += "; ";
+    record_.message += fmt::format("{}; at the end by {:.3g} m, with a residual of {:.3g} m/s RMS",
+                                   apart, last.max_joint_error, last.residual_rms);
   }
 
   /// Contacts of the first step are those of the start.

@@ -157,6 +157,8 @@ const char* to_string(RunStatus status) {
       return "running";
     case RunStatus::done:
       return "done";
+    case RunStatus::joints_apart:
+      return "joints_apart";
     case RunStatus::interrupted:
       return "interrupted";
     case RunStatus::failed:

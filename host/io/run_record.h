@@ -69,7 +69,13 @@ class RunTotals {
   StepReport last_;
 };
 
-enum class RunStatus { running, done, interrupted, failed };
+enum class RunStatus {
+  running,
+  done,
+  joints_apart,  ///< done, with joints that do not hold at the end
+  interrupted,
+  failed
+};
 
 struct RunRecord {
   explicit RunRecord(const DynamicsCard& card) : totals(card) {}

@@ -19,6 +19,11 @@ TEST(CliRunWarnings, JointsThatDoNotHoldAreTold) {
   EXPECT_EQ(run.code, 0) << run.err;
   EXPECT_TRUE(holds(run.out + run.err, "joints were off by up to 0.6")) << run.out << run.err;
   EXPECT_TRUE(holds(run.out + run.err, "(distance) of the world and bodies[0] (id 0)")) << run.err;
+  const nlohmann::json record = json_file(scratch / "a/run.json");
+  EXPECT_EQ(record.at("status"), "joints_apart");
+  const auto message = record.at("message").get<std::string>();
+  EXPECT_TRUE(holds(message, "joints were off by up to 0.6")) << message;
+  EXPECT_TRUE(holds(message, "m/s RMS")) << message;
   const Result strict =
       scree(scratch, run_arguments(file, scratch / "b", {"--require-convergence"}));
   EXPECT_EQ(strict.code, 1);

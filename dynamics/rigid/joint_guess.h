@@ -1,0 +1,121 @@
+#pragma once
+// Impulses of joints that are a better guess than those of the step before, for a solver to begin with.
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "dynamics/rigid/deep_joints.h"
+#include "dynamics/rigid/held_joints.h"
+#include "kernels/step/driven_joints.h"
+#include "solvers/contact_passes.h"
+
+namespace scree {
+
+/// Driven joints of the free body that has the most of them.
+inline int most_drives(const Scene& scene, const std::vector<JointFrames>& frames) {
+  std::vector<int> count(scene.bodies.size());
+  int most = 0;
+  for (const JointFrames& joint : frames) {
+    if (!joint.drive.is_used()) continue;
+    for (const Index id : joint.body) {
+      if (id == kWorldId) continue;
+      const auto body = static_cast<std::size_t>(id);
+      if (scene.bodies[body].kind == BodyKind::free) most = std::max(most, ++count[body]);
+    }
+  }
+  return most;
+}
+
+template <class B, class Real>
+class JointGuess {
+ public:
+  JointGuess(B& b, const Scene& scene, const std::vector<JointFrames>& frames)
+      : JointGuess(b, scene, frames, solved_on_host(scene, frames)) {}
+
+  /// Better impulses of the joints of a problem: of joints with drives by a few steps among them, since a solver stops at once
+  /// where a weak motor or spring is all that is missing, in each step anew; of held rows, where the problem starts from impulses
+  /// of the step before, see HeldJoints.
+  /// @param order  joint of each joint row of the problem
+  /// @param gamma  impulses of contacts and joints, in and out
+  void improve(B& b, const ContactProblem<Real>& problem, const JointPlaces& places,
+               Span<const Index> order, Span<Vec3<Real>> gamma, bool is_warm) {
+    const bool has_held = held_.count() > 0 && is_warm;
+    if (most_drives_ == 0 && !has_held) return;
+    Buffer<B, Twist<Real>> velocity(b, problem.bodies.owned_count);
+    const auto gather = [&] {
+      ContactPasses<JointedRows<Real>, B, Real>::gather_velocities(b, problem, gamma,
+                                                                   velocity.view());
+    };
+    const Offset joint_vectors = 2 * static_cast<Offset>(order.size);
+    const Span<Vec3<Real>> own = {gamma.data + gamma.size - joint_vectors, joint_vectors};
+    const int rounds = has_held && most_drives_ > 0 ? 2 : 1;
+    for (int round = 0; round < rounds; ++round) {
+      const int passes = most_drives_ > 1 ? kDrivePasses : most_drives_;
+      for (int pass = 0; pass < passes; ++pass) {
+        gather();
+        for_each(b, order.size, SolveDrivenJoints<Real>{problem, velocity.view(), gamma});
+      }
+      if (!has_held) continue;
+      gather();
+      fill(b, ends_.view(), JointEnds<Real>{});
+      for_each(b, order.size,
+               ListJointEnds<Real>{problem, velocity.view(), own, places, order, slot_.view(),
+                                   ends_.view()});
+      std::vector<JointEnds<Real>> ends = download(b, ends_.view());
+      held_.improve(ends);
+      std::vector<JointValues<Real>> impulse;
+      impulse.reserve(ends.size());
+      for (const JointEnds<Real>& e : ends) impulse.push_back(e.impulse);
+      upload(b, impulse, impulse_);
+      for_each(b, order.size, TakeJointImpulses<Real>{order, slot_.view(), impulse_.view(), own});
+    }
+  }
+
+ private:
+  /// Steps of driven joints that share bodies.
+  static constexpr int kDrivePasses = 8;
+
+  JointGuess(B& b, const Scene& scene, const std::vector<JointFrames>& frames,
+             const std::vector<Index>& held)
+      : most_drives_(most_drives(scene, frames)),
+        held_(bodies_of(held, frames), static_cast<Index>(scene.bodies.size())),
+        slot_(b),
+        ends_(b, held_.count()),
+        impulse_(b, held_.count()) {
+    std::vector<Index> slot(frames.size(), -1);
+    for (std::size_t s = 0; s < held.size(); ++s)
+      slot[static_cast<std::size_t>(held[s])] = static_cast<Index>(s);
+    if (!held.empty()) upload(b, slot, slot_);
+  }
+
+  /// Joints whose held rows are solved on the host: all where that is where their problem is, else those that are worth the way.
+  static std::vector<Index> solved_on_host(const Scene& scene,
+                                           const std::vector<JointFrames>& frames) {
+    if (B::kIsDevice) return deep_joints(scene, frames);
+    std::vector<Index> all(frames.size());
+    std::iota(all.begin(), all.end(), Index(0));
+    return all;
+  }
+
+  static std::vector<std::array<Index, 2>> bodies_of(const std::vector<Index>& joints,
+                                                     const std::vector<JointFrames>& frames) {
+    std::vector<std::array<Index, 2>> out;
+    out.reserve(joints.size());
+    for (const Index j : joints) {
+      const JointFrames& joint = frames[static_cast<std::size_t>(j)];
+      out.push_back({joint.body[0], joint.body[1]});
+    }
+    return out;
+  }
+
+  int most_drives_ = 0;  ///< of a free body
+  HeldJoints held_;
+  Buffer<B, Index> slot_;  ///< of each joint among those of `held_`, -1: none
+  Buffer<B, JointEnds<Real>> ends_;
+  Buffer<B, JointValues<Real>> impulse_;
+};
+
+}  // namespace scree

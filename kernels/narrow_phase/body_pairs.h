@@ -3,6 +3,7 @@
 
 #include "kernels/broad_phase/contact_range.h"
 #include "kernels/narrow_phase/pairs/pair_list.h"
+#include "kernels/narrow_phase/pairs/small_on_sphere.h"
 #include "kernels/narrow_phase/walls.h"
 #include "shapes/shape_list.h"
 
@@ -132,7 +133,7 @@ template <class P, class Listed, class Emit>
 SCREE_HD void list_features(const PairSide& a, const PairSide& b, const Vec3d& d, double most,
                             Listed&& listed, Emit&& emit) {
   if constexpr (P::kFeatureBits == 0) {
-    if (listed(P::contact(a, b, d, 0))) emit(0u);
+    if (listed(pair_contact<P>(a, b, d, 0))) emit(0u);
   } else {
     const Manifold m = P::manifold(a, b, d, most, listed);
     for (int k = 0; k < m.count; ++k) emit(m.feature[k]);

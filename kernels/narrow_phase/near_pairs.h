@@ -205,7 +205,7 @@ struct FindPairContacts {
     Index count = 0;
     PairFeatures features;
     if constexpr (P::kFeatureBits == 0) {
-      const ContactGeometry g = P::contact(p.order.a, p.order.b, p.order.d, 0);
+      const ContactGeometry g = pair_contact<P>(p.order.a, p.order.b, p.order.d, 0);
       if (p.listed(same)(g)) pairs.store(k, count++, p, g);
     } else {
       const Manifold m = P::manifold(p.order.a, p.order.b, p.order.d, p.most, p.listed(same));

@@ -303,7 +303,7 @@ struct PairOnSolid {
     ContactGeometry g = no_contact();
     with_pair(slot / solid.slots, [&](auto pair, const auto& in_memory, const PairSide& first,
                                       const PairSide& second, const Vec3d& d) {
-      g = in_memory(decltype(pair)::contact(first, second, d, slot % solid.slots));
+      g = in_memory(pair_contact<decltype(pair)>(first, second, d, slot % solid.slots));
     });
     return g;
   }

@@ -58,28 +58,56 @@ class FastBodies : public testing::TestWithParam<Named> {};
 INSTANTIATE_TEST_SUITE_P(All, FastBodies, testing::ValuesIn(kWalls),
                          [](const auto& info) { return info.param.name; });
 
+class Shots {
+ public:
+  double between(double low, double high) {
+    return low + (high - low) * static_cast<double>(random_()) / std::minstd_rand::max();
+  }
+  /// Shoots the last body of a scene, in any pose.
+  Scene next(Scene scene) {
+    scene.stepping.time_step = kShotStep;
+    scene.gravity = {};
+    BodyDescription& body = scene.bodies.back();
+    body.position = {between(-0.6, -0.5), between(-0.012, 0.012), between(-0.02, 0.02)};
+    body.velocity = {kShotSpeed, 0, 0};
+    body.orientation = exp_map(Vec3d{between(-2, 2), between(-2, 2), between(-2, 2)});
+    return scene;
+  }
+
+ private:
+  std::minstd_rand random_{7};
+};
+
 TEST_P(FastBodies, DoNotPassThinWalls) {
-  std::minstd_rand random(7);
-  const auto between = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(random()) / std::minstd_rand::max();
-  };
+  Shots shots;
   for (const Named& shape : kShotShapes) {
     const Scene wall_and_shot =
         scene_of(GetParam().keys + ", {" + shape.keys + R"(, "density": 1000})");
     for (int shot = 0; shot < kShots; ++shot) {
-      Scene scene = wall_and_shot;
-      scene.stepping.time_step = kShotStep;
-      scene.gravity = {};
+      const Scene scene = shots.next(wall_and_shot);
       const std::size_t id = scene.bodies.size() - 1;
-      BodyDescription& body = scene.bodies.back();
-      body.position = {between(-0.6, -0.5), between(-0.012, 0.012), between(-0.02, 0.02)};
-      body.velocity = {kShotSpeed, 0, 0};
-      body.orientation = exp_map(Vec3d{between(-2, 2), between(-2, 2), between(-2, 2)});
       World world(scene, cpu_options());
       for (int k = 0; k < 12; ++k) world.step();
       const std::vector<Vec3d> position = world.states().position;
       // A free wall is pushed along.
       EXPECT_LT(position[id].x, position[0].x) << shape.name << " " << shot;
+    }
+  }
+}
+
+// The one contact of a sphere and another body stops a point of that, which spins on; its middle stays outside.
+TEST(FastSmallBodies, DoNotGoDeepIntoSpheres) {
+  constexpr double kRadius = 0.1;
+  Shots shots;
+  for (const Named& shape : kShotShapes) {
+    const Scene both = scene_of(R"({"shape": "sphere", "kind": "fixed", "radius": 0.1}, {)" +
+                                shape.keys + R"(, "density": 1000})");
+    for (int shot = 0; shot < 4 * kShots; ++shot) {
+      World world(shots.next(both), cpu_options());
+      for (int k = 0; k < 12; ++k) {
+        world.step();
+        EXPECT_GT(norm(world.states().position[1]), kRadius) << shape.name << " " << shot;
+      }
     }
   }
 }

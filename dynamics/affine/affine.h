@@ -65,10 +65,7 @@ class AffineDynamics final : public ModelOn<B, double> {
         joints_(backend()),
         drives_(backend(), std::ssize(setup_.drives)),
         joint_position_(backend()),
-        sums_(backend(), 1),
-        strain_(backend(), 1),
         body_strain_(backend(), static_cast<Index>(setup_.scene_bodies)),
-        missed_(backend(), 1),
         led_time_(setup_.led.size()) {
     B& b = backend();
     upload(b, setup_.bodies, constants_);
@@ -363,18 +360,18 @@ class AffineDynamics final : public ModelOn<B, double> {
   }
   /// Largest strain of a body at the end of the step.
   double strain() {
-    reduce<Largest<double>>(backend(), rows_,
-                            affine::StrainOfRow{constants_.view(std::ssize(setup_.bodies)),
-                                                body_of_row_.view(rows_), next_.view()},
-                            StoreResult<Largest<double>>{strain_.data()});
-    return fetch(backend(), strain_.data()).value;
+    return reduce_to_host<Largest<double>>(
+               backend(), rows_,
+               affine::StrainOfRow{constants_.view(std::ssize(setup_.bodies)),
+                                   body_of_row_.view(rows_), next_.view()})
+        .value;
   }
   int count_missed(const affine::Potential& p, double tolerance) {
-    reduce<Sums<1>>(
-        backend(), rows_,
-        affine::MissedTargets{p.bodies, p.body_of_row, p.start, next_.view(), p.target, tolerance},
-        StoreResult<Sums<1>>{missed_.data()});
-    return static_cast<int>(fetch(backend(), missed_.data()).value[0]);
+    return static_cast<int>(
+        reduce_to_host<Sums<1>>(backend(), rows_,
+                                affine::MissedTargets{p.bodies, p.body_of_row, p.start,
+                                                      next_.view(), p.target, tolerance})
+            .value[0]);
   }
 
   void finish(const affine::StepScheme& scheme) {
@@ -442,11 +439,10 @@ class AffineDynamics final : public ModelOn<B, double> {
     }
   }
   affine::AffineSums sum() {
-    reduce<affine::AffineSums>(backend(), rows_,
-                               affine::SumBody{constants_.view(), body_of_row_.view(), q_.view(),
-                                               v_.view(), hit_.view(rows_)},
-                               StoreResult<affine::AffineSums>{sums_.data()});
-    return fetch(backend(), sums_.data());
+    return reduce_to_host<affine::AffineSums>(
+        backend(), rows_,
+        affine::SumBody{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
+                        hit_.view(rows_)});
   }
 
   /// Adds what a part of the step ended with.
@@ -646,10 +642,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, affine::DrivenJoint> joints_;
   Buffer<B, affine::DriveTerm> drives_;  ///< of the step
   Buffer<B, double> joint_position_;     ///< where the last step began [m or rad]
-  Buffer<B, affine::AffineSums> sums_;
-  Buffer<B, Largest<double>> strain_;
-  Buffer<B, double> body_strain_;  ///< by body of the scene, see write_output()
-  Buffer<B, Sums<1>> missed_;
+  Buffer<B, double> body_strain_;        ///< by body of the scene, see write_output()
   std::vector<double>
       led_time_;  ///< of the motion of each led body [s]: it waits where it is blocked
 };

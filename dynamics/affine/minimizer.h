@@ -70,12 +70,7 @@ class Minimizer {
         sort_(b),
         first_(b),
         line_(b),
-        mixed_(b),
-        energy_(b, 1),
-        share_(b, 1),
-        sums_(b, 1),
-        touch_(b, 1),
-        speed_(b, 1) {}
+        mixed_(b) {}
 
   /// Ways of bodies that the next list is for, by body: written before begin().
   Span<AffineVec> from() { return from_.view(); }
@@ -107,9 +102,7 @@ class Minimizer {
   Index touching(const Potential& p, Span<const AffineVec> q, double distance) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
     if (pairs == 0) return -1;
-    reduce<FirstTouch>(*b_, pairs, TouchOfPair{p.near, q, distance * distance},
-                       StoreResult<FirstTouch>{touch_.data()});
-    return fetch(*b_, touch_.data()).pair;
+    return reduce_to_host<FirstTouch>(*b_, pairs, TouchOfPair{p.near, q, distance * distance}).pair;
   }
 
   /// Bodies of which a pair of features is within reach in one of two states.
@@ -142,9 +135,7 @@ class Minimizer {
   bool slides(const Potential& p, Span<const AffineVec> q, double least) {
     const auto count = static_cast<Index>(p.slips.size);
     if (count == 0) return false;
-    reduce<Largest<double>>(*b_, count, SpeedOfSlip{p, q, least},
-                            StoreResult<Largest<double>>{speed_.data()});
-    return fetch(*b_, speed_.data()).value >= 1;
+    return reduce_to_host<Largest<double>>(*b_, count, SpeedOfSlip{p, q, least}).value >= 1;
   }
 
   /// Moves q to the minimum. @param report  adds to it
@@ -264,26 +255,22 @@ class Minimizer {
   EnergySum energy(const Potential& p, Span<const AffineVec> q) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
     squared_.reserve_discard(pairs), count_.reserve_discard(pairs);
-    reduce<EnergySum>(*b_, p.terms(),
-                      EnergyOfTerm{p, q, {squared_.view(pairs), count_.view(pairs)}},
-                      StoreResult<EnergySum>{energy_.data()});
-    return fetch(*b_, energy_.data());
+    return reduce_to_host<EnergySum>(
+        *b_, p.terms(), EnergyOfTerm{p, q, {squared_.view(pairs), count_.view(pairs)}});
   }
   double free_share(const Potential& p, Span<const AffineVec> q) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
     if (pairs == 0) return 1;
-    reduce<LeastShare>(*b_, pairs,
-                       FreeShare{p.near, q, full_.view(), std::as_const(squared_).view(pairs),
-                                 p.barrier.separation},
-                       StoreResult<LeastShare>{share_.data()});
-    return fetch(*b_, share_.data()).value;
+    return reduce_to_host<LeastShare>(
+               *b_, pairs,
+               FreeShare{p.near, q, full_.view(), std::as_const(squared_).view(pairs),
+                         p.barrier.separation})
+        .value;
   }
   StepSums measure(const Potential& p, Span<const AffineVec> q) {
-    reduce<StepSums>(
+    return reduce_to_host<StepSums>(
         *b_, MeasureStep::items(p),
-        MeasureStep{p, q, step_.view(), right_.view(), from_.view(), to_.view(), time_},
-        StoreResult<StepSums>{sums_.data()});
-    return fetch(*b_, sums_.data());
+        MeasureStep{p, q, step_.view(), right_.view(), from_.view(), to_.view(), time_});
   }
   void move(const Potential& p, Span<const AffineVec> q, double share, Span<AffineVec> moved) {
     for_each(*b_, p.rows(), MoveBody{p.body_of_row, q, step_.view(), share, moved});
@@ -412,11 +399,6 @@ class Minimizer {
   Buffer<B, Index> first_;
   Buffer<B, LineSum> line_;
   Buffer<B, MixedBlock> mixed_;
-  Buffer<B, EnergySum> energy_;
-  Buffer<B, LeastShare> share_;
-  Buffer<B, StepSums> sums_;
-  Buffer<B, FirstTouch> touch_;
-  Buffer<B, Largest<double>> speed_;
 };
 
 }  // namespace scree::affine

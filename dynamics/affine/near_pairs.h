@@ -40,8 +40,7 @@ class NearPairs {
         item_(b),
         kept_(b),
         body_pair_(b),
-        near_(b),
-        counts_(b, 1) {}
+        near_(b) {}
 
   /// Lists all pairs of features that come within a distance of each other while bodies move straight from one place to
   /// another, all at one time, but those of bodies that do not touch. Of others it lists some whose boxes come so near.
@@ -64,7 +63,7 @@ class NearPairs {
     const SearchBodies at{tables.view(), from, to, boxes(n), {}, {}, distance};
     do {
       search(b, at, tables.filter());
-      found_ = fetch(b, static_cast<const SearchCounts*>(counts_.data()));
+      found_ = take_result<SearchCounts>(b);
     } while (!has_room());
   }
 
@@ -156,7 +155,7 @@ class NearPairs {
     feature.touching = touching;
     feature.found = near_.view(room_.pairs);
     for_each(b, searches, feature);
-    for_each(b, 1, SumUpSearch{sums, touching, counts_.data()});
+    for_each(b, 1, SumUpSearch{sums, touching, result_place<SearchCounts>(b)});
   }
 
   /// Numbers of pairs of near bodies, rising.
@@ -250,7 +249,6 @@ class NearPairs {
   Buffer<B, Index> kept_;
   Buffer<B, BodyPair> body_pair_;
   Buffer<B, NearPair> near_;
-  Buffer<B, SearchCounts> counts_;
   SearchCounts found_;
   SearchCounts room_{256, 1024, 1024, 1024, 0};
   Index parts_ = 1;  ///< of features

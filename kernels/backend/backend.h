@@ -164,6 +164,20 @@ T fetch(B& b, const T* element) {
   return value;
 }
 
+/// Where programs on the backend write a result for the host, which take_result() reads; one at a time.
+inline constexpr std::size_t kMostResultBytes = 16 * 1024;
+template <class T, class B>
+T* result_place(B& b) {
+  static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= kMostResultBytes);
+  return static_cast<T*>(b.result());
+}
+/// A synchronization, without the transfer that fetch() takes.
+template <class T, class B>
+T take_result(B& b) {
+  b.synchronize();
+  return *result_place<T>(b);
+}
+
 /// A note to the host: fetch() in two parts, with other work between. What send_note() brings is what the queue leaves
 /// there; read_note() waits for that alone, and costs little after any other synchronization. A note replaces the one before.
 inline constexpr std::size_t kMostNoteBytes = 64;
@@ -205,6 +219,13 @@ struct StoreResult {
   R* result;
   SCREE_HD void operator()(const R& total) const { *result = total; }
 };
+
+/// A reduction whose total goes to the host: a synchronization.
+template <class R, class B, class F>
+R reduce_to_host(B& b, Index n, const F& f) {
+  reduce<R>(b, n, f, StoreResult<R>{result_place<R>(b)});
+  return take_result<R>(b);
+}
 
 /// Sum of K doubles: the usual reduction record.
 template <int K>

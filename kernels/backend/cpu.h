@@ -46,6 +46,8 @@ class Cpu : public InRanks {
   void upload_bytes(void* d, const void* s, std::size_t bytes) { copy_bytes(d, s, bytes); }
   void download_bytes(void* d, const void* s, std::size_t bytes) { copy_bytes(d, s, bytes); }
 
+  void* result() { return result_; }
+
   void send_note(const void* source, std::size_t bytes) { std::memcpy(note_, source, bytes); }
   void read_note(void* destination, std::size_t bytes) { std::memcpy(destination, note_, bytes); }
 
@@ -62,6 +64,7 @@ class Cpu : public InRanks {
   std::size_t peak_ = 0;
   std::vector<unsigned char> scratch_;
   unsigned char note_[kMostNoteBytes] = {};
+  alignas(kAlignment) unsigned char result_[kMostResultBytes] = {};
 };
 
 /// Below this many elements a parallel region costs more than it saves; programs whose elements are

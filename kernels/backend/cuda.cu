@@ -3,6 +3,7 @@
 #include <thrust/iterator/transform_iterator.h>
 
 #include <cstring>
+#include <cub/block/block_scan.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
@@ -26,7 +27,7 @@ Cuda::Cuda(int device) : device_(device) {
   check_cuda(cudaMalloc(&partials_, kMaxReduceRecord * kReduceBlocks),
              "allocate reduction scratch");
   check_cuda(cudaMalloc(&ticket_, sizeof(unsigned)), "allocate reduction ticket");
-  check_cuda(cudaMallocHost(&result_, kResultBytes), "allocate host memory for results");
+  check_cuda(cudaMallocHost(&result_, kMostResultBytes), "allocate host memory for results");
   check_cuda(cudaMallocHost(&note_, kMostNoteBytes), "allocate host memory for notes");
   check_cuda(cudaEventCreateWithFlags(&note_sent_, cudaEventDisableTiming), "create event");
   check_cuda(cudaMemsetAsync(ticket_, 0, sizeof(unsigned), stream_), "clear reduction ticket");
@@ -92,7 +93,7 @@ void Cuda::upload_bytes(void* destination, const void* source, std::size_t bytes
 void Cuda::download_bytes(void* destination, const void* source, std::size_t bytes) {
   if (bytes == 0) return;
   // Small results go through page-locked memory, which the device reaches without the help of the driver.
-  const bool is_small = bytes <= kResultBytes;
+  const bool is_small = bytes <= kMostResultBytes;
   check_cuda(cudaMemcpyAsync(is_small ? result_ : destination, source, bytes,
                              cudaMemcpyDeviceToHost, stream_),
              "download");
@@ -115,9 +116,37 @@ struct Widen {
   __host__ __device__ Offset operator()(Index i) const { return i; }
 };
 
+constexpr int kScanThreads = 1024, kScanItems = 8;  // of a thread at a time
+/// So few terms take one block no longer than CUB takes for its two kernels.
+constexpr Offset kMostInBlock = 4 * kScanThreads * kScanItems;
+
+template <class Terms, class Sum>
+__global__ void __launch_bounds__(kScanThreads) scan_in_block(Terms terms, int count, Sum* out) {
+  using Scan = cub::BlockScan<Sum, kScanThreads>;
+  __shared__ typename Scan::TempStorage space;
+  Sum before = 0;
+  if (threadIdx.x == 0) out[0] = 0;
+  for (int begin = 0; begin < count; begin += kScanThreads * kScanItems) {
+    const int first = begin + static_cast<int>(threadIdx.x) * kScanItems;
+    Sum sum[kScanItems], total = 0;
+    for (int k = 0; k < kScanItems; ++k)
+      sum[k] = first + k < count ? static_cast<Sum>(terms[first + k]) : Sum(0);
+    Scan(space).InclusiveSum(sum, sum, total);
+    for (int k = 0; k < kScanItems; ++k)
+      if (first + k < count) out[first + k + 1] = before + sum[k];
+    before += total;
+    __syncthreads();  // before the next round takes the space
+  }
+}
+
 /// @param terms  iterator over `count` terms of the type of the sum
 template <class Terms, class Sum>
 void scan(Cuda& cuda, Terms terms, Offset count, Sum* out) {
+  if (count > 0 && count <= kMostInBlock) {
+    scan_in_block<<<1, kScanThreads, 0, cuda.stream()>>>(terms, static_cast<int>(count), out);
+    cuda.check_launch("exclusive_scan");
+    return;
+  }
   // The total lands in out[n]: an inclusive scan shifted by one, behind a leading zero.
   check_cuda(cudaMemsetAsync(out, 0, sizeof(Sum), cuda.stream()), "exclusive_scan");
   if (count == 0) return;

@@ -56,7 +56,6 @@ class Cuda : public InRanks {
 
   /// Page-locked host memory that kernels may write into: for small results, read when the stream has been waited for.
   /// Void after the next download.
-  static constexpr std::size_t kResultBytes = 16 * 1024;
   void* result() { return result_; }
 
   /// Temporary storage of a scan; grows, and is valid until the next call.

@@ -8,7 +8,7 @@
 namespace scree {
 namespace {
 
-const std::vector<Index> kSizes{0, 1, 33, 257, 100003};
+const std::vector<Index> kSizes{0, 1, 33, 257, 8192, 8193, 32768, 32769, 100003};
 
 struct SquareElements {
   static constexpr const char* name = "square";
@@ -94,6 +94,17 @@ TEST_F(PrimitivesTest, ReduceAddsAllElements) {
     EXPECT_NEAR(sum_of(backend(), values), static_cast<double>(exact),
                 1e-14 * static_cast<double>(size))
         << n;
+  }
+}
+
+TEST_F(PrimitivesTest, ReduceToHostGivesTheTotal) {
+  const std::vector<double> values{3, 1, 4, 1, 5};
+  Buffer<TestBackend, double> in(backend());
+  upload(backend(), values, in);
+  double sum = 0;
+  for (Index n = 0; n <= 5; ++n) {
+    EXPECT_EQ(reduce_to_host<Sums<1>>(backend(), n, ReadElement{in.view()}).value[0], sum) << n;
+    if (n < 5) sum += values[static_cast<std::size_t>(n)];
   }
 }
 

@@ -126,8 +126,7 @@ class HeldJoints {
       const bool has_ghost = p.bodies.is_ghost(p.body_a[c]) || p.bodies.is_ghost(p.body_b[c]);
       std::array<int, kJointRows> place;
       for (int r = 0; r < kJointRows; ++r) {
-        const bool is_held = !has_ghost && j.inverse_pivot(r) > Real(0) &&
-                             !(r == kJointAxisRow && j.is_last_driven());
+        const bool is_held = !has_ghost && j.inverse_pivot(r) > Real(0) && !j.is_driven(r);
         place[static_cast<std::size_t>(r)] = is_held ? rows_++ : -1;
       }
       place_.push_back(place);

@@ -372,12 +372,13 @@ struct JointSetup {
   /// Axes in which moments between two bodies do not act on each other.
   static SCREE_HD void principal_axes(const JointSide& a, const JointSide& b, Vec3<Real>* axes) {
     Dense<3> sum, own;
-    for (const JointSide* s : {&a, &b}) {
-      if (!s->is_free) continue;
+    for (int side = 0; side < 2; ++side) {
+      const JointSide& s = side == 0 ? a : b;
+      if (!s.is_free) continue;
       for (int k = 0; k < 3; ++k) {
         Vec3<double> unit;
         unit[k] = 1;
-        const Vec3<double> column = s->inv_inertia * unit;
+        const Vec3<double> column = s.inv_inertia * unit;
         for (int i = 0; i < 3; ++i) sum(i, k) += column[i];
       }
     }

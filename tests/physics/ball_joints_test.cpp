@@ -414,6 +414,22 @@ TEST_P(BallJoints, BreakOfAllTheirMoments) {
   }
 }
 
+// forces.csv has them all as well.
+TEST_P(BallJoints, TellOfAllTheirMoments) {
+  Scene scene = body_at_center(false);
+  scene.bodies[0].angular_velocity = {0, 0, 5};
+  Joint& joint = scene.joints[0];
+  joint.swing = 1;
+  joint.friction = 0.03;
+  joint.motor = JointMotor{.force = -0.04};
+  World world = world_of(scene);
+  world.track_forces();
+  run_converged(world, 20);
+  const MeanForces forces = world.take_forces();
+  ASSERT_EQ(forces.on_joints.size(), 1u);
+  EXPECT_LT(norm(forces.on_joints[0].torque - Vec3d{0, 0, -0.07}), is_double() ? 1e-10 : 1e-6);
+}
+
 TEST_P(BallJoints, GoOnFromACheckpointWithTheSameBits) {
   Scene scene = box_on_arm();
   scene.bodies[0].angular_velocity = {3, 0, 0};

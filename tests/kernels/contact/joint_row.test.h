@@ -276,7 +276,7 @@ TYPED_TEST(JointRowTest, RubbingMomentsAreTheNearestWithinABall) {
     row.rubs = true;
     row.least = row.most = 0;
     const double unit = trial % 5 == 0 ? 1e-25 : 1;
-    row.friction = static_cast<TypeParam>(unit * (0.3 + 0.2 * uniform(random)));
+    row.friction = static_cast<TypeParam>(unit * std::pow(10, 2 * uniform(random)));
     Vector6 given = unit * this->random_vector();
     const Vector6 found = this->run(row, {given}, 0.5).nearest[0];
     // Of z_k / (1 + x p_k^2) the one on the ball, by bisection of x over all that can be.

@@ -233,25 +233,31 @@ struct Joint {
   std::array<int, 2> bodies{kWorldBody, 0};
   /// Point of both bodies at time zero, world [m]; distance, cable, spring: of the first one.
   Vec3d anchor;
-  /// Unit, world, at time zero; universal: that of the cross in the first body.
+  /// Unit, world, at time zero; universal: that of the cross in the first body; ball: what `swing`, `limits` and `motor` are about.
   Vec3d axis{0, 0, 1};
   Vec3d second_anchor{};       ///< distance, cable, spring: point of the second body [m]
   Vec3d second_axis{1, 0, 0};  ///< universal: in the second body, unit, at a right angle to `axis`
   /// Distance, cable, spring: of the two points, longest, at rest [m]; negative: that at time zero.
   double length = -1;
-  /// Hinge, slider, cylindrical: least and largest angle [rad] or way [m] of the second body from time zero.
+  /// Hinge, slider, cylindrical: least and largest angle [rad] or way [m] of the second body from time zero; ball, universal: about
+  /// `axis`. The angle about the axis of a ball joint, its twist, is that of what is left of the rotation without its swing.
   std::array<double, 2> limits{-std::numeric_limits<double>::infinity(),
                                std::numeric_limits<double>::infinity()};
   std::optional<JointMotor> motor{};  ///< of these
-  double friction = 0;   ///< of these: moment [N m] or force [N] that keeps it at rest, >= 0
+  /// Of these: moment [N m] or force [N] that keeps it at rest, >= 0; ball: against turning in any direction.
+  double friction = 0;
   double stiffness = 0;  ///< spring [N/m], >= 0
   double damping = 0;    ///< spring [N s/m], >= 0
   /// A joint that carried more than one of these in a step is no more in those after it [N], [N m], > 0.
   double break_force = std::numeric_limits<double>::infinity();
   double break_moment = std::numeric_limits<double>::infinity();
-  AxisDrive turn{};  ///< cylindrical: about its axis, while the three above act along it
+  AxisDrive turn{};  ///< cylindrical: about its axis, while limits, motor and friction act along it
+  AxisDrive second_turn{};  ///< universal: about `second_axis`, while these act about `axis`
+  /// Ball: largest angle between `axis` in the first body and `swing_axis` in the second [rad], > 0.
+  double swing = std::numeric_limits<double>::infinity();
+  std::optional<Vec3d> swing_axis{};  ///< at time zero, unit, world; without it `axis`
 
-  /// The three above.
+  /// Limits, motor and friction.
   AxisDrive drive() const { return {limits, motor, friction}; }
 };
 

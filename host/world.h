@@ -122,7 +122,7 @@ struct JointRecord {
   Vec3d force;   ///< impulse at the anchor of B, world frame, acting on B [N s]
   Vec3d moment;  ///< about that anchor [N m s]
   /// Of body B against A since time zero, at the start of the step: angle of a hinge [rad], way of a
-  /// slider or cylindrical joint [m]; length of a distance, cable or spring over its own [m]. Else 0.
+  /// slider or cylindrical joint [m]; of a ball joint with a swing that [rad]; length of a distance, cable or spring over its own [m]. Else 0.
   double position = 0;
   bool is_broken = false;  ///< since this step or an earlier one
 };

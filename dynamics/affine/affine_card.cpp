@@ -47,6 +47,10 @@ void check_joint(const Scene& scene, std::size_t j) {
     return body == kWorldBody ||
            scene.bodies[static_cast<std::size_t>(body)].kind == BodyKind::fixed;
   });
+  if (joint.kind == JointKind::ball && (is_about_axis(joint) || has_drive(joint.drive())))
+    refuse_value(path + ".type", "\"ball\" with a swing, limits, a motor or friction",
+                 "must be without these: what turns in all directions has no angle that is linear "
+                 "in affine bodies");
   if (slides && !has_resting)
     refuse_value(
         path + ".type", fmt::format("\"{}\"", joint_card(joint.kind).name),

@@ -114,8 +114,7 @@ void HeldJoints::list_rows(const std::vector<JointEnds<double>>& joints) {
   for (std::size_t k = 0; k < joints.size(); ++k) {
     const JointRow<double>& j = joints[k].row;
     for (int r = 0; r < kJointRows; ++r) {
-      const bool is_held = joints[k].is_here && j.inverse_pivot(r) > 0 &&
-                           !(r == kJointAxisRow && j.is_last_driven());
+      const bool is_held = joints[k].is_here && j.inverse_pivot(r) > 0 && !j.is_driven(r);
       place_[k][static_cast<std::size_t>(r)] = is_held ? rows_++ : -1;
     }
   }

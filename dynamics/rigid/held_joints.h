@@ -82,11 +82,12 @@ JointEnds<double> HeldJoints::widened(const JointEnds<Real>& x) {
   for (int k = 0; k < kJointTriangle; ++k) w.row.factor[k] = x.row.factor[k];
   w.row.scale = x.row.scale;
   w.row.force_is_last = x.row.force_is_last;
+  w.row.rubs = x.row.rubs;
   for (int r = 0; r < kJointRows; ++r) {
     w.row.bias[r] = x.row.bias[r];
     w.impulse[r] = x.impulse[r];
   }
-  // Whether the last row is driven is all that is asked of its drive here.
+  // Whether rows are driven is all that is asked of a drive here.
   if (x.row.is_last_driven()) w.row.most = 0;
   return w;
 }

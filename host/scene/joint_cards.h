@@ -12,11 +12,14 @@ struct JointCard {
   JointKind kind;
   const char* name;
   const char* axis = nullptr;         ///< what its `axis` is; null: it has none
+  bool axis_is_optional = false;      ///< needed only by what is about it, see is_about_axis()
   const char* second_axis = nullptr;  ///< the same of `second_axis`
   bool has_two_points = false;        ///< `anchors` and a length; else one `anchor` for both bodies
   /// Takes limits, friction and a motor, whose moment or force has this key; null: nothing of these.
   const char* drive = nullptr;
   bool has_turn = false;           ///< takes them about its axis too, as its `turn`
+  bool has_second_turn = false;    ///< takes them about its second axis too, as its `second_turn`
+  bool has_swing = false;          ///< takes a largest angle between an axis of each body
   const char* position = nullptr;  ///< unit of its way, null: it has none that is one number
 };
 
@@ -26,7 +29,13 @@ inline constexpr std::array kJointCards{
               .axis = "a hinge needs the direction it turns about, [x, y, z]",
               .drive = "torque",
               .position = "rad"},
-    JointCard{.kind = JointKind::ball, .name = "ball"},
+    JointCard{.kind = JointKind::ball,
+              .name = "ball",
+              .axis = "a ball joint needs the direction that its swing, limits and motor are "
+                      "about, [x, y, z]",
+              .axis_is_optional = true,
+              .drive = "torque",
+              .has_swing = true},
     JointCard{.kind = JointKind::fixed, .name = "fixed"},
     JointCard{.kind = JointKind::slider,
               .name = "slider",
@@ -44,7 +53,9 @@ inline constexpr std::array kJointCards{
               .name = "universal",
               .axis = "a universal joint needs the axis of its cross in the first body, [x, y, z]",
               .second_axis = "a universal joint needs the axis of its cross in the second body, "
-                             "[x, y, z]"},
+                             "[x, y, z]",
+              .drive = "torque",
+              .has_second_turn = true},
     JointCard{
         .kind = JointKind::distance, .name = "distance", .has_two_points = true, .position = "m"},
     JointCard{.kind = JointKind::cable, .name = "cable", .has_two_points = true, .position = "m"},
@@ -54,10 +65,21 @@ inline constexpr std::array kJointCards{
 /// Of a motor about an axis, as JointCard::drive.
 inline constexpr const char* kTurnDrive = "torque";
 
+/// Largest swing of a ball joint with limits or a motor about its axis: where the two axes are opposite, there is no angle about them [rad].
+inline constexpr double kMostSwingAboutAxis = 3;
+
+inline bool has_limits(const AxisDrive& drive) {
+  return !std::isinf(drive.limits[0]) || !std::isinf(drive.limits[1]);
+}
+
 /// Whether there is anything.
 inline bool has_drive(const AxisDrive& drive) {
-  return !std::isinf(drive.limits[0]) || !std::isinf(drive.limits[1]) || drive.motor ||
-         drive.friction != 0;
+  return has_limits(drive) || drive.motor || drive.friction != 0;
+}
+
+/// Whether something of a ball joint is about its axis.
+inline bool is_about_axis(const Joint& joint) {
+  return !std::isinf(joint.swing) || has_limits(joint.drive()) || joint.motor;
 }
 
 constexpr const JointCard& joint_card(JointKind kind) {

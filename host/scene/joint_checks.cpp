@@ -13,6 +13,12 @@
 namespace scree {
 namespace {
 
+constexpr double kHalfTurn = 3.14159265358979324;
+
+double angle_between(const Vec3d& x, const Vec3d& y) {
+  return std::atan2(norm(cross(x, y)), dot(x, y));
+}
+
 /// Forces, stiffness and speeds of joints are far below this.
 constexpr double kLargestOfJoint = 1e15;
 
@@ -32,7 +38,7 @@ std::optional<Fault> geometry_fault(const Joint& joint) {
   const JointCard& card = joint_card(joint.kind);
   if (auto fault = point_fault(card.has_two_points ? "anchors[0]" : "anchor", joint.anchor))
     return fault;
-  if (card.axis != nullptr)
+  if (card.axis != nullptr && (!card.axis_is_optional || is_about_axis(joint)))
     if (auto fault = direction_fault("axis", joint.axis)) return fault;
   if (card.second_axis != nullptr) {
     if (auto fault = direction_fault("second_axis", joint.second_axis)) return fault;
@@ -100,17 +106,49 @@ std::optional<Fault> axis_fault(const AxisDrive& drive, const std::string& prefi
   return amount_fault(prefix + "friction", drive.friction, true, false);
 }
 
+/// The cone of a ball joint.
+std::optional<Fault> swing_fault(const Joint& joint) {
+  const JointCard& card = joint_card(joint.kind);
+  const bool has_swing = !std::isinf(joint.swing) || joint.swing < 0;
+  if (!card.has_swing) {
+    if (!has_swing && !joint.swing_axis) return std::nullopt;
+    return Fault{"type", fmt::format("\"{}\" with a swing", card.name), "a ball joint can have it"};
+  }
+  if (joint.swing_axis) {
+    if (auto fault = direction_fault("swing_axis", *joint.swing_axis)) return fault;
+    if (std::abs(angle_between(joint.axis, *joint.swing_axis)) > kMostSwingAboutAxis)
+      return Fault{"swing_axis", vector_text(*joint.swing_axis),
+                   fmt::format("must be {:g} rad from `axis` at most, which is {}",
+                               kMostSwingAboutAxis, vector_text(joint.axis))};
+  }
+  if (has_swing && !(joint.swing > 0 && joint.swing <= kHalfTurn))
+    return Fault{"swing", fmt::format("{:g}", joint.swing),
+                 "must be an angle above 0 and up to 3.14159 [rad]"};
+  const bool needs_swing = has_limits(joint.drive()) || joint.motor;
+  if (needs_swing && !(joint.swing <= kMostSwingAboutAxis))
+    return Fault{"swing", has_swing ? fmt::format("{:g}", joint.swing) : "none",
+                 fmt::format("must be up to {:g} [rad] beside limits or a motor: where the axes of "
+                             "the bodies are opposite, there is no angle about them",
+                             kMostSwingAboutAxis)};
+  return std::nullopt;
+}
+
 /// Limits, motor, friction, spring and strength.
 std::optional<Fault> drive_fault(const Joint& joint) {
   const JointCard& card = joint_card(joint.kind);
   const std::string kind = fmt::format("\"{}\"", card.name);
   if (card.drive == nullptr && has_drive(joint.drive()))
     return Fault{"type", kind + " with limits, a motor or friction",
-                 "a hinge, a slider or a cylindrical joint can have these"};
+                 "a hinge, a ball joint, a slider, a cylindrical or a universal joint can have "
+                 "these"};
   if (!card.has_turn && has_drive(joint.turn))
     return Fault{"type", kind + " with a turn", "a cylindrical joint can have it"};
+  if (!card.has_second_turn && has_drive(joint.second_turn))
+    return Fault{"type", kind + " with a second turn", "a universal joint can have it"};
   if (auto fault = axis_fault(joint.drive(), "", card.drive)) return fault;
   if (auto fault = axis_fault(joint.turn, "turn.", kTurnDrive)) return fault;
+  if (auto fault = axis_fault(joint.second_turn, "second_turn.", kTurnDrive)) return fault;
+  if (auto fault = swing_fault(joint)) return fault;
   if (auto fault = amount_fault("stiffness", joint.stiffness, true, false)) return fault;
   if (auto fault = amount_fault("damping", joint.damping, true, false)) return fault;
   if (joint.kind == JointKind::spring && joint.stiffness == 0 && joint.damping == 0)
@@ -119,9 +157,11 @@ std::optional<Fault> drive_fault(const Joint& joint) {
   if (card.has_two_points && !std::isinf(joint.break_moment))
     return Fault{"break_moment", fmt::format("{:g} of a \"{}\"", joint.break_moment, card.name),
                  "between two points no moment acts; take break_force"};
-  if (joint.kind == JointKind::ball && !std::isinf(joint.break_moment))
+  const bool carries_moment = is_about_axis(joint) || has_drive(joint.drive());
+  if (joint.kind == JointKind::ball && !carries_moment && !std::isinf(joint.break_moment))
     return Fault{"break_moment", fmt::format("{:g} of a \"ball\"", joint.break_moment),
-                 "a ball joint carries no moment; take break_force"};
+                 "a ball joint without swing, limits, a motor and friction carries no moment; take "
+                 "break_force"};
   return amount_fault("break_moment", joint.break_moment, false, true);
 }
 

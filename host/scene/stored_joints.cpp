@@ -16,8 +16,9 @@ std::string drive_of(const Joint& joint) {
   if (joint.kind == JointKind::cable) return "is a cable";
   if (joint.kind == JointKind::spring) return "is a spring";
   const char* has = nullptr;
-  for (const AxisDrive& drive : {joint.drive(), joint.turn}) {
-    if (std::isfinite(drive.limits[0]) || std::isfinite(drive.limits[1])) has = "limits";
+  if (std::isfinite(joint.swing)) has = "limits";
+  for (const AxisDrive& drive : {joint.drive(), joint.turn, joint.second_turn}) {
+    if (has_limits(drive)) has = "limits";
     if (drive.friction > 0) has = "friction";
     if (drive.motor) has = "a motor";
   }

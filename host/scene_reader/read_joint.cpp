@@ -41,6 +41,19 @@ void read_direction(const Node& node, const JointCard& card, const char* key, co
   }
 }
 
+/// Axes of the bodies; that of a ball joint is there where it is asked for.
+void read_axes(const Node& node, const JointCard& card, Joint& joint) {
+  bool is_needed = !card.axis_is_optional;
+  for (const char* key : {"swing", "swing_axis", "limits", "motor", "axis"})
+    is_needed = is_needed || node.find(key);
+  if (is_needed) read_direction(node, card, "axis", card.axis, joint.axis);
+  read_direction(node, card, "second_axis", card.second_axis, joint.second_axis);
+  for (const char* key : {"swing", "swing_axis"})
+    if (const auto value = node.find(key); value && !card.has_swing) refuse_key(*value, card);
+  node.read("swing", joint.swing, kPositive, "rad");
+  if (const auto other = node.find("swing_axis")) joint.swing_axis = other->direction();
+}
+
 void read_anchors(const Node& node, const JointCard& card, Joint& joint) {
   if (const auto other = node.find(card.has_two_points ? "anchor" : "anchors"))
     refuse_key(*other, card);
@@ -71,6 +84,16 @@ AxisDrive read_axis(const Node& node, const char* force_key) {
   return drive;
 }
 
+/// The same of another axis, where a kind of joint has one.
+void read_turn(const Node& node, const JointCard& card, const char* key, bool has_it,
+               AxisDrive& drive) {
+  const auto turn = node.find(key);
+  if (!turn) return;
+  if (!has_it) refuse_key(*turn, card);
+  turn->check_keys(scene_keys("joint_turn"));
+  drive = read_axis(*turn, kTurnDrive);
+}
+
 /// What moves and holds a joint along or about its axis.
 void read_drive(const Node& node, const JointCard& card, Joint& joint) {
   if (card.drive == nullptr)
@@ -87,11 +110,8 @@ void read_drive(const Node& node, const JointCard& card, Joint& joint) {
     joint.motor = own.motor;
     joint.friction = own.friction;
   }
-  if (const auto turn = node.find("turn")) {
-    if (!card.has_turn) refuse_key(*turn, card);
-    turn->check_keys(scene_keys("joint_turn"));
-    joint.turn = read_axis(*turn, kTurnDrive);
-  }
+  read_turn(node, card, "turn", card.has_turn, joint.turn);
+  read_turn(node, card, "second_turn", card.has_second_turn, joint.second_turn);
   node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
             "m");
   if (card.kind == JointKind::spring)
@@ -167,8 +187,7 @@ void read_joint(const Node& node, Draft& draft) {
   if (ends.size() != 2) bodies.refuse(two);
   for (std::size_t k = 0; k < 2; ++k) joint.bodies[k] = read_held_body(ends[k], draft);
   read_anchors(node, card, joint);
-  read_direction(node, card, "axis", card.axis, joint.axis);
-  read_direction(node, card, "second_axis", card.second_axis, joint.second_axis);
+  read_axes(node, card, joint);
   read_drive(node, card, joint);
   if (const auto fault = joint_fault(draft.scene, joint))
     Node(node.json(), node.path() + "." + fault->field, node.source())

@@ -22,6 +22,8 @@ inline constexpr int kJointRows = 6;
 /// The row that may be driven: the moment about the axis, or the force along it. The other one of the
 /// two is row 2.
 inline constexpr int kJointAxisRow = 5;
+/// The three moments, where no force is the last row.
+inline constexpr unsigned kJointMoments = 0b111000;
 
 /// In place of an infinite impulse or velocity.
 template <class Real>
@@ -57,13 +59,15 @@ struct JointRow {
   Real scale = 0;  ///< d [1/kg]
   bool force_is_last =
       false;  ///< the last row is the force along the axis, row 2 the moment about it
+  /// The only rows are the three moments, none of which acts on another, and all that they give is friction in any direction.
+  bool rubs = false;
 
   // What drives the last row, in the coordinates of solvers. It gives the sum of a main part, which
   // takes the velocity to zero, and of friction; whatever is missing the limits give.
   Real least = 0;       ///< bounds of the main part [N s]; the largest number: none
   Real most = 0;        ///< a row that is held has none
   Real compliance = 0;  ///< E of the main part, -E gamma = u between its bounds [1/kg]
-  Real friction = 0;    ///< most that friction gives [N s]
+  Real friction = 0;    ///< most that friction gives [N s]; of `rubs` in the rows themselves
   Real rest = 0;        ///< velocity at which it holds [m/s]
   Real slowest = -largest_number<Real>();  ///< bounds of the velocity [m/s]
   Real fastest = largest_number<Real>();
@@ -137,6 +141,7 @@ struct JointRow {
   SCREE_HD JointValues<Real> project(JointValues<Real> z, Real step) const {
     for (int k = 0; k < kJointRows; ++k)
       if (!(inverse_pivot(k) > Real(0))) z[k] = 0;
+    if (rubs) return rubbed(z);
     if (inverse_pivot(kJointAxisRow) > Real(0)) z[kJointAxisRow] = driven(z[kJointAxisRow], step);
     return z;
   }
@@ -152,6 +157,11 @@ struct JointRow {
   SCREE_HD bool is_last_driven() const {
     constexpr Real kNone = largest_number<Real>();
     return least > -kNone || most < kNone || has_own_terms();
+  }
+
+  /// The same of row k: whether it is not held.
+  SCREE_HD bool is_driven(int k) const {
+    return k == kJointAxisRow ? is_last_driven() : rubs && (kJointMoments >> k & 1u) != 0;
   }
 
   SCREE_HD Real inverse_pivot(int k) const { return factor[triangle_place(k, k)]; }
@@ -176,6 +186,44 @@ struct JointRow {
     if (compliance > Real(0)) z /= Real(1) + step * compliance;
     if (z < least) z = least;
     if (z > most) z = most;
+    return z;
+  }
+
+  /// The nearest impulse whose moments are no more than friction gives, in the rows themselves: there the bound is a ball, here an
+  /// ellipsoid with its axes along the rows. The point is z_k / (1 + x p_k^2) with the inverse pivots p and x > 0, found by Newton's
+  /// method on the inverse of its size, which comes from below and ends in the first step where all p are equal.
+  /// Source: More and Sorensen, SIAM J. Sci. Stat. Comput. 4, 1983.
+  SCREE_HD JointValues<Real> rubbed(JointValues<Real> z) const {
+    constexpr int kMostSteps = 30, kFirst = 3;
+    constexpr Real kRounding = sizeof(Real) == 8 ? Real(1e-15) : Real(5e-7);
+    Real g[3], largest = 0;
+    for (int k = 0; k < 3; ++k) {
+      g[k] = inverse_pivot(kFirst + k) * z[kFirst + k];
+      const Real size = std::abs(g[k]);
+      if (size > largest) largest = size;
+    }
+    if (!(largest > Real(0))) return z;
+    const Real most = friction / largest;  // in these units squares are numbers
+    Real x = 0, share = 1;
+    for (int step = 0; step < kMostSteps; ++step) {
+      Real square = 0, slope = 0;
+      for (int k = 0; k < 3; ++k) {
+        const Real p = inverse_pivot(kFirst + k);
+        const Real own = g[k] / largest / (Real(1) + x * p * p);
+        square += own * own;
+        slope += p * p * own * own / (Real(1) + x * p * p);
+      }
+      const Real size = std::sqrt(square);
+      if (step == 0 && !(size > most)) return z;
+      if (!(most > Real(0))) break;
+      share = most / size;
+      if (size - most <= kRounding * most) break;
+      x += (size - most) * square / (most * slope);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Real p = inverse_pivot(kFirst + k);
+      z[kFirst + k] = most > Real(0) ? share * z[kFirst + k] / (Real(1) + x * p * p) : Real(0);
+    }
     return z;
   }
 

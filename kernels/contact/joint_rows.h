@@ -79,8 +79,10 @@ struct JointRows {
     JointValues<Real> left = as_values(u);
     if (j.is_last_driven()) {
       const Real step = Real(1) / j.scale;
+      const JointValues<Real> own = as_values(z);
       const JointValues<Real> moved = as_values(project(p, c, z - step * u, step));
-      left[kJointAxisRow] = j.scale * (as_values(z)[kJointAxisRow] - moved[kJointAxisRow]);
+      for (int k = 0; k < kJointRows; ++k)
+        if (j.is_driven(k)) left[k] = j.scale * (own[k] - moved[k]);
     }
     return as_rows(j.velocity(left));
   }

@@ -42,12 +42,12 @@ struct CorrectJoint {
     const int first = turned ? 1 : 0, second = 1 - first;
     JointSide a = side_of_joint(bodies, places, joint, first);
     const JointSide b = side_of_joint(bodies, places, joint, second);
-    const JointMeasure now = measure_joint(joint.form, joint.held, joint.zero, a, b, period);
+    const JointForm form = form_of_sides(joint.form, turned);
+    const JointMeasure now = measure_joint(form, joint.held, joint.zero, a, b, period);
     Twist<Real> a_twist, b_twist;
     JointSide a_end = moved(joint, first, a_twist);
     const JointSide b_end = moved(joint, second, b_twist);
-    const JointMeasure end =
-        measure_joint(joint.form, joint.held, joint.zero, a_end, b_end, period);
+    const JointMeasure end = measure_joint(form, joint.held, joint.zero, a_end, b_end, period);
 
     const double h = time_step, length = length_of_joint(a, b);
     // Large errors stay in part, see joint_recovery().
@@ -60,11 +60,14 @@ struct CorrectJoint {
     note_motion(joint, first, a, a_twist, sums);
     note_motion(joint, second, b, b_twist, sums);
     if (is_limited)
-      sums.max_error = correct_limits(
-          joint, end, sign, state[j].position,
-          h * turning_about_axis(now.frame, Vec3<double>(a_twist.angular),
-                                 Vec3<double>(b_twist.angular)),
-          bounds, length, JointRows<Real>::velocity(r, a_twist, b_twist), r, sums.end_error);
+      sums.max_error =
+          correct_limits(joint, end, sign, state[j].position,
+                         h *
+                             turning_about_axis(now.frame, Vec3<double>(a_twist.angular),
+                                                Vec3<double>(b_twist.angular)) /
+                             now.gear,
+                         bounds, now.gear * length, JointRows<Real>::velocity(r, a_twist, b_twist),
+                         r, sums.end_error);
     const JointValues<Real> off = r.rows(Vec3<Real>((1 / h) * gap), Vec3<Real>((1 / h) * turn));
     for (int i = 0; i < kJointRows; ++i)
       if ((joint.held >> i & 1u) != 0) r.bias[i] += off[i];
@@ -81,6 +84,7 @@ struct CorrectJoint {
   /// The bounds of the velocity become those that take the joint from the end of the step to its limits.
   /// @param start  position at the start of the step [m or rad]
   /// @param turn   by which B turns against A in it [rad]
+  /// @param length of the last row, where that is a moment [m]
   /// @param u      velocities of the rows in the coordinates of solvers
   /// @param beyond  out: how far the joint ends beyond its limits [m]
   /// @return  how far beyond what is allowed of that
@@ -90,8 +94,11 @@ struct CorrectJoint {
                                  double& beyond) const {
     const double h = time_step, unit = r.force_is_last ? 1 : length;
     const double x = sign * start;
-    const double x_end =
-        sign * joint_position(joint.form, end, sign, joint.zero, start + sign * turn);
+    double x_end = sign * joint_position(joint.form, end, sign, joint.zero, start + sign * turn);
+    // Axes that went through each other: the angle counts as it did at the start.
+    if (joint.form == JointForm::swing &&
+        dot(rotate(end.frame, {0, 0, 1}), Vec3<double>(r.axes[2])) < 0)
+      x_end = -x_end;
     // Where the joint is far beyond, a part of the way is allowed, see JointSetup.
     const double part = h * recovery_speed / unit;
     JointBounds allowed = bounds;

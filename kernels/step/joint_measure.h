@@ -15,8 +15,31 @@ namespace scree {
 ///   cross  two points are one; the axis of A is at a right angle to that of B. The last row turns
 ///          about the normal of both
 ///   line   the last row goes along the line from the point of A to that of B
-///   turn   the last row turns about the axis of A; there are no others
-enum class JointForm : std::uint8_t { point, slide, cross, line, turn };
+///   swing  two points are one; the last row opens the angle between the axes of A and B
+/// and without other rows:
+///   turn         the last row turns about the axis of the first body
+///   second_turn  the same about that of the second body
+///   twist        the last row turns about the axis of B, with what is left of the rotation from A
+///                to B after the shortest one that brings the axis there
+///   rub          three moments with a bound together; there is nothing to measure
+enum class JointForm : std::uint8_t {
+  point,
+  slide,
+  cross,
+  line,
+  swing,
+  turn,
+  second_turn,
+  twist,
+  rub
+};
+
+/// A form as A and B of the problem have it. @param is_turned  A is the second body of the joint
+SCREE_HD constexpr JointForm form_of_sides(JointForm form, bool is_turned) {
+  if (is_turned && form == JointForm::turn) return JointForm::second_turn;
+  if (is_turned && form == JointForm::second_turn) return JointForm::turn;
+  return form;
+}
 
 /// Whether the last row is a force, see JointRow.
 SCREE_HD constexpr bool ends_with_force(JointForm form) {
@@ -25,7 +48,13 @@ SCREE_HD constexpr bool ends_with_force(JointForm form) {
 
 /// Whether the position is an angle that counts whole turns.
 SCREE_HD constexpr bool counts_turns(JointForm form) {
-  return form == JointForm::point || form == JointForm::turn;
+  return form == JointForm::point || form == JointForm::turn || form == JointForm::second_turn ||
+         form == JointForm::twist;
+}
+
+/// Whether the position is the same from B to A as from A to B.
+SCREE_HD constexpr bool is_symmetric(JointForm form) {
+  return form == JointForm::line || form == JointForm::swing;
 }
 
 /// One of the two bodies of a joint.
@@ -62,6 +91,8 @@ struct JointMeasure {
   Vec3<double> gap;     ///< from where B should be to where it is, as far as forces hold it [m]
   Vec3<double> turn;    ///< rotation vector from A to B, as far as moments hold it [rad]
   double position = 0;  ///< along or about the axis, from A to B [m or rad]
+  double gear = 1;      ///< turning about the axis of `frame` over the speed of the position
+  bool looks_ahead = false;  ///< see look_ahead()
 };
 
 /// Rotation vector from the axes on A to those on B, for small angles [rad]: the tilt of the axis
@@ -70,12 +101,19 @@ SCREE_HD inline double angle_about_axis(const JointSide& a, const JointSide& b) 
   const Quat<double> q = conjugate(a.frame) * b.frame;
   return 2 * std::atan2(q.w < 0 ? -q.z : q.z, std::abs(q.w));
 }
+/// By how much the first of the other axes on B is turned about an axis against that on A [rad].
+SCREE_HD inline double angle_across(const JointSide& a, const JointSide& b,
+                                    const Vec3<double>& axis) {
+  const Vec3<double> from = rotate(a.frame, {1, 0, 0}), to = rotate(b.frame, {1, 0, 0});
+  return std::atan2(dot(axis, cross(from, to)), dot(from, to) - dot(axis, from) * dot(axis, to));
+}
 SCREE_HD inline Vec3<double> misalignment(const JointSide& a, const JointSide& b,
                                           const Vec3<double>& axis, bool is_angle_held) {
   const Vec3<double> tilt = cross(axis, rotate(b.frame, {0, 0, 1}));
   return is_angle_held ? tilt + angle_about_axis(a, b) * axis : tilt;
 }
 
+/// @param form    see form_of_sides()
 /// @param a       of a slide its arm goes to the anchor of B afterwards: A holds that point
 /// @param held    rows that the joint has, see JointRow
 /// @param zero    length of a line [m]
@@ -114,12 +152,55 @@ SCREE_HD inline JointMeasure measure_joint(JointForm form, unsigned held, double
       if ((held >> kJointAxisRow & 1u) != 0)
         m.gap = (m.position - zero) * rotate(m.frame, {0, 0, 1});
       break;
+    case JointForm::swing: {
+      const Vec3<double> other = rotate(b.frame, {0, 0, 1}), normal = cross(axis, other);
+      const double sine = norm(normal);
+      m.position = std::atan2(sine, dot(axis, other));
+      m.frame = rotation_to(sine > 0 ? (1 / sine) * normal : rotate(a.frame, {1, 0, 0}));
+      break;
+    }
     case JointForm::turn:
+    case JointForm::second_turn:
+      m.gap = {};
+      if (form == JointForm::second_turn) m.frame = b.frame;
+      m.position = angle_across(a, b, rotate(m.frame, {0, 0, 1}));
+      break;
+    case JointForm::twist: {
+      constexpr double kLeastGear =
+          1e-3;  // axes that are nearly opposite: what is left means nothing
       m.gap = {};
       m.position = angle_about_axis(a, b);
+      const Vec3<double> middle = axis + rotate(b.frame, {0, 0, 1});
+      m.gear = 0.5 * norm(middle);
+      if (m.gear > kLeastGear) {
+        m.frame = rotation_to((0.5 / m.gear) * middle);
+      } else {
+        m.gear = kLeastGear;
+      }
+      break;
+    }
+    case JointForm::rub:
+      m.gap = {};
       break;
   }
   return m;
+}
+
+/// Where the axes of a swing are so near to each other that bodies take them far aside in a step, the row goes the way that they
+/// will be apart, not the way that they are, and the position along it is what is measured: a narrow cone is a disk there.
+SCREE_HD inline void look_ahead(JointMeasure& swing, const JointSide& a, const JointSide& b,
+                                double time_step) {
+  constexpr double kNear = 0.3, kFar = 0.1;  // where a sphere is flat; a way beside an angle
+  const Vec3<double> axis = rotate(a.frame, {0, 0, 1}), turning = b.turning - a.turning;
+  const Vec3<double> way = time_step * (turning - dot(turning, axis) * axis);
+  if (swing.position > kNear || !(norm(way) > kFar * swing.position)) return;
+  const Vec3<double> normal = rotate(swing.frame, {0, 0, 1});
+  const Vec3<double> ahead = swing.position * normal + way;
+  const double size = norm(ahead);
+  if (!(size > 0)) return;
+  swing.position *= dot(normal, ahead) / size;
+  swing.frame = rotation_to((1 / size) * ahead);
+  swing.looks_ahead = true;
 }
 
 /// How fast B turns about the axis of a joint against A [rad/s]. @param frame  of JointMeasure
@@ -157,7 +238,26 @@ SCREE_HD inline JointDrift drift_of_joint(JointForm form, const JointMeasure& m,
   switch (form) {
     case JointForm::point:
     case JointForm::turn:
+    case JointForm::second_turn:
+    case JointForm::rub:
       break;
+    case JointForm::swing: {  // the way across opens the angle, as on a sphere
+      const Vec3<double> x = rotate(a.frame, {0, 0, 1}), y = rotate(b.frame, {0, 0, 1});
+      const Vec3<double> turning = b.turning - a.turning;
+      const double across = dot(cross(turning, y), axis), way = time_step * across;
+      const double sine = norm(cross(x, y)), cosine = dot(x, y);
+      const double whole = std::sqrt(sine * sine + way * way * cosine * cosine) + sine;
+      const double wider = whole > 0 && !m.looks_ahead ? way * way * cosine / whole : 0;
+      d.angular += (2 * wider / (time_step * time_step) - across * dot(turning, y)) * axis;
+      break;
+    }
+    case JointForm::twist: {  // the gear changes as the angle between the axes does
+      const Vec3<double> x = rotate(a.frame, {0, 0, 1}), y = rotate(b.frame, {0, 0, 1});
+      const Vec3<double> turning = b.turning - a.turning;
+      const double opening = dot(cross(x, y), turning) / (2 * m.gear * m.gear);
+      d.angular += opening * dot(axis, turning) * axis;
+      break;
+    }
     case JointForm::slide:  // Coriolis, in the frame of A
       d.linear -= 2.0 * cross(a.turning, b.anchor_velocity() - a.anchor_velocity());
       break;

@@ -7,6 +7,7 @@
 #include "kernels/bodies/locks.h"
 #include "kernels/contact/contact_problem.h"
 #include "kernels/contact/joint_row.h"
+#include "kernels/math/dense.h"
 #include "kernels/math/pair_key.h"
 #include "kernels/step/joint_measure.h"
 
@@ -26,7 +27,7 @@ struct JointDrive {
   double damping = 0;    ///< [N s/m or N m s/rad]
   double most = 0;       ///< that motor or spring give [N or N m]; zero: there is none
   double force = 0;      ///< that a motor gives beside them whatever the speed [N or N m]
-  double friction = 0;   ///< that friction gives at most [N or N m]
+  double friction = 0;   ///< that friction gives at most [N or N m]; of form `rub` in any direction
   double share = 1;      ///< of the mobility of a spring, what the joints about it leave
 
   SCREE_HD bool is_used() const {
@@ -45,7 +46,7 @@ struct JointFrames {
   JointDrive drive;
   double break_force = INFINITY;   ///< a joint that carries more is no more [N]
   double break_moment = INFINITY;  ///< [N m]
-  Index turn_of = -1;  ///< joint that this is the drive about the axis of; -1: a joint of its own
+  Index turn_of = -1;  ///< joint that this is a drive about an axis of; -1: a joint of its own
 };
 
 /// What a joint remembers from step to step.
@@ -171,9 +172,9 @@ SCREE_HD inline Vec3<double> from_second_anchor(const JointFrames& joint, bool i
   return -(position + joint.zero) * axis;
 }
 
-/// -1: A of the problem is the second body of the joint. Lengths of lines are the same both ways.
+/// -1: A of the problem is the second body of the joint, and its position is not the same both ways.
 SCREE_HD inline double sign_of_joint(const JointFrames& joint, bool is_turned) {
-  return is_turned && joint.form != JointForm::line ? -1 : 1;
+  return is_turned && !is_symmetric(joint.form) ? -1 : 1;
 }
 
 /// Where the limits of a joint are, as the problem sees it: along from A to B.
@@ -274,15 +275,20 @@ struct JointSetup {
     body_a[k] = a.body;
     body_b[k] = b.body;
 
-    const JointMeasure m = measure_joint(joint.form, joint.held, joint.zero, a, b, period);
-    const JointDrift drift = drift_of_joint(joint.form, m, a, b, time_step);
+    JointMeasure m =
+        measure_joint(form_of_sides(joint.form, turned), joint.held, joint.zero, a, b, period);
     const double sign = sign_of_joint(joint, turned);
     const double since = state[j].has_moved != 0 && !is_measured ? time_step : 0;
-    const double expected =
-        state[j].position + sign * since * turning_about_axis(m.frame, a.turning, b.turning);
-    const double position = joint_position(joint.form, m, sign, joint.zero, expected);
+    const double turned_by = since * turning_about_axis(m.frame, a.turning, b.turning) / m.gear;
+    const double expected = state[j].position + sign * turned_by;
+    double position = joint_position(joint.form, m, sign, joint.zero, expected);
     state[j].position = position;
     state[j].has_moved = 1;
+    if (joint.form == JointForm::swing) {
+      look_ahead(m, a, b, time_step);
+      position = m.position;
+    }
+    const JointDrift drift = drift_of_joint(joint.form, m, a, b, time_step);
     const bool is_last_held = (joint.held >> kJointAxisRow & 1u) != 0;
 
     const double length = length_of_joint(a, b);
@@ -296,21 +302,27 @@ struct JointSetup {
     r.force_is_last = ends_with_force(joint.form);
     r.arm_a = Vec3<Real>(a.arm);
     r.arm_b = Vec3<Real>(b.arm);
+    r.rubs = joint.form == JointForm::rub;
     r.axes[0] = Vec3<Real>(rotate(m.frame, {1, 0, 0}));
     r.axes[1] = Vec3<Real>(rotate(m.frame, {0, 1, 0}));
     r.axes[2] = Vec3<Real>(rotate(m.frame, {0, 0, 1}));
+    if (r.rubs) principal_axes(a, b, r.axes);
     r.length = static_cast<Real>(length);
-    r.bias = r.rows(Vec3<Real>(linear), Vec3<Real>(angular));
+    if (!r.rubs) r.bias = r.rows(Vec3<Real>(linear), Vec3<Real>(angular));
     double block[kJointTriangle] = {};
     add_block(r, a, block);
     add_block(r, b, block);
     const bool is_driven = !is_last_held && joint.drive.is_used();
-    const unsigned driven_row = is_driven ? 1u << kJointAxisRow : 0u;
-    factorize(r, block, is_broken ? 0u : joint.held | driven_row);
-    r.most = largest_number<Real>();
+    const unsigned driven_rows = is_driven ? (r.rubs ? kJointMoments : 1u << kJointAxisRow) : 0u;
+    factorize(r, block, is_broken ? 0u : joint.held | driven_rows);
+    r.most = r.rubs ? 0 : largest_number<Real>();
     r.least = -r.most;
     JointSums sums;
-    if (is_driven) sums.max_error = drive(joint.drive, sign, position, a, b, r);
+    if (r.rubs) {
+      r.friction = limited_value<Real>(time_step * joint.drive.friction / length);
+    } else if (is_driven) {
+      sums.max_error = drive(joint.drive, m.gear, sign, position, a, b, r);
+    }
     row[k] = r;
     normal[k] = r.axes[2];
 
@@ -357,6 +369,23 @@ struct JointSetup {
     return s;
   }
 
+  /// Axes in which moments between two bodies do not act on each other.
+  static SCREE_HD void principal_axes(const JointSide& a, const JointSide& b, Vec3<Real>* axes) {
+    Dense<3> sum, own;
+    for (int side = 0; side < 2; ++side) {
+      const JointSide& s = side == 0 ? a : b;
+      if (!s.is_free) continue;
+      for (int k = 0; k < 3; ++k) {
+        Vec3<double> unit;
+        unit[k] = 1;
+        const Vec3<double> column = s.inv_inertia * unit;
+        for (int i = 0; i < 3; ++i) sum(i, k) += column[i];
+      }
+    }
+    diagonalize(sum, own);
+    for (int k = 0; k < 3; ++k) axes[k] = Vec3<Real>(Vec3<double>{own(0, k), own(1, k), own(2, k)});
+  }
+
   /// Adds J M^-1 J^T of one body.
   static SCREE_HD void add_block(const JointRow<Real>& r, const JointSide& s,
                                  double (&block)[kJointTriangle]) {
@@ -386,13 +415,15 @@ struct JointSetup {
   ///   gamma = -h k (x + h (alpha u - beta u_0)) - h c u    u, u_0: mean of this step and of the last
   /// and what a motor gives at any speed shifts it.
   /// With alpha + beta >= 1/2 and alpha >= beta it is stable at any step; docs/theory.md, "Joints".
+  /// @param gear      see JointMeasure
   /// @param sign      -1: A of the problem is the second body of the joint
   /// @param position  of the joint at the start of the step [m or rad]
   /// @return  how far it is beyond its limits [m]
-  SCREE_HD double drive(const JointDrive& d, double sign, double position, const JointSide& a,
-                        const JointSide& b, JointRow<Real>& r) const {
+  SCREE_HD double drive(const JointDrive& d, double gear, double sign, double position,
+                        const JointSide& a, const JointSide& b, JointRow<Real>& r) const {
     const double inverse = r.inverse_pivot(kJointAxisRow), h = time_step;
-    const double unit = r.force_is_last ? 1 : static_cast<double>(r.length);
+    const double length = r.length;
+    const double unit = r.force_is_last ? 1 : gear * length;
     const double x = sign * position;
     const JointBounds bounds = bounds_of_joint(d, sign);
     const double beyond = bounds.beyond(x);
@@ -404,7 +435,7 @@ struct JointSetup {
     if (d.stiffness > 0 || d.damping > 0) {
       const Vec3<double> axis(r.axes[2]);
       const double rate = r.force_is_last ? dot(axis, b.anchor_velocity() - a.anchor_velocity())
-                                          : unit * dot(axis, b.turning - a.turning);
+                                          : length * dot(axis, b.turning - a.turning);
       const double before = rate - drift;  // mean of the last step
       // (h w)^2 with the mass that the row moves where the others hold, and other joints.
       const double mobility =
@@ -482,7 +513,8 @@ struct KeepJointImpulses {
   }
 };
 
-/// Drives about the axes of joints, which are behind these: each breaks with its joint, by the moment of both.
+/// Drives about the axes of joints, which are behind these, those of a joint one after the other: they break with their joint, by
+/// the moment of all.
 template <class Real>
 struct BreakTurns {
   static constexpr const char* name = "break_turns";
@@ -494,10 +526,18 @@ struct BreakTurns {
 
   SCREE_HD void operator()(Index k) const {
     const Index turn = first + k, own = joints[turn].turn_of;
-    Vec3<double> moment(impulse[own].moment + impulse[turn].moment);
-    if (!impacts.empty()) moment += Vec3<double>(impacts[own].moment + impacts[turn].moment);
+    if (k > 0 && joints[turn - 1].turn_of == own) return;  // the first of a joint is for all
+    Vec3<double> moment = moment_of(own);
+    Index end = turn;
+    for (; end < joints.size && joints[end].turn_of == own; ++end) moment += moment_of(end);
     if (norm(moment) > time_step * joints[own].break_moment) state[own].is_broken = 1;
-    state[turn].is_broken = state[own].is_broken;
+    for (Index t = turn; t < end; ++t) state[t].is_broken = state[own].is_broken;
+  }
+
+ private:
+  SCREE_HD Vec3<double> moment_of(Index j) const {
+    return Vec3<double>(impacts.empty() ? impulse[j].moment
+                                        : impulse[j].moment + impacts[j].moment);
   }
 };
 

@@ -30,9 +30,6 @@ Scene box_on_axis(double& inertia, bool world_first = true) {
 
 double axial_speed(const World& world) { return world.states().velocity[0].z; }
 double axial_spin(const World& world) { return world.states().angular_velocity[0].z; }
-void run_converged(World& world, int steps) {
-  for (int k = 0; k < steps; ++k) ASSERT_TRUE(world.step().converged) << k;
-}
 
 // A limit holds the weight, and the box goes on turning.
 TEST_P(CylindricalJoints, StopAtBothEndsOfTheirWay) {

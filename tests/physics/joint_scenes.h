@@ -36,6 +36,10 @@ inline World joint_world(Scene scene, Precision precision) {
   return World(scene, cpu_options(1, precision));
 }
 
+inline void run_converged(World& world, int steps) {
+  for (int k = 0; k < steps; ++k) ASSERT_TRUE(world.step().converged) << k;
+}
+
 /// Tests of joints in both precisions.
 class JointTest : public testing::TestWithParam<Precision> {
  protected:
@@ -130,7 +134,13 @@ inline Scene row_of_joints(int boxes = 20, double restitution = 0) {
                       ? line_of(kind, a, b, from, to)
                       : joint_of(kind, k % 2 == 0 ? a : b, k % 2 == 0 ? b : a, 0.5 * (from + to),
                                  kind == JointKind::slider ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
-    if (kind == JointKind::universal) joint.second_axis = {0, 0, 1};
+    if (kind == JointKind::ball) {
+      joint.swing = 0.3, joint.limits = {-0.2, 0.2}, joint.friction = 1e-3;
+    }
+    if (kind == JointKind::universal) {
+      joint.second_axis = {0, 0, 1};
+      joint.limits = {-0.2, 0.2}, joint.second_turn.friction = 1e-3;
+    }
     if (kind == JointKind::hinge) joint.limits = {-0.1, 0.1}, joint.friction = 1e-3;
     if (kind == JointKind::slider) joint.motor = JointMotor{.speed = 0.3, .max_force = 2};
     if (kind == JointKind::cylindrical) {

@@ -32,6 +32,8 @@ struct PlainJoint {
   bool is_driven = false;
   double least = -1e30, most = 1e30, compliance = 0, friction = 0, rest = 0;
   double slowest = -1e30, fastest = 1e30;
+  /// The last three rows instead, with no more than `friction` together.
+  bool rubs = false;
 
   /// Least and largest impulse at a velocity of the row, give or take `near`.
   std::pair<double, double> impulses_at(double w, double near) const {
@@ -54,7 +56,7 @@ struct PlainJoint {
         j.block<1, 3>(3 + k, 6 * body + 3) = sign * length * e.transpose();
       }
     }
-    return j.topRows(rows);
+    return rubs ? j.bottomRows(3) : j.topRows(rows);
   }
 };
 
@@ -199,12 +201,14 @@ class JointedBuffers {
     for (int k = 0; k < kJointRows; ++k) row.bias[k] = static_cast<Real>(joint.bias(k));
     PlainJoint whole = joint;
     whole.rows = 6;
+    whole.rubs = false;
     const Eigen::MatrixXd j = whole.jacobian(sample_.body_count());
     const Eigen::MatrixXd dense = j * oracle::inverse_mass(sample_.plain.data) * j.transpose();
     double block[kJointTriangle];
     for (int i = 0; i < kJointRows; ++i)
       for (int k = 0; k <= i; ++k) block[triangle_place(i, k)] = dense(i, k);
-    factorize(row, block, (1u << joint.rows) - 1);
+    factorize(row, block, joint.rubs ? kJointMoments : (1u << joint.rows) - 1);
+    row.rubs = joint.rubs;
     // The last row of the factor scales velocities by its inverse, impulses by itself.
     const double inverse = joint.is_driven ? row.inverse_pivot(kJointAxisRow) : 1;
     const auto real = [](double x) { return static_cast<Real>(x); };
@@ -351,6 +355,66 @@ TYPED_TEST(JointsTest, SolvesDrivenRows) {
       }
     });
   }
+}
+
+/// Friction about the anchors of the ball joints of a sample, in the axes in which moments do not act on each other.
+void add_rubbing(JointedSample& s, std::mt19937& random) {
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const Eigen::MatrixXd m = oracle::inverse_mass(s.plain.data);
+  std::vector<PlainJoint> all;
+  for (const PlainJoint& joint : s.joints) {
+    all.push_back(joint);
+    if (joint.rows != 3) continue;
+    PlainJoint rub = joint;
+    rub.rubs = true;
+    rub.bias.setZero();
+    rub.least = rub.most = 0;
+    rub.friction = std::pow(10, 2.5 * uniform(random) - 1);
+    const Eigen::Matrix3d sum = m.block<3, 3>(6 * joint.a + 3, 6 * joint.a + 3) +
+                                m.block<3, 3>(6 * joint.b + 3, 6 * joint.b + 3);
+    rub.axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors();
+    all.push_back(rub);
+  }
+  s.joints = all;
+}
+
+// Friction in any direction: moments of no more than it gives, which are all of it and against the turning where there is some.
+TYPED_TEST(JointsTest, SolvesMomentsThatRub) {
+  std::mt19937 random(4);
+  int sticking = 0, sliding = 0;
+  for (const unsigned seed : {11u, 12u, 13u, 14u}) {
+    JointedSample sample = random_sample(seed, 8, 0);
+    fixtures::round_to<TypeParam>(sample.plain);
+    add_rubbing(sample, random);
+    const Eigen::MatrixXd j = sample.jacobian(), m = oracle::inverse_mass(sample.plain.data);
+    const Eigen::VectorXd start = oracle::free_velocity(sample.plain.data);
+    this->for_each_solver(sample, [&](const Eigen::VectorXd& v, auto&, const SolveStats&) {
+      const Eigen::MatrixXd moved = m * j.transpose();
+      const Eigen::VectorXd gamma = oracle::least_norm(moved, v - start);
+      ASSERT_LT((moved * gamma - (v - start)).norm(), this->tolerance(1e-9, 1e-3));
+      const Eigen::VectorXd u = j * v + sample.bias();
+      const double off = this->tolerance(1e-6, 5e-3);
+      Eigen::Index row = 0;
+      for (const PlainJoint& joint : sample.joints) {
+        const Eigen::VectorXd own = u.segment(row, joint.rows), g = gamma.segment(row, joint.rows);
+        row += joint.rows;
+        if (!joint.rubs) {
+          EXPECT_LT(own.norm(), this->tolerance(1e-8, 1e-3));
+          continue;
+        }
+        EXPECT_LT(g.norm(), joint.friction + off);
+        if (g.norm() < joint.friction - 2 * off) {
+          EXPECT_LT(own.norm(), off);
+          ++sticking;
+        } else if (own.norm() > 0.05) {
+          EXPECT_LT((g + joint.friction * own.normalized()).norm(), 20 * off) << own.norm();
+          ++sliding;
+        }
+      }
+    });
+  }
+  EXPECT_GT(sticking, 5);
+  EXPECT_GT(sliding, 5);
 }
 
 }  // namespace

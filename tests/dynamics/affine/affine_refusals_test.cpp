@@ -72,6 +72,19 @@ TEST(AffineRefusals, WhatItDoesNotHaveIsNamed) {
       AllOf(HasSubstr("joints[0]"), HasSubstr("slider"), HasSubstr("the world or a fixed body")));
   EXPECT_THAT(refusal([](Scene& s) { s.joints.push_back(joint(JointKind::universal)); }),
               AllOf(HasSubstr("joints[0]"), HasSubstr("universal"), HasSubstr("cylindrical")));
+  for (void (*const set)(Joint&) :
+       {+[](Joint& j) { j.swing = 1; }, +[](Joint& j) { j.friction = 1; },
+        +[](Joint& j) {
+          j.swing = 1, j.limits = {-1, 1};
+        },
+        +[](Joint& j) { j.swing = 1, j.motor = JointMotor{}; }})
+    EXPECT_THAT(
+        refusal([&](Scene& s) {
+          s.joints.push_back(joint(JointKind::ball));
+          set(s.joints[0]);
+        }),
+        AllOf(HasSubstr("joints[0].type: \"ball\" with a swing, limits, a motor or friction"),
+              HasSubstr("must be without these")));
   EXPECT_THAT(refusal([](Scene& s) {
                 s.joints.push_back(joint(JointKind::hinge));
                 s.joints[0].break_force = 5;

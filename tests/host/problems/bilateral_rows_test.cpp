@@ -355,6 +355,16 @@ TEST(StoredJoints, ThatAreDrivenAreRefusedByName) {
               HasSubstr("joints[1] (hinge) has friction, which files of contact problems do not "
                         "hold; expected joints without limits, motors and friction"));
   EXPECT_THAT(message([](Joint& j) { j.motor = JointMotor{}; }), HasSubstr("has a motor"));
+  EXPECT_THAT(message([](Joint& j) { j.kind = JointKind::ball, j.swing = 1; }),
+              HasSubstr("joints[1] (ball) has limits"));
+  EXPECT_THAT(message([](Joint& j) { j.kind = JointKind::ball, j.friction = 1; }),
+              HasSubstr("joints[1] (ball) has friction"));
+  EXPECT_THAT(message([](Joint& j) {
+                j.kind = JointKind::universal;
+                j.second_axis = any_orthogonal(j.axis);
+                j.second_turn.motor = JointMotor{};
+              }),
+              HasSubstr("joints[1] (universal) has a motor"));
   EXPECT_THAT(message([](Joint& j) { j.limits = {-1, 1}; }), HasSubstr("has limits"));
   EXPECT_THAT(message([](Joint& j) {
                 j = line_of(JointKind::cable, 1, 2, {0.1, 0, 0.3}, {0.3, 0, 0.3});

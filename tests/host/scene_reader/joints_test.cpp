@@ -113,6 +113,41 @@ TEST(Joints, CylindricalOnesMayBeDrivenAlongAndAboutTheirAxis) {
   EXPECT_TRUE(std::isinf(scene.joints[1].turn.limits[0]));
 }
 
+TEST(Joints, BallJointsMayHaveAConeLimitsAMotorAndFriction) {
+  const Scene scene = parsed(with_joints(R"(
+      {"type": "ball", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [0, 0, 2],
+       "swing": 0.5, "swing_axis": [0, 3, 0], "limits": [-1, 2], "motor": {"torque": 4},
+       "friction": 5, "break_moment": 6},
+      {"type": "ball", "bodies": ["world", 2], "anchor": [0, 0, 1], "friction": 7},
+      {"type": "ball", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [0, 0, 1]})"));
+  const Joint& joint = scene.joints[0];
+  EXPECT_EQ(joint.axis, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(joint.swing, 0.5);
+  EXPECT_EQ(joint.swing_axis, (Vec3d{0, 1, 0}));
+  EXPECT_EQ(joint.limits, (std::array{-1.0, 2.0}));
+  EXPECT_EQ(joint.motor->force, 4);
+  EXPECT_EQ(joint.friction, 5);
+  EXPECT_EQ(joint.break_moment, 6);
+  EXPECT_EQ(scene.joints[1].friction, 7);
+  EXPECT_TRUE(std::isinf(scene.joints[1].swing));
+  EXPECT_FALSE(scene.joints[1].swing_axis);
+}
+
+TEST(Joints, UniversalOnesMayBeDrivenAboutBothAxes) {
+  const Scene scene = parsed(with_joints(R"(
+      {"type": "universal", "bodies": ["world", 2], "anchor": [0, 0, 1], "axis": [0, 0, 1],
+       "second_axis": [1, 0, 0], "limits": [-1, 2], "motor": {"torque": 4}, "friction": 5,
+       "second_turn": {"limits": [-3, 4], "motor": {"speed": 6}, "friction": 7}})"));
+  const Joint& joint = scene.joints[0];
+  EXPECT_EQ(joint.limits, (std::array{-1.0, 2.0}));
+  EXPECT_EQ(joint.motor->force, 4);
+  EXPECT_EQ(joint.friction, 5);
+  EXPECT_EQ(joint.second_turn.limits, (std::array{-3.0, 4.0}));
+  EXPECT_EQ(joint.second_turn.motor->speed, 6);
+  EXPECT_EQ(joint.second_turn.friction, 7);
+  EXPECT_FALSE(joint.turn.motor);
+}
+
 struct Refusal {
   const char* what;
   std::string text;
@@ -136,6 +171,14 @@ std::string hinge(const std::string& keys) {
 std::string cylindrical(const std::string& keys) {
   return joint("cylindrical", R"("anchor": [0, 0, 1], "axis": [0, 1, 0], )" + keys);
 }
+std::string ball(const std::string& keys) {
+  return joint("ball", R"("anchor": [0, 0, 1], )" + keys);
+}
+std::string turning_ball(const std::string& keys) { return ball(R"("axis": [0, 1, 0], )" + keys); }
+std::string universal(const std::string& keys) {
+  return joint("universal",
+               R"("anchor": [0, 0, 1], "axis": [0, 1, 0], "second_axis": [1, 0, 0], )" + keys);
+}
 std::string line(const std::string& type, const std::string& keys) {
   return joint(type, R"("anchors": [[0, 0, 1], [0, 0, 0]])" + keys);
 }
@@ -153,10 +196,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "joints[0].type: missing: must be one of"},
         Refusal{"NoAxis", with_joints(R"({"type": "hinge", "bodies": ["world", 0])" + kAt + "}"),
                 "joints[0].axis: missing: a hinge needs the direction it turns about"},
-        Refusal{"AxisOfBall",
-                with_joints(R"({"type": "ball", "bodies": ["world", 0], "axis": [0, 1, 0])" + kAt +
+        Refusal{"AxisOfFixed",
+                with_joints(R"({"type": "fixed", "bodies": ["world", 0], "axis": [0, 1, 0])" + kAt +
                             "}"),
-                "joints[0].axis: a joint of type \"ball\" has no such key"},
+                "joints[0].axis: a joint of type \"fixed\" has no such key"},
         Refusal{"NoAnchor", with_joints(R"({"type": "ball", "bodies": ["world", 0]})"),
                 "joints[0].anchor: missing: must be a point of both bodies"},
         Refusal{"FarAnchor",
@@ -211,8 +254,68 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"LimitsReversed", hinge(R"("limits": [1, -1])"),
                 "joints[0].limits: [1,-1] is not allowed: must be two numbers [low, high], low "
                 "below high"},
-        Refusal{"LimitsOfBall", joint("ball", R"("anchor": [0, 0, 1], "limits": [-1, 1])"),
-                "joints[0].limits: a joint of type \"ball\" has no such key"},
+        Refusal{"LimitsOfFixed", joint("fixed", R"("anchor": [0, 0, 1], "limits": [-1, 1])"),
+                "joints[0].limits: a joint of type \"fixed\" has no such key"},
+        Refusal{"LimitsOfBallWithoutAxis",
+                joint("ball", R"("anchor": [0, 0, 1], "limits": [-1, 1])"),
+                "joints[0].axis: missing: a ball joint needs the direction that its swing, limits "
+                "and motor are about"},
+        Refusal{"SwingWithoutAxis", joint("ball", R"("anchor": [0, 0, 1], "swing": 1)"),
+                "joints[0].axis: missing: a ball joint needs the direction that its swing, limits "
+                "and motor are about"},
+        Refusal{"ZeroAxisOfBall", ball(R"("swing": 1, "axis": [0, 0, 0])"),
+                "joints[0].axis: [0,0,0] is not allowed: must be a direction, not of zero length"},
+        Refusal{"ZeroSwingAxis", turning_ball(R"("swing": 1, "swing_axis": [0, 0, 0])"),
+                "joints[0].swing_axis: [0,0,0] is not allowed: must be a direction"},
+        Refusal{"OppositeSwingAxis", turning_ball(R"("swing": 1, "swing_axis": [0, -1, 0])"),
+                "joints[0].swing_axis: [0, -1, 0] is not allowed: must be 3 rad from `axis` at "
+                "most, which is [0, 1, 0]"},
+        Refusal{"WideSwing", turning_ball(R"("swing": 3.2)"),
+                "joints[0].swing: 3.2 is not allowed: must be an angle above 0 and up to 3.14159 "
+                "[rad]"},
+        Refusal{"NoSwing", turning_ball(R"("swing": 0)"),
+                "joints[0].swing: 0 is not allowed: must be positive"},
+        Refusal{"NegativeSwing", turning_ball(R"("swing": -1)"),
+                "joints[0].swing: -1 is not allowed: must be positive"},
+        Refusal{"SwingInWords", turning_ball(R"("swing": "wide")"),
+                "joints[0].swing: \"wide\" is not allowed"},
+        Refusal{"LimitsBesideAWideSwing", turning_ball(R"("swing": 3.1, "limits": [-1, 1])"),
+                "joints[0].swing: 3.1 is not allowed: must be up to 3 [rad] beside limits or a "
+                "motor: where the axes of the bodies are opposite, there is no angle about them"},
+        Refusal{"MotorWithoutSwing", turning_ball(R"("motor": {"speed": 1})"),
+                "joints[0].swing: none is not allowed: must be up to 3 [rad] beside limits or a "
+                "motor"},
+        Refusal{"LimitsOfBallReversed", turning_ball(R"("swing": 1, "limits": [1, -1])"),
+                "joints[0].limits: [1,-1] is not allowed: must be two numbers [low, high], low "
+                "below high"},
+        Refusal{"NegativeFrictionOfBall", ball(R"("friction": -1)"),
+                "joints[0].friction: -1 is not allowed: must be zero or positive"},
+        Refusal{"HugeFrictionOfBall", ball(R"("friction": 1e30)"),
+                "joints[0].friction: 1e+30 is not allowed: must be zero or positive and up to"},
+        Refusal{"ForceOfBall", turning_ball(R"("swing": 1, "motor": {"force": 1})"),
+                "joints[0].motor.force: a motor of this joint has no such key, it has \"torque\""},
+        Refusal{"SwingOfHinge", hinge(R"("swing": 1)"),
+                "joints[0].swing: a joint of type \"hinge\" has no such key"},
+        Refusal{"SwingAxisOfHinge", hinge(R"("swing_axis": [1, 0, 0])"),
+                "joints[0].swing_axis: a joint of type \"hinge\" has no such key"},
+        Refusal{"TurnOfUniversal", universal(R"("turn": {"friction": 1})"),
+                "joints[0].turn: a joint of type \"universal\" has no such key"},
+        Refusal{"SecondTurnOfCylindrical", cylindrical(R"("second_turn": {"friction": 1})"),
+                "joints[0].second_turn: a joint of type \"cylindrical\" has no such key"},
+        Refusal{"LimitsOfUniversalReversed", universal(R"("limits": [1, -1])"),
+                "joints[0].limits: [1,-1] is not allowed: must be two numbers"},
+        Refusal{"LimitsOfSecondTurnReversed", universal(R"("second_turn": {"limits": [1, -1]})"),
+                "joints[0].second_turn.limits: [1,-1] is not allowed: must be two numbers"},
+        Refusal{"NegativeFrictionOfSecondTurn", universal(R"("second_turn": {"friction": -1})"),
+                "joints[0].second_turn.friction: -1 is not allowed: must be zero or positive"},
+        Refusal{"HugeFrictionOfSecondTurn", universal(R"("second_turn": {"friction": 1e30})"),
+                "joints[0].second_turn.friction: 1e+30 is not allowed: must be zero or positive "
+                "and up to"},
+        Refusal{"ForceOfSecondTurn", universal(R"("second_turn": {"motor": {"force": 1}})"),
+                "joints[0].second_turn.motor.force: a motor of this joint has no such key, it has "
+                "\"torque\""},
+        Refusal{"UnknownKeyOfSecondTurn", universal(R"("second_turn": {"axis": [0, 0, 1]})"),
+                "joints[0].second_turn.axis: unknown key. Known keys: limits, motor, friction"},
         Refusal{"MotorOfCable", line("cable", R"(, "motor": {"speed": 1})"),
                 "joints[0].motor: a joint of type \"cable\" has no such key"},
         Refusal{"FrictionOfSpring", line("spring", R"(, "stiffness": 1, "friction": 1)"),
@@ -280,15 +383,15 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"BreakMomentOfABall",
                 with_joints(R"({"type": "ball", "bodies": ["world", 0])" + kAt +
                             R"(, "break_moment": 4})"),
-                "joints[0].break_moment: 4 of a \"ball\" is not allowed: a ball joint carries no "
-                "moment; take break_force"},
+                "joints[0].break_moment: 4 of a \"ball\" is not allowed: a ball joint without "
+                "swing, limits, a motor and friction carries no moment; take break_force"},
         Refusal{"BreakMoment", hinge(R"("break_moment": -2)"),
                 "joints[0].break_moment: -2 is not allowed: must be positive"},
         Refusal{"UnknownKey",
                 with_joints(R"({"type": "ball", "body": 1, "bodies": ["world", 0])" + kAt + "}"),
                 "joints[0].body: unknown key. Known keys: type, bodies, anchor, axis, "
-                "anchors, second_axis, length, limits, motor, friction, turn, stiffness, damping, "
-                "break_force, break_moment"},
+                "anchors, second_axis, length, limits, motor, friction, turn, second_turn, swing, "
+                "swing_axis, stiffness, damping, break_force, break_moment"},
         Refusal{"NameTwice", test::with_body(R"({"name": "a", "shape": "half_space"},
                                                 {"name": "a", "shape": "half_space"})"),
                 "bodies[2].name: \"a\" is not allowed: bodies[1] has this name"},
@@ -319,10 +422,31 @@ TEST(Joints, OfProgramsAreCheckedToo) {
             "joints[0].motor.torque: 3 is not allowed: must be without speed, position, stiffness "
             "and max_force: a motor has one law");
   joint.motor = JointMotor{};
-  joint.kind = JointKind::ball;
+  joint.kind = JointKind::fixed;
   EXPECT_EQ(refusal([&] { validate(scene); }),
-            "joints[0].type: \"ball\" with limits, a motor or friction is not allowed: a hinge, a "
-            "slider or a cylindrical joint can have these");
+            "joints[0].type: \"fixed\" with limits, a motor or friction is not allowed: a hinge, a "
+            "ball joint, a slider, a cylindrical or a universal joint can have these");
+  joint.kind = JointKind::ball;
+  for (const double swing : {0.0, -1.0, 4.0, std::numeric_limits<double>::quiet_NaN(),
+                             -std::numeric_limits<double>::infinity()}) {
+    joint.swing = swing;
+    EXPECT_THAT(refusal([&] { validate(scene); }),
+                AllOf(StartsWith("joints[0].swing: "), HasSubstr("above 0 and up to 3.14159")));
+  }
+  joint.swing = 1;
+  joint.swing_axis = Vec3d{0, 2, 0};
+  EXPECT_EQ(refusal([&] { validate(scene); }),
+            "joints[0].swing_axis: [0, 2, 0] is not allowed: must have length 1");
+  joint.swing_axis.reset();
+  joint.kind = JointKind::hinge;
+  EXPECT_EQ(refusal([&] { validate(scene); }),
+            "joints[0].type: \"hinge\" with a swing is not allowed: a ball joint can have it");
+  joint.swing = std::numeric_limits<double>::infinity();
+  joint.second_turn.friction = 1;
+  EXPECT_EQ(refusal([&] { validate(scene); }),
+            "joints[0].type: \"hinge\" with a second turn is not allowed: a universal joint can "
+            "have it");
+  joint.second_turn = {};
   joint.kind = JointKind::hinge;
   joint.turn.friction = 1;
   EXPECT_EQ(

@@ -262,6 +262,51 @@ TYPED_TEST(JointRowTest, DrivenRowGivesWhatItsPartsGive) {
   for (const int count : {at_limit, sticking, bounded, free}) EXPECT_GT(count, 15);
 }
 
+// Friction in any direction: the moments nearest to those given, in the coordinates of solvers, that are no more than it gives in
+// the rows themselves. Pivots of all sizes, and impulses whose squares are no floats.
+TYPED_TEST(JointRowTest, RubbingMomentsAreTheNearestWithinABall) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int inside = 0, outside = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Matrix6 block = Matrix6::Identity();
+    const double spread = trial % 3 == 0 ? 1 : trial % 3 == 1 ? 10 : 1000;
+    for (int k = 3; k < 6; ++k) block(k, k) = std::pow(spread, uniform(random));
+    JointRow<TypeParam> row = this->joint_of(block, kJointMoments);
+    row.rubs = true;
+    row.least = row.most = 0;
+    const double unit = trial % 5 == 0 ? 1e-25 : 1;
+    row.friction = static_cast<TypeParam>(unit * std::pow(10, 2 * uniform(random)));
+    Vector6 given = unit * this->random_vector();
+    const Vector6 found = this->run(row, {given}, 0.5).nearest[0];
+    // Of z_k / (1 + x p_k^2) the one on the ball, by bisection of x over all that can be.
+    const Eigen::Vector3d p(row.inverse_pivot(3), row.inverse_pivot(4), row.inverse_pivot(5));
+    const double most = row.friction;
+    const Eigen::Vector3d z = given.tail<3>() / unit;
+    const auto at = [&](double x) {
+      return Eigen::Vector3d(z.cwiseQuotient((1 + x * p.array().square()).matrix()));
+    };
+    const auto moments = [&](double x) { return at(x).cwiseProduct(p).norm(); };
+    double low = 0, high = 1;
+    while (moments(high) > most / unit) high *= 2;
+    if (moments(0) > most / unit)
+      for (int k = 0; k < 200; ++k)
+        (moments((low + high) / 2) > most / unit ? low : high) = (low + high) / 2;
+    const bool is_inside = moments(0) <= most / unit;
+    ++(is_inside ? inside : outside);
+    const Eigen::Vector3d expected = is_inside ? z : at(high);
+    EXPECT_LT((found.tail<3>() / unit - expected).norm(), 10 * this->kTolerance) << trial;
+    EXPECT_EQ(found.template head<3>().norm(), 0);
+    EXPECT_LT(found.tail<3>().cwiseProduct(p).norm() / most, 1 + this->kTolerance) << trial;
+  }
+  EXPECT_GT(inside, 30);
+  EXPECT_GT(outside, 100);
+  JointRow<TypeParam> none = this->joint_of(Matrix6::Identity(), kJointMoments);
+  none.rubs = true;
+  none.least = none.most = 0;
+  EXPECT_EQ(this->run(none, {Vector6::Ones()}, 0.5).nearest[0].norm(), 0);
+}
+
 // Before the first step a guess is made one that the drive may give.
 TYPED_TEST(JointRowTest, GuessBecomesOneThatTheDriveMayGive) {
   JointRow<TypeParam> row = this->joint_of(Matrix6::Identity(), kAll);

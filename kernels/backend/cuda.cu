@@ -3,7 +3,6 @@
 #include <thrust/iterator/transform_iterator.h>
 
 #include <cstring>
-#include <cub/block/block_scan.cuh>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
@@ -116,37 +115,9 @@ struct Widen {
   __host__ __device__ Offset operator()(Index i) const { return i; }
 };
 
-constexpr int kScanThreads = 1024, kScanItems = 8;  // of a thread at a time
-/// So few terms take one block no longer than CUB takes for its two kernels.
-constexpr Offset kMostInBlock = 4 * kScanThreads * kScanItems;
-
-template <class Terms, class Sum>
-__global__ void __launch_bounds__(kScanThreads) scan_in_block(Terms terms, int count, Sum* out) {
-  using Scan = cub::BlockScan<Sum, kScanThreads>;
-  __shared__ typename Scan::TempStorage space;
-  Sum before = 0;
-  if (threadIdx.x == 0) out[0] = 0;
-  for (int begin = 0; begin < count; begin += kScanThreads * kScanItems) {
-    const int first = begin + static_cast<int>(threadIdx.x) * kScanItems;
-    Sum sum[kScanItems], total = 0;
-    for (int k = 0; k < kScanItems; ++k)
-      sum[k] = first + k < count ? static_cast<Sum>(terms[first + k]) : Sum(0);
-    Scan(space).InclusiveSum(sum, sum, total);
-    for (int k = 0; k < kScanItems; ++k)
-      if (first + k < count) out[first + k + 1] = before + sum[k];
-    before += total;
-    __syncthreads();  // before the next round takes the space
-  }
-}
-
 /// @param terms  iterator over `count` terms of the type of the sum
 template <class Terms, class Sum>
 void scan(Cuda& cuda, Terms terms, Offset count, Sum* out) {
-  if (count > 0 && count <= kMostInBlock) {
-    scan_in_block<<<1, kScanThreads, 0, cuda.stream()>>>(terms, static_cast<int>(count), out);
-    cuda.check_launch("exclusive_scan");
-    return;
-  }
   // The total lands in out[n]: an inclusive scan shifted by one, behind a leading zero.
   check_cuda(cudaMemsetAsync(out, 0, sizeof(Sum), cuda.stream()), "exclusive_scan");
   if (count == 0) return;

@@ -83,7 +83,8 @@ Four points_of(const std::vector<AffineVec>& q, const SurfacePair& pair, const F
 
 std::vector<SurfacePair> pairs_near(const std::vector<AffineBody>& bodies,
                                     const std::vector<AffineVec>& from,
-                                    const std::vector<AffineVec>& to, double distance) {
+                                    const std::vector<AffineVec>& to, double distance,
+                                    const std::function<bool(int, int)>& may_touch) {
   std::vector<BodyBoxes> boxes;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     boxes.emplace_back(*bodies[b].surface, from[b], to[b]);
@@ -104,6 +105,7 @@ std::vector<SurfacePair> pairs_near(const std::vector<AffineBody>& bodies,
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
       if (bodies[a].fixed && bodies[b].fixed) continue;
       if (!boxes[a].all.near(boxes[b].all, distance)) continue;
+      if (may_touch && !may_touch(static_cast<int>(a), static_cast<int>(b))) continue;
       points_on_triangles(a, b);
       points_on_triangles(b, a);
       const auto others = near(boxes[b].edges, boxes[a].all, distance);

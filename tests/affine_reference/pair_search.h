@@ -2,6 +2,7 @@
 // Pairs of corners, edges and triangles of different bodies that are near each other.
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "kernels/affine/contact_potential.h"
@@ -24,8 +25,10 @@ Four points_of(const std::vector<AffineVec>& q, const SurfacePair& pair, const F
 
 /// Pairs whose boxes come within a distance while the bodies move straight from one place to
 /// another, in a fixed order. Two fixed bodies have none.
+/// @param may_touch  of two bodies by their numbers; those that do not have none. Left out: all do
 std::vector<SurfacePair> pairs_near(const std::vector<AffineBody>& bodies,
                                     const std::vector<AffineVec>& from,
-                                    const std::vector<AffineVec>& to, double distance);
+                                    const std::vector<AffineVec>& to, double distance,
+                                    const std::function<bool(int, int)>& may_touch = {});
 
 }  // namespace scree::affine

@@ -2,19 +2,13 @@
 
 #include <numeric>
 #include <random>
-#include <set>
 
-#include "dynamics/affine/near_pairs.h"
-#include "solvers/solver.h"
-#include "tests/affine_reference/pair_search.h"
 #include "tests/backend_fixture.h"
 #include "tests/box_mesh.h"
+#include "tests/dynamics/affine/brute_pairs.h"
 
 namespace scree::affine {
 namespace {
-
-/// Bodies, kind, and four corners in their surfaces.
-using NamedPair = std::array<int, 7>;
 
 /// A closed band with a wave: many triangles, none of them on an axis.
 TriangleMesh wavy_ring(int around, int along) {
@@ -101,42 +95,9 @@ class AffineNearPairsTest : public BackendTest<double> {
     const auto n = static_cast<Offset>(from_.size());
     near.build(b, tables, std::as_const(from).view(n), std::as_const(to).view(n), distance);
   }
-  /// The lists in their order, which must be what NearPairsView says.
+  SearchedBodies searched() const { return {surfaces_, surface_, group_, held_}; }
   std::vector<NamedPair> named(const NearPairsView& view) {
-    const std::vector<NearPair> pairs = download(backend(), view.pairs);
-    const std::vector<BodyPair> bodies = download(backend(), view.bodies);
-    const std::vector<Vec3d> corners = download(backend(), view.corners);
-    std::vector<int> first{0};
-    for (const auto& s : surfaces_)
-      first.push_back(first.back() + static_cast<int>(s->vertices.size()));
-    std::vector<NamedPair> all;
-    std::size_t next = 0;
-    for (std::size_t p = 0; p < bodies.size(); ++p) {
-      EXPECT_LT(bodies[p].body[0], bodies[p].body[1]);
-      if (p > 0) {
-        EXPECT_LT(std::pair(bodies[p - 1].body[0], bodies[p - 1].body[1]),
-                  std::pair(bodies[p].body[0], bodies[p].body[1]));
-      }
-      EXPECT_EQ(static_cast<std::size_t>(bodies[p].begin), next);
-      EXPECT_LT(bodies[p].begin, bodies[p].end);
-      next = static_cast<std::size_t>(bodies[p].end);
-      for (Index k = bodies[p].begin; k < bodies[p].end; ++k) {
-        const NearPair& pair = pairs[static_cast<std::size_t>(k)];
-        EXPECT_EQ(static_cast<std::size_t>(pair.bodies), p);
-        const int side = pair.is_swapped ? 1 : 0;
-        NamedPair name{bodies[p].body[side], bodies[p].body[1 - side], static_cast<int>(pair.kind)};
-        for (std::size_t i = 0; i < 4; ++i) {
-          const int body = name[static_cast<int>(i) < first_points(pair.kind) ? 0 : 1];
-          const auto surface = static_cast<std::size_t>(surface_[static_cast<std::size_t>(body)]);
-          name[3 + i] = pair.vertex[i] - first[surface];
-          EXPECT_TRUE(corners[static_cast<std::size_t>(pair.vertex[i])] ==
-                      surfaces_[surface]->vertices[static_cast<std::size_t>(name[3 + i])]);
-        }
-        all.push_back(name);
-      }
-    }
-    EXPECT_EQ(next, pairs.size());
-    return all;
+    return named_pairs(backend(), view, searched());
   }
   std::vector<NamedPair> listed(double distance) {
     const SurfaceTables<TestBackend> on = tables();
@@ -144,47 +105,13 @@ class AffineNearPairsTest : public BackendTest<double> {
     build(near, on, distance);
     return named(near.view());
   }
-  /// Pairs of bodies that may touch, of the search on the host: whose boxes come near, or which come near themselves at one of
-  /// nine times.
-  std::set<NamedPair> expected(double distance, bool themselves = false) {
-    std::vector<AffineBody> bodies(surface_.size());
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-      bodies[b].surface = surfaces_[static_cast<std::size_t>(surface_[b])];
-    std::set<NamedPair> all;
-    for (const SurfacePair& p : pairs_near(bodies, from_, to_, distance)) {
-      const auto a = static_cast<std::size_t>(p.body[0]), b = static_cast<std::size_t>(p.body[1]);
-      if (group_[a] >= 0 && group_[a] == group_[b]) continue;
-      const bool is_held = std::any_of(held_.begin(), held_.end(), [&](const auto& h) {
-        return std::minmax(h[0], h[1]) == std::minmax(p.body[0], p.body[1]);
-      });
-      if (is_held || (themselves && !comes_near(bodies, p, distance))) continue;
-      all.insert({p.body[0], p.body[1], static_cast<int>(p.kind), p.vertex[0], p.vertex[1],
-                  p.vertex[2], p.vertex[3]});
-    }
-    return all;
-  }
-  bool comes_near(const std::vector<AffineBody>& bodies, const SurfacePair& p, double distance) {
-    const Four rest = rest_points(bodies, p);
-    const Four start = points_of(from_, p, rest), end = points_of(to_, p, rest);
-    for (int k = 0; k <= 8; ++k) {
-      Four x;
-      for (int i = 0; i < 4; ++i) x[i] = start[i] + k / 8.0 * (end[i] - start[i]);
-      if (std::sqrt(nearest_points(p.kind, x).squared) <= distance) return true;
-    }
-    return false;
-  }
-  /// All that come near are listed, and none whose boxes do not.
-  void expect_all(const std::vector<NamedPair>& found, double distance) {
-    const std::set<NamedPair> unique(found.begin(), found.end());
-    const std::set<NamedPair> least = expected(distance, true), most = expected(distance);
-    EXPECT_EQ(unique.size(), found.size());
-    EXPECT_TRUE(std::includes(unique.begin(), unique.end(), least.begin(), least.end()));
-    EXPECT_TRUE(std::includes(most.begin(), most.end(), unique.begin(), unique.end()));
+  ExpectedPairs expected(double distance) {
+    return expected_pairs(searched(), from_, to_, distance);
   }
   /// @return how many pairs there are
   std::size_t compare(double distance) {
     const std::vector<NamedPair> found = listed(distance);
-    expect_all(found, distance);
+    expect_pairs(found, expected(distance));
     return found.size();
   }
 };
@@ -332,10 +259,10 @@ TEST_F(AffineNearPairsTest, AreNotLostByRounding) {
     to_ = from_;
     for (AffineVec& q : to_) q.node[0] += way;
     double none = 0, some = 20;
-    ASSERT_TRUE(expected(none).empty());
+    ASSERT_TRUE(expected(none).most.empty());
     while (std::nextafter(none, some) < some) {
       const double middle = none + (some - none) / 2;
-      (expected(middle).empty() ? none : some) = middle;
+      (expected(middle).most.empty() ? none : some) = middle;
     }
     EXPECT_NEAR(some, gap.x, 1e-9);
     EXPECT_GT(compare(TestBackend::kIsDevice ? some * (1 + 1e-9) : some), 0u);
@@ -399,7 +326,7 @@ TEST_F(AffineNearPairsTest, DoNotDependOnEarlierSearches) {
     }
     build(near, on, 0.02);
     const std::vector<NamedPair> found = named(near.view());
-    expect_all(found, 0.02);
+    expect_pairs(found, expected(0.02));
     EXPECT_EQ(found, listed(0.02));
   }
 }

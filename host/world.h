@@ -124,6 +124,9 @@ struct JointRecord {
   /// Of body B against A since time zero, at the start of the step: angle of a hinge [rad], way of a
   /// slider or cylindrical joint [m]; of a ball joint with a swing that [rad]; length of a distance, cable or spring over its own [m]. Else 0.
   double position = 0;
+  /// Angles of drives about axes, counted alike: of the `turn` of a cylindrical joint, of both axes of a universal one, of the twist of
+  /// a ball joint. Where nothing drives one 0 [rad].
+  double turn = 0, second_turn = 0;
   bool is_broken = false;  ///< since this step or an earlier one
 };
 

@@ -339,11 +339,15 @@ class Joints {
     for (std::size_t k = 0; k < frames.size(); ++k)
       out.push_back({frames[k].body[0], frames[k].body[1],
                      Vec3d(impulse[k].force) + Vec3d(in_impacts[k].force),
-                     Vec3d(impulse[k].moment) + Vec3d(in_impacts[k].moment), states[k].position,
-                     states[k].is_broken != 0});
+                     Vec3d(impulse[k].moment) + Vec3d(in_impacts[k].moment), states[k].position, 0,
+                     0, states[k].is_broken != 0});
     for (std::size_t k = 0; k < turn_of_.size(); ++k) {
       const JointRecord& turn = out[static_cast<std::size_t>(own_count_) + k];
-      out[static_cast<std::size_t>(turn_of_[k])].moment += turn.moment;
+      JointRecord& own = out[static_cast<std::size_t>(turn_of_[k])];
+      own.moment += turn.moment;
+      const JointForm form = frames[static_cast<std::size_t>(own_count_) + k].form;
+      if (form == JointForm::second_turn) own.second_turn = turn.position;
+      if (form == JointForm::turn || form == JointForm::twist) own.turn = turn.position;
     }
     out.resize(static_cast<std::size_t>(own_count_));
     return out;

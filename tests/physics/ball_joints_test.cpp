@@ -182,6 +182,7 @@ TEST_P(BallJoints, StopAtTheLimitsOfTheirTwist) {
       EXPECT_NEAR(twist_of(world.states().orientation[0], {0, 0, 1}), 0.8,
                   is_double() ? 1e-6 : 1e-4);
       EXPECT_LT(norm(world.states().angular_velocity[0]), is_double() ? 1e-6 : 1e-4);
+      EXPECT_NEAR(world.joints()[0].turn, world_first ? 0.8 : -0.8, is_double() ? 1e-6 : 1e-4);
     }
   }
 }

@@ -162,6 +162,7 @@ TEST_P(CylindricalJoints, AreDrivenBothWaysAtOnce) {
     run_converged(world, 200);
     EXPECT_NEAR(dot(world.states().angular_velocity[0], joint.axis), -2, 1e-4) << solver;
     EXPECT_NEAR(world.joints()[0].position, 0.3 * 199 * kAxisStep, 1e-5);
+    EXPECT_NEAR(world.joints()[0].turn, -2 * 199 * kAxisStep, 1e-4);
     EXPECT_LT(norm(cross(world.states().angular_velocity[0], joint.axis)), 1e-3);
   }
 }

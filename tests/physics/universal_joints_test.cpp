@@ -97,8 +97,11 @@ TEST_P(UniversalJoints, SpringsTakeThemToAnyAngles) {
       scene.joints[0].second_turn.motor = spring(second);
       World world = world_of(scene);
       run_converged(world, 4000);
-      EXPECT_LT(error_of(world, world_first, first, second), is_double() ? 1e-6 : 2e-4)
+      const double near = is_double() ? 1e-6 : 2e-4;
+      EXPECT_LT(error_of(world, world_first, first, second), near)
           << first << " " << second << world_first;
+      EXPECT_NEAR(world.joints()[0].turn, first, near);
+      EXPECT_NEAR(world.joints()[0].second_turn, second, near);
     }
   }
 }

@@ -95,6 +95,23 @@ TEST_P(FastBodies, DoNotPassThinWalls) {
   }
 }
 
+// Boxes whose own faces part them from the plate, too, look ahead to the end of the step, where they would be behind it.
+TEST(FastBoxes, DoNotPassPlatesInAnyPose) {
+  Shots shots;
+  for (const char* size : {"0.01, 0.01, 0.01", "0.02, 0.005, 0.005"}) {
+    for (const char* plate : {"0.002, 0.8, 0.8", "0.01, 0.8, 0.8"}) {
+      const std::string box = R"({"shape": "box", "density": 3000, "size": [)";
+      const Scene both = scene_of(R"({"shape": "box", "kind": "fixed", "size": [)" +
+                                  std::string(plate) + "]}, " + box + size + "]}");
+      for (int shot = 0; shot < 100; ++shot) {
+        World world(shots.next(both), cpu_options());
+        for (int k = 0; k < 8; ++k) world.step();
+        EXPECT_LT(world.states().position[1].x, 0) << size << " " << plate << " " << shot;
+      }
+    }
+  }
+}
+
 // The one contact of a sphere and another body stops a point of that, which spins on; its middle stays outside.
 TEST(FastSmallBodies, DoNotGoDeepIntoSpheres) {
   constexpr double kRadius = 0.1;

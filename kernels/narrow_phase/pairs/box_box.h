@@ -56,8 +56,14 @@ struct BoxAxes {
 
 struct BoxPair {
   BoxAxes box[2];
-  Vec3d d;         ///< center of box 0 to center of box 1 [m]
-  Vec3d way = {};  ///< of box 1 relative to box 0 in the step [m]
+  Vec3d d;           ///< center of box 0 to center of box 1 [m]
+  Vec3d way = {};    ///< of box 1 relative to box 0 in the step [m]
+  Vec3d moved = {};  ///< what of it is in `d` already [m]
+
+  /// The boxes at the end of the step. They meet on the sides that they have at its start, wherever the centers are then: a fast one
+  /// may be behind the other.
+  SCREE_HD void move(const Vec3d& by) { d += by, moved += by; }
+  SCREE_HD Vec3d at_start() const { return d - moved; }
 
   /// Distance along a normal of the faces of a box [m], negative is overlap.
   SCREE_HD double face_separation(int side, int k) const {
@@ -138,7 +144,7 @@ struct ReferenceFace {
         other(pair.box[1 - box]),
         d(box == 0 ? pair.d : -pair.d),
         axis(axis_),
-        normal(along(own.axis[axis_], d)) {}
+        normal(along(own.axis[axis_], box == 0 ? pair.at_start() : -pair.at_start())) {}
 
   /// From the center of the reference box to a point of the contact [m], see BoxFeature.
   SCREE_HD Vec3d point(int p) const {
@@ -469,7 +475,7 @@ SCREE_HD void box_box(BoxPair pair, const box_box_parts::SeparatingAxis& axis, d
   using namespace box_box_parts;
   if (axis.separation > most && !axis.is_ahead) return;
   const Vec3d way = axis.is_ahead ? pair.way : Vec3d{};
-  pair.d += way;
+  pair.move(way);
   const auto listed = [&](const ContactGeometry& g) { return wanted(at_start(g, way)); };
   const double thickness = smallest(pair.box[0].half) < smallest(pair.box[1].half)
                                ? smallest(pair.box[0].half)
@@ -543,7 +549,7 @@ struct BoxBox {
     BoxPair boxes = pair(a, b, d);
     const Search axis(boxes, 1e300);
     const Vec3d way = axis.is_ahead ? boxes.way : Vec3d{};
-    boxes.d += way;
+    boxes.move(way);
     return at_start(feature == BoxFeature::kMiddle ? BoxMiddle(boxes, axis).geometry()
                                                    : box_box_contact(boxes, feature),
                     way);

@@ -9,7 +9,9 @@
 namespace scree {
 namespace {
 
-// Measured on an H200 and one core of its host, a chain of 1,000 links and a net of 32 x 32 knots [s].
+// Times [s]. Iterations as measured on an H200 for a net of 32 x 32 knots. One core of its host takes 2.6 us a link of a chain of
+// 1,000 where steps are solved once, and they may be four times. That of loops is an estimate, by the multiplications that nested
+// dissection takes of a plane net.
 constexpr double kIterating = 6e-5;  // for each joint that an impulse has to cross
 constexpr double kCrossing = 5e-4;   // to the host and back, in all solves of a step
 constexpr double kSolving = 1e-5;    // for each joint
@@ -87,6 +89,7 @@ struct Island {
 }  // namespace
 
 std::vector<Index> deep_joints(const Scene& scene, const std::vector<JointFrames>& frames) {
+  if (frames.empty()) return {};
   JointGraph graph(scene, frames);
   std::vector<Index> place(scene.bodies.size(), -1);
   std::vector<Island> islands;

@@ -7,6 +7,7 @@
 #include "dynamics/rigid/shared_constants.h"
 #include "dynamics/rigid/step_parts.h"
 #include "host/scene/run_summary.h"
+#include "kernels/step/joint_ends.h"
 #include "kernels/step/joint_setup.h"
 #include "solvers/coulomb.h"
 
@@ -113,9 +114,15 @@ HeldBytes problem(const Sizes& s) {
   return bytes;
 }
 
-/// Frames, rows, ids and axis, sort keys, lists and impulses of a joint; those of the solver too.
+/// What is listed of a joint to be solved on the host: its ends, its impulse and its place. Beside a GPU not all are.
+template <class Real>
+constexpr std::size_t kListedJoint = sizeof(JointEnds<Real>) + sizeof(JointValues<Real>) +
+                                     sizeof(Index);
+
+/// Frames, rows, ids and axis, sort keys, lists and impulses of a joint; those of the solver and of the guess too.
 double joint(const Sizes& s) {
-  const std::size_t row = s.real > 4 ? sizeof(JointRow<double>) : sizeof(JointRow<float>);
+  const std::size_t row = s.real > 4 ? sizeof(JointRow<double>) + kListedJoint<double>
+                                     : sizeof(JointRow<float>) + kListedJoint<float>;
   return static_cast<double>(sizeof(JointFrames) + sizeof(JointState) + row) + fields_of_joint(s) +
          12 + 16 + 5 * s.impulse;
 }

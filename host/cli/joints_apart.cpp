@@ -27,7 +27,9 @@ std::string joints_apart(const RunTotals& t, const std::vector<Joint>& joints,
   if (!are_joints_apart(t.max_joint_error(), bodies)) return {};
   std::string text = fmt::format(
       "joints were off by up to {:.3g} m, in step {} (max_joint_error_m): they contradict each "
-      "other or a motion, began apart, or are so nearly in a line that they cannot hold",
+      "other or a motion, began apart, are so nearly in a line that they cannot hold, or carry "
+      "more "
+      "than a step of this length can follow",
       t.max_joint_error(), t.joint_error_step());
   if (t.joint_error_joint() < 0) return text;  // models may not know
   const auto number = static_cast<std::size_t>(t.joint_error_joint());

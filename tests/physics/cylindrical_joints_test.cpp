@@ -11,10 +11,7 @@ namespace {
 
 constexpr double kAxisStep = 1e-3, kAxisMass = 1.5;
 
-class CylindricalJoints : public JointTest {
- protected:
-  double exact() const { return is_double() ? 1e-9 : 2e-5; }
-};
+class CylindricalJoints : public JointTest {};
 INSTANTIATE_TEST_SUITE_P(Precisions, CylindricalJoints,
                          testing::Values(Precision::single_precision, Precision::double_precision),
                          name_of_precision);

@@ -45,7 +45,32 @@ class JointTest : public testing::TestWithParam<Precision> {
  protected:
   World world_of(const Scene& scene) const { return joint_world(scene, GetParam()); }
   bool is_double() const { return GetParam() == Precision::double_precision; }
+  /// Relative error of what a solve takes to rounding.
+  double exact() const { return is_double() ? 1e-9 : 2e-5; }
+  /// Linear and angular momentum stay in a run.
+  void expect_momentum_kept(World& world, const Scene& scene, int steps) const {
+    const Momenta before = momenta_of(world.states(), scene);
+    run_converged(world, steps);
+    const Momenta after = momenta_of(world.states(), scene);
+    EXPECT_LT(norm(after.linear - before.linear), is_double() ? 1e-10 : 2e-5);
+    EXPECT_LT(norm(after.angular - before.angular),
+              (is_double() ? 1e-5 : 1e-4) * norm(before.angular));
+  }
 };
+
+/// Two boxes that fly and turn without gravity, with equal velocities at the origin, where a joint belongs.
+inline Scene two_turning_boxes(double time_step, const Vec3d& second_turning) {
+  Scene scene = empty_scene(time_step, 0);
+  scene.gravity = {};
+  BodyDescription& one = add_box(scene, {-0.4, 0, 0}, {0.3, 0.1, 0.05}, 2);
+  one.velocity = {0.3, -0.2, 0.1};
+  one.angular_velocity = {2, -3, 1};
+  const Vec3d at_joint = one.velocity + cross(one.angular_velocity, {0.4, 0, 0});
+  BodyDescription& other = add_box(scene, {0.3, 0, 0}, {0.2, 0.05, 0.1}, 1);
+  other.angular_velocity = second_turning;
+  other.velocity = at_joint + cross(second_turning, {0.3, 0, 0});
+  return scene;
+}
 
 inline std::string name_of_precision(const testing::TestParamInfo<Precision>& one) {
   return one.param == Precision::double_precision ? "Double" : "Float";

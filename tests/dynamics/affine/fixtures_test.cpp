@@ -18,6 +18,7 @@
 #include "tests/dynamics/affine_scenes.h"
 #include "tests/physics/long_tests.h"
 #include "tests/physics/shared_data.h"
+#include "tests/refused_scenes.h"
 
 namespace scree::affine {
 namespace {
@@ -88,18 +89,6 @@ constexpr const char* kFixtures[] = {
     "autodesk_abd/inputs/simple_tets/tets.json",
     "autodesk_abd/inputs/slope/slope.json",
     "autodesk_abd/inputs/wreck_ball/wreck_ball.json",
-};
-
-/// Bodies without volume, which the model does not have.
-constexpr const char* kRefusedFixtures[] = {
-    "fixtures/3D/codimensional/edges/chain-net-4x4.json",
-    "fixtures/3D/codimensional/edges/tet-plane.json",
-    "fixtures/3D/codimensional/points/tet-hole.json",
-    "fixtures/3D/codimensional/points/tet-plane.json",
-    "fixtures/3D/compactor/single-cube.json",
-    "fixtures/3D/friction/card-house/card-house-2-levels.json",
-    "fixtures/3D/friction/card-house/card-house-3-levels-falling-blocks.json",
-    "fixtures/3D/friction/card-house/card-tent.json",
 };
 
 std::filesystem::path fixture_file(const std::string& name) {
@@ -233,7 +222,7 @@ TEST_P(AffineRefusedFixtures, AreRefusedByName) {
         << error.what();
   }
 }
-INSTANTIATE_TEST_SUITE_P(Public, AffineRefusedFixtures, ::testing::ValuesIn(kRefusedFixtures),
+INSTANTIATE_TEST_SUITE_P(Public, AffineRefusedFixtures, ::testing::ValuesIn(kRefusedScenes),
                          test_name);
 
 // What says that no triangles touch, against all pairs of triangles one by one.
@@ -293,7 +282,7 @@ TEST(AffineExactSurfaces, AreApartByOneRounding) {
 TEST(AffineFixtureList, HasAllScenesThatThereAre) {
   std::set<std::string> listed;
   for (const char* name : kFixtures) listed.insert(fixture_file(name).string());
-  for (const char* name : kRefusedFixtures) listed.insert(fixture_file(name).string());
+  for (const char* name : kRefusedScenes) listed.insert(fixture_file(name).string());
   if (!std::filesystem::exists(fixture_file("fixtures")))
     GTEST_SKIP() << fixture_file("fixtures").string() << " is not there";
   std::size_t count = 0;

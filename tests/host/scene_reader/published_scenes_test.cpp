@@ -14,6 +14,7 @@
 #include "host/scene_reader.h"
 #include "tests/host/scene_reader/ipc_support.h"
 #include "tests/physics/shared_data.h"
+#include "tests/refused_scenes.h"
 
 namespace scree {
 namespace {
@@ -38,16 +39,7 @@ std::vector<Row> rows_of(const std::filesystem::path& table) {
   return rows;
 }
 
-/// Free bodies that are flat, and bodies of points or edges.
-const std::set<std::string> kRefused{
-    "fixtures/3D/codimensional/edges/chain-net-4x4.json",
-    "fixtures/3D/codimensional/edges/tet-plane.json",
-    "fixtures/3D/codimensional/points/tet-hole.json",
-    "fixtures/3D/codimensional/points/tet-plane.json",
-    "fixtures/3D/compactor/single-cube.json",
-    "fixtures/3D/friction/card-house/card-house-2-levels.json",
-    "fixtures/3D/friction/card-house/card-house-3-levels-falling-blocks.json",
-    "fixtures/3D/friction/card-house/card-tent.json"};
+const std::set<std::string> kRefused(std::begin(kRefusedScenes), std::end(kRefusedScenes));
 /// The table counts this one before components become bodies.
 constexpr const char* kSplit = "fixtures/3D/examples/split-components.json";
 

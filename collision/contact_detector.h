@@ -154,6 +154,12 @@ class ContactDetector {
     candidates_.forget();
   }
 
+  /// Whether a list of near pairs will be made anew as soon as a body leaves its ball. Ranks make theirs in the same step:
+  /// one that does alone has the others wait for it.
+  bool has_spent_list() const { return candidates_.is_spent(); }
+  /// A list is made in the next detection.
+  void renew_list() { candidates_.retire(); }
+
   /// The remembered keys and impulses, for checkpoints.
   void save(B& b, std::vector<std::uint64_t>& key, std::vector<Vec3<double>>& impulse) const {
     memory_.save(b, key, impulse);
@@ -299,7 +305,8 @@ template <class B, class Real>
 void ContactDetector<B, Real>::list_with_margins(B& b, const BodyView<Real>& bodies,
                                                  ContactRange range) {
   list_within(b, bodies, range);
-  if (!(settings_.margin_limit > 0) || !on_any_rank(b, contact_count_ > 0)) return;
+  if (!(settings_.margin_limit > 0)) return;
+  if (ghosts_ == nullptr && contact_count_ == 0) return;  // other ranks may have some
   ImpactMargins<B, Real> margins(b);
   Buffer<B, float> of_parts(b);
   const BodyView<Real>& owners = parts_.is_used() ? parts_.bodies : bodies;

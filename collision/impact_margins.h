@@ -27,7 +27,7 @@ class ImpactMargins {
         StoreResult<Largest<double>>{largest_.data()});
     if (ghosts != nullptr) ghosts->send(b, margin);
     // When all have told theirs, all have sent.
-    const double largest = largest_over_ranks(b, fetch(b, largest_.data()).value);
+    const double largest = fetch_over_ranks(b, std::as_const(largest_).data()).value;
     if (ghosts != nullptr) ghosts->receive(b, margin);
     return largest;
   }
@@ -58,7 +58,7 @@ class ImpactMargins {
                             MarginGrowth{std::as_const(last_).view(moving_count),
                                          std::as_const(margin_).view(moving_count)},
                             StoreResult<Largest<double>>{largest_.data()});
-    return largest_over_ranks(b, fetch(b, largest_.data()).value);
+    return fetch_over_ranks(b, std::as_const(largest_).data()).value;
   }
 
  private:

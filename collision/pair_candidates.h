@@ -36,6 +36,10 @@ class PairCandidates {
   /// Bytes per binned body: 60.
   bool covers(B& b, const BodyView<Real>& bodies, const ContactRange& range) {
     const BodyRanges& binned = bodies.ranges();
+    if (is_kept_ && is_retired_) {
+      has_passes_ = true;
+      return false;
+    }
     if (!is_kept_ || binned != binned_) {
       forget();
       has_passes_ = true;
@@ -65,8 +69,7 @@ class PairCandidates {
   void renew(B& b, const BodyView<Real>& bodies, const ContactRange& range, SpareReach spare,
              Buffer<B, float>& note) {
     spare.skin *= stretch_;
-    const bool is_young = age_ < kMostAge + extensions_ / 2;
-    const bool extends = is_kept_ && is_young && outside_ <= left_.capacity();
+    const bool extends = is_kept_ && !is_retired_ && is_young() && outside_ <= left_.capacity();
     if (extends && extend(b, bodies, range, spare, note)) return;
     note.release();
     if (is_kept_) stretch(spare);
@@ -114,6 +117,7 @@ class PairCandidates {
     put_into_order(b, n, places, counters.data() + n);
     left_.resize_discard(most_renewed(binned_.present_count()));
     is_kept_ = spare.skin > 0;
+    is_retired_ = false;
     age_ = extensions_ = 0;
     ++build_count_;
   }
@@ -131,6 +135,11 @@ class PairCandidates {
     record_.release(), body_.release(), begin_.release(), other_.release(), left_.release();
     group_.release(), block_.release();
   }
+
+  /// Whether it has been extended, and is too old for another time.
+  bool is_spent() const { return is_kept_ && extensions_ > 0 && !is_young(); }
+  /// The list serves no more.
+  void retire() { is_retired_ = true; }
 
   /// Whether spheres may pass each other within the step, as far as the last covers() saw: it reads
   /// bodies only when there is a list.
@@ -158,6 +167,8 @@ class PairCandidates {
   /// A list that lasts for fewer listings gets more skin the next time, one for more gets less.
   static constexpr Index kShortAge = 9, kLongAge = 20;
   static constexpr double kStretchStep = 1.5, kMostStretch = 4;
+
+  bool is_young() const { return age_ < kMostAge + extensions_ / 2; }
 
   /// Gives the bodies that left their balls new ones, and adds what they reach to the list;
   /// one host read. Bytes per body with m candidates: 3, the first time 19, and 36 + 8 m,
@@ -243,7 +254,8 @@ class PairCandidates {
   /// call for still shorter ones.
   void stretch(SpareReach& spare) {
     const double skin = spare.skin / stretch_;
-    if (age_ < kShortAge) stretch_ = std::min(kMostStretch, kStretchStep * stretch_);
+    if (age_ < kShortAge && !is_retired_)
+      stretch_ = std::min(kMostStretch, kStretchStep * stretch_);
     if (age_ > kLongAge) stretch_ = std::max(1.0, stretch_ / kStretchStep);
     spare.skin = skin * stretch_;
   }
@@ -279,6 +291,7 @@ class PairCandidates {
   BodyRanges binned_;
   Vec3<double> origin_;
   bool is_kept_ = false;
+  bool is_retired_ = false;  ///< since it was made
   bool has_passes_ = true;
   double stretch_ = 1;    ///< of the skin
   Index outside_ = 0;     ///< bodies outside their balls, by the last covers()

@@ -196,6 +196,7 @@ class Apgd final : public Solver<B, Real> {
     gauge_.start_solve();
 
     SolveStats stats;
+    ResidualSums own;  // of the last iterate
     const double root_count = std::sqrt(p.contacts_in_all());
     double best = -1;
     bool is_guess = true, is_best = true;
@@ -215,6 +216,7 @@ class Apgd final : public Solver<B, Real> {
                                  StoreResult<Sums<1>>{&found->energy});
       const ApgdCheck check = fetch(b, static_cast<const ApgdCheck*>(found));
       const double energy = check.energy.value[0];
+      own = check.own_residual;
       if (has_blocks) loaded.take_contrast(check.contrast);
       const Residual residual =
           ResidualEvaluator<B, Real>::from_sums(check.residual, p.contacts_in_all());
@@ -311,13 +313,17 @@ class Apgd final : public Solver<B, Real> {
     if (is_best) {  // the last iterate, whose velocities and residual are at hand
       const Span<const Twist<Real>> last = velocities.iterate(stats.iterations);
       if (last.data != velocity.data) copy(b, last, velocity);
+      if (this->is_over_ranks()) {
+        const Residual here = ResidualEvaluator<B, Real>::from_sums(own, p.contacts_in_all());
+        ResidualEvaluator<B, Real>::set_own(here, stats.residual);
+      }
     } else {
       copy(b, Span<const Vec3<Real>>(w.best.view()), gamma);
       ContactPasses<R, B, Real>::gather_velocities(b, p, gamma, velocity);
       this->update_ghosts(b, velocity);
       stats.residual = w.residual.template evaluate_with_objective<R>(b, p, gamma, velocity);
+      w.residual.template add_own<R>(b, p, gamma, velocity, stats.residual);
     }
-    w.residual.template add_own<R>(b, p, gamma, velocity, stats.residual);
     has_converged_ = stats.converged;
     return stats;
   }
@@ -341,7 +347,7 @@ class Apgd final : public Solver<B, Real> {
                  ApgdGhostPass<Real>{bodies.owned_count, a.velocity, a.state});
       ApgdContactFinish{&state}(sums.contacts);
       ApgdBodyFinish{&state, a.exact}(sums.bodies);
-      for_each(b, 1, FinishWith<ApgdState, StoreResult<ApgdState>>{state, {a.state}});
+      fill(b, Span<ApgdState>{a.state, 1}, state);
       if (!(state.measure > enough)) break;
     }
   }

@@ -39,7 +39,10 @@ class ResidualEvaluator {
                Span<const Twist<Real>> velocity, Residual& residual) {
     if (b.ranks() == nullptr) return;
     const Alone<B> alone(b);
-    const Residual own = evaluate<R>(b, p, gamma, velocity);
+    set_own(evaluate<R>(b, p, gamma, velocity), residual);
+  }
+  /// @param own  of the contacts here
+  static void set_own(const Residual& own, Residual& residual) {
     residual.own_max = own.max;
     residual.own_max_contact = own.max_contact;
     residual.own_bad_contact = own.bad_contact;

@@ -118,17 +118,21 @@ void add_over_ranks(Ranks& ranks, MeanForces& means) {
     for (ForceRecord& record : *records) record = added_over_ranks(ranks, record);
 }
 
-void add_report(Ranks& ranks, std::int64_t own_ghosts, double own_max, StepReport& report) {
+bool add_report(Ranks& ranks, std::int64_t own_ghosts, double own_max, bool is_fine,
+                StepReport& report) {
   struct Part {
     std::int64_t bodies = 0, ghosts = 0;
     double max = 0;
     std::int32_t body_a = -1, body_b = -1;
+    std::int32_t is_fine = 1;
   };
   Part worst;
   std::int64_t bodies = 0, ghosts = 0, most = 0;
+  bool are_fine = true;
   for (const Part& part :
        gather(ranks, Part{report.body_count, own_ghosts, own_max, report.residual_max_body_a,
-                          report.residual_max_body_b})) {
+                          report.residual_max_body_b, is_fine ? 1 : 0})) {
+    are_fine = are_fine && part.is_fine != 0;
     bodies += part.bodies;
     ghosts += part.ghosts;
     most = std::max(most, part.bodies);
@@ -143,6 +147,7 @@ void add_report(Ranks& ranks, std::int64_t own_ghosts, double own_max, StepRepor
   report.residual_max = worst.max;
   report.residual_max_body_a = worst.body_a;
   report.residual_max_body_b = worst.body_b;
+  return are_fine;
 }
 
 }  // namespace scree

@@ -45,6 +45,9 @@ ForceRecord added_over_ranks(Ranks& ranks, const ForceRecord& own);
 /// What a report says of bodies and of the worst contact becomes that of all ranks.
 /// @param own_ghosts  of this rank
 /// @param own_max     largest residual of the contacts here, whose bodies the report names [m/s]
-void add_report(Ranks& ranks, std::int64_t own_ghosts, double own_max, StepReport& report);
+/// @param is_fine     whether the report may stand, as far as this rank knows
+/// @return            whether it may on all ranks
+bool add_report(Ranks& ranks, std::int64_t own_ghosts, double own_max, bool is_fine,
+                StepReport& report);
 
 }  // namespace scree

@@ -115,28 +115,22 @@ class ProblemAssembly {
                ContactDrift<Real>{bodies, parts, contacts, p.general_inertia, shapes_,
                                   setup.time_step / 2, own.drift});
     point_to(p, step.contacts);
-    reduce_contacts<SetupSums>(b, p, setup, StoreResult<SetupSums>{sums_.data()});
     step.lists.build(b, p);
-    share(b, step);
+    if (ghosts_ != nullptr) show_counts(b, step);
+    reduce_contacts<SetupSums>(b, p, setup, StoreResult<SetupSums>{sums_.data()});
     step.sums = fetch(b, sums_.data());
+    if (ghosts_ != nullptr) take_counts(b, step.sums.contacts, step);
     return step;
   }
 
-  /// What ranks have to know of each other's contacts.
+  /// What ranks have to know of each other's contacts; assemble() sees to it for what it assembled.
   /// @param step  with contacts, bodies and lists
   void share(B& b, StepProblem<B, Real>& step) {
     if (ghosts_ == nullptr) return;
-    ContactProblem<Real>& p = step.problem;
-    const Index moving = p.bodies.moving_count, owned = p.bodies.owned_count;
-    const Span<Index> count = step.contacts_of_body.resize_discard(moving);
-    for_each(b, owned, ContactsOfBodies<Real>{p, count});
-    ghosts_->send(b, count);
-    // When all have told how many contacts they have, all have sent.
-    reduce_contacts<Sums<1>>(b, p, EachContact{},
+    show_counts(b, step);
+    reduce_contacts<Sums<1>>(b, step.problem, EachContact{},
                              StoreResult<Sums<1>>{contacts_.resize_discard(1).data});
-    p.all_contacts = static_cast<Offset>(fetch(b, std::as_const(contacts_).data()).value[0]);
-    ghosts_->receive(b, count);
-    p.ghost_contacts = Span<const Index>{count.data + owned, moving - owned};
+    take_counts(b, fetch(b, std::as_const(contacts_).data()).value[0], step);
   }
 
   /// Velocities and inertias of the bodies in the problem of a step.
@@ -178,6 +172,20 @@ class ProblemAssembly {
   }
 
  private:
+  void show_counts(B& b, StepProblem<B, Real>& step) {
+    const BodyRanges& bodies = step.problem.bodies;
+    const Span<Index> count = step.contacts_of_body.resize_discard(bodies.moving_count);
+    for_each(b, bodies.owned_count, ContactsOfBodies<Real>{step.problem, count});
+    ghosts_->send(b, count);
+  }
+  /// When all have told how many contacts they have, all have shown those of their bodies.
+  void take_counts(B& b, double all_contacts, StepProblem<B, Real>& step) {
+    const Index moving = step.problem.bodies.moving_count, owned = step.problem.bodies.owned_count;
+    const Span<Index> count = step.contacts_of_body.view(moving);
+    ghosts_->receive(b, count);
+    step.problem.all_contacts = static_cast<Offset>(all_contacts);
+    step.problem.ghost_contacts = Span<const Index>{count.data + owned, moving - owned};
+  }
   static void set_solid_spheres(const BodyView<Real>& bodies, ContactProblem<Real>& p) {
     p.radial_inertia.inv_mass = bodies.inv_mass;
     p.radial_inertia.spin_ratio = Real(2.5);  // r^2 / I over 1 / m

@@ -37,9 +37,11 @@ class RankShare {
         joined_(std::move(joined)),
         ghosts_(b),
         shown_(b),
-        extent_(b),
+        extent_(b, ranks.count()),
+        peer_(b),
         own_extent_(b, 1),
         unseen_(b, 1),
+        strays_(b, 1),
         cuts_(b) {}
 
   const Ghosts<B>& ghosts() const { return ghosts_; }
@@ -56,28 +58,38 @@ class RankShare {
     ghosts_.follow(*b_, order.new_of_old());
   }
 
+  struct Renewal {
+    bool has_others;  ///< there are other ghosts, or in other places: see new_places()
+    bool is_spent;    ///< on any rank; not told where there are other ghosts
+  };
   /// Brings ghosts up to date with their owners; chooses new ones where some are missing.
-  /// @param range   of the step
-  /// @param parts   how far bodies reach that have parts
-  /// @return  whether there are other ghosts, or in other places: see new_places()
-  bool renew(BodyStore<B, Real>& store, const ContactRange& range, const PartReach<Real>& parts) {
+  /// @param range     of the step
+  /// @param parts     how far bodies reach that have parts
+  /// @param is_spent  something that all ranks are to know if it is so on one
+  Renewal renew(BodyStore<B, Real>& store, const ContactRange& range, const PartReach<Real>& parts,
+                bool is_spent) {
     const BodyView<Real> bodies = store.view();
     const ReachOfBody<Real> reach{{bodies, range, {}}, parts};
-    reduce<BallExtent>(*b_, bodies.owned_count, MeasureReach<Real>{reach},
-                       StoreResult<BallExtent>{own_extent_.data()});
-    const std::vector<BallExtent> all =
-        gather(*ranks_, fetch(*b_, std::as_const(own_extent_).data()));
     // On their way while it is found out whether they serve: when all have said so, all have sent.
     if (is_current_)
       store.with_states([&](auto&... arrays) { ghosts_.send(*b_, arrays.view()...); });
-    const bool serves = is_current_ && shows_all(reach, all);
-    b_->synchronize();
-    if (!any(*ranks_, !serves)) {
-      store.with_states([&](auto&... arrays) { ghosts_.receive(*b_, arrays.view()...); });
-      return false;
+    reduce<BallExtent>(*b_, bodies.owned_count, MeasureReach<Real>{reach},
+                       StoreResult<BallExtent>{own_extent_.data()});
+    gather_on_ranks(*b_, std::as_const(own_extent_).data(), extent_.view());
+    if (is_current_) {
+      const NearPeers<Real> near = near_peers(reach, 0);
+      reduce<Sums<1>>(*b_, bodies.owned_count,
+                      CountUnseen<Real>{near, shown_.view(shown_.capacity())},
+                      StoreUnseen{near.extent, near.peer, range.period, ranks_->rank(),
+                                  is_spent ? 1.0 : 0.0, unseen_.data()});
+      const Sums<2> found = fetch_over_ranks(*b_, std::as_const(unseen_).data());
+      if (found.value[0] == 0) {
+        store.with_states([&](auto&... arrays) { ghosts_.receive(*b_, arrays.view()...); });
+        return {false, found.value[1] > 0};
+      }
     }
-    choose(store, reach, all);
-    return true;
+    choose(store, reach, download(*b_, std::as_const(extent_).view(extent_.capacity())));
+    return {true, false};
   }
   /// New place of each old ghost, -1: it is none any more. @param first  place of the first ghost
   std::vector<Index> new_places(Index first) const {
@@ -114,8 +126,8 @@ class RankShare {
     reduce<Sums<1>>(
         *b_, store.owned_count(),
         CountStrays{std::as_const(cuts_).view(cuts), store.view().position, ranks_->rank()},
-        StoreResult<Sums<1>>{unseen_.data()});
-    const double strays = fetch(*b_, std::as_const(unseen_).data()).value[0];
+        StoreResult<Sums<1>>{strays_.data()});
+    const double strays = fetch(*b_, std::as_const(strays_).data()).value[0];
     const bool are_many = strays > kMostStrays * store.owned_count();
     const bool are_far = strays > 0 && ghosts_.count() > kMostGrowth * least_ghosts_;
     return any(*ranks_, are_many || are_far || (patience_ends && strays > 0));
@@ -216,37 +228,21 @@ class RankShare {
     decomposition_ = Decomposition::of(gather_values(*ranks_, own), ranks_->count());
   }
 
-  /// Whether all bodies that others have to know are shown to them.
-  bool shows_all(const ReachOfBody<Real>& reach, const std::vector<BallExtent>& all) {
-    const std::vector<int> near = near_ranks(all, reach.balls.range.period, 0);
-    if (!std::includes(peer_ranks_.begin(), peer_ranks_.end(), near.begin(), near.end()))
-      return false;
-    const Span<const BallExtent> extents = upload_extents(all);
-    reduce<Sums<1>>(*b_, reach.balls.bodies.owned_count,
-                    CountUnseen<Real>{{reach, extents, 0}, shown_.view(shown_.capacity())},
-                    StoreResult<Sums<1>>{unseen_.data()});
-    return fetch(*b_, std::as_const(unseen_).data()).value[0] == 0;
+  NearPeers<Real> near_peers(const ReachOfBody<Real>& reach, double slack) const {
+    return {reach, extent_.view(extent_.capacity()),
+            peer_.view(static_cast<Offset>(peer_ranks_.size())), slack};
   }
 
   /// Ranks whose bodies may meet those of this one, rising.
-  std::vector<int> near_ranks(const std::vector<BallExtent>& all, const Vec3d& period,
-                              double slack) const {
+  std::vector<Index> near_ranks(const std::vector<BallExtent>& all, const Vec3d& period,
+                                double slack) const {
     const auto me = static_cast<std::size_t>(ranks_->rank());
-    std::vector<int> near;
+    std::vector<Index> near;
     for (std::size_t r = 0; r < all.size(); ++r)
       if (r != me && !all[r].empty() && !all[me].empty() &&
           squared_distance(all[me], all[r], period) <= slack * slack)
-        near.push_back(static_cast<int>(r));
+        near.push_back(static_cast<Index>(r));
     return near;
-  }
-
-  /// Those of the peers. @return on the backend
-  Span<const BallExtent> upload_extents(const std::vector<BallExtent>& all) {
-    std::vector<BallExtent> of_peers;
-    of_peers.reserve(peer_ranks_.size());
-    for (const int r : peer_ranks_) of_peers.push_back(all[static_cast<std::size_t>(r)]);
-    upload(*b_, of_peers, extent_);
-    return std::as_const(extent_).view(static_cast<Offset>(of_peers.size()));
   }
 
   void choose(BodyStore<B, Real>& store, const ReachOfBody<Real>& reach,
@@ -260,9 +256,9 @@ class RankShare {
     peer_ranks_.erase(std::unique(peer_ranks_.begin(), peer_ranks_.end()), peer_ranks_.end());
     if (peer_ranks_.size() > 64) throw_too_many_peers(peer_ranks_.size());
     const Index n = store.owned_count();
-    const Span<const BallExtent> extents = upload_extents(all);
+    upload(*b_, peer_ranks_, peer_);
     const Span<std::uint64_t> shown = shown_.resize_discard(n);
-    for_each(*b_, n, ChooseShown<Real>{{reach, extents, slack_}, shown});
+    for_each(*b_, n, ChooseShown<Real>{near_peers(reach, slack_), shown});
     show_partners(partners, shown);
     std::vector<std::vector<Index>> to(static_cast<std::size_t>(ranks_->count()));
     Buffer<B, Index> flag(*b_, n), list(*b_, n);
@@ -324,11 +320,13 @@ class RankShare {
   double slack_;
   std::vector<std::array<Index, 2>> joined_;
   Ghosts<B> ghosts_;
-  std::vector<int> peer_ranks_;  ///< that `shown_` has bits for
+  std::vector<Index> peer_ranks_;  ///< that `shown_` has bits for
   Buffer<B, std::uint64_t> shown_;
-  Buffer<B, BallExtent> extent_;  ///< of the peers
+  Buffer<B, BallExtent> extent_;  ///< of all ranks
+  Buffer<B, Index> peer_;         ///< peer_ranks_
   Buffer<B, BallExtent> own_extent_;
-  Buffer<B, Sums<1>> unseen_;  ///< a count
+  Buffer<B, Sums<2>> unseen_;  ///< counts
+  Buffer<B, Sums<1>> strays_;
   Buffer<B, SpaceCut> cuts_;
   std::vector<Index> ids_, old_ids_;
   Index least_ghosts_ = std::numeric_limits<Index>::max();  ///< since bodies moved

@@ -207,8 +207,10 @@ class RigidDynamics final : public ModelOn<B, Real> {
                          detector_.walls(), detector_.held_pairs(), seen);
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
-    throw_on_all(ranks_.get(), moved.bad_body >= 0, [&] { report_bad_body(moved.bad_body); });
+    const Index bad_body = moved.bad_body;
     moved = over_ranks(backend(), moved);
+    if (moved.bad_body >= 0)
+      throw_on_all(ranks_.get(), bad_body >= 0, [&] { report_bad_body(bad_body); });
     for_each(b, static_cast<Index>(vectors),
              AverageImpulses<Real>{gamma.first(vectors), guess.view()});
     detector_.keep(vectors_per_contact(summary_.layout), std::move(guess));
@@ -224,11 +226,15 @@ class RigidDynamics final : public ModelOn<B, Real> {
     report.contact_count = shared_ ? contacts_of_all : contacts.count;
     if (shared_) stats.residual.max_contact = stats.residual.own_max_contact;
     fill_report(report, stats, sums, problem, b, store_);
-    if (shared_) add_report(*ranks_, shared_->ghosts().count(), stats.residual.own_max, report);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
     report.stopped = moved.stopped;
-    throw_on_all(ranks_.get(), !is_finite(report), [&] { require_finite(report); });
+    if (!shared_) {
+      require_finite(report);
+    } else if (!add_report(*ranks_, shared_->ghosts().count(), stats.residual.own_max,
+                           is_finite(report), report)) {
+      throw_on_all(ranks_.get(), !is_finite(report), [&] { require_finite(report); });
+    }
     return report;
   }
 

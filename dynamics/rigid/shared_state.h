@@ -71,7 +71,9 @@ class SharedState {
 
   /// Brings ghosts up to date; where there are others, remembered contacts follow them.
   void renew_ghosts(const ContactRange& range) {
-    if (!share_.renew(*store_, range, reach_)) return;
+    const auto renewal = share_.renew(*store_, range, reach_, detector_->has_spent_list());
+    if (renewal.is_spent) detector_->renew_list();
+    if (!renewal.has_others) return;
     if (!remembered_) {
       const std::vector<Index> places =
           parts_->follow_ghosts(store_->view(), share_.new_places(store_->owned_count()));

@@ -220,6 +220,14 @@ struct StoreResult {
   SCREE_HD void operator()(const R& total) const { *result = total; }
 };
 
+/// Ends a reduction over several ranks. What is to be known of this one too has a keep_own(record) beside its
+/// operator()(total).
+template <class R, class G>
+SCREE_HD void finish_over_ranks(const G& finish, const R& own, const R& total) {
+  if constexpr (requires { finish.keep_own(own); }) finish.keep_own(own);
+  finish(total);
+}
+
 /// A reduction whose total goes to the host: a synchronization.
 template <class R, class B, class F>
 R reduce_to_host(B& b, Index n, const F& f) {

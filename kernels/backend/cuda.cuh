@@ -19,6 +19,8 @@ inline void check_cuda(cudaError_t error, const char* what) {
   }
 }
 
+class PeerMeetings;
+
 class Cuda : public InRanks {
  public:
   static constexpr bool kIsDevice = true;
@@ -66,6 +68,10 @@ class Cuda : public InRanks {
   void* partials() { return partials_; }
   unsigned* ticket() { return ticket_; }
 
+  /// How this GPU meets those of other ranks; null: by their hosts.
+  PeerMeetings* peers() const { return peers_; }
+  void set_peers(PeerMeetings* peers) { peers_ = peers; }
+
   /// Blocks that the device runs at a time, at most kReduceBlocks.
   /// @param shared_bytes  dynamic shared memory of a block
   /// @param threads       of a block
@@ -104,6 +110,7 @@ class Cuda : public InRanks {
   std::size_t scan_bytes_ = 0;
   std::size_t allocated_ = 0;
   std::size_t peak_ = 0;
+  PeerMeetings* peers_ = nullptr;
 };
 
 /// Blocks a multiprocessor should hold: programs that wait for memory name a number, and get as few

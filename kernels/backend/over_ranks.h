@@ -4,25 +4,50 @@
 #include "kernels/backend/backend.h"
 #include "kernels/backend/ranks.h"
 
+#ifdef __CUDACC__
+#include "kernels/backend/peer_meeting.cuh"
+#endif
+
 namespace scree {
 
-/// Ends a reduction whose record came from the host.
+/// Ends a reduction whose records came from the hosts.
 template <class R, class G>
 struct FinishWith {
   static constexpr const char* name = "finish_over_ranks";
-  R total;
+  R own, total;
   G finish;
-  SCREE_HD void operator()(Index) const { finish(total); }
+  SCREE_HD void operator()(Index) const { finish_over_ranks(finish, own, total); }
 };
 
-/// reduce() over the elements of all ranks, where there are some: records are combined in their order, so that each has the
-/// same bits. One host read, one exchange.
+/// Combines the record of each rank in their order, so that the total has the same bits everywhere. It ends what ranks wrote
+/// into each other's memory before. Hosts that have to help read it once.
+/// @param own  on the backend
+template <class R, class B, class G>
+void combine_on_ranks(B& b, const R* own, const G& finish) {
+  if constexpr (B::kIsDevice) {
+    if (auto* const peers = b.peers()) return peers->combine(b, own, finish);
+  }
+  const R here = fetch(b, own);
+  for_each(b, 1, FinishWith<R, G>{here, combined(*b.ranks(), here), finish});
+}
+
+/// The record of each rank, in their order. It ends what ranks wrote into each other's memory before.
+/// @param own, all  on the backend
+template <class R, class B>
+void gather_on_ranks(B& b, const R* own, Span<R> all) {
+  if constexpr (B::kIsDevice) {
+    if (auto* const peers = b.peers()) return peers->gather(b, own, all);
+  }
+  const std::vector<R> records = gather(*b.ranks(), fetch(b, own));
+  upload(b, records.data(), all);
+}
+
+/// reduce() over the elements of all ranks, where there are some; see combine_on_ranks().
 template <class R, class B, class F, class G>
 void reduce_on_ranks(B& b, Index n, F f, G finish) {
   Buffer<B, R> own(b, 1);
   reduce<R>(b, n, f, StoreResult<R>{own.data()});
-  const R total = combined(*b.ranks(), fetch(b, std::as_const(own).data()));
-  for_each(b, 1, FinishWith<R, G>{total, finish});
+  combine_on_ranks(b, std::as_const(own).data(), finish);
 }
 
 /// reduce() over the elements of this rank or, with others, of all.
@@ -49,6 +74,36 @@ class Alone {
   Ranks* ranks_;
 };
 
+/// A record that each rank has on its backend, combined, on the host. It ends what ranks wrote into each other's memory before.
+template <class R, class B>
+R fetch_over_ranks(B& b, const R* own) {
+  if (b.ranks() == nullptr) return fetch(b, own);
+  if constexpr (B::kIsDevice) {
+    if (auto* const peers = b.peers()) {
+      peers->combine(b, own, StoreResult<R>{result_place<R>(b)});
+      return take_result<R>(b);
+    }
+  }
+  return combined(*b.ranks(), fetch(b, own));
+}
+
+/// A record that says nothing.
+struct Presence {
+  std::uint32_t here = 0;
+  SCREE_HD void combine(const Presence&) {}
+};
+
+/// What ranks wrote into each other's memory before is there for what is put in line after it.
+/// @param presence  on the backend
+template <class B>
+void meet_on_ranks(B& b, const Presence* presence) {
+  if constexpr (B::kIsDevice) {
+    if (auto* const peers = b.peers()) return peers->combine(b, presence, NoFinish{});
+  }
+  b.synchronize();
+  any(*b.ranks(), false);
+}
+
 /// A record that each rank has on its host, combined.
 template <class R, class B>
 R over_ranks(B& b, const R& own) {
@@ -59,12 +114,6 @@ R over_ranks(B& b, const R& own) {
 template <class B>
 bool on_any_rank(B& b, bool own) {
   return b.ranks() == nullptr ? own : any(*b.ranks(), own);
-}
-
-/// The largest of the values of all ranks.
-template <class B>
-double largest_over_ranks(B& b, double own) {
-  return b.ranks() == nullptr ? own : combined(*b.ranks(), Largest<double>{own}).value;
 }
 
 }  // namespace scree

@@ -86,13 +86,29 @@ void PeerWindow<Cuda>::open(Ranks& ranks, std::size_t size) {
     memory_[r] = static_cast<unsigned char*>(opened);
     is_opened_[r] = works;
   }
-  if (!any(ranks, !works)) return;
-  fails_ = true;
-  close();
+  if (any(ranks, !works)) {
+    fails_ = true;
+    close();
+    return;
+  }
+  // A thread that waits for its GPU must not keep another one from launching what that GPU waits for.
+  if (!can_meet_ || has_threads_) return;
+  meetings_ = {boards(), 0};
+  cuda_->set_peers(&meetings_);
+}
+
+PeerBoards PeerWindow<Cuda>::boards() const {
+  PeerBoards all;
+  all.rank = ranks_->rank();
+  all.ranks = ranks_->count();
+  for (std::size_t r = 0; r < memory_.size() && r < PeerBoard::kMostRanks; ++r)
+    all.board[r] = reinterpret_cast<PeerBoard*>(memory_[r]);
+  return all;
 }
 
 void PeerWindow<Cuda>::close() {
   if (memory_.empty()) return;
+  cuda_->set_peers(nullptr);
   const auto me = static_cast<std::size_t>(ranks_->rank());
   for (std::size_t r = 0; r < memory_.size(); ++r)
     if (is_opened_[r]) cudaIpcCloseMemHandle(memory_[r]);

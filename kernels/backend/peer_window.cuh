@@ -6,7 +6,7 @@
 #include <exception>
 #include <vector>
 
-#include "kernels/backend/cuda.cuh"
+#include "kernels/backend/peer_meeting.cuh"
 #include "kernels/backend/peer_window.h"
 
 namespace scree {
@@ -14,7 +14,7 @@ namespace scree {
 template <>
 class PeerWindow<Cuda> {
  public:
-  explicit PeerWindow(Cuda&) {}
+  explicit PeerWindow(Cuda& cuda) : cuda_(&cuda) {}
   ~PeerWindow();
   PeerWindow(const PeerWindow&) = delete;
   PeerWindow& operator=(const PeerWindow&) = delete;
@@ -24,22 +24,23 @@ class PeerWindow<Cuda> {
     return memory_[static_cast<std::size_t>(rank)] + kBoardBytes;
   }
   std::size_t room_bytes() const { return size_; }
-  PeerBoard* board(int rank) const {
-    return reinterpret_cast<PeerBoard*>(memory_[static_cast<std::size_t>(rank)]);
-  }
+  PeerBoards boards() const;
   bool can_meet() const { return can_meet_; }
   bool has_threads() const { return has_threads_; }
 
  private:
   static constexpr int kRooms = 4;  ///< two by turns for exchanges of the hosts, two for programs
-  static constexpr std::size_t kBoardBytes = 4096;
+  static constexpr std::size_t kBoardBytes = 16384;
   static_assert(sizeof(PeerBoard) <= kBoardBytes);
 
   void open(Ranks& ranks, std::size_t size);
   /// Memory goes when no other rank has it open. A call that all make together.
   void close();
 
+  Cuda* cuda_;
   Ranks* ranks_ = nullptr;
+  PeerMeetings
+      meetings_;  ///< that the backend has while kernels of the ranks may wait for each other
   std::vector<unsigned char*> memory_;  ///< of each rank, as this one reaches it
   std::vector<bool> is_opened_;         ///< by a handle, to be closed
   std::size_t size_ = 0;                ///< of a room [bytes]

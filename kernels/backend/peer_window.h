@@ -2,23 +2,11 @@
 // Memory of each rank that the others write into, so that data need not go through the host.
 
 #include <cstddef>
-#include <cstdint>
 
+#include "kernels/backend/peer_board.h"
 #include "kernels/backend/ranks.h"
 
 namespace scree {
-
-/// What a rank writes from within a kernel: 4 bytes of data, and in its upper half the number of the meeting they belong to.
-using PeerWord = std::uint64_t;
-
-/// Where ranks meet from within their kernels: what the others tell a rank lies on its own board. It starts at zero.
-struct PeerBoard {
-  static constexpr int kMostRanks = 16;
-  static constexpr int kSumWords = 6;  ///< three sums in double
-
-  PeerWord sums[2][kMostRanks][kSumWords];  ///< what each rank brought, by turns
-  unsigned meetings;                        ///< so far; the rank's own
-};
 
 /// Each backend may have its own class; this one has no such memory.
 template <class B>
@@ -31,7 +19,7 @@ class PeerWindow {
   /// The first of the rooms at a rank, this one included; they follow each other.
   unsigned char* rooms(int /*rank*/) const { return nullptr; }
   std::size_t room_bytes() const { return 0; }
-  PeerBoard* board(int /*rank*/) const { return nullptr; }
+  PeerBoards boards() const { return {}; }
   /// Whether kernels of the ranks may wait for each other: each rank has a device of its own.
   bool can_meet() const { return false; }
   /// Whether ranks are threads of one process.

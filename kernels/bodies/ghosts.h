@@ -85,7 +85,7 @@ struct UnpackRows {
 };
 
 /// How this rank reaches the others in their windows. Programs on the device have it by value.
-struct GhostLinks {
+struct GhostLinks : PeerBoards {
   /// Where bodies go that are sent.
   struct Target {
     Index begin = 0, end = 0;        ///< of them
@@ -93,12 +93,10 @@ struct GhostLinks {
     unsigned char* rooms = nullptr;  ///< see PeerWindow
   };
 
-  int rank = 0, ranks = 0;
   int targets = 0;
   Target target[PeerBoard::kMostRanks];
-  PeerBoard* board[PeerBoard::kMostRanks];  ///< of each rank
-  Span<const Index> sent;                   ///< bodies
-  unsigned char* rooms = nullptr;           ///< of this rank
+  Span<const Index> sent;          ///< bodies
+  unsigned char* rooms = nullptr;  ///< of this rank
   Offset room_bytes = 0;
   Index first = 0, count = 0;  ///< ghosts
 
@@ -135,7 +133,9 @@ struct RenumberSent {
 template <class B>
 class Ghosts {
  public:
-  explicit Ghosts(B& b) : sent_(b), packed_(b), arrived_(b), window_(b) {}
+  explicit Ghosts(B& b) : sent_(b), packed_(b), arrived_(b), presence_(b, 1), window_(b) {
+    fill(b, presence_.view(), Presence{});
+  }
 
   Index count() const { return count_; }
 
@@ -178,15 +178,12 @@ class Ghosts {
   template <class... T>
   void update(B& b, Span<T>... rows) const {
     send(b, rows...);
-    if (transport_ == Transport::peer) {
-      b.synchronize();
-      any(*b.ranks(), false);  // all have sent
-    }
+    if (transport_ == Transport::peer) meet_on_ranks(b, std::as_const(presence_).data());
     receive(b, rows...);
   }
 
-  /// The two halves of update(), for callers that wait for the backend and exchange something else between them. All ranks
-  /// make both calls together; the second may be left out.
+  /// The two halves of update(), for callers that combine or fetch a record over ranks between them. All ranks make both
+  /// calls together; the second may be left out.
   template <class... T>
   void send(B& b, Span<T>... rows) const {
     using Arrays = RowArrays<T...>;
@@ -317,14 +314,12 @@ class Ghosts {
 
   void link(const Ranks& ranks) {
     links_ = {};
-    links_.rank = ranks.rank();
-    links_.ranks = ranks.count();
+    static_cast<PeerBoards&>(links_) = window_.boards();
     for (const GhostPeer& peer : peers_) {
       if (peer.send_count == 0) continue;
       links_.target[links_.targets++] = {peer.send_begin, peer.send_begin + peer.send_count,
                                          peer.there, window_.rooms(peer.rank)};
     }
-    for (int r = 0; r < ranks.count(); ++r) links_.board[r] = window_.board(r);
     links_.sent = std::as_const(sent_).view(sent_count_);
     links_.rooms = window_.rooms(ranks.rank());
     links_.room_bytes = static_cast<Offset>(window_.room_bytes());
@@ -342,6 +337,7 @@ class Ghosts {
   std::vector<GhostPeer> peers_;
   Buffer<B, Index> sent_;
   mutable Buffer<B, unsigned char> packed_, arrived_;  ///< rows, unless they go to peers themselves
+  Buffer<B, Presence> presence_;
   PeerWindow<B> window_;
   DeviceMessages* messages_ = nullptr;  ///< of the transport "nccl"
   GhostLinks links_;                    ///< of the transport "peer"

@@ -90,7 +90,8 @@ struct MeasureReach {
 template <class Real>
 struct NearPeers {
   ReachOfBody<Real> reach;
-  Span<const BallExtent> extent;  ///< of the peers
+  Span<const BallExtent> extent;  ///< of all ranks
+  Span<const Index> peer;         ///< their ranks, rising
   double slack = 0;               ///< [m]
 
   SCREE_HD std::uint64_t operator()(Index i) const {
@@ -101,8 +102,8 @@ struct NearPeers {
     for (int k = 0; k < 3; ++k) at.lower[k] = at.upper[k] = x[k];
     const double limit = (r + slack) * (r + slack);
     std::uint64_t near = 0;
-    for (Index q = 0; q < extent.size; ++q)
-      if (squared_distance(at, extent[q], reach.balls.range.period) <= limit)
+    for (Index q = 0; q < peer.size; ++q)
+      if (squared_distance(at, extent[peer[q]], reach.balls.range.period) <= limit)
         near |= std::uint64_t{1} << q;
     return near;
   }
@@ -133,6 +134,30 @@ struct CountUnseen {
   NearPeers<Real> near;
   Span<const std::uint64_t> shown;
   SCREE_HD Sums<1> operator()(Index i) const { return {{(near(i) & ~shown[i]) != 0 ? 1.0 : 0.0}}; }
+};
+
+/// Stores what was counted, with what else ranks have to agree on.
+struct StoreUnseen {
+  Span<const BallExtent> extent;  ///< of all ranks
+  Span<const Index> peer;         ///< ranks that bodies were searched for, rising
+  Vec3<double> period;
+  Index rank;      ///< this one
+  double further;  ///< a number to be added up
+  Sums<2>* to;
+
+  /// Ranks that came near and are no peers count as a body each.
+  SCREE_HD void operator()(const Sums<1>& unseen) const {
+    double sum = unseen.value[0];
+    const BallExtent& own = extent[rank];
+    Index q = 0;
+    for (Index r = 0; r < extent.size; ++r) {
+      while (q < peer.size && peer[q] < r) ++q;
+      const bool is_peer = q < peer.size && peer[q] == r;
+      if (r == rank || is_peer || own.empty() || extent[r].empty()) continue;
+      if (!(squared_distance(own, extent[r], period) > 0)) sum += 1;
+    }
+    *to = {{sum, further}};
+  }
 };
 
 struct FlagShown {

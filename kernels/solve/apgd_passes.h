@@ -382,8 +382,9 @@ struct ApgdImpulseEnergy {
 struct ApgdCheck {
   ApgdState state;
   ResidualSums residual;
-  Sums<1> energy;            ///< 1/2 |V - v*|_M^2 [J]
-  Largest<double> contrast;  ///< of the bodies in contact, worked out once
+  ResidualSums own_residual;  ///< of this rank, where there are several
+  Sums<1> energy;             ///< 1/2 |V - v*|_M^2 [J]
+  Largest<double> contrast;   ///< of the bodies in contact, worked out once
 };
 
 /// Stores the residual with the state it belongs to.
@@ -394,6 +395,7 @@ struct ApgdCheckFinish {
     check->state = *state;
     check->residual = sums;
   }
+  SCREE_HD void keep_own(const ResidualSums& sums) const { check->own_residual = sums; }
 };
 
 /// Chooses the metric of every contact and bounds the spectrum: N <= P (mass splitting) gives

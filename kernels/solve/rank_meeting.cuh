@@ -9,6 +9,7 @@
 
 #include "kernels/backend/cuda.cuh"
 #include "kernels/backend/device_counter.cuh"
+#include "kernels/backend/peer_meeting.cuh"
 #include "kernels/bodies/ghosts.h"
 #include "kernels/solve/apgd_decide.cuh"
 
@@ -24,62 +25,35 @@ namespace rank_meeting {
 
 inline constexpr Index kThreads = kApgdThreads;  ///< of a block
 
-/// What goes in one word.
-using Piece = std::uint32_t;
-template <class T>
-inline constexpr Index kPieces = sizeof(T) / sizeof(Piece);
-static_assert(kPieces<Sums<3>> == PeerBoard::kSumWords);
-
-using SystemWord = cuda::atomic_ref<PeerWord, cuda::thread_scope_system>;
-
-__device__ inline void put(PeerWord& there, Piece piece, unsigned meeting) {
-  SystemWord(there).store(PeerWord{meeting} << 32 | piece, cuda::memory_order_relaxed);
-}
-/// Waits for the piece of a meeting.
-__device__ inline Piece take(PeerWord& here, unsigned meeting) {
-  PeerWord word;
-  do {
-    word = SystemWord(here).load(cuda::memory_order_relaxed);
-  } while (static_cast<unsigned>(word >> 32) != meeting);
-  return static_cast<Piece>(word);
-}
-
-template <class T>
-__device__ Piece* pieces_of(T* x) {
-  return reinterpret_cast<Piece*>(x);
-}
-template <class T>
-__device__ const Piece* pieces_of(const T* x) {
-  return reinterpret_cast<const Piece*>(x);
-}
+static_assert(kPeerPieces<Sums<3>> == PeerBoard::kSumWords);
 
 /// Sends the share of the block of the velocities that others wait for.
 __device__ inline void send_velocities(const GhostLinks& links, int room, unsigned meeting,
                                        const Twist<float>* velocity) {
-  constexpr Index kOfTwist = kPieces<Twist<float>>;
+  constexpr Index kOfTwist = kPeerPieces<Twist<float>>;
   const auto words = static_cast<Index>(links.sent.size) * kOfTwist;
   const auto first = static_cast<Index>(blockIdx.x * kThreads + threadIdx.x);
   for (Index k = first; k < words; k += static_cast<Index>(gridDim.x) * kThreads) {
     const Index row = k / kOfTwist, piece = k % kOfTwist;
     auto* to = reinterpret_cast<PeerWord*>(links.place(row, room, kOfTwist * sizeof(PeerWord)));
-    put(to[piece], pieces_of(velocity + links.sent[row])[piece], meeting);
+    put_piece(to[piece], pieces_of(velocity + links.sent[row])[piece], meeting);
   }
 }
 
 /// Takes the share of the block of the velocities that come.
 __device__ inline void take_velocities(const GhostLinks& links, int room, unsigned meeting,
                                        Twist<float>* velocity) {
-  const Index words = links.count * kPieces<Twist<float>>;
+  const Index words = links.count * kPeerPieces<Twist<float>>;
   auto* from = reinterpret_cast<PeerWord*>(links.rooms + room * links.room_bytes);
-  Piece* to = pieces_of(velocity + links.first);
+  PeerPiece* to = pieces_of(velocity + links.first);
   const auto first = static_cast<Index>(blockIdx.x * kThreads + threadIdx.x);
   for (Index k = first; k < words; k += static_cast<Index>(gridDim.x) * kThreads)
-    to[k] = take(from[k], meeting);
+    to[k] = take_piece(from[k], meeting);
 }
 
 /// Blocks that take velocities.
 __device__ inline Index takers(const GhostLinks& links) {
-  const Index words = links.count * kPieces<Twist<float>>;
+  const Index words = links.count * kPeerPieces<Twist<float>>;
   return min((words + kThreads - 1) / kThreads, static_cast<Index>(gridDim.x));
 }
 
@@ -115,11 +89,12 @@ static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, unsi
   __syncthreads();
   // The last block has the fewest velocities to send.
   if (is_other && blockIdx.x + 1 == gridDim.x)
-    put(links.board[rank]->sums[turn][links.rank][piece], pieces_of(&notes->sums)[piece], meeting);
+    put_piece(links.board[rank]->sums[turn][links.rank][piece], pieces_of(&notes->sums)[piece],
+              meeting);
   take_velocities(links, room, meeting, velocity);
   if (is_other)
     pieces_of(notes->of_rank + rank)[piece] =
-        take(links.board[links.rank]->sums[turn][rank][piece], meeting);
+        take_piece(links.board[links.rank]->sums[turn][rank][piece], meeting);
   __syncthreads();
   if (thread == 0) {
     const auto all_takers = static_cast<unsigned>(takers(links));

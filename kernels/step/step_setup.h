@@ -236,10 +236,12 @@ struct SetupSums {
   double max_penetration = 0;   ///< [m]
   double approach_squares = 0;  ///< sum over touching contacts of min(u_n, 0)^2 [m^2/s^2]
   double touching = 0;          ///< their number
+  double contacts = 0;          ///< all of them
   SCREE_HD void combine(const SetupSums& o) {
     if (o.max_penetration > max_penetration) max_penetration = o.max_penetration;
     approach_squares += o.approach_squares;
     touching += o.touching;
+    contacts += o.contacts;
   }
 };
 
@@ -282,6 +284,7 @@ struct ContactSetup {
     if (!rolling.empty()) rolling[c] = rolling_row(bodies, contacts, c, pair);
 
     SetupSums s;
+    s.contacts = 1;
     if (gap < 0) s.max_penetration = -gap;
     if (gap <= 0) {
       s.touching = 1;

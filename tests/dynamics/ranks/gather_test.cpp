@@ -20,13 +20,14 @@ TEST(RanksTogether, SumForcesAndNameTheWorstContact) {
     report.body_count = 10 * (k + 1);
     report.residual_max_body_a = k == 2 ? -1 : k;  // rank 2 has no contact
     report.residual_max_body_b = k + 100;
-    add_report(*ranks, k, k == 1 ? 0.5 : 0.25, report);
+    EXPECT_TRUE(add_report(*ranks, k, k == 1 ? 0.5 : 0.25, true, report));
     EXPECT_EQ(report.body_count, 60);
     EXPECT_EQ(report.residual_max, 0.5);
     EXPECT_EQ(report.residual_max_body_a, 1);
     EXPECT_EQ(report.residual_max_body_b, 101);
     EXPECT_DOUBLE_EQ(report.largest_share, 1.5);
     EXPECT_DOUBLE_EQ(report.ghost_share, 3.0 / 60);
+    EXPECT_FALSE(add_report(*ranks, 0, 0, k != 1, report));
   });
 }
 

@@ -154,8 +154,8 @@ class ContactDetector {
     candidates_.forget();
   }
 
-  /// Whether a list of near pairs will be made anew as soon as a body leaves its ball. Ranks make theirs in the same step:
-  /// one that does alone has the others wait for it.
+  /// Whether the list of near pairs is about to be made anew. Ranks make theirs in the same step: one that does alone has the
+  /// others wait for it.
   bool has_spent_list() const { return candidates_.is_spent(); }
   /// A list is made in the next detection.
   void renew_list() { candidates_.retire(); }

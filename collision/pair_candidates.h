@@ -55,6 +55,7 @@ class PairCandidates {
                        StoreLeft{left_result_.data(), left_count_.data()});
     const LeftBodies left = fetch(b, left_result_.data());
     outside_ = left.count;
+    leaving_ = left.leaving;
     has_passes_ = left.passing != 0;
     ++age_;
     return outside_ == 0;
@@ -118,6 +119,7 @@ class PairCandidates {
     left_.resize_discard(most_renewed(binned_.present_count()));
     is_kept_ = spare.skin > 0;
     is_retired_ = false;
+    leaving_ = 0;
     age_ = extensions_ = 0;
     ++build_count_;
   }
@@ -136,8 +138,8 @@ class PairCandidates {
     group_.release(), block_.release();
   }
 
-  /// Whether it has been extended, and is too old for another time.
-  bool is_spent() const { return is_kept_ && extensions_ > 0 && !is_young(); }
+  /// Whether a body is about to leave its ball, and the list too old to be extended, as far as the last covers() saw.
+  bool is_spent() const { return is_kept_ && leaving_ > 0 && !is_young(); }
   /// The list serves no more.
   void retire() { is_retired_ = true; }
 
@@ -295,6 +297,7 @@ class PairCandidates {
   bool has_passes_ = true;
   double stretch_ = 1;    ///< of the skin
   Index outside_ = 0;     ///< bodies outside their balls, by the last covers()
+  Index leaving_ = 0;     ///< and those that will be outside after one more step
   Index age_ = 0;         ///< listings since the list was made
   Index extensions_ = 0;  ///< since then
   std::int64_t build_count_ = 0;

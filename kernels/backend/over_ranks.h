@@ -87,23 +87,6 @@ R fetch_over_ranks(B& b, const R* own) {
   return combined(*b.ranks(), fetch(b, own));
 }
 
-/// A record that says nothing.
-struct Presence {
-  std::uint32_t here = 0;
-  SCREE_HD void combine(const Presence&) {}
-};
-
-/// What ranks wrote into each other's memory before is there for what is put in line after it.
-/// @param presence  on the backend
-template <class B>
-void meet_on_ranks(B& b, const Presence* presence) {
-  if constexpr (B::kIsDevice) {
-    if (auto* const peers = b.peers()) return peers->combine(b, presence, NoFinish{});
-  }
-  b.synchronize();
-  any(*b.ranks(), false);
-}
-
 /// A record that each rank has on its host, combined.
 template <class R, class B>
 R over_ranks(B& b, const R& own) {

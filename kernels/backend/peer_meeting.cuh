@@ -115,11 +115,13 @@ class PeerMeetings {
   void gather(Cuda& cuda, const R* own, Span<R> all) {
     meet(cuda, own, KeepRecords<R>{all});
   }
+  /// Number of one that a kernel of the caller holds, in which each rank hears of all others by the first word of a record.
+  unsigned next_meeting() { return ++meeting_; }
 
  private:
   template <class R, class F>
   void meet(Cuda& cuda, const R* own, const F& take) {
-    meet_peers<R, F><<<1, kPeerThreads, 0, cuda.stream()>>>(peers_, ++meeting_, own, take);
+    meet_peers<R, F><<<1, kPeerThreads, 0, cuda.stream()>>>(peers_, next_meeting(), own, take);
     cuda.check_launch("meet_peers");
   }
 

@@ -29,7 +29,8 @@ class PeerWindow<Cuda> {
   bool has_threads() const { return has_threads_; }
 
  private:
-  static constexpr int kRooms = 4;  ///< two by turns for exchanges of the hosts, two for programs
+  /// Two by turns for what hosts queue, two for programs that meet, two for swaps: what lies in one has its own numbers.
+  static constexpr int kRooms = 6;
   static constexpr std::size_t kBoardBytes = 16384;
   static_assert(sizeof(PeerBoard) <= kBoardBytes);
 

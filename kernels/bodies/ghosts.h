@@ -32,6 +32,7 @@ struct RowArrays<> {
   static constexpr Index kBytes = 0;
   SCREE_HD void store(Index, unsigned char*) const {}
   SCREE_HD void load(Index, const unsigned char*) const {}
+  SCREE_HD std::uint32_t* piece(Index, Index) const { return nullptr; }
 };
 template <class T, class... Others>
 struct RowArrays<T, Others...> {
@@ -51,6 +52,12 @@ struct RowArrays<T, Others...> {
   SCREE_HD void load(Index i, const unsigned char* from) const {
     copy_row(from, rows.data + i);
     others.load(i, from + sizeof(T));
+  }
+  /// Word k of row i.
+  SCREE_HD std::uint32_t* piece(Index i, Index k) const {
+    constexpr auto kOwn = static_cast<Index>(sizeof(T) / kWord);
+    if (k >= kOwn) return others.piece(i, k - kOwn);
+    return reinterpret_cast<std::uint32_t*>(rows.data + i) + k;
   }
 
  private:
@@ -92,10 +99,14 @@ struct GhostLinks : PeerBoards {
     Index there = 0;                 ///< place of the first in a room
     unsigned char* rooms = nullptr;  ///< see PeerWindow
   };
+  /// Rooms of a rank: two by turns for rows that kernels push, for programs that meet (kernels/solve/rank_meeting.cuh), and
+  /// for swaps (ghost_swap.cuh). Words of these two tell by their numbers that they have come.
+  static constexpr int kFirstOfPrograms = 2, kFirstOfSwaps = 4;
 
   int targets = 0;
   Target target[PeerBoard::kMostRanks];
-  Span<const Index> sent;          ///< bodies
+  Span<const Index> sent;      ///< bodies
+  Span<const Index> by_place;  ///< places in `sent`, as their bodies follow each other in storage
   unsigned char* rooms = nullptr;  ///< of this rank
   Offset room_bytes = 0;
   Index first = 0, count = 0;  ///< ghosts
@@ -109,6 +120,12 @@ struct GhostLinks : PeerBoards {
   }
 };
 
+#ifdef __CUDACC__
+class Cuda;
+template <class Arrays>
+void swap_rows(Cuda& cuda, const GhostLinks& links, const Arrays& arrays);  // ghost_swap.cuh
+#endif
+
 /// Writes rows of bodies where other ranks look for them.
 template <class Arrays>
 struct PushRows {
@@ -118,6 +135,18 @@ struct PushRows {
   int room;
   SCREE_HD void operator()(Index k) const {
     arrays.store(links.sent[k], links.place(k, room, Arrays::kBytes));
+  }
+};
+
+/// Keys to sort what is sent by the places of its bodies.
+struct KeysOfSent {
+  static constexpr const char* name = "keys_of_sent";
+  Span<const Index> sent;
+  Span<std::uint64_t> key;
+  Span<Index> order;
+  SCREE_HD void operator()(Index k) const {
+    key[k] = static_cast<std::uint64_t>(sent[k]);
+    order[k] = k;
   }
 };
 
@@ -133,9 +162,7 @@ struct RenumberSent {
 template <class B>
 class Ghosts {
  public:
-  explicit Ghosts(B& b) : sent_(b), packed_(b), arrived_(b), presence_(b, 1), window_(b) {
-    fill(b, presence_.view(), Presence{});
-  }
+  explicit Ghosts(B& b) : sent_(b), by_place_(b), packed_(b), arrived_(b), window_(b) {}
 
   Index count() const { return count_; }
 
@@ -152,6 +179,7 @@ class Ghosts {
     ranks.note_transport(transport_);
     if (transport_ == Transport::peer) {
       tell_places(ranks);
+      sort_by_place(b);
       link(ranks);
       return;
     }
@@ -171,14 +199,23 @@ class Ghosts {
   /// Follows a reordering of the owned bodies. @param new_of_old  new storage index of each
   void follow(B& b, Span<const Index> new_of_old) {
     for_each(b, sent_count_, RenumberSent{new_of_old, sent_.view(sent_count_)});
+    if (transport_ == Transport::peer) sort_by_place(b);
   }
 
   /// Gives the ghosts the rows that their owners have. A call that all ranks make together.
   /// @param rows  arrays with a row for each body [moving_count at least]; their rows go in one message
   template <class... T>
   void update(B& b, Span<T>... rows) const {
+    using Arrays = RowArrays<T...>;
+    if constexpr (B::kIsDevice && 2 * Arrays::kBytes <= kMostRow) {
+      if (transport_ == Transport::peer && b.peers() != nullptr)
+        return swap_rows(b, links_, Arrays(rows...));
+    }
     send(b, rows...);
-    if (transport_ == Transport::peer) meet_on_ranks(b, std::as_const(presence_).data());
+    if (transport_ == Transport::peer) {
+      b.synchronize();
+      any(*b.ranks(), false);  // all have sent
+    }
     receive(b, rows...);
   }
 
@@ -218,11 +255,10 @@ class Ghosts {
     exchange_on_hosts(b, Arrays(rows...));
   }
 
-  /// For programs that exchange velocities themselves, in the rooms from kFirstOfPrograms on; null where they cannot.
+  /// For programs that exchange velocities themselves; null where they cannot.
   const GhostLinks* links() const {
     return transport_ == Transport::peer && window_.can_meet() ? &links_ : nullptr;
   }
-  static constexpr int kFirstOfPrograms = 2;
   /// Whether ranks are threads of one process.
   bool has_threads() const { return window_.has_threads(); }
 
@@ -312,6 +348,15 @@ class Ghosts {
     ranks.exchange(send, receive);
   }
 
+  void sort_by_place(B& b) {
+    SortSpace<B> space(b);
+    Buffer<B, std::uint64_t> key(b, sent_count_);
+    const Span<Index> order = by_place_.resize_discard(sent_count_);
+    for_each(b, sent_count_,
+             KeysOfSent{std::as_const(sent_).view(sent_count_), key.view(sent_count_), order});
+    sort_pairs(b, space, key.view(sent_count_), order, 32);
+  }
+
   void link(const Ranks& ranks) {
     links_ = {};
     static_cast<PeerBoards&>(links_) = window_.boards();
@@ -321,6 +366,7 @@ class Ghosts {
                                          peer.there, window_.rooms(peer.rank)};
     }
     links_.sent = std::as_const(sent_).view(sent_count_);
+    links_.by_place = std::as_const(by_place_).view(sent_count_);
     links_.rooms = window_.rooms(ranks.rank());
     links_.room_bytes = static_cast<Offset>(window_.room_bytes());
     links_.first = count_ > 0 ? first() : 0;
@@ -336,8 +382,8 @@ class Ghosts {
 
   std::vector<GhostPeer> peers_;
   Buffer<B, Index> sent_;
+  Buffer<B, Index> by_place_;                          ///< see GhostLinks
   mutable Buffer<B, unsigned char> packed_, arrived_;  ///< rows, unless they go to peers themselves
-  Buffer<B, Presence> presence_;
   PeerWindow<B> window_;
   DeviceMessages* messages_ = nullptr;  ///< of the transport "nccl"
   GhostLinks links_;                    ///< of the transport "peer"
@@ -349,3 +395,7 @@ class Ghosts {
 };
 
 }  // namespace scree
+
+#ifdef __CUDACC__
+#include "kernels/bodies/ghost_swap.cuh"
+#endif

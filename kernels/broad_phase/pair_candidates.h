@@ -90,9 +90,12 @@ struct RecordReach {
 /// Bodies that left their balls, and fast ones: the record of a reduction.
 struct LeftBodies {
   Index count = 0;
+  Index leaving =
+      0;  ///< bodies that will have left after another such step, those that did included
   Index passing = 0;  ///< bodies that may pass another within the step, see CheckReach::passes()
   SCREE_HD void combine(const LeftBodies& o) {
     count += o.count;
+    leaving += o.leaving;
     passing += o.passing;
   }
 };
@@ -112,27 +115,34 @@ struct CheckReach {
   Span<Index> left;                ///< out: number of each among binned bodies
 
   SCREE_HD LeftBodies operator()(Index m) const {
-    const Index passing = passes(binned.present(m)) ? 1 : 0;
-    if (is_within(m)) return {0, passing};
-    if (atomic_read(left_count) >= left.size) return {1, passing};
+    const Index i = binned.present(m);
+    const double way = balls.range.h * norm(course_velocity(balls.bodies, balls.range, i));
+    const Index passing = passes(i, way) ? 1 : 0;
+    const double room = room_in_ball(m);
+    if (room >= way) return {0, 0, passing};
+    if (room >= 0) return {0, 1, passing};
+    if (atomic_read(left_count) >= left.size) return {1, 1, passing};
     const Index at = atomic_add(left_count, 1);
     if (at < left.size) left[at] = m;
-    return {1, passing};
+    return {1, 1, passing};
   }
   /// False for two spheres only when spheres_on_way() leaves their contact as it is.
-  SCREE_HD bool passes(Index i) const {
-    const double way = balls.range.h * norm(course_velocity(balls.bodies, balls.range, i));
+  /// @param way  of the body in the step [m]
+  SCREE_HD bool passes(Index i, double way) const {
     const double own = balls.bodies.radius[i];
     return !(way <= (1 - 1e-6) * kMinTurningWay * own);
   }
-  SCREE_HD bool is_within(Index m) const {
+  /// How much farther the body may go [m]; below zero: it left.
+  SCREE_HD double room_in_ball(Index m) const {
     const Index i = binned.present(m);
     const float inflated = balls.radius(i);
     const ReachRecord own = record[m];
-    if (!(inflated > 0) || !(own.reach > 0)) return !(inflated > 0) && !(own.reach > 0);
+    if (!(inflated > 0) || !(own.reach > 0)) return !(inflated > 0) && !(own.reach > 0) ? 1e30 : -1;
     const Vec3<double> center(own.center);
     const double moved = norm(minimum_image(balls.center(i) - origin - center, balls.range.period));
-    return moved + own.rounding() + static_cast<double>(inflated) <= static_cast<double>(own.reach);
+    const double room =
+        static_cast<double>(own.reach) - (moved + own.rounding() + static_cast<double>(inflated));
+    return room >= 0 ? room : -1;  // also where it is not a number
   }
 };
 

@@ -27,14 +27,16 @@ inline constexpr Index kThreads = kApgdThreads;  ///< of a block
 
 static_assert(kPeerPieces<Sums<3>> == PeerBoard::kSumWords);
 
-/// Sends the share of the block of the velocities that others wait for.
-__device__ inline void send_velocities(const GhostLinks& links, int room, unsigned meeting,
-                                       const Twist<float>* velocity) {
+/// Sends velocities that others wait for: of those from `begin` on as bodies follow each other, the words
+/// first, first + stride and so on.
+__device__ __forceinline__ void send_velocities(const GhostLinks& links, unsigned meeting,
+                                                const Twist<float>* velocity, Index begin,
+                                                Index end, Index first, Index stride) {
   constexpr Index kOfTwist = kPeerPieces<Twist<float>>;
-  const auto words = static_cast<Index>(links.sent.size) * kOfTwist;
-  const auto first = static_cast<Index>(blockIdx.x * kThreads + threadIdx.x);
-  for (Index k = first; k < words; k += static_cast<Index>(gridDim.x) * kThreads) {
-    const Index row = k / kOfTwist, piece = k % kOfTwist;
+  const int room = GhostLinks::kFirstOfPrograms + static_cast<int>(meeting % 2);
+  const Index words = (end - begin) * kOfTwist;
+  for (Index k = first; k < words; k += stride) {
+    const Index row = links.by_place[begin + k / kOfTwist], piece = k % kOfTwist;
     auto* to = reinterpret_cast<PeerWord*>(links.place(row, room, kOfTwist * sizeof(PeerWord)));
     put_piece(to[piece], pieces_of(velocity + links.sent[row])[piece], meeting);
   }
@@ -67,13 +69,14 @@ __device__ inline Index takers(const GhostLinks& links) {
 ///
 /// It is a function of its own, which gets and gives sums in shared memory: as a part of the sweep it would make that spill
 /// registers.
+/// @param unsent    the first body, as bodies that are sent follow each other, whose velocity no block has sent yet
 /// @param taken     blocks that have taken what came, over all trials; in device memory, zero at the start of a solve
 /// @param meeting   its number over the life of the window, from 1  @param of_solve  the same, of this solve
 /// @param notes     with the sums of this rank, written by thread 0; then with those of all ranks, added in their order, so
 ///                  that each has the same bits
 /// @param velocity  of all bodies
-static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, unsigned* taken,
-                                               unsigned meeting, unsigned of_solve,
+static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, Index unsent,
+                                               unsigned* taken, unsigned meeting, unsigned of_solve,
                                                RankNotes* notes, Twist<float>* velocity) {
   using namespace rank_meeting;
   constexpr int kOfSums = PeerBoard::kSumWords;
@@ -83,9 +86,11 @@ static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, unsi
   const int rank = thread / kOfSums, piece = thread % kOfSums;
   const bool is_other = rank < links.ranks && rank != links.rank;
   const int turn = static_cast<int>(meeting % 2);
-  const int room = Ghosts<Cuda>::kFirstOfPrograms + turn;
+  const int room = GhostLinks::kFirstOfPrograms + turn;
 
-  send_velocities(links, room, meeting, velocity);
+  const auto stride = static_cast<Index>(gridDim.x) * kThreads;
+  send_velocities(links, meeting, velocity, unsent, static_cast<Index>(links.sent.size),
+                  static_cast<Index>(blockIdx.x) * kThreads + thread, stride);
   __syncthreads();
   // The last block has the fewest velocities to send.
   if (is_other && blockIdx.x + 1 == gridDim.x)

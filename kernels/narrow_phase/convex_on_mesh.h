@@ -59,11 +59,8 @@ struct ConvexOnMesh {
       bool is_nearest = false;
       if (!find(t, corner, body, d, most, distance, is_nearest)) return;
       const CoreMeeting meeting(body, corner.core, distance);
-      const auto wanted = [&](std::uint32_t feature) {
-        return !is_inner(corner, meeting, t, feature);
-      };
       fast_contacts(meeting, d + corner.way, wall_way(solid, range, a, d), corner.way, is_nearest,
-                    wanted, listed, [&](std::uint32_t feature, const ContactGeometry&) {
+                    Wanted{*this, corner, meeting, t, d}, listed, [&](std::uint32_t feature, const ContactGeometry&) {
                       emit(element(info, image, t, feature));
                     });
     });
@@ -113,6 +110,21 @@ struct ConvexOnMesh {
     }
   };
 
+  /// What of a meeting with a triangle is asked for, see convex_contacts().
+  struct Wanted {
+    const ConvexOnMesh& on;
+    const Corner& corner;
+    const CoreMeeting& meeting;
+    Index t;
+    const Vec3d& d;
+    SCREE_HD bool has(std::uint32_t feature) const {
+      return !on.is_inner(corner, meeting, t, feature);
+    }
+    SCREE_HD bool reaches(const Vec3d& x) const {
+      return on.is_in_notch(corner, t, d, x, meeting.tie);
+    }
+  };
+
   SCREE_HD ConvexCore core() const { return CoresOfAny::core(a.side(), {}); }
 
   SCREE_HD std::uint32_t element(const MeshInfo& info, std::uint32_t image, Index t,
@@ -151,7 +163,7 @@ struct ConvexOnMesh {
     out.separation = separation_along(body, corner.core, -n);
     out.is_apart = false;
     if (out.separation >= kAsDeep * least - 1e-6 * body.size()) return true;
-    return !was_apart && is_over(corner, body, n);
+    return !was_apart && is_over(corner, body, n, t, d);
   }
 
   /// Whether a body may leave the surface around triangle t along a direction in the frame of the mesh: what of the
@@ -189,7 +201,8 @@ struct ConvexOnMesh {
   }
 
   /// Whether a deepest point of A below a triangle lies over it, and not too deep.
-  SCREE_HD bool is_over(const Corner& corner, const ConvexCore& body, const Vec3d& n) const {
+  SCREE_HD bool is_over(const Corner& corner, const ConvexCore& body, const Vec3d& n, Index t,
+                        const Vec3d& d) const {
     const double deepest = body.rounding + kDeepest * box_box_parts::smallest(body.half);
     CoreFacet face;
     body.facing(-n, body.top(-n), face);
@@ -202,9 +215,51 @@ struct ConvexOnMesh {
         is_inside = is_inside &&
                     dot(face.point[k] - x, cross(along, n)) <= 1e-5 * body.size() * norm(along);
       }
-      if (is_inside) return true;
+      if (is_inside || is_in_notch(corner, t, d, face.point[k], 1e-5 * body.size())) return true;
     }
     return false;
+  }
+
+  /// Whether a point of A below a triangle lies where the surface has no triangle over it: below an edge where the surface rises, or
+  /// below the end of such an edge. The planes of all triangles that meet there hold it.
+  SCREE_HD bool is_in_notch(const Corner& corner, Index t, const Vec3d& d, const Vec3d& x,
+                            double tie) const {
+    if (!(dot(x - corner.core.center, corner.core.normal) < 0)) return false;
+    const Vec3d local = rotate_back(solid.orientation, x - d - corner.way);
+    const MeshTriangle& triangle = meshes.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d from(meshes.points[triangle.vertex[k]]);
+      const Vec3d along = Vec3d(meshes.points[triangle.vertex[(k + 1) % 3]]) - from;
+      const double length2 = norm2(along);
+      const Vec3d way = local - from;
+      /// How far the point is beyond the edge as a triangle sees it that has a third vertex.
+      const auto beyond = [&](Index third) {
+        const Vec3d inward = Vec3d(meshes.points[third]) - from;
+        const Vec3d across = inward - (dot(inward, along) / length2) * along;
+        return -dot(way, across) / norm(across);
+      };
+      if (beyond(triangle.vertex[(k + 2) % 3]) <= tie) continue;
+      const MeshEdge& edge = meshes.edges[triangle.edge[k]];
+      const Index behind = edge.opposite[edge.triangle[0] == t ? 1 : 0];
+      if (behind < 0 || is_sharp(corner, t, k)) return false;
+      const double place = dot(way, along);
+      const bool is_past = place > length2;
+      if (place < 0 || is_past) {
+        if (!is_nearest_vertex(triangle.vertex[is_past ? (k + 1) % 3 : k], local)) return false;
+      } else if (beyond(behind) < -tie) {
+        return false;
+      }
+    }
+    return true;
+  }
+  /// Whether the surface around a vertex is nowhere nearer to a point than there.
+  SCREE_HD bool is_nearest_vertex(Index v, const Vec3d& x) const {
+    const MeshVertex& vertex = meshes.vertices[v];
+    const Vec3d at(meshes.points[v]);
+    for (Index j = 0; j < vertex.neighbor_count; ++j)
+      if (dot(Vec3d(meshes.points[meshes.neighbors[vertex.first_neighbor + j]]) - at, x - at) > 0)
+        return false;
+    return true;
   }
 
   /// Whether a feature of the triangle as the reference is left to others: a point of it at edges that are not sharp, or
@@ -223,7 +278,7 @@ struct ConvexOnMesh {
         const Vec3d along = corner.core.axis[(side + 1) % 3] - from;
         const double inside = dot(corner.core.center + from - x, cross(along, corner.core.normal));
         // Its owner takes what is beyond the edge by twice as much.
-        if (inside < 0.5 * meeting.tie * norm(along) && !is_sharp(corner, t, k)) return true;
+        if (inside < 0.5 * meeting.tie * norm(along) && is_flat(corner, t, k)) return true;
       }
       return false;
     }
@@ -236,12 +291,19 @@ struct ConvexOnMesh {
   }
   /// Whether the surface falls off behind an edge.
   SCREE_HD bool is_sharp(const Corner& corner, Index t, int k) const {
+    return slope_behind(corner, t, k) < -kFlat;
+  }
+  SCREE_HD bool is_flat(const Corner& corner, Index t, int k) const {
+    return std::abs(slope_behind(corner, t, k)) <= kFlat;
+  }
+  /// How the surface goes on behind an edge: up, or down where it is negative.
+  SCREE_HD double slope_behind(const Corner& corner, Index t, int k) const {
     const MeshTriangle& triangle = meshes.triangles[t];
     const MeshEdge& edge = meshes.edges[triangle.edge[k]];
     const Index opposite = edge.opposite[edge.triangle[0] == t ? 1 : 0];
-    if (opposite < 0) return true;
+    if (opposite < 0) return -1;
     const Vec3d to = Vec3d(meshes.points[opposite]) - Vec3d(meshes.points[triangle.vertex[k]]);
-    return dot(to, corner.normal) < -kFlat * norm(to);
+    return dot(to, corner.normal) / norm(to);
   }
 };
 

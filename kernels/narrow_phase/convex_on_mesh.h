@@ -2,7 +2,7 @@
 // Contacts of a convex body with a mesh wall. Each triangle is a core, but it has neighbors: a normal counts only where
 // the surface around the triangle lets a body leave along it. Inside of a flat floor that is the normal of the
 // triangle alone, so a body that slides over inner edges meets no ghost. Points at inner edges that are flat or concave
-// are left out, too: the corners of the body are over one of the triangles there.
+// are left out, too: the corners of the body are over one of the triangles there, or in the notch below both.
 
 #include "kernels/narrow_phase/pairs/box_box.h"
 #include "kernels/narrow_phase/pairs/convex_manifold.h"
@@ -60,7 +60,8 @@ struct ConvexOnMesh {
       if (!find(t, corner, body, d, most, distance, is_nearest)) return;
       const CoreMeeting meeting(body, corner.core, distance);
       fast_contacts(meeting, d + corner.way, wall_way(solid, range, a, d), corner.way, is_nearest,
-                    Wanted{*this, corner, meeting, t, d}, listed, [&](std::uint32_t feature, const ContactGeometry&) {
+                    Wanted{*this, corner, meeting, t, d}, listed,
+                    [&](std::uint32_t feature, const ContactGeometry&) {
                       emit(element(info, image, t, feature));
                     });
     });
@@ -189,9 +190,8 @@ struct ConvexOnMesh {
       if (!is_top(k)) continue;
       if (tops == 2) {
         if (!is_top((k + 1) % 3)) continue;
-        const MeshEdge& edge = meshes.edges[triangle.edge[k]];
-        const Index behind = edge.opposite[edge.triangle[0] == t ? 1 : 0];
-        return behind < 0 || !rises(triangle.vertex[k], behind);
+        const Index opposite = behind(t, k);
+        return opposite < 0 || !rises(triangle.vertex[k], opposite);
       }
       const MeshVertex& vertex = meshes.vertices[triangle.vertex[k]];
       for (Index j = 0; j < vertex.neighbor_count; ++j)
@@ -220,40 +220,35 @@ struct ConvexOnMesh {
     return false;
   }
 
-  /// Whether a point of A below a triangle lies where the surface has no triangle over it: below an edge where the surface rises, or
-  /// below the end of such an edge. The planes of all triangles that meet there hold it.
+  /// Whether a point of A below the plane of a triangle, beyond its edges, lies below no other one either: below an edge from which
+  /// the surface rises, or below a pit. There the planes of all triangles of that edge, or that pit, hold it.
   SCREE_HD bool is_in_notch(const Corner& corner, Index t, const Vec3d& d, const Vec3d& x,
                             double tie) const {
     if (!(dot(x - corner.core.center, corner.core.normal) < 0)) return false;
     const Vec3d local = rotate_back(solid.orientation, x - d - corner.way);
     const MeshTriangle& triangle = meshes.triangles[t];
     for (int k = 0; k < 3; ++k) {
-      const Vec3d from(meshes.points[triangle.vertex[k]]);
+      const Vec3d from(meshes.points[triangle.vertex[k]]), way = local - from;
       const Vec3d along = Vec3d(meshes.points[triangle.vertex[(k + 1) % 3]]) - from;
-      const double length2 = norm2(along);
-      const Vec3d way = local - from;
-      /// How far the point is beyond the edge as a triangle sees it that has a third vertex.
+      const double length2 = norm2(along), place = dot(way, along);
+      // How far the point is beyond the edge of a triangle that has this third vertex.
       const auto beyond = [&](Index third) {
         const Vec3d inward = Vec3d(meshes.points[third]) - from;
         const Vec3d across = inward - (dot(inward, along) / length2) * along;
         return -dot(way, across) / norm(across);
       };
       if (beyond(triangle.vertex[(k + 2) % 3]) <= tie) continue;
-      const MeshEdge& edge = meshes.edges[triangle.edge[k]];
-      const Index behind = edge.opposite[edge.triangle[0] == t ? 1 : 0];
-      if (behind < 0 || is_sharp(corner, t, k)) return false;
-      const double place = dot(way, along);
-      const bool is_past = place > length2;
-      if (place < 0 || is_past) {
-        if (!is_nearest_vertex(triangle.vertex[is_past ? (k + 1) % 3 : k], local)) return false;
-      } else if (beyond(behind) < -tie) {
+      if (!(slope_behind(corner, t, k) > kFlat)) return false;
+      if (place < 0 || place > length2) {
+        if (!is_nearest(triangle.vertex[place < 0 ? k : (k + 1) % 3], local)) return false;
+      } else if (beyond(behind(t, k)) < -tie) {
         return false;
       }
     }
     return true;
   }
-  /// Whether the surface around a vertex is nowhere nearer to a point than there.
-  SCREE_HD bool is_nearest_vertex(Index v, const Vec3d& x) const {
+  /// Whether no edge leads from a vertex toward a point.
+  SCREE_HD bool is_nearest(Index v, const Vec3d& x) const {
     const MeshVertex& vertex = meshes.vertices[v];
     const Vec3d at(meshes.points[v]);
     for (Index j = 0; j < vertex.neighbor_count; ++j)
@@ -298,12 +293,16 @@ struct ConvexOnMesh {
   }
   /// How the surface goes on behind an edge: up, or down where it is negative.
   SCREE_HD double slope_behind(const Corner& corner, Index t, int k) const {
-    const MeshTriangle& triangle = meshes.triangles[t];
-    const MeshEdge& edge = meshes.edges[triangle.edge[k]];
-    const Index opposite = edge.opposite[edge.triangle[0] == t ? 1 : 0];
+    const Index opposite = behind(t, k);
     if (opposite < 0) return -1;
-    const Vec3d to = Vec3d(meshes.points[opposite]) - Vec3d(meshes.points[triangle.vertex[k]]);
+    const Vec3d to =
+        Vec3d(meshes.points[opposite]) - Vec3d(meshes.points[meshes.triangles[t].vertex[k]]);
     return dot(to, corner.normal) / norm(to);
+  }
+  /// The third vertex of the triangle behind an edge; negative: there is none.
+  SCREE_HD Index behind(Index t, int k) const {
+    const MeshEdge& edge = meshes.edges[meshes.triangles[t].edge[k]];
+    return edge.opposite[edge.triangle[0] == t ? 1 : 0];
   }
 };
 

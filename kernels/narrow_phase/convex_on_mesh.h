@@ -124,6 +124,9 @@ struct ConvexOnMesh {
     SCREE_HD bool reaches(const Vec3d& x) const {
       return on.is_in_notch(corner, t, d, x, meeting.tie);
     }
+    SCREE_HD bool has_middle(bool is_met) const {
+      return is_met || on.is_over(corner, corner.way, 0);
+    }
   };
 
   SCREE_HD ConvexCore core() const { return CoresOfAny::core(a.side(), {}); }
@@ -164,7 +167,11 @@ struct ConvexOnMesh {
     out.separation = separation_along(body, corner.core, -n);
     out.is_apart = false;
     if (out.separation >= kAsDeep * least - 1e-6 * body.size()) return true;
-    return !was_apart && is_over(corner, body, n, t, d);
+    const bool is_fast = MiddleContact::is_wanted(body, corner.core, out.normal, way);
+    if (was_apart && !is_fast) return false;
+    const bool is_middle_over = is_over(corner, corner.way, 0);
+    return (is_fast && is_middle_over) ||
+           (!was_apart && is_held(corner, body, t, d, is_middle_over));
   }
 
   /// Whether a body may leave the surface around triangle t along a direction in the frame of the mesh: what of the
@@ -200,30 +207,37 @@ struct ConvexOnMesh {
     return true;
   }
 
-  /// Whether a deepest point of A below a triangle lies over it, and not too deep.
-  SCREE_HD bool is_over(const Corner& corner, const ConvexCore& body, const Vec3d& n, Index t,
-                        const Vec3d& d) const {
+  /// Whether a deepest point of A is one for a triangle to hold, and not too deep. None is where the middle of A is over the triangle:
+  /// the triangle is between the two.
+  SCREE_HD bool is_held(const Corner& corner, const ConvexCore& body, Index t, const Vec3d& d,
+                        bool is_middle_over) const {
+    const Vec3d n = corner.core.normal;
+    const double tie = 1e-5 * body.size();
     const double deepest = body.rounding + kDeepest * box_box_parts::smallest(body.half);
     CoreFacet face;
     body.facing(-n, body.top(-n), face);
     for (int k = 0; k < face.count; ++k) {
-      if (dot(face.point[k] - corner.core.center, n) < -deepest) continue;
-      bool is_inside = true;
-      for (int j = 0; j < 3; ++j) {
-        const Vec3d x = corner.core.center + corner.core.axis[j];
-        const Vec3d along = corner.core.axis[(j + 1) % 3] - corner.core.axis[j];
-        is_inside = is_inside &&
-                    dot(face.point[k] - x, cross(along, n)) <= 1e-5 * body.size() * norm(along);
-      }
-      if (is_inside || is_in_notch(corner, t, d, face.point[k], 1e-5 * body.size())) return true;
+      const Vec3d& x = face.point[k];
+      if (!is_middle_over && dot(x - corner.core.center, n) < -deepest) continue;
+      if (is_over(corner, x, tie) || is_in_notch(corner, t, d, x, tie)) return true;
     }
     return false;
   }
 
+  /// Whether a point lies over a triangle, or below it.
+  SCREE_HD bool is_over(const Corner& corner, const Vec3d& x, double tie) const {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d from = corner.core.center + corner.core.axis[k];
+      const Vec3d along = corner.core.axis[(k + 1) % 3] - corner.core.axis[k];
+      if (dot(x - from, cross(along, corner.core.normal)) > tie * norm(along)) return false;
+    }
+    return true;
+  }
+
   /// Whether a point of A below the plane of a triangle, beyond its edges, lies below no other one either: below an edge from which
   /// the surface rises, or below a pit. There the planes of all triangles of that edge, or that pit, hold it.
-  SCREE_HD bool is_in_notch(const Corner& corner, Index t, const Vec3d& d, const Vec3d& x,
-                            double tie) const {
+  [[gnu::noinline]] SCREE_HD bool is_in_notch(const Corner& corner, Index t, const Vec3d& d,
+                                              const Vec3d& x, double tie) const {
     if (!(dot(x - corner.core.center, corner.core.normal) < 0)) return false;
     const Vec3d local = rotate_back(solid.orientation, x - d - corner.way);
     const MeshTriangle& triangle = meshes.triangles[t];

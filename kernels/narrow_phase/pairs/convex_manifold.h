@@ -299,6 +299,7 @@ SCREE_HD inline ContactGeometry rounded_contact(const CoreMeeting& m, const Core
 struct AllWanted {
   SCREE_HD bool has(std::uint32_t) const { return true; }
   SCREE_HD bool reaches(const Vec3d&) const { return false; }
+  SCREE_HD bool has_middle(bool is_met) const { return is_met; }
 };
 
 /// Calls emit(feature, contact) for the contacts that are wanted, four at most, features ascending.
@@ -342,8 +343,9 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
 }
 
 /// What convex_contacts() finds, and a contact of the middle where bodies are fast, see MiddleContact: the last one then makes room.
-/// @param way    of the second body relative to the first in the step [m]
-/// @param moved  what of it the second has gone already [m]
+/// @param way     of the second body relative to the first in the step [m]
+/// @param moved   what of it the second has gone already [m]
+/// @param wanted  wanted.has_middle(is_met), too: whether that contact is asked for, where others are or are not
 template <class Wanted, class Listed, class Emit>
 SCREE_HD void fast_contacts(const CoreMeeting& meeting, const Vec3d& d, const Vec3d& way,
                             const Vec3d& moved, bool is_nearest, const Wanted& wanted,
@@ -351,15 +353,20 @@ SCREE_HD void fast_contacts(const CoreMeeting& meeting, const Vec3d& d, const Ve
   const Vec3d& normal = meeting.distance.normal;
   const bool is_fast = MiddleContact::is_wanted(meeting.a, meeting.b, normal, way);
   int count = 0;
+  bool is_met = false;
   convex_contacts(
       meeting, d, is_nearest, wanted,
-      [&](const ContactGeometry& g) { return listed(at_start(g, moved)); },
+      [&](const ContactGeometry& g) {
+        is_met = true;
+        return listed(at_start(g, moved));
+      },
       [&](std::uint32_t feature, const ContactGeometry& g) {
         if (is_fast && count == Manifold::kMaxContacts - 1) return;
         ++count;
         emit(feature, at_start(g, moved));
       });
-  if (!is_fast || count == 0) return;
+  // Of a body that spins all points may part, and the middle still comes.
+  if (!is_fast || !wanted.has_middle(is_met)) return;
   const ContactGeometry g =
       at_start(MiddleContact::geometry(meeting.a, meeting.b, normal, d), moved);
   if (listed(g)) emit(ConvexFeature::kMiddle, g);

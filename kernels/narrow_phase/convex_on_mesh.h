@@ -2,7 +2,7 @@
 // Contacts of a convex body with a mesh wall. Each triangle is a core, but it has neighbors: a normal counts only where
 // the surface around the triangle lets a body leave along it. Inside of a flat floor that is the normal of the
 // triangle alone, so a body that slides over inner edges meets no ghost. Points at inner edges that are flat or concave
-// are left out, too: the corners of the body are over one of the triangles there.
+// are left out, too: the corners of the body are over one of the triangles there, or in the notch below both.
 
 #include "kernels/narrow_phase/pairs/box_box.h"
 #include "kernels/narrow_phase/pairs/convex_manifold.h"
@@ -59,11 +59,9 @@ struct ConvexOnMesh {
       bool is_nearest = false;
       if (!find(t, corner, body, d, most, distance, is_nearest)) return;
       const CoreMeeting meeting(body, corner.core, distance);
-      const auto wanted = [&](std::uint32_t feature) {
-        return !is_inner(corner, meeting, t, feature);
-      };
       fast_contacts(meeting, d + corner.way, wall_way(solid, range, a, d), corner.way, is_nearest,
-                    wanted, listed, [&](std::uint32_t feature, const ContactGeometry&) {
+                    Wanted{*this, corner, meeting, t, d}, listed,
+                    [&](std::uint32_t feature, const ContactGeometry&) {
                       emit(element(info, image, t, feature));
                     });
     });
@@ -113,6 +111,24 @@ struct ConvexOnMesh {
     }
   };
 
+  /// What of a meeting with a triangle is asked for, see convex_contacts().
+  struct Wanted {
+    const ConvexOnMesh& on;
+    const Corner& corner;
+    const CoreMeeting& meeting;
+    Index t;
+    const Vec3d& d;
+    SCREE_HD bool has(std::uint32_t feature) const {
+      return !on.is_inner(corner, meeting, t, feature);
+    }
+    SCREE_HD bool reaches(const Vec3d& x) const {
+      return on.is_in_notch(corner, t, d, x, meeting.tie);
+    }
+    SCREE_HD bool has_middle(bool is_met) const {
+      return is_met || on.is_over(corner, corner.way, 0);
+    }
+  };
+
   SCREE_HD ConvexCore core() const { return CoresOfAny::core(a.side(), {}); }
 
   SCREE_HD std::uint32_t element(const MeshInfo& info, std::uint32_t image, Index t,
@@ -151,7 +167,11 @@ struct ConvexOnMesh {
     out.separation = separation_along(body, corner.core, -n);
     out.is_apart = false;
     if (out.separation >= kAsDeep * least - 1e-6 * body.size()) return true;
-    return !was_apart && is_over(corner, body, n);
+    const bool is_fast = MiddleContact::is_wanted(body, corner.core, out.normal, way);
+    if (was_apart && !is_fast) return false;
+    const bool is_middle_over = is_over(corner, corner.way, 0);
+    return (is_fast && is_middle_over) ||
+           (!was_apart && is_held(corner, body, t, d, is_middle_over));
   }
 
   /// Whether a body may leave the surface around triangle t along a direction in the frame of the mesh: what of the
@@ -177,9 +197,8 @@ struct ConvexOnMesh {
       if (!is_top(k)) continue;
       if (tops == 2) {
         if (!is_top((k + 1) % 3)) continue;
-        const MeshEdge& edge = meshes.edges[triangle.edge[k]];
-        const Index behind = edge.opposite[edge.triangle[0] == t ? 1 : 0];
-        return behind < 0 || !rises(triangle.vertex[k], behind);
+        const Index opposite = behind(t, k);
+        return opposite < 0 || !rises(triangle.vertex[k], opposite);
       }
       const MeshVertex& vertex = meshes.vertices[triangle.vertex[k]];
       for (Index j = 0; j < vertex.neighbor_count; ++j)
@@ -188,23 +207,68 @@ struct ConvexOnMesh {
     return true;
   }
 
-  /// Whether a deepest point of A below a triangle lies over it, and not too deep.
-  SCREE_HD bool is_over(const Corner& corner, const ConvexCore& body, const Vec3d& n) const {
+  /// Whether a deepest point of A is one for a triangle to hold, and not too deep. None is where the middle of A is over the triangle:
+  /// the triangle is between the two.
+  SCREE_HD bool is_held(const Corner& corner, const ConvexCore& body, Index t, const Vec3d& d,
+                        bool is_middle_over) const {
+    const Vec3d n = corner.core.normal;
+    const double tie = 1e-5 * body.size();
     const double deepest = body.rounding + kDeepest * box_box_parts::smallest(body.half);
     CoreFacet face;
     body.facing(-n, body.top(-n), face);
     for (int k = 0; k < face.count; ++k) {
-      if (dot(face.point[k] - corner.core.center, n) < -deepest) continue;
-      bool is_inside = true;
-      for (int j = 0; j < 3; ++j) {
-        const Vec3d x = corner.core.center + corner.core.axis[j];
-        const Vec3d along = corner.core.axis[(j + 1) % 3] - corner.core.axis[j];
-        is_inside = is_inside &&
-                    dot(face.point[k] - x, cross(along, n)) <= 1e-5 * body.size() * norm(along);
-      }
-      if (is_inside) return true;
+      const Vec3d& x = face.point[k];
+      if (!is_middle_over && dot(x - corner.core.center, n) < -deepest) continue;
+      if (is_over(corner, x, tie) || is_in_notch(corner, t, d, x, tie)) return true;
     }
     return false;
+  }
+
+  /// Whether a point lies over a triangle, or below it.
+  SCREE_HD bool is_over(const Corner& corner, const Vec3d& x, double tie) const {
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d from = corner.core.center + corner.core.axis[k];
+      const Vec3d along = corner.core.axis[(k + 1) % 3] - corner.core.axis[k];
+      if (dot(x - from, cross(along, corner.core.normal)) > tie * norm(along)) return false;
+    }
+    return true;
+  }
+
+  /// Whether a point of A below the plane of a triangle, beyond its edges, lies below no other one either: below an edge from which
+  /// the surface rises, or below a pit. There the planes of all triangles of that edge, or that pit, hold it.
+  [[gnu::noinline]] SCREE_HD bool is_in_notch(const Corner& corner, Index t, const Vec3d& d,
+                                              const Vec3d& x, double tie) const {
+    if (!(dot(x - corner.core.center, corner.core.normal) < 0)) return false;
+    const Vec3d local = rotate_back(solid.orientation, x - d - corner.way);
+    const MeshTriangle& triangle = meshes.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      const Vec3d from(meshes.points[triangle.vertex[k]]), way = local - from;
+      const Vec3d along = Vec3d(meshes.points[triangle.vertex[(k + 1) % 3]]) - from;
+      const double length2 = norm2(along), place = dot(way, along);
+      // How far the point is beyond the edge of a triangle that has this third vertex.
+      const auto beyond = [&](Index third) {
+        const Vec3d inward = Vec3d(meshes.points[third]) - from;
+        const Vec3d across = inward - (dot(inward, along) / length2) * along;
+        return -dot(way, across) / norm(across);
+      };
+      if (beyond(triangle.vertex[(k + 2) % 3]) <= tie) continue;
+      if (!(slope_behind(corner, t, k) > kFlat)) return false;
+      if (place < 0 || place > length2) {
+        if (!is_nearest(triangle.vertex[place < 0 ? k : (k + 1) % 3], local)) return false;
+      } else if (beyond(behind(t, k)) < -tie) {
+        return false;
+      }
+    }
+    return true;
+  }
+  /// Whether no edge leads from a vertex toward a point.
+  SCREE_HD bool is_nearest(Index v, const Vec3d& x) const {
+    const MeshVertex& vertex = meshes.vertices[v];
+    const Vec3d at(meshes.points[v]);
+    for (Index j = 0; j < vertex.neighbor_count; ++j)
+      if (dot(Vec3d(meshes.points[meshes.neighbors[vertex.first_neighbor + j]]) - at, x - at) > 0)
+        return false;
+    return true;
   }
 
   /// Whether a feature of the triangle as the reference is left to others: a point of it at edges that are not sharp, or
@@ -223,7 +287,7 @@ struct ConvexOnMesh {
         const Vec3d along = corner.core.axis[(side + 1) % 3] - from;
         const double inside = dot(corner.core.center + from - x, cross(along, corner.core.normal));
         // Its owner takes what is beyond the edge by twice as much.
-        if (inside < 0.5 * meeting.tie * norm(along) && !is_sharp(corner, t, k)) return true;
+        if (inside < 0.5 * meeting.tie * norm(along) && is_flat(corner, t, k)) return true;
       }
       return false;
     }
@@ -236,12 +300,23 @@ struct ConvexOnMesh {
   }
   /// Whether the surface falls off behind an edge.
   SCREE_HD bool is_sharp(const Corner& corner, Index t, int k) const {
-    const MeshTriangle& triangle = meshes.triangles[t];
-    const MeshEdge& edge = meshes.edges[triangle.edge[k]];
-    const Index opposite = edge.opposite[edge.triangle[0] == t ? 1 : 0];
-    if (opposite < 0) return true;
-    const Vec3d to = Vec3d(meshes.points[opposite]) - Vec3d(meshes.points[triangle.vertex[k]]);
-    return dot(to, corner.normal) < -kFlat * norm(to);
+    return slope_behind(corner, t, k) < -kFlat;
+  }
+  SCREE_HD bool is_flat(const Corner& corner, Index t, int k) const {
+    return std::abs(slope_behind(corner, t, k)) <= kFlat;
+  }
+  /// How the surface goes on behind an edge: up, or down where it is negative.
+  SCREE_HD double slope_behind(const Corner& corner, Index t, int k) const {
+    const Index opposite = behind(t, k);
+    if (opposite < 0) return -1;
+    const Vec3d to =
+        Vec3d(meshes.points[opposite]) - Vec3d(meshes.points[meshes.triangles[t].vertex[k]]);
+    return dot(to, corner.normal) / norm(to);
+  }
+  /// The third vertex of the triangle behind an edge; negative: there is none.
+  SCREE_HD Index behind(Index t, int k) const {
+    const MeshEdge& edge = meshes.edges[meshes.triangles[t].edge[k]];
+    return edge.opposite[edge.triangle[0] == t ? 1 : 0];
   }
 };
 

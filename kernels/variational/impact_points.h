@@ -28,8 +28,7 @@ struct IsTouching {
   CoreDistance distance = core_distance(core_a, core_b, 1e300);
   distance.normal = near.normal;
   ImpactPoints out;
-  const auto all = [](std::uint32_t) { return true; };
-  convex_contacts(CoreMeeting(core_a, core_b, distance), between, true, all,
+  convex_contacts(CoreMeeting(core_a, core_b, distance), between, true, AllWanted{},
                   variational_parts::IsTouching{near.gap + spread},
                   [&](std::uint32_t, const ContactGeometry& g) {
                     // One point for both, so that no angular momentum is lost.

@@ -128,11 +128,12 @@ struct CoreMeeting {
 
   /// Calls take(point, contact) for those of the reference, see ConvexFeature. All are found before any is taken: what
   /// threads beside each other find in different places, they take together.
-  template <class Take>
-  SCREE_HD void visit(Take&& take) const {
+  /// @param reaches  reaches(x): whether the reference also has a point x of the other that is not over it
+  template <class Reaches, class Take>
+  SCREE_HD void visit(Reaches&& reaches, Take&& take) const {
     std::uint8_t found[ConvexFeature::kPoints];
     int count = 0;
-    find_points([&](int number) { found[count++] = static_cast<std::uint8_t>(number); });
+    find_points(reaches, [&](int number) { found[count++] = static_cast<std::uint8_t>(number); });
     for (int k = 0; k < count; ++k) {
       const CoreContact c = contact_of(found[k]);
       if (c.is) take(static_cast<int>(found[k]), c);
@@ -223,10 +224,11 @@ struct CoreMeeting {
     other_plane.set(other, out);
   }
   /// Calls offer(point) for those of the reference.
-  template <class Offer>
-  SCREE_HD void find_points(Offer&& offer) const {
+  template <class Reaches, class Offer>
+  SCREE_HD void find_points(Reaches&& reaches, Offer&& offer) const {
     for (int k = 0; k < other.count; ++k) {
-      if (own.is_under(other.point[k], out, tie)) offer(other.name[k]);
+      const Vec3d& x = other.point[k];
+      if (own.is_under(x, out, tie) || reaches(x)) offer(other.name[k]);
     }
     for (int k = 0; k < own.count; ++k) {
       if (own.count > 2 && other.count < 3) break;
@@ -293,13 +295,20 @@ SCREE_HD inline ContactGeometry rounded_contact(const CoreMeeting& m, const Core
   return g;
 }
 
+/// Asks for all contacts of two bodies, see convex_contacts().
+struct AllWanted {
+  SCREE_HD bool has(std::uint32_t) const { return true; }
+  SCREE_HD bool reaches(const Vec3d&) const { return false; }
+  SCREE_HD bool has_middle(bool is_met) const { return is_met; }
+};
+
 /// Calls emit(feature, contact) for the contacts that are wanted, four at most, features ascending.
 /// @param is_nearest  whether the nearest points are a contact where a face has none
-/// @param wanted      wanted(feature): whether those of the reference are asked for
+/// @param wanted      wanted.has(feature): whether those of the reference are asked for; wanted.reaches(x): see CoreMeeting::visit()
 /// @param listed      listed(contact): whether it is
 template <class Wanted, class Listed, class Emit>
 SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool is_nearest,
-                              Wanted&& wanted, Listed&& listed, Emit&& emit) {
+                              const Wanted& wanted, Listed&& listed, Emit&& emit) {
   int kept[Manifold::kMaxContacts];
   int count = 0;
   double least = 1e300;
@@ -307,8 +316,9 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
     const Vec3d u = any_orthogonal(meeting.distance.normal);
     const Vec3d v = cross(meeting.distance.normal, u);
     FacePoints points;
-    meeting.visit([&](int number, const CoreContact& c) {
-      if (!wanted(ConvexFeature::of(meeting.reference, number))) {
+    const auto reaches = [&](const Vec3d& x) { return wanted.reaches(x); };
+    meeting.visit(reaches, [&](int number, const CoreContact& c) {
+      if (!wanted.has(ConvexFeature::of(meeting.reference, number))) {
         is_nearest = false;
         return;
       }
@@ -333,24 +343,30 @@ SCREE_HD void convex_contacts(const CoreMeeting& meeting, const Vec3d& d, bool i
 }
 
 /// What convex_contacts() finds, and a contact of the middle where bodies are fast, see MiddleContact: the last one then makes room.
-/// @param way    of the second body relative to the first in the step [m]
-/// @param moved  what of it the second has gone already [m]
+/// @param way     of the second body relative to the first in the step [m]
+/// @param moved   what of it the second has gone already [m]
+/// @param wanted  wanted.has_middle(is_met), too: whether that contact is asked for, where others are or are not
 template <class Wanted, class Listed, class Emit>
 SCREE_HD void fast_contacts(const CoreMeeting& meeting, const Vec3d& d, const Vec3d& way,
-                            const Vec3d& moved, bool is_nearest, Wanted&& wanted, Listed&& listed,
-                            Emit&& emit) {
+                            const Vec3d& moved, bool is_nearest, const Wanted& wanted,
+                            Listed&& listed, Emit&& emit) {
   const Vec3d& normal = meeting.distance.normal;
   const bool is_fast = MiddleContact::is_wanted(meeting.a, meeting.b, normal, way);
   int count = 0;
+  bool is_met = false;
   convex_contacts(
       meeting, d, is_nearest, wanted,
-      [&](const ContactGeometry& g) { return listed(at_start(g, moved)); },
+      [&](const ContactGeometry& g) {
+        is_met = true;
+        return listed(at_start(g, moved));
+      },
       [&](std::uint32_t feature, const ContactGeometry& g) {
         if (is_fast && count == Manifold::kMaxContacts - 1) return;
         ++count;
         emit(feature, at_start(g, moved));
       });
-  if (!is_fast || count == 0) return;
+  // Of a body that spins all points may part, and the middle still comes.
+  if (!is_fast || !wanted.has_middle(is_met)) return;
   const ContactGeometry g =
       at_start(MiddleContact::geometry(meeting.a, meeting.b, normal, d), moved);
   if (listed(g)) emit(ConvexFeature::kMiddle, g);
@@ -388,9 +404,8 @@ SCREE_HD void convex_manifold(const ConvexCore& first, ConvexCore second, const 
   if (search.separation > most + first.rounding + second.rounding && !search.is_ahead) return;
   const Vec3d moved = search.is_ahead ? way : Vec3d{};
   second.center += moved;
-  const auto all = [](std::uint32_t) { return true; };
-  fast_contacts(CoreMeeting(first, second, search.distance()), d + moved, way, moved, true, all,
-                listed, emit);
+  fast_contacts(CoreMeeting(first, second, search.distance()), d + moved, way, moved, true,
+                AllWanted{}, listed, emit);
 }
 
 /// Pair functions by cores, see InParts. @tparam Cores  its of_a(a) and of_b(b, d) give them

@@ -31,7 +31,7 @@ class PairCandidates {
   }
 
   /// Whether the list holds every pair that may touch within the range. It does not after
-  /// forget(), when there are other bodies than before, or when one left its ball; else nothing
+  /// forget() and retire(), when there are other bodies than before, or when one left its ball; else nothing
   /// but where bodies are now counts, so any range may come. One host read.
   /// Bytes per binned body: 60.
   bool covers(B& b, const BodyView<Real>& bodies, const ContactRange& range) {

@@ -72,6 +72,7 @@ struct StepReport {
   double residual_max = 0;       ///< [m/s]
   int residual_max_body_a = -1;  ///< ids of the bodies of the worst contact, -1 without contacts
   int residual_max_body_b = -1;
+  int residual_max_joint = -1;    ///< number in Scene::joints, -1: a contact is worst
   double residual_relative = 0;   ///< residual_rms / v*
   double exact_residual_rms = 0;  ///< the same with the De Saxce velocity [m/s]
   double objective = 0;           ///< 1/2 gamma N gamma + r gamma [J]

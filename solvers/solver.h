@@ -63,7 +63,7 @@ struct Residual {
   double objective = 0;       ///< 1/2 gamma^T N gamma + r^T gamma [J]
   double cone_violation = 0;  ///< max(|gamma_t| - mu gamma_n) [N s]
   Index bad_contact = -1;     ///< a contact whose residual is not finite, or -1
-  /// With several ranks, of the contacts that this one lists; then max_contact and bad_contact say nothing.
+  /// With several ranks, of contacts here, at least of those that this one counts; then max_contact and bad_contact say nothing.
   double own_max = 0;  ///< [m/s]
   Index own_max_contact = -1;
   Index own_bad_contact = -1;

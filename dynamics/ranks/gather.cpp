@@ -123,15 +123,15 @@ bool add_report(Ranks& ranks, std::int64_t own_ghosts, double own_max, bool is_f
   struct Part {
     std::int64_t bodies = 0, ghosts = 0;
     double max = 0;
-    std::int32_t body_a = -1, body_b = -1;
+    std::int32_t body_a = -1, body_b = -1, joint = -1;
     std::int32_t is_fine = 1;
   };
   Part worst;
   std::int64_t bodies = 0, ghosts = 0, most = 0;
   bool are_fine = true;
-  for (const Part& part :
-       gather(ranks, Part{report.body_count, own_ghosts, own_max, report.residual_max_body_a,
-                          report.residual_max_body_b, is_fine ? 1 : 0})) {
+  for (const Part& part : gather(
+           ranks, Part{report.body_count, own_ghosts, own_max, report.residual_max_body_a,
+                       report.residual_max_body_b, report.residual_max_joint, is_fine ? 1 : 0})) {
     are_fine = are_fine && part.is_fine != 0;
     bodies += part.bodies;
     ghosts += part.ghosts;
@@ -147,6 +147,7 @@ bool add_report(Ranks& ranks, std::int64_t own_ghosts, double own_max, bool is_f
   report.residual_max = worst.max;
   report.residual_max_body_a = worst.body_a;
   report.residual_max_body_b = worst.body_b;
+  report.residual_max_joint = worst.joint;
   return are_fine;
 }
 

@@ -143,6 +143,9 @@ class Joints {
     guess_.improve(b, problem, places(bodies), order_.view(here_), gamma, is_warm);
   }
 
+  /// Number in the scene of the joint that row k of the problem of join() holds. One host read.
+  Index number_of(B& b, Index k) const { return in_scene(fetch(b, order_.data() + k)); }
+
   struct Worst {
     double error =
         0;  ///< distance of two anchors, or turn of two axes times the size of a body [m]
@@ -151,9 +154,7 @@ class Joints {
   /// At the start of the step, of all ranks. One host read.
   Worst worst(B& b) const {
     const JointSums sums = over_ranks(b, fetch(b, sums_.data()));
-    const Index j = sums.max_error_joint;
-    return {sums.max_error,
-            j < own_count_ ? j : turn_of_[static_cast<std::size_t>(j - own_count_)]};
+    return {sums.max_error, in_scene(sums.max_error_joint)};
   }
 
   /// Where joints will be with velocities that a solver found, of all ranks.
@@ -325,6 +326,11 @@ class Joints {
     JointImpulse<Real> impulse, in_impacts;
     JointState state;
   };
+
+  /// Of a joint, or of a drive about one of its axes.
+  Index in_scene(Index joint) const {
+    return joint < own_count_ ? joint : turn_of_[static_cast<std::size_t>(joint - own_count_)];
+  }
 
   JointPlaces places(const BodyView<Real>& bodies) {
     return {frames_.view(), place_.view(), bodies.count, bodies.moving_count};

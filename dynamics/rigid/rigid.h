@@ -226,14 +226,18 @@ class RigidDynamics final : public ModelOn<B, Real> {
     report.contact_count = shared_ ? contacts_of_all : contacts.count;
     if (shared_) stats.residual.max_contact = stats.residual.own_max_contact;
     fill_report(report, stats, sums, problem, b, store_);
+    if (joints_.count() > 0 && stats.residual.max_contact >= problem.joint_begin)
+      report.residual_max_joint =
+          joints_.number_of(b, stats.residual.max_contact - problem.joint_begin);
     report.residual_relative = reference > 0 ? stats.residual.rms / reference : 0;
     report.kinetic_energy = moved.kinetic_energy;
     report.stopped = moved.stopped;
     if (!shared_) {
       require_finite(report);
-    } else if (!add_report(*ranks_, shared_->ghosts().count(), stats.residual.own_max,
-                           is_finite(report), report)) {
-      throw_on_all(ranks_.get(), !is_finite(report), [&] { require_finite(report); });
+    } else if (const StepReport own = report;
+               !add_report(*ranks_, shared_->ghosts().count(), stats.residual.own_max,
+                           is_finite(own), report)) {
+      throw_on_all(ranks_.get(), !is_finite(own), [&] { require_finite(own); });
     }
     return report;
   }

@@ -20,6 +20,7 @@ inline constexpr std::array kRigidReport{
     ReportColumn{"residual_max_m_per_s", &StepReport::residual_max},
     ReportColumn{"residual_max_body_a", &StepReport::residual_max_body_a},
     ReportColumn{"residual_max_body_b", &StepReport::residual_max_body_b},
+    ReportColumn{"residual_max_joint", &StepReport::residual_max_joint},
     ReportColumn{"residual_relative", &StepReport::residual_relative},
     ReportColumn{"exact_residual_rms_m_per_s", &StepReport::exact_residual_rms},
     ReportColumn{"objective_J", &StepReport::objective},

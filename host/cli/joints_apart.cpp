@@ -22,6 +22,17 @@ bool are_joints_apart(double error, const BodyConstants& bodies) {
   return error > kApart * smallest;
 }
 
+bool are_joints_contradicted(const StepReport& report) {
+  return !report.converged && report.residual_max_joint >= 0 && report.residual_relative > 1;
+}
+
+std::string joint_with_number(int number, const std::vector<Joint>& joints,
+                              const BodyConstants& bodies) {
+  const Joint& joint = joints.at(static_cast<std::size_t>(number));
+  return fmt::format("joints[{}] ({}) of {} and {}", number, joint_card(joint.kind).name,
+                     body_with_id(bodies, joint.bodies[0]), body_with_id(bodies, joint.bodies[1]));
+}
+
 std::string joints_apart(const RunTotals& t, const std::vector<Joint>& joints,
                          const BodyConstants& bodies) {
   if (!are_joints_apart(t.max_joint_error(), bodies)) return {};
@@ -32,11 +43,7 @@ std::string joints_apart(const RunTotals& t, const std::vector<Joint>& joints,
       "than a step of this length can follow",
       t.max_joint_error(), t.joint_error_step());
   if (t.joint_error_joint() < 0) return text;  // models may not know
-  const auto number = static_cast<std::size_t>(t.joint_error_joint());
-  const Joint& worst = joints.at(number);
-  return text + fmt::format("; farthest off was joints[{}] ({}) of {} and {}", number,
-                            joint_card(worst.kind).name, body_with_id(bodies, worst.bodies[0]),
-                            body_with_id(bodies, worst.bodies[1]));
+  return text + "; farthest off was " + joint_with_number(t.joint_error_joint(), joints, bodies);
 }
 
 }  // namespace scree

@@ -13,7 +13,14 @@ namespace scree {
 /// @param error  of joints [m]
 bool are_joints_apart(double error, const BodyConstants& bodies);
 
-/// What a user is told of them, a sentence; empty when all held.
+/// Whether a step left a joint with a residual above the speed that loads give bodies in it: it is contradicted.
+bool are_joints_contradicted(const StepReport& report);
+
+/// "joints[2] (hinge) of A and B".
+std::string joint_with_number(int number, const std::vector<Joint>& joints,
+                              const BodyConstants& bodies);
+
+/// What a user is told of joints that were off, a sentence; empty when all held.
 std::string joints_apart(const RunTotals& totals, const std::vector<Joint>& joints,
                          const BodyConstants& bodies);
 

@@ -387,11 +387,15 @@ class Run {
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
           "smaller time step follows it better, or max_turn of the dynamics",
           record_.totals.max_turn(), kMostTurn));
-    for (const std::string& unsolved : {apart, steps_not_converged(world.constants())}) {
-      if (unsolved.empty()) continue;
-      if (options_.require_convergence) throw RunError(unsolved);
-      progress.note("warning: " + unsolved);
+    const std::string unsolved = steps_not_converged(world.constants());
+    if (options_.require_convergence && !(apart.empty() && unsolved.empty())) {
+      const bool is_told = record_.status == RunStatus::joints_apart;
+      throw RunError(is_told         ? to_string(record_.status) + (": " + record_.message)
+                     : apart.empty() ? unsolved
+                                     : apart);
     }
+    for (const std::string& text : {apart, unsolved})
+      if (!text.empty()) progress.note("warning: " + text);
   }
 
   /// @param apart  what is told of joints that did not hold
@@ -399,11 +403,24 @@ class Run {
                          const BodyConstants& bodies) {
     record_.status = is_interrupted ? RunStatus::interrupted : RunStatus::done;
     const StepReport& last = record_.totals.last();
-    if (is_interrupted || !are_joints_apart(last.max_joint_error, bodies)) return;
+    if (is_interrupted) return;
+    std::string message;
+    if (are_joints_apart(last.max_joint_error, bodies)) {
+      message = fmt::format("{}; at the end by {:.3g} m, with a residual of {:.3g} m/s RMS", apart,
+                            last.max_joint_error, last.residual_rms);
+    } else if (are_joints_contradicted(last)) {
+      message = fmt::format(
+          "the last step ended with a residual of {:.3g} m/s RMS, the largest, {:.3g} m/s, of {}: "
+          "it contradicts "
+          "another joint, a motion, or a motor without a bound",
+          last.residual_rms, last.residual_max,
+          joint_with_number(last.residual_max_joint, scene_.joints, bodies));
+    } else {
+      return;
+    }
     record_.status = RunStatus::joints_apart;
     if (!record_.message.empty()) record_.message += "; ";
-    record_.message += fmt::format("{}; at the end by {:.3g} m, with a residual of {:.3g} m/s RMS",
-                                   apart, last.max_joint_error, last.residual_rms);
+    record_.message += message;
   }
 
   /// Contacts of the first step are those of the start.
@@ -434,11 +451,14 @@ class Run {
                        worst_of(t.worst_unsolved(), bodies));
   }
 
-  static std::string worst_of(const RunTotals::Unsolved& worst, const BodyConstants& bodies) {
+  std::string worst_of(const RunTotals::Unsolved& worst, const BodyConstants& bodies) const {
     if (worst.body_a < 0 && worst.body_b < 0) return {};
-    return fmt::format("; the largest residual was {:.3g} m/s in step {}, of {} and {}",
-                       worst.residual, worst.step, body_with_id(bodies, worst.body_a),
-                       body_with_id(bodies, worst.body_b));
+    const std::string of = worst.joint >= 0
+                               ? joint_with_number(worst.joint, scene_.joints, bodies)
+                               : fmt::format("{} and {}", body_with_id(bodies, worst.body_a),
+                                             body_with_id(bodies, worst.body_b));
+    return fmt::format("; the largest residual was {:.3g} m/s in step {}, of {}", worst.residual,
+                       worst.step, of);
   }
 
   std::string summary() const {

@@ -94,7 +94,7 @@ void RunTotals::add(const StepReport& report) {
   }
   if (!report.converged && report.residual_max > unsolved_.residual)
     unsolved_ = {report.step, report.residual_max, report.residual_max_body_a,
-                 report.residual_max_body_b};
+                 report.residual_max_body_b, report.residual_max_joint};
   last_ = report;
 }
 

@@ -46,6 +46,7 @@ class RunTotals {
     std::int64_t step = 0;
     double residual = 0;                           ///< [m/s]
     int body_a = kWorldBody, body_b = kWorldBody;  ///< ids; both of the world: not known
+    int joint = -1;                                ///< number in the scene; -1: of a contact
   };
   const Unsolved& worst_unsolved() const { return unsolved_; }
   const DynamicsCard& card() const { return card_; }

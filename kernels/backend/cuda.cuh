@@ -7,6 +7,7 @@
 #include <cuda_runtime.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "kernels/backend/backend.h"
@@ -70,7 +71,11 @@ class Cuda : public InRanks {
 
   /// How this GPU meets those of other ranks; null: by their hosts.
   PeerMeetings* peers() const { return peers_; }
-  void set_peers(PeerMeetings* peers) { peers_ = peers; }
+  /// @throws std::logic_error when there are others: one window at a time, whose words have the numbers of its meetings
+  void set_peers(PeerMeetings* peers) {
+    if (peers != nullptr && peers_ != nullptr) throw std::logic_error("two windows to peers");
+    peers_ = peers;
+  }
 
   /// Blocks that the device runs at a time, at most kReduceBlocks.
   /// @param shared_bytes  dynamic shared memory of a block

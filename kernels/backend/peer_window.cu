@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "kernels/backend/over_ranks.h"
 #include "kernels/backend/peer_window.cuh"
 #include "kernels/backend/rank_devices.h"
 
@@ -31,6 +30,7 @@ bool can_reach(int from, int device) {
 }  // namespace
 
 PeerWindow<Cuda>::~PeerWindow() {
+  cuda_->set_peers(nullptr);
   // A rank that failed may be alone here: the memory goes with the process.
   const bool is_alone = ranks_ == nullptr || !ranks_->ends_together();
   if (is_alone && std::uncaught_exceptions() > exceptions_) return;
@@ -109,6 +109,7 @@ PeerBoards PeerWindow<Cuda>::boards() const {
 void PeerWindow<Cuda>::close() {
   if (memory_.empty()) return;
   cuda_->set_peers(nullptr);
+  cuda_->synchronize();  // what is in line writes to others
   const auto me = static_cast<std::size_t>(ranks_->rank());
   for (std::size_t r = 0; r < memory_.size(); ++r)
     if (is_opened_[r]) cudaIpcCloseMemHandle(memory_[r]);

@@ -1,7 +1,7 @@
 #pragma once
 // Windows between GPUs of one host: memory that other processes open by CUDA's interprocess handles, or that threads of one
 // process reach as it is. What is written there crosses NVLink, and is there when the writer's stream has been waited for,
-// or word by word, as each says (kernels/solve/rank_meeting.cuh).
+// with a record that follows it (peer_meeting.cuh), or word by word, as each says (kernels/solve/rank_meeting.cuh).
 
 #include <exception>
 #include <vector>

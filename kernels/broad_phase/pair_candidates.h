@@ -90,8 +90,7 @@ struct RecordReach {
 /// Bodies that left their balls, and fast ones: the record of a reduction.
 struct LeftBodies {
   Index count = 0;
-  Index leaving =
-      0;  ///< bodies that will have left after another such step, those that did included
+  Index leaving = 0;  ///< the same after one more such step
   Index passing = 0;  ///< bodies that may pass another within the step, see CheckReach::passes()
   SCREE_HD void combine(const LeftBodies& o) {
     count += o.count;

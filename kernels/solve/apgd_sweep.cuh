@@ -53,8 +53,7 @@ struct Shared {
   unsigned* round_done;  ///< [rounds] contact steps done, over all trials
   ApgdMeeting meeting;   ///< at the end of a trial
   unsigned* taken;       ///< blocks that took what ranks sent, over all trials
-  const Index*
-      shown;  ///< [tiles + 1] where bodies of each tile begin among those that are sent to other ranks
+  const Index* shown;    ///< [tiles + 1] where bodies of a tile begin among those that are sent
   const PackedContact* packed;  ///< [contacts]
 };
 
@@ -399,7 +398,7 @@ class ApgdIteration<Cuda> {
     for_each(cuda, radial, apgd_sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(radial)});
     unsigned* counter = counters_.data();
     const Index* shown = nullptr;
-    if (ghosts_ != nullptr) {
+    if (ghosts_ != nullptr && !apgd_sweep::kIsMixed<R, Real>) {
       const GhostLinks& links = *ghosts_->links();
       const Span<Index> begin = shown_.resize_discard(tiles_ + 1);
       for_each(cuda, tiles_ + 1, apgd_sweep::ShownOfTiles{links.sent, links.by_place, begin});

@@ -1,11 +1,10 @@
 #pragma once
 // How the GPUs of ranks meet at the end of a trial without leaving their kernels: each writes the new velocities of the
-// bodies that others mirror, and its sums, into the memory of the others over NVLink, and waits until theirs have come.
+// bodies that others mirror, if it has not yet, and its sums, into the memory of the others over NVLink, and waits until
+// theirs have come. All goes in words with the number of the meeting (peer_meeting.cuh).
 //
-// Each word of 8 bytes that crosses carries 4 bytes of data and the number of the meeting. Who waits for it sees by itself
-// that it is there, so nobody waits for the end of a write, and no flag follows one. Bytes that a rank sends: 48 for each body
-// that it shows, about 500 KB for 1e6 bodies, and 48 to each other rank. Neighboring threads write neighboring words: each in
-// a packet of its own would take three times as long.
+// Bytes that a rank sends: 48 for each body that it shows, about 500 KB for 1e6 bodies, and 48 to each other rank.
+// Neighboring threads write neighboring words: each in a packet of its own would take three times as long.
 
 #include "kernels/backend/cuda.cuh"
 #include "kernels/backend/device_counter.cuh"
@@ -65,7 +64,8 @@ __device__ inline Index takers(const GhostLinks& links) {
 /// their owners found.
 ///
 /// Rooms and sums alternate between two places. A rank sends its sums when all its blocks have left the meeting before, and
-/// each block waits for the sums of all ranks: so what it writes over at the next meeting but one is no longer needed.
+/// each block waits for the sums of all ranks: so what it writes over at the next meeting but one, or on the way there, is
+/// no longer needed.
 ///
 /// It is a function of its own, which gets and gives sums in shared memory: as a part of the sweep it would make that spill
 /// registers.

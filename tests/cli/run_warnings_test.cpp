@@ -27,7 +27,30 @@ TEST(CliRunWarnings, JointsThatDoNotHoldAreTold) {
   const Result strict =
       scree(scratch, run_arguments(file, scratch / "b", {"--require-convergence"}));
   EXPECT_EQ(strict.code, 1);
-  EXPECT_TRUE(holds(strict.err, "joints were off")) << strict.err;
+  EXPECT_TRUE(holds(strict.err, "joints_apart: joints were off")) << strict.err;
+  EXPECT_TRUE(holds(strict.err, "m/s RMS")) << strict.err;
+}
+
+/// A fixed joint and a hinge whose motor nothing stops, between the same bodies: anchors stay together, velocities cannot.
+TEST(CliRunWarnings, AMotorThatAJointContradictsIsTold) {
+  const Scratch scratch;
+  const nlohmann::json scene = nlohmann::json::parse(R"({
+    "time_step": 0.001, "duration": 0.02,
+    "bodies": [{"name": "a", "shape": "box", "size": [0.5, 0.1, 0.1], "mass": 1}],
+    "joints": [{"type": "fixed", "bodies": ["world", "a"], "anchor": [0, 0, 0]},
+               {"type": "hinge", "bodies": ["world", "a"], "anchor": [0, 0, 0], "axis": [0, 0, 1], "motor": {"speed": 1}}],
+    "output": {"picture": false}})");
+  const Result run = scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "a"));
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_TRUE(holds(run.out + run.err, "m/s in step")) << run.out << run.err;
+  const nlohmann::json record = json_file(scratch / "a/run.json");
+  EXPECT_EQ(record.at("status"), "joints_apart");
+  const auto message = record.at("message").get<std::string>();
+  EXPECT_TRUE(holds(message, "joints[")) << message;
+  EXPECT_TRUE(holds(message, "of the world and bodies[0] (id 0): it contradicts")) << message;
+  EXPECT_TRUE(holds(message, "m/s RMS")) << message;
+  const std::string table = contents(scratch / "a/steps.csv");
+  EXPECT_NE(table.find("residual_max_joint,"), std::string::npos) << table;
 }
 
 /// A ball joint and a rod of half a meter to a point 1 m above it: of what is off, the rod has most.

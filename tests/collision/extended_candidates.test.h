@@ -23,6 +23,37 @@ TYPED_TEST(ExtendedCandidatesTest, OldListIsMadeAnew) {
   EXPECT_EQ(run.detector().list_extensions(), 0);
 }
 
+/// One body goes its way through a bed at rest: the step before it leaves its ball an old list is told to be spent.
+TYPED_TEST(ExtendedCandidatesTest, ASpentListIsToldAStepAhead) {
+  auto s = this->bed(500, 0.06, 0.06, 16);
+  s.settings.skin = 0.012;
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), s), retired(this->backend(), s);
+  for (int k = 0; k < 20; ++k) run.detect(), retired.detect();
+  EXPECT_FALSE(run.detector().has_spent_list());  // nothing moves
+  const auto go = [&](auto& moving) {
+    moving.scene().velocity[123].z = TypeParam(0.3);
+    moving.scene().position[123].z += 3e-4;
+    moving.load();
+    return moving.detect();
+  };
+  int steps = 0;
+  while (!run.detector().has_spent_list() && steps < 100) {
+    EXPECT_EQ(go(run), this->fresh_contacts(run.scene()));
+    go(retired);
+    ++steps;
+  }
+  EXPECT_GT(steps, 5);
+  EXPECT_EQ(run.detector().list_builds(), 1);
+  go(run);
+  EXPECT_EQ(run.detector().list_builds(), 2);
+  EXPECT_FALSE(run.detector().has_spent_list());  // a young one is extended
+  retired.detector().renew_list();
+  EXPECT_EQ(retired.detect(), this->fresh_contacts(retired.scene()));
+  EXPECT_EQ(retired.detector().list_builds(), 2);
+  retired.detect();
+  EXPECT_EQ(retired.detector().list_builds(), 2);
+}
+
 TYPED_TEST(ExtendedCandidatesTest, ManyBodiesThatLeaveCallForANewList) {
   auto s = this->bed(6000, 0.03, 0.03, 31);
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);

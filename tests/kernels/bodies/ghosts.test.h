@@ -1,5 +1,6 @@
 // Rows of bodies on their way to other ranks: packed and taken out again, and where each has its place.
 
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -72,6 +73,28 @@ TYPED_TEST(GhostRowsTest, ComeOutAsTheyWentIn) {
   }
 }
 
+/// Words of a row are those of its arrays, one after the other.
+TYPED_TEST(GhostRowsTest, AreTakenApartWordByWord) {
+  using Fixture = TestFixture;
+  if constexpr (TestBackend::kIsDevice) return;  // they are in memory of the host
+  using B = TestBackend;
+  B& b = this->backend();
+  Buffer<B, Vec3<double>> position(b);
+  Buffer<B, Quat<TypeParam>> orientation(b);
+  upload(b, Fixture::template rows<Vec3<double>>(Fixture::place), position);
+  upload(b, Fixture::template rows<Quat<TypeParam>>(Fixture::turn), orientation);
+  using Arrays = RowArrays<Vec3<double>, Quat<TypeParam>>;
+  const Arrays arrays(position.view(), orientation.view());
+  const auto words = Arrays::kBytes / static_cast<Index>(sizeof(std::uint32_t));
+  std::vector<unsigned char> row(static_cast<std::size_t>(Arrays::kBytes));
+  arrays.store(4, row.data());
+  for (Index k = 0; k < words; ++k) {
+    std::uint32_t word;
+    std::memcpy(&word, row.data() + static_cast<std::size_t>(k) * sizeof(word), sizeof(word));
+    EXPECT_EQ(*arrays.piece(4, k), word) << k;
+  }
+}
+
 /// Two ranks get rows: each finds its own behind those of lower ranks, in the room of the exchange.
 TYPED_TEST(GhostRowsTest, HaveTheirPlacesInTheRoomsOfOthers) {
   std::vector<unsigned char> memory(5000);
@@ -99,6 +122,13 @@ TYPED_TEST(GhostRowsTest, FollowANewOrderOfBodies) {
   upload(b, std::vector<Index>{4, 0, 3, 4}, sent);
   for_each(b, 4, RenumberSent{std::as_const(new_of_old).view(5), sent.view(4)});
   EXPECT_EQ(download(b, sent.view(4)), (std::vector<Index>{2, 3, 4, 2}));
+  // A body that goes to two ranks is there twice.
+  Buffer<B, std::uint64_t> key(b, 4);
+  Buffer<B, Index> order(b, 4);
+  SortSpace<B> space(b);
+  for_each(b, 4, KeysOfSent{std::as_const(sent).view(4), key.view(4), order.view(4)});
+  sort_pairs(b, space, key.view(4), order.view(4), 32);
+  EXPECT_EQ(download(b, order.view(4)), (std::vector<Index>{0, 3, 1, 2}));
 }
 
 }  // namespace

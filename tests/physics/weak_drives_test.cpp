@@ -96,5 +96,38 @@ TEST_P(WeakDrives, AHingeAgreesWithLockedAxes) {
   }
 }
 
+/// Of contacts on body 0, in a step [N].
+Vec3d force_on_first(World& world) {
+  Vec3d sum;
+  for (const ContactRecord& c : world.contacts())
+    if (c.body_a == 0 || c.body_b == 0) sum += (c.body_b == 0 ? 1e3 : -1e3) * c.impulse;
+  return sum;
+}
+
+// Their force is the load that a step is solved against, where there is no other.
+TEST_P(WeakDrives, MotorsPressWithTheirForceWithoutGravity) {
+  for (const JointMotor& motor :
+       {JointMotor{.speed = -0.5, .max_force = kPress}, JointMotor{.force = -kPress}}) {
+    World world = world_of(press(motor));
+    run_for(world, 0.5);
+    for (int k = 0; k < 200; ++k) {
+      ASSERT_TRUE(world.step().converged);
+      EXPECT_NEAR(force_on_first(world).z, -kPress, 0.01 * kPress) << k;
+    }
+  }
+}
+
+TEST_P(WeakDrives, AMotorPressesALeverWithItsMomentWithoutGravity) {
+  World world = world_of(lever_on_a_block());
+  run_for(world, 0.5);
+  for (int k = 0; k < 200; ++k) {
+    ASSERT_TRUE(world.step().converged);
+    double moment = 0;  // about the hinge
+    for (const ContactRecord& c : world.contacts())
+      moment += 1e3 * cross(c.point, c.body_a == 0 ? c.impulse : -c.impulse).y;
+    EXPECT_NEAR(std::abs(moment), kPress, 0.01 * kPress) << k;
+  }
+}
+
 }  // namespace
 }  // namespace scree::physics

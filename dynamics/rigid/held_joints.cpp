@@ -17,6 +17,8 @@ constexpr double kMostWorkWithSprings = 3e6;
 constexpr double kNothing = 1e-20;
 /// The part of a number that rounding may be.
 constexpr double kRounding = 1e-12;
+/// See look_at_drives().
+constexpr double kLong = 1e3;
 /// Times that drives are looked at anew.
 constexpr int kMostRounds = 20;
 
@@ -147,12 +149,12 @@ bool HeldJoints::find_set(std::vector<JointEnds<double>>& joints) {
   double least = std::numeric_limits<double>::infinity();
   std::vector<JointEnds<double>> best;
   for (int round = 0; round <= kMostRounds; ++round) {
-    const bool is_same = look_at_drives(joints) && round > 0;
+    const bool is_same = look_at_drives(joints, /*is_first=*/round == 0);
     const double left = left_over(joints);
-    if (left < least) {
+    if (left <= std::max(least, nothing)) {
       least = left;
       best = joints;
-      if (is_same || left <= nothing) return true;
+      if (round > 0 && (is_same || left <= nothing)) return true;
     }
     if (is_same || round == kMostRounds) break;
     let_go(joints);
@@ -163,19 +165,24 @@ bool HeldJoints::find_set(std::vector<JointEnds<double>>& joints) {
   return false;
 }
 
-/// Finds what decides about drives by their impulses and velocities. @return  whether that is what it was before
-bool HeldJoints::look_at_drives(const std::vector<JointEnds<double>>& joints) {
-  bool is_same = true;
+/// Finds what decides about drives by their impulses and velocities. Laws are lines with corners: from a part of one a drive goes to
+/// the next part, as in a step that is long beside impulses that it cannot have, and short beside velocities. Else it may go
+/// from one limit to the other and back for ever.
+/// @return  whether that is what it was before
+bool HeldJoints::look_at_drives(const std::vector<JointEnds<double>>& joints, bool is_first) {
+  bool is_same = !is_first;
   for (Drive& d : drives_) {
     const JointEnds<double>& j = joints[d.joint];
-    const double step = 1 / j.row.scale, impulse = j.impulse[kJointAxisRow];
+    const double own = 1 / j.row.scale, impulse = j.impulse[kJointAxisRow];
     const double w = velocity(j)[kJointAxisRow];
+    const double step = is_first ? own : (d.holds() ? kLong * own : own / kLong);
     const DrivenImpulse<double> now = j.row.driven(impulse - step * w, step);
-    d.off = impulse - now.impulse;
-    const bool is_at_bound = std::abs(d.off) <= kRounding * std::abs(impulse);
+    const double off = impulse - now.impulse;
+    const bool is_at_bound = std::abs(off) <= kRounding * std::abs(impulse);
     is_same = is_same && now.by == d.by && (d.holds() || is_at_bound);
     d.by = now.by;
-    d.target = w - d.off * (1 / step + (now.by == DrivePart::main ? j.row.compliance : 0));
+    d.off = off;
+    d.target = w - off * (1 / step + (now.by == DrivePart::main ? j.row.compliance : 0));
   }
   return is_same;
 }
@@ -198,7 +205,11 @@ double HeldJoints::left_over(const std::vector<JointEnds<double>>& joints) const
       if (row(k, r) >= 0 && !joints[k].row.is_driven(r)) sum += w[r] * w[r];
   }
   for (const Drive& d : drives_) {
-    const double off = joints[d.joint].row.scale * d.off;
+    const JointRow<double>& row = joints[d.joint].row;
+    const double impulse = joints[d.joint].impulse[kJointAxisRow];
+    const double w = velocity(joints[d.joint])[kJointAxisRow];
+    const double off =
+        row.scale * (impulse - row.driven(impulse - w / row.scale, 1 / row.scale).impulse);
     sum += off * off;
   }
   return sum;

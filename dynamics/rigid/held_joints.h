@@ -1,6 +1,6 @@
 #pragma once
 // A guess of the impulses of joints: those that take the velocities of all rows that joints hold to zero, all at once, and with
-// them rows that are held for now: of taut cables, of limits that are reached, of motors that are strong enough.
+// them what drives give: taut cables, limits that are reached, motors that are strong enough, springs.
 
 #include <array>
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace scree {
 
-/// Iterations carry an impulse from joint to joint, so those of a chain of n links take n of them and more. Where nothing but held
-/// rows and drives are there, this solves the step, and the solver sees that its guess is the answer; contacts, springs and
-/// friction of ball joints keep the impulse that they have, and are left to the solver. On the host, in double precision, with equal
+/// Iterations carry an impulse from joint to joint, so those of a chain of n links take n of them and more. Where nothing but joints
+/// is there, this solves the step, and the solver sees that its guess is the answer; contacts, friction of ball joints and springs
+/// of lattices in space keep the impulse that they have, and are left to the solver. On the host, in double precision, with equal
 /// bits on any number of threads.
 ///
 /// Which of the driven rows hold is found by a few steps of Newton's method on their laws, an active set: those hold that would by
@@ -74,7 +74,7 @@ class HeldJoints {
 
   bool solve(std::vector<JointEnds<double>>& joints);
   bool find_set(std::vector<JointEnds<double>>& joints);
-  bool look_at_drives(const std::vector<JointEnds<double>>& joints);
+  bool look_at_drives(const std::vector<JointEnds<double>>& joints, bool is_first);
   void let_go(std::vector<JointEnds<double>>& joints);
   double left_over(const std::vector<JointEnds<double>>& joints) const;
   bool list_entries(const std::vector<JointEnds<double>>& joints);

@@ -35,9 +35,9 @@ class JointGuess {
   JointGuess(B& b, const Scene& scene, const std::vector<JointFrames>& frames)
       : JointGuess(b, scene, frames, solved_on_host(scene, frames)) {}
 
-  /// Better impulses of the joints of a problem: of joints with drives by a few steps among them, since a solver stops at once
-  /// where a weak motor or spring is all that is missing, in each step anew; of held rows, where the problem starts from impulses
-  /// of the step before, see HeldJoints.
+  /// Better impulses of the joints of a problem: where it starts from impulses of the step before, see HeldJoints. Drives that are
+  /// left out there, or all, by a few steps among them, since a solver stops at once where a weak motor or spring is all that is
+  /// missing, in each step anew.
   /// @param order  joint of each joint row of the problem
   /// @param gamma  impulses of contacts and joints, in and out
   void improve(B& b, const ContactProblem<Real>& problem, const JointPlaces& places,
@@ -102,7 +102,7 @@ class JointGuess {
     if (!held.empty()) upload(b, slot, slot_);
   }
 
-  /// Joints whose held rows are solved on the host: all where that is where their problem is, else those that are worth the way.
+  /// Joints that are solved on the host: all where that is where their problem is, else those that are worth the way.
   static std::vector<Index> solved_on_host(const Scene& scene,
                                            const std::vector<JointFrames>& frames) {
     if (B::kIsDevice) return deep_joints(scene, frames);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <bit>
 #include <random>
 #include <tuple>
 #include <vector>
@@ -129,7 +130,7 @@ std::vector<HeldJoints::Known> known_of(const std::vector<Linked>& joints) {
   std::vector<HeldJoints::Known> out;
   for (const Linked& joint : joints)
     out.push_back({{joint.a, joint.b},
-                   __builtin_popcount(joint.rows),
+                   std::popcount(joint.rows),
                    joint.is_driven && joint.compliance > 0,
                    false});
   return out;

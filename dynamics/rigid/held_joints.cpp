@@ -1,5 +1,8 @@
 #include "dynamics/rigid/held_joints.h"
 
+#include <algorithm>
+#include <limits>
+
 namespace scree {
 namespace {
 
@@ -7,6 +10,17 @@ namespace {
 constexpr double kJointSize = 0.1;
 /// Entries of joints about one body grow with the square of their number.
 constexpr std::size_t kMostEntries = 4'000'000;
+/// Multiplications of a factorization that is worth its time where there are springs, a few milliseconds: they take few
+/// iterations. Nets of them are worth it, but those in space, whose factors fill up.
+constexpr double kMostWorkWithSprings = 3e6;
+/// Square of the part of the speeds of bodies that is taken for none.
+constexpr double kNothing = 1e-20;
+/// The part of a number that rounding may be.
+constexpr double kRounding = 1e-12;
+/// See look_at_drives().
+constexpr double kLong = 1e3;
+/// Times that drives are looked at anew.
+constexpr int kMostRounds = 20;
 
 /// Forces, and moments over the size of the joint. @param z  in the coordinates of solvers
 JointValues<double> weighed(const JointRow<double>& joint, const JointValues<double>& z) {
@@ -22,23 +36,34 @@ JointValues<double> weighed(const JointRow<double>& joint, const JointValues<dou
 /// Side of the problem that a body of the scene is on.
 int side_of(const JointEnds<double>& joint, int side) { return joint.is_turned ? 1 - side : side; }
 
-/// The velocity that a unit impulse on a row gives to the body on one side.
-Twist<double> change_of(const JointEnds<double>& joint, int side, int r) {
-  JointValues<double> unit;
-  unit[r] = 1;
-  const Twist<double> w = JointRows<double>::wrench(joint.row, side == 1, unit);
+/// The velocity that impulses give to the body on one side.
+Twist<double> change_of(const JointEnds<double>& joint, int side,
+                        const JointValues<double>& impulse) {
+  const Twist<double> w = JointRows<double>::wrench(joint.row, side == 1, impulse);
   const auto& body = joint.end[side];
   return {hadamard(body.inv_mass, w.linear), body.inv_inertia * w.angular};
 }
 
+JointValues<double> velocity(const JointEnds<double>& joint) {
+  return JointRows<double>::velocity(joint.row, joint.end[0].velocity, joint.end[1].velocity);
+}
+
+/// Of the bodies, once for each of their joints.
+double squares_of_speeds(const std::vector<JointEnds<double>>& joints) {
+  double sum = 0;
+  for (const JointEnds<double>& joint : joints)
+    for (const auto& end : joint.end) sum += norm2(end.velocity.linear);
+  return sum;
+}
+
 }  // namespace
 
-HeldJoints::HeldJoints(const std::vector<std::array<Index, 2>>& bodies, Index body_count)
-    : start_(static_cast<std::size_t>(body_count) + 1), place_(bodies.size()) {
+HeldJoints::HeldJoints(const std::vector<Known>& joints, Index body_count)
+    : start_(static_cast<std::size_t>(body_count) + 1), place_(joints.size()) {
   const auto each_end = [&](auto f) {
-    for (std::size_t k = 0; k < bodies.size(); ++k)
+    for (std::size_t k = 0; k < joints.size(); ++k)
       for (int side = 0; side < 2; ++side) {
-        const Index id = bodies[k][static_cast<std::size_t>(side)];
+        const Index id = joints[k].body[static_cast<std::size_t>(side)];
         if (id >= 0) f(static_cast<std::size_t>(id), End{static_cast<int>(k), side});
       }
   };
@@ -47,23 +72,172 @@ HeldJoints::HeldJoints(const std::vector<std::array<Index, 2>>& bodies, Index bo
   std::vector<int> next = start_;
   ends_.resize(static_cast<std::size_t>(start_.back()));
   each_end([&](std::size_t id, const End& e) { ends_[static_cast<std::size_t>(next[id]++)] = e; });
+  takes_springs_ = are_springs_worth_it(joints);
+  takes_all_drives_ = std::none_of(joints.begin(), joints.end(), [&](const Known& joint) {
+    return joint.rubs || (joint.is_spring && !takes_springs_);
+  });
 }
 
-void HeldJoints::improve(std::vector<JointEnds<double>>& joints) {
+bool HeldJoints::are_springs_worth_it(const std::vector<Known>& joints) const {
+  if (std::none_of(joints.begin(), joints.end(), [](const Known& j) { return j.is_spring; }))
+    return false;
+  std::vector<int> first(joints.size());
+  int rows = 0;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    first[k] = rows;
+    rows += joints[k].rows;
+  }
+  std::vector<FactorEntry> entries;
+  for (int r = 0; r < rows; ++r) entries.push_back({r, r, 1});
+  const auto add = [&](std::size_t k, std::size_t m) {
+    for (int r = 0; r < joints[k].rows; ++r)
+      for (int s = 0; s < joints[m].rows; ++s)
+        if (first[m] + s > first[k] + r) entries.push_back({first[m] + s, first[k] + r, 1});
+  };
+  for (std::size_t body = 0; body + 1 < start_.size(); ++body)
+    for (int at = start_[body]; at < start_[body + 1]; ++at)
+      for (int other = at; other < start_[body + 1]; ++other) {
+        if (entries.size() > kMostEntries) return false;
+        const auto k = static_cast<std::size_t>(ends_[static_cast<std::size_t>(at)].joint);
+        add(k, static_cast<std::size_t>(ends_[static_cast<std::size_t>(other)].joint));
+      }
+  return SparseFactor::work(rows, entries) < kMostWorkWithSprings;
+}
+
+bool HeldJoints::improve(std::vector<JointEnds<double>>& joints) {
   list_rows(joints);
-  if (rows_ == 0 || !list_entries(joints)) return;
+  const bool is_all = is_whole_ && takes_all_drives_;
+  if (rows_ == 0) return is_all;
+  if (!list_entries(joints)) return false;
+  if (drives_.empty()) {
+    if (!solve(joints)) return false;
+    share_loads(joints, /*with_drives=*/true);
+    return is_all;
+  }
+  if (!find_set(joints)) return false;
+  const std::vector<JointEnds<double>> unshared = joints;
+  share_loads(joints, /*with_drives=*/true);
+  if (!drives_hold(joints)) {
+    joints = unshared;
+    share_loads(joints, /*with_drives=*/false);
+  }
+  return is_all;
+}
+
+/// Takes the velocities of rows that hold to where they belong, the others keep their impulse.
+bool HeldJoints::solve(std::vector<JointEnds<double>>& joints) {
   right_.assign(static_cast<std::size_t>(rows_), 0);
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    const JointEnds<double>& j = joints[k];
-    const JointValues<double> w =
-        JointRows<double>::velocity(j.row, j.end[0].velocity, j.end[1].velocity);
+    const JointValues<double> w = velocity(joints[k]);
     for (int r = 0; r < kJointRows; ++r)
-      if (row(k, r) >= 0) right_[static_cast<std::size_t>(row(k, r))] = -w[r];
+      if (row(k, r) >= 0) right(k, r) = -w[r];
   }
-  if (!factor_.factorize(rows_, entries_)) return;
+  for (const Drive& d : drives_) {
+    double& of_row = right(d.joint, kJointAxisRow);
+    of_row = d.holds() ? d.target + of_row : 0;
+  }
+  if (!drives_.empty()) list_entries_of_set(joints);
+  if (!factor_.factorize(rows_, drives_.empty() ? entries_ : of_set_)) return false;
   factor_.solve(right_);
   add(joints);
-  share_loads(joints);
+  return true;
+}
+
+/// The same, with the drives that hold by their laws. False: they were not found, and impulses are the best of those seen.
+bool HeldJoints::find_set(std::vector<JointEnds<double>>& joints) {
+  const double nothing = kNothing * squares_of_speeds(joints);
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<JointEnds<double>> best;
+  for (int round = 0; round <= kMostRounds; ++round) {
+    const bool is_same = look_at_drives(joints, /*is_first=*/round == 0);
+    const double left = left_over(joints);
+    if (left <= std::max(least, nothing)) {
+      least = left;
+      best = joints;
+      if (round > 0 && (is_same || left <= nothing)) return true;
+    }
+    if (is_same || round == kMostRounds) break;
+    let_go(joints);
+    if (!solve(joints)) break;
+    move_bodies(joints);
+  }
+  joints = best;
+  return false;
+}
+
+/// Finds what decides about drives by their impulses and velocities. Laws are lines with corners: from a part of one a drive goes to
+/// the next part, as in a step that is long beside impulses that it cannot have, and short beside velocities. Else it may go
+/// from one limit to the other and back for ever.
+/// @return  whether that is what it was before
+bool HeldJoints::look_at_drives(const std::vector<JointEnds<double>>& joints, bool is_first) {
+  bool is_same = !is_first;
+  for (Drive& d : drives_) {
+    const JointEnds<double>& j = joints[d.joint];
+    const double own = 1 / j.row.scale, impulse = j.impulse[kJointAxisRow];
+    const double w = velocity(j)[kJointAxisRow];
+    const double step = is_first ? own : (d.holds() ? kLong * own : own / kLong);
+    const DrivenImpulse<double> now = j.row.driven(impulse - step * w, step);
+    const double off = impulse - now.impulse;
+    const bool is_at_bound = std::abs(off) <= kRounding * std::abs(impulse);
+    is_same = is_same && now.by == d.by && (d.holds() || is_at_bound);
+    d.by = now.by;
+    d.off = off;
+    d.target = w - off * (1 / step + (now.by == DrivePart::main ? j.row.compliance : 0));
+  }
+  return is_same;
+}
+
+/// Drives that do not hold give what they give.
+void HeldJoints::let_go(std::vector<JointEnds<double>>& joints) {
+  right_.assign(static_cast<std::size_t>(rows_), 0);
+  for (const Drive& d : drives_)
+    if (!d.holds()) right(d.joint, kJointAxisRow) = -d.off;
+  add(joints);
+  move_bodies(joints);
+}
+
+/// Sum of the squares of what the rows are off by, as velocities.
+double HeldJoints::left_over(const std::vector<JointEnds<double>>& joints) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    const JointValues<double> w = velocity(joints[k]);
+    for (int r = 0; r < kJointRows; ++r)
+      if (row(k, r) >= 0 && !joints[k].row.is_driven(r)) sum += w[r] * w[r];
+  }
+  for (const Drive& d : drives_) {
+    const JointRow<double>& row = joints[d.joint].row;
+    const double impulse = joints[d.joint].impulse[kJointAxisRow];
+    const double w = velocity(joints[d.joint])[kJointAxisRow];
+    const double off =
+        row.scale * (impulse - row.driven(impulse - w / row.scale, 1 / row.scale).impulse);
+    sum += off * off;
+  }
+  return sum;
+}
+
+/// What was solved for changes the velocities of bodies.
+void HeldJoints::move_bodies(std::vector<JointEnds<double>>& joints) const {
+  for (std::size_t body = 0; body + 1 < start_.size(); ++body) {
+    Twist<double> change;
+    const auto each_end = [&](auto f) {
+      for (int at = start_[body]; at < start_[body + 1]; ++at) {
+        const End& e = ends_[static_cast<std::size_t>(at)];
+        const auto k = static_cast<std::size_t>(e.joint);
+        const int side = side_of(joints[k], e.side);
+        if (joints[k].is_here && joints[k].end[side].moves) f(k, side);
+      }
+    };
+    each_end([&](std::size_t k, int side) {
+      JointValues<double> given;
+      for (int r = 0; r < kJointRows; ++r)
+        if (row(k, r) >= 0) given[r] = right_[static_cast<std::size_t>(row(k, r))];
+      change = change + change_of(joints[k], side, given);
+    });
+    each_end([&](std::size_t k, int side) {
+      Twist<double>& v = joints[k].end[side].velocity;
+      v = v + change;
+    });
+  }
 }
 
 /// Adds what was solved for.
@@ -75,8 +249,9 @@ void HeldJoints::add(std::vector<JointEnds<double>>& joints) const {
 
 /// Where joints are redundant many impulses have one effect. Of these the one with the least squares of forces, and of moments
 /// over the size of a joint: loads as of joints that are all alike stiff, and small beside their bodies.
-void HeldJoints::share_loads(std::vector<JointEnds<double>>& joints) {
-  const std::vector<FactorEntry> free = factor_.free_directions();
+void HeldJoints::share_loads(std::vector<JointEnds<double>>& joints, bool with_drives) {
+  std::vector<FactorEntry> free = factor_.free_directions();
+  if (!with_drives) leave_out_drives(free);
   if (free.empty()) return;
   std::vector<double> impulse(joints.size() * kJointRows);
   std::vector<int> joint_of_row(static_cast<std::size_t>(rows_));
@@ -109,13 +284,49 @@ void HeldJoints::share_loads(std::vector<JointEnds<double>>& joints) {
   add(joints);
 }
 
+/// Leaves out directions in which drives take part.
+void HeldJoints::leave_out_drives(std::vector<FactorEntry>& directions) const {
+  std::vector<char> is_drive(static_cast<std::size_t>(rows_));
+  for (const Drive& d : drives_)
+    is_drive[static_cast<std::size_t>(row(d.joint, kJointAxisRow))] = 1;
+  std::vector<FactorEntry> kept;
+  int columns = 0;
+  for (std::size_t at = 0, end = 0; at < directions.size(); at = end) {
+    bool is_moved = false;
+    for (; end < directions.size() && directions[end].column == directions[at].column; ++end)
+      is_moved = is_moved || is_drive[static_cast<std::size_t>(directions[end].row)] != 0;
+    if (is_moved) continue;
+    for (std::size_t k = at; k < end; ++k)
+      kept.push_back({directions[k].row, columns, directions[k].value});
+    ++columns;
+  }
+  directions.swap(kept);
+}
+
+/// Whether drives that hold do so by the impulses that they have.
+bool HeldJoints::drives_hold(const std::vector<JointEnds<double>>& joints) const {
+  return std::all_of(drives_.begin(), drives_.end(), [&](const Drive& d) {
+    const JointRow<double>& row = joints[d.joint].row;
+    const JointValues<double> w = velocity(joints[d.joint]);
+    const double z = joints[d.joint].impulse[kJointAxisRow] - w[kJointAxisRow] / row.scale;
+    return !d.holds() || row.driven(z, 1 / row.scale).by == d.by;
+  });
+}
+
+/// Unknowns: rows that are held, and drives.
 void HeldJoints::list_rows(const std::vector<JointEnds<double>>& joints) {
   rows_ = 0;
+  drives_.clear();
+  is_whole_ = true;
   for (std::size_t k = 0; k < joints.size(); ++k) {
     const JointRow<double>& j = joints[k].row;
+    is_whole_ = is_whole_ && joints[k].is_here;
+    const bool takes_drive = !j.rubs && (takes_springs_ || !(j.compliance > 0));
     for (int r = 0; r < kJointRows; ++r) {
-      const bool is_held = joints[k].is_here && j.inverse_pivot(r) > 0 && !j.is_driven(r);
-      place_[k][static_cast<std::size_t>(r)] = is_held ? rows_++ : -1;
+      const bool is_there =
+          joints[k].is_here && j.inverse_pivot(r) > 0 && (takes_drive || !j.is_driven(r));
+      place_[k][static_cast<std::size_t>(r)] = is_there ? rows_++ : -1;
+      if (is_there && j.is_driven(r)) drives_.push_back({.joint = k});
     }
   }
 }
@@ -133,7 +344,9 @@ bool HeldJoints::list_entries(const std::vector<JointEnds<double>>& joints) {
       if (static_cast<std::size_t>(end - begin) * 36 + entries_.size() > kMostEntries) return false;
       for (int r = 0; r < kJointRows; ++r) {
         if (row(k, r) < 0) continue;
-        const Twist<double> change = change_of(joints[k], side, r);
+        JointValues<double> unit;
+        unit[r] = 1;
+        const Twist<double> change = change_of(joints[k], side, unit);
         for (int other = begin; other < end; ++other)
           add_entries(joints, from, r, ends_[static_cast<std::size_t>(other)], change);
       }
@@ -155,6 +368,22 @@ void HeldJoints::add_entries(const std::vector<JointEnds<double>>& joints, const
       JointRows<double>::velocity(j, is_b ? rest : change, is_b ? change : rest);
   for (int s = 0; s < kJointRows; ++s)
     if (row(m, s) >= row(k, r)) entries_.push_back({row(m, s), row(k, r), w[s]});
+}
+
+/// The same for the rows that hold; the others stand alone, so that the pattern stays.
+void HeldJoints::list_entries_of_set(const std::vector<JointEnds<double>>& joints) {
+  std::vector<char> holds(static_cast<std::size_t>(rows_), 1);
+  for (const Drive& d : drives_)
+    holds[static_cast<std::size_t>(row(d.joint, kJointAxisRow))] = d.holds() ? 1 : 0;
+  of_set_ = entries_;
+  for (FactorEntry& e : of_set_)
+    if (e.row != e.column && (holds[static_cast<std::size_t>(e.row)] == 0 ||
+                              holds[static_cast<std::size_t>(e.column)] == 0))
+      e.value = 0;
+  for (const Drive& d : drives_) {
+    const int r = row(d.joint, kJointAxisRow);
+    if (d.by == DrivePart::main) of_set_.push_back({r, r, joints[d.joint].row.compliance});
+  }
 }
 
 }  // namespace scree

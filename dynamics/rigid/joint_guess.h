@@ -2,7 +2,7 @@
 // Impulses of joints that are a better guess than those of the step before, for a solver to begin with.
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -35,9 +35,9 @@ class JointGuess {
   JointGuess(B& b, const Scene& scene, const std::vector<JointFrames>& frames)
       : JointGuess(b, scene, frames, solved_on_host(scene, frames)) {}
 
-  /// Better impulses of the joints of a problem: of joints with drives by a few steps among them, since a solver stops at once
-  /// where a weak motor or spring is all that is missing, in each step anew; of held rows, where the problem starts from impulses
-  /// of the step before, see HeldJoints.
+  /// Better impulses of the joints of a problem: where it starts from impulses of the step before, see HeldJoints. Drives that are
+  /// left out there, or all, by a few steps among them, since a solver stops at once where a weak motor or spring is all that is
+  /// missing, in each step anew.
   /// @param order  joint of each joint row of the problem
   /// @param gamma  impulses of contacts and joints, in and out
   void improve(B& b, const ContactProblem<Real>& problem, const JointPlaces& places,
@@ -51,26 +51,36 @@ class JointGuess {
     };
     const Offset joint_vectors = 2 * static_cast<Offset>(order.size);
     const Span<Vec3<Real>> own = {gamma.data + gamma.size - joint_vectors, joint_vectors};
-    const int rounds = has_held && most_drives_ > 0 ? 2 : 1;
-    for (int round = 0; round < rounds; ++round) {
+    const auto solve_drives = [&] {
       const int passes = most_drives_ > 1 ? kDrivePasses : most_drives_;
       for (int pass = 0; pass < passes; ++pass) {
         gather();
         for_each(b, order.size, SolveDrivenJoints<Real>{problem, velocity.view(), gamma});
       }
-      if (!has_held) continue;
+    };
+    const auto solve_held = [&] {
       gather();
       fill(b, ends_.view(), JointEnds<Real>{});
       for_each(b, order.size,
                ListJointEnds<Real>{problem, velocity.view(), own, places, order, slot_.view(),
                                    ends_.view()});
       std::vector<JointEnds<Real>> ends = download(b, ends_.view());
-      held_.improve(ends);
+      const bool is_solved = held_.improve(ends);
       std::vector<JointValues<Real>> impulse;
       impulse.reserve(ends.size());
       for (const JointEnds<Real>& e : ends) impulse.push_back(e.impulse);
       upload(b, impulse, impulse_);
       for_each(b, order.size, TakeJointImpulses<Real>{order, slot_.view(), impulse_.view(), own});
+      return is_solved;
+    };
+    if (!has_held) return solve_drives();
+    if (takes_all_drives_ || most_drives_ == 0) {
+      const bool is_solved = solve_held();
+      if (is_solved || most_drives_ == 0) return;
+    }
+    for (int round = 0; round < 2; ++round) {
+      solve_drives();
+      solve_held();
     }
   }
 
@@ -81,7 +91,8 @@ class JointGuess {
   JointGuess(B& b, const Scene& scene, const std::vector<JointFrames>& frames,
              const std::vector<Index>& held)
       : most_drives_(most_drives(scene, frames)),
-        held_(bodies_of(held, frames), static_cast<Index>(scene.bodies.size())),
+        held_(known_of(scene, held, frames), static_cast<Index>(scene.bodies.size())),
+        takes_all_drives_(held.size() == frames.size() && held_.takes_all_drives()),
         slot_(b),
         ends_(b, held_.count()),
         impulse_(b, held_.count()) {
@@ -91,7 +102,7 @@ class JointGuess {
     if (!held.empty()) upload(b, slot, slot_);
   }
 
-  /// Joints whose held rows are solved on the host: all where that is where their problem is, else those that are worth the way.
+  /// Joints that are solved on the host: all where that is where their problem is, else those that are worth the way.
   static std::vector<Index> solved_on_host(const Scene& scene,
                                            const std::vector<JointFrames>& frames) {
     if (B::kIsDevice) return deep_joints(scene, frames);
@@ -100,20 +111,33 @@ class JointGuess {
     return all;
   }
 
-  static std::vector<std::array<Index, 2>> bodies_of(const std::vector<Index>& joints,
-                                                     const std::vector<JointFrames>& frames) {
-    std::vector<std::array<Index, 2>> out;
+  static std::vector<HeldJoints::Known> known_of(const Scene& scene,
+                                                 const std::vector<Index>& joints,
+                                                 const std::vector<JointFrames>& frames) {
+    std::vector<HeldJoints::Known> out;
     out.reserve(joints.size());
     for (const Index j : joints) {
       const JointFrames& joint = frames[static_cast<std::size_t>(j)];
-      out.push_back({joint.body[0], joint.body[1]});
+      const bool is_driven = (joint.held >> kJointAxisRow & 1u) == 0 && joint.drive.is_used();
+      HeldJoints::Known known;
+      for (std::size_t side = 0; side < 2; ++side) {
+        const Index id = joint.body[side];
+        const bool moves =
+            id != kWorldId && scene.bodies[static_cast<std::size_t>(id)].kind == BodyKind::free;
+        if (moves) known.body[side] = id;
+      }
+      known.rows = std::popcount(joint.held) + (is_driven ? 1 : 0);
+      known.rubs = is_driven && joint.form == JointForm::rub;
+      known.is_spring = is_driven && (joint.drive.stiffness > 0 || joint.drive.damping > 0);
+      out.push_back(known);
     }
     return out;
   }
 
   int most_drives_ = 0;  ///< of a free body
   HeldJoints held_;
-  Buffer<B, Index> slot_;  ///< of each joint among those of `held_`, -1: none
+  bool takes_all_drives_ = false;  ///< no drive is left out of `held_`
+  Buffer<B, Index> slot_;          ///< of each joint among those of `held_`, -1: none
   Buffer<B, JointEnds<Real>> ends_;
   Buffer<B, JointValues<Real>> impulse_;
 };

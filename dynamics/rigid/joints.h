@@ -9,6 +9,7 @@
 #include "dynamics/model_errors.h"
 #include "dynamics/rigid/joint_frames.h"
 #include "dynamics/rigid/joint_guess.h"
+#include "dynamics/rigid/motor_speed.h"
 #include "dynamics/rigid/problem_assembly.h"
 #include "host/world.h"
 #include "host/world_state.h"
@@ -37,6 +38,8 @@ class Joints {
   Joints(B& b, const Scene& scene) : Joints(b, scene, joint_frames(scene)) {}
 
   Index count() const { return count_; }
+  /// See motor_speed() [m/s].
+  double motor_speed() const { return motor_speed_; }
   /// Impulse vectors of the joints in a problem, after place().
   Offset vectors() const { return 2 * static_cast<Offset>(here_); }
 
@@ -308,7 +311,8 @@ class Joints {
         here_count_(b, 1),
         is_counted_(b),
         lists_(b),
-        guess_(b, scene, frames) {
+        guess_(b, scene, frames),
+        motor_speed_(scree::motor_speed(scene, frames)) {
     for (const Joint& joint : scene.joints) {
       may_break_ =
           may_break_ || std::isfinite(joint.break_force) || std::isfinite(joint.break_moment);
@@ -420,6 +424,7 @@ class Joints {
   Buffer<B, Index> is_counted_;  ///< with several ranks: of each joint, see MarkCountedJoints
   GroupContacts<B> lists_;
   JointGuess<B, Real> guess_;
+  double motor_speed_;
 };
 
 }  // namespace scree

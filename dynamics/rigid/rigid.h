@@ -167,7 +167,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
       report.max_joint_error_joint = worst.joint;
     }
     const double reference = reference_speed(loads_.is_used() ? &loads : nullptr, h * gravity_,
-                                             sums, store_.owned_count());
+                                             joints_.motor_speed(), sums, store_.owned_count());
     report.ms.setup = clock.lap();
     if (stored != nullptr) {
       *stored = download_any_problem<B, Real>(b, problem, gamma, store_.ids(), bodies);

@@ -53,6 +53,16 @@ SparseFactor::~SparseFactor() = default;
 SparseFactor::SparseFactor(SparseFactor&&) noexcept = default;
 SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 
+double SparseFactor::work(int size, const std::vector<FactorEntry>& entries) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (const FactorEntry& e : entries) triplets.emplace_back(e.row, e.column, 1.0);
+  Matrix matrix(size, size);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  Factor factor;
+  factor.analyzePattern(matrix);
+  return factor.work();
+}
+
 bool SparseFactor::factorize(int size, const std::vector<FactorEntry>& entries) {
   std::vector<Eigen::Triplet<double>> triplets;
   triplets.reserve(entries.size());

@@ -20,6 +20,8 @@ class SparseFactor {
   SparseFactor(SparseFactor&&) noexcept;
   SparseFactor& operator=(SparseFactor&&) noexcept;
 
+  /// Multiplications that the factors of a matrix take, whatever its values: 1e9 are about a second.
+  static double work(int size, const std::vector<FactorEntry>& entries);
   /// The order of elimination of the last matrix serves the next one that has its pattern.
   /// @return  false: it would take too long, or the matrix has no such factors; there is none now
   bool factorize(int size, const std::vector<FactorEntry>& entries);

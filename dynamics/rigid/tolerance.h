@@ -10,16 +10,18 @@
 
 namespace scree {
 
-/// v*: the speed loads give a body in one step (RMS), else that at which touching
+/// v*: the speed loads give a body in one step (RMS), without any that which motors would give, else that at which touching
 /// bodies approach [m/s].
 /// @param loads         null: gravity alone
 /// @param gravity_step  h g [m/s]
-inline double reference_speed(const LoadSums* loads, const Vec3d& gravity_step,
+/// @param motors        see motor_speed() [m/s]
+inline double reference_speed(const LoadSums* loads, const Vec3d& gravity_step, double motors,
                               const SetupSums& sums, Index owned_count) {
   const double speed = loads != nullptr
                            ? std::sqrt(loads->squares / std::max<Index>(owned_count, 1))
                            : norm(gravity_step);
   if (speed > 0) return speed;
+  if (motors > 0) return motors;
   return sums.touching > 0 ? std::sqrt(sums.approach_squares / sums.touching) : 0;
 }
 

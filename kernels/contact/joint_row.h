@@ -44,6 +44,21 @@ struct JointValues {
 SCREE_HD constexpr int triangle_place(int i, int j) { return i * (i + 1) / 2 + j; }
 inline constexpr int kJointTriangle = triangle_place(kJointRows, 0);
 
+/// What decides about the impulse of a drive.
+enum class DrivePart {
+  bound,    ///< the impulse is the same at any velocity nearby
+  main,     ///< the main part, which takes the velocity to zero, but for its compliance
+  rest,     ///< friction, which holds
+  fastest,  ///< limits
+  slowest
+};
+
+template <class Real>
+struct DrivenImpulse {
+  Real impulse = 0;  ///< [N s]
+  DrivePart by = DrivePart::bound;
+};
+
 template <class Real>
 struct JointRow {
   Vec3<Real> arm_a;    ///< center of A to the anchor, world [m]
@@ -142,8 +157,33 @@ struct JointRow {
     for (int k = 0; k < kJointRows; ++k)
       if (!(inverse_pivot(k) > Real(0))) z[k] = 0;
     if (rubs) return rubbed(z);
-    if (inverse_pivot(kJointAxisRow) > Real(0)) z[kJointAxisRow] = driven(z[kJointAxisRow], step);
+    if (inverse_pivot(kJointAxisRow) > Real(0))
+      z[kJointAxisRow] = driven(z[kJointAxisRow], step).impulse;
     return z;
+  }
+
+  /// What drives the last row gives after a step: impulses fall as the velocity rises, while z + step w rises with it, and the two
+  /// meet in one point.
+  /// @param z  impulse less the step times the velocity of that row [N s]
+  SCREE_HD DrivenImpulse<Real> driven(Real z, Real step) const {
+    constexpr Real kNone = largest_number<Real>();
+    if (!(step > Real(0))) {
+      const Real low = fastest < kNone ? -kNone : least - friction;
+      const Real high = slowest > -kNone ? kNone : most + friction;
+      return {z < low ? low : (z > high ? high : z), DrivePart::bound};
+    }
+    DrivenImpulse<Real> sum = main_part(z, step);
+    if (friction > Real(0)) {
+      const DrivenImpulse<Real> rising = main_part_and(-friction, z, step);  // against w > rest
+      const DrivenImpulse<Real> falling = main_part_and(friction, z, step);
+      sum = {z + step * rest, DrivePart::rest};
+      if (rising.impulse > sum.impulse) sum = rising;
+      if (falling.impulse < sum.impulse) sum = falling;
+    }
+    const Real at_fastest = z + step * fastest, at_slowest = z + step * slowest;
+    if (sum.impulse > at_fastest) sum = {at_fastest, DrivePart::fastest};
+    if (sum.impulse < at_slowest) sum = {at_slowest, DrivePart::slowest};
+    return sum;
   }
 
   /// Whether the last row gives impulses at other velocities than zero, but for bounds of the main
@@ -182,11 +222,16 @@ struct JointRow {
   }
 
   /// What the main part gives after the step alone.
-  SCREE_HD Real main_part(Real z, Real step) const {
+  SCREE_HD DrivenImpulse<Real> main_part(Real z, Real step) const {
     if (compliance > Real(0)) z /= Real(1) + step * compliance;
-    if (z < least) z = least;
-    if (z > most) z = most;
-    return z;
+    if (z <= least) return {least, DrivePart::bound};
+    if (z >= most) return {most, DrivePart::bound};
+    return {z, DrivePart::main};
+  }
+  SCREE_HD DrivenImpulse<Real> main_part_and(Real given, Real z, Real step) const {
+    DrivenImpulse<Real> sum = main_part(z - given, step);
+    sum.impulse += given;
+    return sum;
   }
 
   /// The nearest impulse whose moments are no more than friction gives, in the rows themselves: there the bound is a ball, here an
@@ -225,29 +270,6 @@ struct JointRow {
       z[kFirst + k] = most > Real(0) ? share * z[kFirst + k] / (Real(1) + x * p * p) : Real(0);
     }
     return z;
-  }
-
-  /// The impulses that the drive gives fall as the velocity rises, while z + step w rises with it:
-  /// they meet in one point.
-  SCREE_HD Real driven(Real z, Real step) const {
-    constexpr Real kNone = largest_number<Real>();
-    if (!(step > Real(0))) {
-      const Real low = fastest < kNone ? -kNone : least - friction;
-      const Real high = slowest > -kNone ? kNone : most + friction;
-      return z < low ? low : (z > high ? high : z);
-    }
-    Real sum = main_part(z, step);
-    if (friction > Real(0)) {
-      const Real rising = main_part(z + friction, step) - friction;  // friction against w > rest
-      const Real falling = main_part(z - friction, step) + friction;
-      sum = z + step * rest;
-      if (rising > sum) sum = rising;
-      if (falling < sum) sum = falling;
-    }
-    const Real at_fastest = z + step * fastest, at_slowest = z + step * slowest;
-    if (sum > at_fastest) sum = at_fastest;
-    if (sum < at_slowest) sum = at_slowest;
-    return sum;
   }
 };
 

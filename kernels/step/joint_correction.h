@@ -164,8 +164,10 @@ struct PlanLess {
     const unsigned held = places.joints[order[k]].held;
     for (int i = 0; i < kJointRows; ++i)
       if ((held >> i & 1u) != 0) r.bias[i] *= share;
-    if (r.fastest < Real(0)) r.fastest *= share;
-    if (r.slowest > Real(0)) r.slowest *= share;
+    // Limits that ask for a way back. They and the velocity of the row count from that of the motor, with the drift.
+    const Real at_rest = r.inverse_pivot(kJointAxisRow) * r.bias[kJointAxisRow];
+    if (r.fastest < at_rest) r.fastest = at_rest + share * (r.fastest - at_rest);
+    if (r.slowest > at_rest) r.slowest = at_rest + share * (r.slowest - at_rest);
     row[k] = r;
   }
 };

@@ -23,6 +23,32 @@ inline Scene weak_motor(double& moment) {
   return scene;
 }
 
+constexpr double kPress = 50;
+
+/// A plate of 2 kg, 1, above a fixed one that a motor presses it on with 50 N, without gravity.
+inline Scene press(const JointMotor& motor) {
+  Scene scene = default_scene();
+  scene.gravity = {};
+  add_wall_box(scene, {0, 0, -0.5}, {1, 1, 0.1});
+  add_box(scene, {0, 0, -0.3}, {0.5, 0.5, 0.05}, 2);
+  Joint slider = joint_of(JointKind::slider, kWorldBody, 1, {});
+  slider.motor = motor;
+  scene.joints = {slider};
+  return scene;
+}
+
+/// A lever on a hinge, 1, that a motor presses on a block at 0.5 m of it with 50 N m, without gravity.
+inline Scene lever_on_a_block() {
+  Scene scene = default_scene();
+  scene.gravity = {};
+  add_wall_box(scene, {0.5, 0, -0.12}, {0.02, 0.1, 0.1});
+  add_box(scene, {0.4, 0, 0}, {0.4, 0.05, 0.015}, 3);
+  Joint hinge = joint_of(JointKind::hinge, kWorldBody, 1, {}, {0, 1, 0});
+  hinge.motor = JointMotor{.speed = 1, .max_force = kPress};
+  scene.joints = {hinge};
+  return scene;
+}
+
 /// A body that friction stops after 2.25 m.
 inline Scene braked_slider() {
   Scene scene = default_scene();

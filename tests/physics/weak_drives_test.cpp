@@ -96,5 +96,47 @@ TEST_P(WeakDrives, AHingeAgreesWithLockedAxes) {
   }
 }
 
+/// Of contacts on body 0, in a step [N].
+Vec3d force_on_first(World& world) {
+  Vec3d sum;
+  for (const ContactRecord& c : world.contacts())
+    if (c.body_a == 0 || c.body_b == 0) sum += (c.body_b == 0 ? 1e3 : -1e3) * c.impulse;
+  return sum;
+}
+
+/// Steps have converged, and what they measure is the value within 1 % in the mean, and within 4 % in each.
+template <class Measure>
+void expect_in_steps(World& world, double value, Measure measure) {
+  constexpr int kSteps = 200;
+  run_for(world, 0.5);
+  double sum = 0;
+  for (int k = 0; k < kSteps; ++k) {
+    ASSERT_TRUE(world.step().converged) << k;
+    const double now = measure();
+    EXPECT_NEAR(now, value, 0.04 * std::abs(value)) << k;
+    sum += now;
+  }
+  EXPECT_NEAR(sum / kSteps, value, 0.01 * std::abs(value));
+}
+
+// Their force is the load that a step is solved against, where there is no other.
+TEST_P(WeakDrives, MotorsPressWithTheirForceWithoutGravity) {
+  for (const JointMotor& motor :
+       {JointMotor{.speed = -0.5, .max_force = kPress}, JointMotor{.force = -kPress}}) {
+    World world = world_of(press(motor));
+    expect_in_steps(world, -kPress, [&] { return force_on_first(world).z; });
+  }
+}
+
+TEST_P(WeakDrives, AMotorPressesALeverWithItsMomentWithoutGravity) {
+  World world = world_of(lever_on_a_block());
+  expect_in_steps(world, kPress, [&] {
+    double moment = 0;  // about the hinge, of the block
+    for (const ContactRecord& c : world.contacts())
+      moment += 1e3 * cross(c.point, c.body_a == 0 ? -c.impulse : c.impulse).y;
+    return moment;
+  });
+}
+
 }  // namespace
 }  // namespace scree::physics

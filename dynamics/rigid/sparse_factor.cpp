@@ -55,6 +55,7 @@ SparseFactor& SparseFactor::operator=(SparseFactor&&) noexcept = default;
 
 double SparseFactor::work(int size, const std::vector<FactorEntry>& entries) {
   std::vector<Eigen::Triplet<double>> triplets;
+  triplets.reserve(entries.size());
   for (const FactorEntry& e : entries) triplets.emplace_back(e.row, e.column, 1.0);
   Matrix matrix(size, size);
   matrix.setFromTriplets(triplets.begin(), triplets.end());

@@ -88,6 +88,7 @@ bool HeldJoints::are_springs_worth_it(const std::vector<Known>& joints) const {
     rows += joints[k].rows;
   }
   std::vector<FactorEntry> entries;
+  entries.reserve(static_cast<std::size_t>(rows));
   for (int r = 0; r < rows; ++r) entries.push_back({r, r, 1});
   const auto add = [&](std::size_t k, std::size_t m) {
     for (int r = 0; r < joints[k].rows; ++r)

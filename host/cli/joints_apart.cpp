@@ -9,21 +9,33 @@
 
 namespace scree {
 
-bool are_joints_apart(double error, const BodyConstants& bodies) {
-  constexpr double kApart = 0.02;               // of the smallest body
+namespace {
+
+/// Radius of the smallest free body [m].
+double smallest_radius(const BodyConstants& bodies) {
   constexpr std::size_t kMostBodies = 1 << 20;  // that are looked at for it
-  if (!(error > 0)) return false;
-  double smallest = 0;  // radius
+  double smallest = 0;
   for (std::size_t id = 0; id < std::min(bodies.size(), kMostBodies); ++id) {
     const BodyConstant body = bodies[id];
     const bool counts = body.kind == BodyKind::free && body.radius > 0;
     if (counts && (smallest == 0 || body.radius < smallest)) smallest = body.radius;
   }
-  return error > kApart * smallest;
+  return smallest;
 }
 
-bool are_joints_contradicted(const StepReport& report) {
-  return !report.converged && report.residual_max_joint >= 0 && report.residual_relative > 1;
+}  // namespace
+
+bool are_joints_apart(double error, const BodyConstants& bodies) {
+  constexpr double kApart = 0.02;  // of the smallest body
+  return error > 0 && error > kApart * smallest_radius(bodies);
+}
+
+bool are_joints_contradicted(const StepReport& report, double time_step,
+                             const BodyConstants& bodies) {
+  constexpr double kApart = 1e-6;  // of the smallest body, in a step
+  if (report.converged || report.residual_max_joint < 0) return false;
+  if (report.residual_relative > 0 && report.residual_relative <= 1) return false;
+  return time_step * report.residual_rms > kApart * smallest_radius(bodies);
 }
 
 std::string joint_with_number(int number, const std::vector<Joint>& joints,

@@ -13,8 +13,10 @@ namespace scree {
 /// @param error  of joints [m]
 bool are_joints_apart(double error, const BodyConstants& bodies);
 
-/// Whether a step left a joint with a residual above the speed that loads give bodies in it: it is contradicted.
-bool are_joints_contradicted(const StepReport& report);
+/// Whether a step left a joint with a residual that says that it is contradicted: above v* where there is one, and such that
+/// it takes the joint apart by more than a millionth of the smallest body a step.
+bool are_joints_contradicted(const StepReport& report, double time_step,
+                             const BodyConstants& bodies);
 
 /// "joints[2] (hinge) of A and B".
 std::string joint_with_number(int number, const std::vector<Joint>& joints,

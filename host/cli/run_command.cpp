@@ -408,7 +408,7 @@ class Run {
     if (are_joints_apart(last.max_joint_error, bodies)) {
       message = fmt::format("{}; at the end by {:.3g} m, with a residual of {:.3g} m/s RMS", apart,
                             last.max_joint_error, last.residual_rms);
-    } else if (are_joints_contradicted(last)) {
+    } else if (are_joints_contradicted(last, scene_.stepping.time_step, bodies)) {
       message = fmt::format(
           "the last step ended with a residual of {:.3g} m/s RMS, the largest, {:.3g} m/s, of {}: "
           "it contradicts "

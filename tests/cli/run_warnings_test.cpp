@@ -34,7 +34,7 @@ TEST(CliRunWarnings, JointsThatDoNotHoldAreTold) {
 /// A fixed joint and a hinge whose motor nothing stops, between the same bodies: anchors stay together, velocities cannot.
 TEST(CliRunWarnings, AMotorThatAJointContradictsIsTold) {
   const Scratch scratch;
-  const nlohmann::json scene = nlohmann::json::parse(R"({
+  nlohmann::json scene = nlohmann::json::parse(R"({
     "time_step": 0.001, "duration": 0.02,
     "bodies": [{"name": "a", "shape": "box", "size": [0.5, 0.1, 0.1], "mass": 1}],
     "joints": [{"type": "fixed", "bodies": ["world", "a"], "anchor": [0, 0, 0]},
@@ -51,6 +51,10 @@ TEST(CliRunWarnings, AMotorThatAJointContradictsIsTold) {
   EXPECT_TRUE(holds(message, "m/s RMS")) << message;
   const std::string table = contents(scratch / "a/steps.csv");
   EXPECT_NE(table.find("residual_max_joint,"), std::string::npos) << table;
+
+  scene["gravity"] = {0, 0, 0};
+  scree(scratch, run_arguments(put_scene(scratch, scene), scratch / "weightless"));
+  EXPECT_EQ(json_file(scratch / "weightless/run.json").at("status"), "joints_apart");
 }
 
 /// A ball joint and a rod of half a meter to a point 1 m above it: of what is off, the rod has most.

@@ -42,9 +42,10 @@ CLI::App* add_run_command(CLI::App& app, RunOptions& options) {
                     "continue from the checkpoint in the output directory");
   command->add_flag("--force", options.force, "replace the results in the output directory");
   command->add_flag("--quiet", options.quiet, "no progress line and no summary; warnings stay");
-  command->add_flag("--require-convergence", options.require_convergence,
-                    "exit with 1 when steps ended at the iteration cap, or joints were off in any step; "
-                    "results are kept");
+  command->add_flag(
+      "--require-convergence", options.require_convergence,
+      "exit with 1 when steps ended at the iteration cap, or joints were off in any step; "
+      "results are kept");
   return command;
 }
 

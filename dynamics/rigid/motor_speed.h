@@ -10,7 +10,7 @@ namespace scree {
 
 /// The speed that motors give in a step, as a load would: h F / m of the lighter of the two bodies, with the force, or the moment
 /// over the radius of the smaller one, that each gives at most; RMS over the free bodies of the scene [m/s]. Motors without a bound
-/// and springs are left out.
+/// are left out, and springs, as which motors with a position count.
 double motor_speed(const Scene& scene, const std::vector<JointFrames>& frames);
 
 }  // namespace scree

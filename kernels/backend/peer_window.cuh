@@ -40,8 +40,7 @@ class PeerWindow<Cuda> {
 
   Cuda* cuda_;
   Ranks* ranks_ = nullptr;
-  PeerMeetings
-      meetings_;  ///< that the backend has while kernels of the ranks may wait for each other
+  PeerMeetings meetings_;               ///< of the backend, see set_peers()
   std::vector<unsigned char*> memory_;  ///< of each rank, as this one reaches it
   std::vector<bool> is_opened_;         ///< by a handle, to be closed
   std::size_t size_ = 0;                ///< of a room [bytes]

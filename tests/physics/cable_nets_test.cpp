@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/state_hash.h"
 #include "tests/physics/joint_scenes.h"
 
 namespace scree::physics {
@@ -172,10 +171,15 @@ TEST(CableNets, ANetThatIsThrownUpFallsUntilItIsTaut) {
   EXPECT_EQ(flight.iterations, 0);
   const double free = 0.04 - 0.5 * kGravity * 0.04 * 0.041;
   EXPECT_NEAR(world.states().position[middle_of(kKnots)].z, free, 1e-9);
-  for (const JointRecord& joint : world.joints())
-    if (joint.body_a != kWorldBody && joint.body_b != kWorldBody && joint.body_a > 2 * kKnots &&
-        joint.body_b < kKnots * (kKnots - 2))
-      EXPECT_EQ(norm(joint.force), 0);
+  int within = 0;
+  for (const JointRecord& joint : world.joints()) {
+    if (joint.body_a == kWorldBody || joint.body_b == kWorldBody || joint.body_a <= 2 * kKnots ||
+        joint.body_b >= kKnots * (kKnots - 2))
+      continue;
+    ++within;
+    EXPECT_EQ(norm(joint.force), 0);
+  }
+  EXPECT_GT(within, kKnots);
   const NetRun run = run_net(world, scene, 600);
   EXPECT_EQ(run.unconverged, 0);
   EXPECT_LE(run.iterations, 600);
@@ -210,12 +214,7 @@ TEST(CableNets, ABallIsCaughtAndHeld) {
 TEST(CableNets, HaveTheSameBitsOnAnyNumberOfThreads) {
   Scene scene = net_of(JointKind::cable, 8, Held::rim, 1.05);
   add_sphere(scene, {0.33, 0.36, 0.2}, 0.1, 0.5).velocity = {0, 0, -3};
-  World one(scene, cpu_options(1)), two(scene, cpu_options(2));
-  for (int k = 0; k < 150; ++k) {
-    one.step();
-    two.step();
-  }
-  EXPECT_EQ(state_hash(one.states()), state_hash(two.states()));
+  expect_same_bits_on_threads(scene, 150);
 }
 
 TEST(CableNets, NetsOfStiffSpringsNeedNoIterations) {

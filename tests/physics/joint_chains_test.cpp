@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/state_hash.h"
 #include "tests/physics/hanging_scenes.h"
 #include "tests/physics/long_tests.h"
 
@@ -110,13 +109,7 @@ TEST(JointChains, AHangingChainIsACatenary) {
 }
 
 TEST(JointChains, HaveTheSameBitsOnAnyNumberOfThreads) {
-  const Scene scene = hanging_net(8);
-  World one(scene, cpu_options(1)), two(scene, cpu_options(2));
-  for (int k = 0; k < 100; ++k) {
-    one.step();
-    two.step();
-  }
-  EXPECT_EQ(state_hash(one.states()), state_hash(two.states()));
+  expect_same_bits_on_threads(hanging_net(8), 100);
 }
 
 // A rod on three collinear points of the world: two hold it, the third adds nothing. Its impulses are not defined, its rest is.

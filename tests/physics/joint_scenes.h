@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/state_hash.h"
 #include "tests/physics/scene_builder.h"
 
 namespace scree::physics {
@@ -34,6 +35,16 @@ inline Joint line_of(JointKind kind, int a, int b, const Vec3d& from, const Vec3
 inline World joint_world(Scene scene, Precision precision) {
   if (precision == Precision::single_precision) solve_to(scene, 2e-6);
   return World(scene, cpu_options(1, precision));
+}
+
+/// One thread and two find the same.
+inline void expect_same_bits_on_threads(const Scene& scene, int steps) {
+  World one(scene, cpu_options(1)), two(scene, cpu_options(2));
+  for (int k = 0; k < steps; ++k) {
+    one.step();
+    two.step();
+  }
+  EXPECT_EQ(state_hash(one.states()), state_hash(two.states()));
 }
 
 inline void run_converged(World& world, int steps) {

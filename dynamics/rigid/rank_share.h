@@ -70,23 +70,20 @@ class RankShare {
                 bool is_spent) {
     const BodyView<Real> bodies = store.view();
     const ReachOfBody<Real> reach{{bodies, range, {}}, parts};
-    // On their way while it is found out whether they serve: when all have said so, all have sent.
-    if (is_current_)
-      store.with_states([&](auto&... arrays) { ghosts_.send(*b_, arrays.view()...); });
-    reduce<BallExtent>(*b_, bodies.owned_count, MeasureReach<Real>{reach},
-                       StoreResult<BallExtent>{own_extent_.data()});
-    gather_on_ranks(*b_, std::as_const(own_extent_).data(), extent_.view());
     if (is_current_) {
-      const NearPeers<Real> near = near_peers(reach, 0);
-      reduce<Sums<1>>(*b_, bodies.owned_count,
-                      CountUnseen<Real>{near, shown_.view(shown_.capacity())},
-                      StoreUnseen{near.extent, near.peer, range.period, ranks_->rank(),
-                                  is_spent ? 1.0 : 0.0, unseen_.data()});
-      const Sums<2> found = fetch_over_ranks(*b_, std::as_const(unseen_).data());
-      if (found.value[0] == 0) {
-        store.with_states([&](auto&... arrays) { ghosts_.receive(*b_, arrays.view()...); });
-        return {false, found.value[1] > 0};
+      // On their way while it is found out whether they serve: when all have said so, all have sent.
+      store.with_states([&](auto&... arrays) { ghosts_.send(*b_, arrays.view()...); });
+      Found found = find_unseen(bodies, reach, is_spent);
+      if (found.has_unseen) {
+        promise(bodies, reach);
+        found = find_unseen(bodies, reach, is_spent);
       }
+      if (!found.has_unseen) {
+        store.with_states([&](auto&... arrays) { ghosts_.receive(*b_, arrays.view()...); });
+        return {false, found.is_spent};
+      }
+    } else {
+      promise(bodies, reach);
     }
     choose(store, reach, download(*b_, std::as_const(extent_).view(extent_.capacity())));
     return {true, false};
@@ -167,10 +164,32 @@ class RankShare {
   }
 
  private:
+  static constexpr double kPromised = 0.25;  ///< of the slack: extents; the rest is for ghosts
   static constexpr double kMostImbalance = 1.05;
   static constexpr double kMostStrays = 0.005;   ///< of owned bodies
   static constexpr double kMostGrowth = 1.25;    ///< of the number of ghosts
   static constexpr std::size_t kSamples = 4096;  ///< of each rank, for new cuts
+
+  /// Tells all ranks inside which extent the bodies of each stay, until one leaves it.
+  void promise(const BodyView<Real>& bodies, const ReachOfBody<Real>& reach) {
+    reduce<BallExtent>(*b_, bodies.owned_count, MeasureReach<Real>{reach},
+                       StorePromise{kPromised * slack_, own_extent_.data()});
+    gather_on_ranks(*b_, std::as_const(own_extent_).data(), extent_.view());
+  }
+
+  struct Found {
+    bool has_unseen;  ///< on any rank, as far as the promised extents tell
+    bool is_spent;    ///< the same
+  };
+  Found find_unseen(const BodyView<Real>& bodies, const ReachOfBody<Real>& reach, bool is_spent) {
+    const NearPeers<Real> near = near_peers(reach, 0);
+    reduce<Sums<1>>(*b_, bodies.owned_count,
+                    CountUnseen<Real>{near, shown_.view(shown_.capacity()), ranks_->rank()},
+                    StoreUnseen{near.extent, near.peer, reach.balls.range.period, ranks_->rank(),
+                                is_spent ? 1.0 : 0.0, unseen_.data()});
+    const Sums<2> found = fetch_over_ranks(*b_, std::as_const(unseen_).data());
+    return {found.value[0] > 0, found.value[1] > 0};
+  }
 
   /// Owned bodies go where owner(place, id) says.
   template <class F>
@@ -247,7 +266,8 @@ class RankShare {
 
   void choose(BodyStore<B, Real>& store, const ReachOfBody<Real>& reach,
               const std::vector<BallExtent>& all) {
-    peer_ranks_ = near_ranks(all, reach.balls.range.period, slack_);
+    const double slack = (1 - kPromised) * slack_;
+    peer_ranks_ = near_ranks(all, reach.balls.range.period, slack);
     const std::vector<Partner> partners =
         joined_.empty() ? std::vector<Partner>{}
                         : partners_elsewhere(*ranks_, joined_, store.owned_ids());
@@ -258,7 +278,7 @@ class RankShare {
     const Index n = store.owned_count();
     upload(*b_, peer_ranks_, peer_);
     const Span<std::uint64_t> shown = shown_.resize_discard(n);
-    for_each(*b_, n, ChooseShown<Real>{near_peers(reach, slack_), shown});
+    for_each(*b_, n, ChooseShown<Real>{near_peers(reach, slack), shown});
     show_partners(partners, shown);
     std::vector<std::vector<Index>> to(static_cast<std::size_t>(ranks_->count()));
     Buffer<B, Index> flag(*b_, n), list(*b_, n);
@@ -322,7 +342,7 @@ class RankShare {
   Ghosts<B> ghosts_;
   std::vector<Index> peer_ranks_;  ///< that `shown_` has bits for
   Buffer<B, std::uint64_t> shown_;
-  Buffer<B, BallExtent> extent_;  ///< of all ranks
+  Buffer<B, BallExtent> extent_;  ///< promised, of all ranks
   Buffer<B, Index> peer_;         ///< peer_ranks_
   Buffer<B, BallExtent> own_extent_;
   Buffer<B, Sums<2>> unseen_;  ///< counts

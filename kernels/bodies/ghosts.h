@@ -105,8 +105,7 @@ struct GhostLinks : PeerBoards {
 
   int targets = 0;
   Target target[PeerBoard::kMostRanks];
-  Span<const Index> sent;      ///< bodies
-  Span<const Index> by_place;  ///< places in `sent`, as their bodies follow each other in storage
+  Span<const Index> sent;          ///< bodies
   unsigned char* rooms = nullptr;  ///< of this rank
   Offset room_bytes = 0;
   Index first = 0, count = 0;  ///< ghosts
@@ -138,18 +137,6 @@ struct PushRows {
   }
 };
 
-/// Keys to sort what is sent by the places of its bodies.
-struct KeysOfSent {
-  static constexpr const char* name = "keys_of_sent";
-  Span<const Index> sent;
-  Span<std::uint64_t> key;
-  Span<Index> order;
-  SCREE_HD void operator()(Index k) const {
-    key[k] = static_cast<std::uint64_t>(sent[k]);
-    order[k] = k;
-  }
-};
-
 /// Places of bodies that are sent, after owned bodies have moved in storage.
 struct RenumberSent {
   static constexpr const char* name = "renumber_sent";
@@ -162,7 +149,7 @@ struct RenumberSent {
 template <class B>
 class Ghosts {
  public:
-  explicit Ghosts(B& b) : sent_(b), by_place_(b), packed_(b), arrived_(b), window_(b) {}
+  explicit Ghosts(B& b) : sent_(b), packed_(b), arrived_(b), window_(b) {}
 
   Index count() const { return count_; }
 
@@ -179,7 +166,6 @@ class Ghosts {
     ranks.note_transport(transport_);
     if (transport_ == Transport::peer) {
       tell_places(ranks);
-      sort_by_place(b);
       link(ranks);
       return;
     }
@@ -199,7 +185,6 @@ class Ghosts {
   /// Follows a reordering of the owned bodies. @param new_of_old  new storage index of each
   void follow(B& b, Span<const Index> new_of_old) {
     for_each(b, sent_count_, RenumberSent{new_of_old, sent_.view(sent_count_)});
-    if (transport_ == Transport::peer) sort_by_place(b);
   }
 
   /// Gives the ghosts the rows that their owners have. A call that all ranks make together.
@@ -348,15 +333,6 @@ class Ghosts {
     ranks.exchange(send, receive);
   }
 
-  void sort_by_place(B& b) {
-    SortSpace<B> space(b);
-    Buffer<B, std::uint64_t> key(b, sent_count_);
-    const Span<Index> order = by_place_.resize_discard(sent_count_);
-    for_each(b, sent_count_,
-             KeysOfSent{std::as_const(sent_).view(sent_count_), key.view(sent_count_), order});
-    sort_pairs(b, space, key.view(sent_count_), order, 32);
-  }
-
   void link(const Ranks& ranks) {
     links_ = {};
     static_cast<PeerBoards&>(links_) = window_.boards();
@@ -366,7 +342,6 @@ class Ghosts {
                                          peer.there, window_.rooms(peer.rank)};
     }
     links_.sent = std::as_const(sent_).view(sent_count_);
-    links_.by_place = std::as_const(by_place_).view(sent_count_);
     links_.rooms = window_.rooms(ranks.rank());
     links_.room_bytes = static_cast<Offset>(window_.room_bytes());
     links_.first = count_ > 0 ? first() : 0;
@@ -382,7 +357,6 @@ class Ghosts {
 
   std::vector<GhostPeer> peers_;
   Buffer<B, Index> sent_;
-  Buffer<B, Index> by_place_;                          ///< see GhostLinks
   mutable Buffer<B, unsigned char> packed_, arrived_;  ///< rows, unless they go to peers themselves
   PeerWindow<B> window_;
   DeviceMessages* messages_ = nullptr;  ///< of the transport "nccl"

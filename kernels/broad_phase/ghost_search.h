@@ -14,6 +14,12 @@ struct BallExtent {
   double upper[3] = {-1e300, -1e300, -1e300};
 
   SCREE_HD bool empty() const { return lower[0] > upper[0]; }
+  /// An empty one is everywhere.
+  SCREE_HD bool is_inside(const BallExtent& o) const {
+    bool is = true;
+    for (int k = 0; k < 3; ++k) is = is && lower[k] >= o.lower[k] && upper[k] <= o.upper[k];
+    return is;
+  }
   SCREE_HD void combine(const BallExtent& o) {
     for (int k = 0; k < 3; ++k) {
       if (o.lower[k] < lower[k]) lower[k] = o.lower[k];
@@ -90,7 +96,7 @@ struct MeasureReach {
 template <class Real>
 struct NearPeers {
   ReachOfBody<Real> reach;
-  Span<const BallExtent> extent;  ///< of all ranks
+  Span<const BallExtent> extent;  ///< promised, of all ranks
   Span<const Index> peer;         ///< their ranks, rising
   double slack = 0;               ///< [m]
 
@@ -127,18 +133,37 @@ struct ShowToo {
   SCREE_HD void operator()(Index k) const { shown[body[k]] |= peers[k]; }
 };
 
-/// Bodies that a peer would have to know but does not. Bytes a body: 52.
+/// Stores the extent that the bodies of a rank are promised to stay inside for some steps.
+struct StorePromise {
+  double slack;  ///< [m] how far they may go
+  BallExtent* to;
+  SCREE_HD void operator()(BallExtent e) const {
+    if (!e.empty()) {
+      for (int k = 0; k < 3; ++k) {
+        e.lower[k] -= slack;
+        e.upper[k] += slack;
+      }
+    }
+    *to = e;
+  }
+};
+
+/// Bodies that left the promised extent of their rank, or that a peer would have to know but does not. Bytes a body: 52.
 template <class Real>
 struct CountUnseen {
   static constexpr const char* name = "count_unseen";
   NearPeers<Real> near;
   Span<const std::uint64_t> shown;
-  SCREE_HD Sums<1> operator()(Index i) const { return {{(near(i) & ~shown[i]) != 0 ? 1.0 : 0.0}}; }
+  Index rank;  ///< this one
+  SCREE_HD Sums<1> operator()(Index i) const {
+    const bool has_left = !MeasureReach<Real>{near.reach}(i).is_inside(near.extent[rank]);
+    return {{has_left || (near(i) & ~shown[i]) != 0 ? 1.0 : 0.0}};
+  }
 };
 
 /// Stores what was counted, with what else ranks have to agree on.
 struct StoreUnseen {
-  Span<const BallExtent> extent;  ///< of all ranks
+  Span<const BallExtent> extent;  ///< promised, of all ranks
   Span<const Index> peer;         ///< ranks that bodies were searched for, rising
   Vec3<double> period;
   Index rank;      ///< this one

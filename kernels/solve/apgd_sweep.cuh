@@ -29,8 +29,7 @@
 // and shared memory is dear too.
 // Problems that fit into shared memory as a whole take another program (apgd_resident.cuh).
 // Where ranks share a problem, each on a GPU of its own, the blocks of all of them meet (rank_meeting.cuh); that is one more
-// program. With spheres alone velocities that others wait for leave a round after they are found, while the block is at work
-// on other tiles; only those of its last tile are sent when the blocks meet.
+// program.
 // Sums are those of the plain passes in another order: the same bits on every run of one device.
 // Doubles take the plain passes, which are faster for them.
 
@@ -50,10 +49,9 @@ namespace apgd_sweep {
 
 /// What the blocks share, in device memory. All of it starts at zero with a solve.
 struct Shared {
-  unsigned* round_done;  ///< [rounds] contact steps done, over all trials
-  ApgdMeeting meeting;   ///< at the end of a trial
-  unsigned* taken;       ///< blocks that took what ranks sent, over all trials
-  const Index* shown;    ///< [tiles + 1] where bodies of a tile begin among those that are sent
+  unsigned* round_done;         ///< [rounds] contact steps done, over all trials
+  ApgdMeeting meeting;          ///< at the end of a trial
+  unsigned* taken;              ///< blocks that took what ranks sent, over all trials
   const PackedContact* packed;  ///< [contacts]
 };
 
@@ -82,47 +80,12 @@ __device__ void step_body(const RadialPasses<Real>& a, const Trial<Real>& trial,
 /// In place of GhostLinks, where one rank has all bodies.
 struct NoLinks {};
 
-/// Finds Shared::shown.
-struct ShownOfTiles {
-  static constexpr const char* name = "apgd_shown_of_tiles";
-  Span<const Index> sent, by_place;
-  Span<Index> begin;
-  __device__ void operator()(Index tile) const {
-    Index low = 0, high = static_cast<Index>(by_place.size);
-    while (low < high) {
-      const Index middle = (low + high) / 2;
-      if (sent[by_place[middle]] < tile * kBodies) {
-        low = middle + 1;
-      } else {
-        high = middle;
-      }
-    }
-    begin[tile] = low;
-  }
-};
-
-/// Rounds of a block in whose tiles are bodies that other ranks wait for. Their velocities are on their way while it works on.
-struct ShownRounds {
-  static constexpr unsigned kWords = 8, kBits = 32 * kWords;
-  unsigned bits[kWords];  ///< a bit for each round, and for all that are kBits more
-  __device__ bool has(Index round) const {
-    const unsigned bit = static_cast<unsigned>(round) % kBits;
-    return (bits[bit / 32] >> bit % 32 & 1) != 0;
-  }
-  __device__ void add(Index round) {
-    const unsigned bit = static_cast<unsigned>(round) % kBits;
-    atomicOr(bits + bit / 32, 1u << bit % 32);
-  }
-};
-
 /// @tparam Links  GhostLinks, or NoLinks
 template <int kWeights, Law kLaw, bool kIsMixed, class Links, class Real>
 __global__ void __launch_bounds__(kThreads, kBlocks)
     run_trials(const __grid_constant__ RadialPasses<Real> a, const Shared shared, Index tiles,
                int count, double enough, const __grid_constant__ Links links) {
   constexpr bool kIsOverRanks = std::is_same_v<Links, GhostLinks>;
-  // The program of mixed layouts has no registers left for it.
-  constexpr bool kSendsOnTheWay = kIsOverRanks && !kIsMixed;
   extern __shared__ __align__(16) unsigned char bytes[];
   TileMemory<Real>& memory = *reinterpret_cast<TileMemory<Real>*>(bytes);
   __shared__ SplitBarrier ready;  // V_y of a tile is there, the pulls of the one before are summed
@@ -131,8 +94,6 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
   __shared__ ApgdState state;       // the same in all blocks
   __shared__ unsigned trials;       // before this launch: no block arrives before all know
   __shared__ unsigned meetings;     // of ranks, before this launch
-  __shared__ std::conditional_t<kSendsOnTheWay, ShownRounds, NoLinks> shown;
-  __shared__ Index unsent;  // see meet_ranks()
   const auto blocks = static_cast<Index>(gridDim.x);
   const auto local = static_cast<Index>(threadIdx.x);
   const bool is_speaker = local == kThreads - 32;
@@ -142,25 +103,9 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
     reached.init(1);
     state = *a.state;
     trials = *shared.meeting.arrived / gridDim.x;
-    if constexpr (kIsOverRanks) {
-      meetings = links.board[links.rank]->meetings;
-      unsent = 0;
-    }
-    if constexpr (kSendsOnTheWay) {
-      shown = {};
-      // Each block sends those of all its tiles but the last.
-      unsent = shared.shown[max(tiles - blocks, Index{0})];
-    }
+    if constexpr (kIsOverRanks) meetings = links.board[links.rank]->meetings;
   }
   __syncthreads();
-  if constexpr (kSendsOnTheWay) {
-    for (Index round = local; static_cast<Index>(blockIdx.x) + round * blocks < tiles;
-         round += kThreads) {
-      const Index tile = static_cast<Index>(blockIdx.x) + round * blocks;
-      if (shared.shown[tile] < shared.shown[tile + 1]) shown.add(round);
-    }
-    __syncthreads();
-  }
   const FirstFetch<Real> first(a, static_cast<Index>(blockIdx.x));
   {
     const Trial<Real> trial(a, state, shared.packed);
@@ -184,14 +129,6 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       TileBodies<Real>& other = memory.bodies[(round + 1) % 2];
       const bool has_tile = t < tiles;
       ready.wait((turn + k) % 2);  // one more than tiles in each trial
-      if constexpr (kSendsOnTheWay) {
-        if (round >= 2 && shown.has(round - 2)) {
-          const Index tile = t - 2 * blocks;
-          rank_meeting::send_velocities(links, meetings + k + 1, trial.next_velocity.data,
-                                        shared.shown[tile], shared.shown[tile + 1], local,
-                                        kThreads);
-        }
-      }
       // Now that no warp waits for `reached` of the round before, its next phase may end.
       if (is_speaker && round > 0) {
         const Index done = min(blocks, tiles - (round - 1) * blocks);
@@ -245,7 +182,7 @@ __global__ void __launch_bounds__(kThreads, kBlocks)
       static_assert(sizeof(RankNotes) <= sizeof(memory.pull));
       auto* notes = reinterpret_cast<RankNotes*>(memory.pull);
       if (local == 0) notes->sums = all;
-      meet_ranks(&links, unsent, shared.taken, meetings + k + 1, number + 1, notes,
+      meet_ranks(&links, shared.taken, meetings + k + 1, number + 1, notes,
                  a.velocity.iterate(state.accepted + 1).data);
       all = notes->sums;
     }
@@ -285,13 +222,7 @@ template <>
 class ApgdIteration<Cuda> {
  public:
   explicit ApgdIteration(Cuda& cuda)
-      : counters_(cuda),
-        partial_(cuda),
-        shown_(cuda),
-        packed_(cuda),
-        resident_(cuda),
-        wide_(cuda),
-        sums_(cuda) {}
+      : counters_(cuda), partial_(cuda), packed_(cuda), resident_(cuda), wide_(cuda), sums_(cuda) {}
 
   template <class R, class Real>
   void start(Cuda& cuda, const ApgdPasses<R, Real>& a, const Ghosts<Cuda>* ghosts = nullptr) {
@@ -397,14 +328,7 @@ class ApgdIteration<Cuda> {
     packed_.reserve_discard(radial);
     for_each(cuda, radial, apgd_sweep::PackContacts<R, Real>{a.p, a.metric, packed_.view(radial)});
     unsigned* counter = counters_.data();
-    const Index* shown = nullptr;
-    if (ghosts_ != nullptr && !apgd_sweep::kIsMixed<R, Real>) {
-      const GhostLinks& links = *ghosts_->links();
-      const Span<Index> begin = shown_.resize_discard(tiles_ + 1);
-      for_each(cuda, tiles_ + 1, apgd_sweep::ShownOfTiles{links.sent, links.by_place, begin});
-      shown = begin.data;
-    }
-    shared_ = {counter + kMeetings, {counter, partial_.data()}, counter + 1, shown, packed_.data()};
+    shared_ = {counter + kMeetings, {counter, partial_.data()}, counter + 1, packed_.data()};
   }
   void sweep(Cuda& cuda, apgd_sweep::RadialPasses<float> passes, int count, double enough) {
     apgd_sweep::NoLinks none;
@@ -457,7 +381,6 @@ class ApgdIteration<Cuda> {
 
   Buffer<Cuda, unsigned> counters_;  ///< arrived, taken, round_done
   Buffer<Cuda, Sums<3>> partial_;
-  Buffer<Cuda, Index> shown_;
   Buffer<Cuda, PackedContact> packed_;
   apgd_sweep::ResidentTrials resident_;
   wide::Iteration wide_;

@@ -1,10 +1,14 @@
 #pragma once
 // How the GPUs of ranks meet at the end of a trial without leaving their kernels: each writes the new velocities of the
-// bodies that others mirror, if it has not yet, and its sums, into the memory of the others over NVLink, and waits until
-// theirs have come. All goes in words with the number of the meeting (peer_meeting.cuh).
+// bodies that others mirror, and its sums, into the memory of the others over NVLink, and waits until theirs have come. All
+// goes in words with the number of the meeting (peer_meeting.cuh).
 //
 // Bytes that a rank sends: 48 for each body that it shows, about 500 KB for 1e6 bodies, and 48 to each other rank.
 // Neighboring threads write neighboring words: each in a packet of its own would take three times as long.
+//
+// All blocks share the sending when all tiles are done. To send while blocks are at work on other tiles was slower, each way
+// that was tried (bench/results/h200/2026-11-29-ranks.md): a block that sends waits for loads one after the other, and all
+// wait for the slowest block. Shared by all, sending takes half a microsecond.
 
 #include "kernels/backend/cuda.cuh"
 #include "kernels/backend/device_counter.cuh"
@@ -26,16 +30,14 @@ inline constexpr Index kThreads = kApgdThreads;  ///< of a block
 
 static_assert(kPeerPieces<Sums<3>> == PeerBoard::kSumWords);
 
-/// Sends velocities that others wait for: of those from `begin` on as bodies follow each other, the words
-/// first, first + stride and so on.
-__device__ __forceinline__ void send_velocities(const GhostLinks& links, unsigned meeting,
-                                                const Twist<float>* velocity, Index begin,
-                                                Index end, Index first, Index stride) {
+/// Sends the share of the block of the velocities that others wait for.
+__device__ inline void send_velocities(const GhostLinks& links, int room, unsigned meeting,
+                                       const Twist<float>* velocity) {
   constexpr Index kOfTwist = kPeerPieces<Twist<float>>;
-  const int room = GhostLinks::kFirstOfPrograms + static_cast<int>(meeting % 2);
-  const Index words = (end - begin) * kOfTwist;
-  for (Index k = first; k < words; k += stride) {
-    const Index row = links.by_place[begin + k / kOfTwist], piece = k % kOfTwist;
+  const auto words = static_cast<Index>(links.sent.size) * kOfTwist;
+  const auto first = static_cast<Index>(blockIdx.x * kThreads + threadIdx.x);
+  for (Index k = first; k < words; k += static_cast<Index>(gridDim.x) * kThreads) {
+    const Index row = k / kOfTwist, piece = k % kOfTwist;
     auto* to = reinterpret_cast<PeerWord*>(links.place(row, room, kOfTwist * sizeof(PeerWord)));
     put_piece(to[piece], pieces_of(velocity + links.sent[row])[piece], meeting);
   }
@@ -64,19 +66,17 @@ __device__ inline Index takers(const GhostLinks& links) {
 /// their owners found.
 ///
 /// Rooms and sums alternate between two places. A rank sends its sums when all its blocks have left the meeting before, and
-/// each block waits for the sums of all ranks: so what it writes over at the next meeting but one, or on the way there, is
-/// no longer needed.
+/// each block waits for the sums of all ranks: so what it writes over at the next meeting but one is no longer needed.
 ///
 /// It is a function of its own, which gets and gives sums in shared memory: as a part of the sweep it would make that spill
 /// registers.
-/// @param unsent    the first body, as bodies that are sent follow each other, whose velocity no block has sent yet
 /// @param taken     blocks that have taken what came, over all trials; in device memory, zero at the start of a solve
 /// @param meeting   its number over the life of the window, from 1  @param of_solve  the same, of this solve
 /// @param notes     with the sums of this rank, written by thread 0; then with those of all ranks, added in their order, so
 ///                  that each has the same bits
 /// @param velocity  of all bodies
-static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, Index unsent,
-                                               unsigned* taken, unsigned meeting, unsigned of_solve,
+static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, unsigned* taken,
+                                               unsigned meeting, unsigned of_solve,
                                                RankNotes* notes, Twist<float>* velocity) {
   using namespace rank_meeting;
   constexpr int kOfSums = PeerBoard::kSumWords;
@@ -88,9 +88,7 @@ static __device__ __noinline__ void meet_ranks(const GhostLinks* all_links, Inde
   const int turn = static_cast<int>(meeting % 2);
   const int room = GhostLinks::kFirstOfPrograms + turn;
 
-  const auto stride = static_cast<Index>(gridDim.x) * kThreads;
-  send_velocities(links, meeting, velocity, unsent, static_cast<Index>(links.sent.size),
-                  static_cast<Index>(blockIdx.x) * kThreads + thread, stride);
+  send_velocities(links, room, meeting, velocity);
   __syncthreads();
   // The last block has the fewest velocities to send.
   if (is_other && blockIdx.x + 1 == gridDim.x)

@@ -122,13 +122,6 @@ TYPED_TEST(GhostRowsTest, FollowANewOrderOfBodies) {
   upload(b, std::vector<Index>{4, 0, 3, 4}, sent);
   for_each(b, 4, RenumberSent{std::as_const(new_of_old).view(5), sent.view(4)});
   EXPECT_EQ(download(b, sent.view(4)), (std::vector<Index>{2, 3, 4, 2}));
-  // A body that goes to two ranks is there twice.
-  Buffer<B, std::uint64_t> key(b, 4);
-  Buffer<B, Index> order(b, 4);
-  SortSpace<B> space(b);
-  for_each(b, 4, KeysOfSent{std::as_const(sent).view(4), key.view(4), order.view(4)});
-  sort_pairs(b, space, key.view(4), order.view(4), 32);
-  EXPECT_EQ(download(b, order.view(4)), (std::vector<Index>{0, 3, 1, 2}));
 }
 
 }  // namespace

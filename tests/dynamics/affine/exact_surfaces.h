@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 #include <numeric>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct PlacedTriangles {
   std::vector<Bounds> boxes;
   Bounds all;
 
+  PlacedTriangles() = default;
   PlacedTriangles(const Surface& surface, const AffineVec& place) {
     for (const auto& t : surface.triangles) {
       exact::Triangle corners;
@@ -99,28 +101,50 @@ inline bool any_meet(const PlacedTriangles& a, const PlacedTriangles& b) {
   return false;
 }
 
+/// Calls f(k) for k below `count`, on so many threads.
+template <class F>
+void for_all(std::size_t count, int threads, const F& f) {
+  const auto stride = static_cast<std::size_t>(threads);
+  std::vector<std::future<void>> others;
+  const auto share = [&](std::size_t first) {
+    for (std::size_t k = first; k < count; k += stride) f(k);
+  };
+  for (std::size_t first = 1; first < stride; ++first)
+    others.push_back(std::async(std::launch::async, share, first));
+  share(0);
+  for (std::future<void>& other : others) other.get();
+}
+
 /// Pairs of bodies that may touch and whose triangles have a point in common. Tetrahedra of one elastic body do not count.
 inline std::vector<std::array<Index, 2>> touching_bodies(const AffineSetup& setup,
-                                                         const std::vector<AffineVec>& places) {
-  std::vector<PlacedTriangles> placed;
-  for (std::size_t b = 0; b < places.size(); ++b)
-    placed.emplace_back(*setup.surfaces[static_cast<std::size_t>(setup.surface_of_body[b])],
-                        places[b]);
+                                                         const std::vector<AffineVec>& places,
+                                                         int threads = 1) {
+  std::vector<PlacedTriangles> placed(places.size());
+  for_all(places.size(), threads, [&](std::size_t b) {
+    placed[b] = PlacedTriangles(*setup.surfaces[static_cast<std::size_t>(setup.surface_of_body[b])],
+                                places[b]);
+  });
   std::vector<std::size_t> order(places.size());  // along x
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return placed[a].all.low.x < placed[b].all.low.x;
   });
-  std::vector<std::array<Index, 2>> found;
+  std::vector<std::array<std::size_t, 2>> near;
   for (auto i = order.begin(); i != order.end(); ++i) {
     for (auto k = i + 1; k != order.end() && placed[*k].all.low.x <= placed[*i].all.high.x; ++k) {
       const auto [a, b] = std::minmax(*i, *k);
       if (placed[a].all.near(placed[b].all, 0) && setup.id_of_body[a] != setup.id_of_body[b] &&
-          may_touch(setup, static_cast<Index>(a), static_cast<Index>(b)) &&
-          any_meet(placed[a], placed[b]))
-        found.push_back({static_cast<Index>(a), static_cast<Index>(b)});
+          may_touch(setup, static_cast<Index>(a), static_cast<Index>(b)))
+        near.push_back({a, b});
     }
   }
+  std::vector<char> meet(near.size());
+  for_all(near.size(), threads,
+          [&](std::size_t k) { meet[k] = any_meet(placed[near[k][0]], placed[near[k][1]]); });
+  std::vector<std::array<Index, 2>> found;
+  for (std::size_t k = 0; k < near.size(); ++k)
+    if (meet[k] != 0)
+      found.push_back({static_cast<Index>(near[k][0]), static_cast<Index>(near[k][1])});
   return found;
 }
 

@@ -134,7 +134,7 @@ struct CorrectJoint {
     sums.driven = largest(sums.driven, unit * speed);
     if (!has_bound(r)) sums.forced = largest(sums.forced, unit * speed);
   }
-  SCREE_HD static bool has_bound(const JointRow<Real>& r) {
+  static SCREE_HD bool has_bound(const JointRow<Real>& r) {
     return r.least > -largest_number<Real>() || r.compliance > Real(0);
   }
   /// The largest velocity of the rows that are held, with that of a motor without a bound.

@@ -6,6 +6,7 @@
 
 #include "dynamics/rigid/collision_settings.h"
 #include "dynamics/rigid/joint_mobility.h"
+#include "dynamics/rigid/joint_reach.h"
 #include "host/scene/joint_cards.h"
 #include "host/scene/motion.h"
 
@@ -187,7 +188,11 @@ std::vector<JointFrames> joint_frames(const Scene& scene) {
     for (const Turn& turn : turns_of(scene.joints[j]))
       out.push_back(frames_of_turn(scene, static_cast<Index>(j), out[j], turn));
   const std::vector<double> share = mobility_shares(scene, out);
-  for (std::size_t j = 0; j < out.size(); ++j) out[j].drive.share = share[j];
+  const std::vector<double> reach = joint_reaches(scene, out);
+  for (std::size_t j = 0; j < out.size(); ++j) {
+    out[j].drive.share = share[j];
+    out[j].reach = reach[j];
+  }
   return out;
 }
 

@@ -167,6 +167,9 @@ class Joints {
     double speed_before = 0, speed = 0;  ///< of the fastest of their bodies [m/s]
     /// Of their bodies, once for each of their joints: without joints and contacts, now, and their mass [J, kg].
     double free_energy = 0, energy = 0, mass = 0;
+    double driven = 0;  ///< largest speed that a drive or a prescribed body asks for [m/s]
+    double forced = 0;  ///< the same without drives of bounded force [m/s]
+    double left = 0;    ///< largest velocity of a row that should have none [m/s]
   };
   /// Corrects the problem of join() by what is missed; solved again, it leaves less. One host read.
   /// @param velocity  of owned bodies and ghosts
@@ -180,8 +183,8 @@ class Joints {
                            stepping.time_step, stepping.max_recovery_speed, row_.view(here_)},
         StoreResult<JointSums>{sums_.data()});
     const JointSums sums = over_ranks(b, fetch(b, sums_.data()));
-    return {sums.max_error,   sums.end_error, sums.speed_before, sums.speed,
-            sums.free_energy, sums.energy,    sums.mass};
+    return {sums.max_error, sums.end_error, sums.speed_before, sums.speed,  sums.free_energy,
+            sums.energy,    sums.mass,      sums.driven,       sums.forced, sums.left};
   }
 
   /// Keeps the rows of join() for plan(). Bytes: those of the rows, read and written.
@@ -191,11 +194,12 @@ class Joints {
   }
   /// The rows that were kept, with a share of what they do about errors, and no impulses: those of rows that contradict each
   /// other are so large that what is left of their sum is rounding.
-  void plan(B& b, const BodyView<Real>& bodies, double share, Span<Vec3<Real>> gamma) {
+  /// @param give  by which rows give way to impulses, in parts of the mobility of their joint
+  void plan(B& b, const BodyView<Real>& bodies, double share, double give, Span<Vec3<Real>> gamma) {
     fill(b, own_part(gamma), Vec3<Real>{});
     for_each(b, here_,
              PlanLess<Real>{places(bodies), order_.view(here_), std::as_const(planned_).view(here_),
-                            static_cast<Real>(share), row_.view(here_)});
+                            static_cast<Real>(share), static_cast<Real>(give), row_.view(here_)});
   }
 
   /// Remembers the impulses that a solver found for the problem of join(), and breaks joints.

@@ -182,7 +182,9 @@ class RigidDynamics final : public ModelOn<B, Real> {
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
       correct_joints(
-          b, joints_, bodies, *solver_, problem, gamma, {scene_, tolerance, report.max_joint_error},
+          b, joints_, bodies, *solver_, problem, gamma,
+          {scene_, tolerance, reference, report.max_joint_error,
+           (shared_ ? contacts_of_all : contacts.count) > 0},
           stats,
           [&] {
             return joints_.correct(b, bodies, problem, scene_.stepping, periodic_box().length,

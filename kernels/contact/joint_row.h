@@ -86,6 +86,9 @@ struct JointRow {
   Real rest = 0;        ///< velocity at which it holds [m/s]
   Real slowest = -largest_number<Real>();  ///< bounds of the velocity [m/s]
   Real fastest = largest_number<Real>();
+  /// Compliance of all rows, driven or not: they give way by this times their impulse [1/kg]. Zero but in steps whose joints
+  /// contradict each other.
+  Real give = 0;
 
   /// World vectors to rows. @param moment  over the length
   SCREE_HD JointValues<Real> rows(const Vec3<Real>& force, const Vec3<Real>& moment) const {
@@ -154,6 +157,13 @@ struct JointRow {
   /// @param z     impulse less the step times the velocity [N s]
   /// @param step  [kg]; zero: the nearest impulse that the drive may give
   SCREE_HD JointValues<Real> project(JointValues<Real> z, Real step) const {
+    if (!(give > Real(0))) return project_firm(z, step);
+    const Real share = Real(1) / (Real(1) + step * give);
+    for (int k = 0; k < kJointRows; ++k) z[k] *= share;
+    return project_firm(z, share * step);
+  }
+  /// The same of rows that do not give way.
+  SCREE_HD JointValues<Real> project_firm(JointValues<Real> z, Real step) const {
     for (int k = 0; k < kJointRows; ++k)
       if (!(inverse_pivot(k) > Real(0))) z[k] = 0;
     if (rubs) return rubbed(z);
@@ -188,15 +198,12 @@ struct JointRow {
 
   /// Whether the last row gives impulses at other velocities than zero, but for bounds of the main
   /// part: then the objective has terms beside 1/2 gamma N gamma + r gamma.
-  SCREE_HD bool has_own_terms() const {
-    constexpr Real kNone = largest_number<Real>();
-    return compliance > Real(0) || friction > Real(0) || slowest > -kNone || fastest < kNone;
-  }
+  SCREE_HD bool has_own_terms() const { return give > Real(0) || has_law(); }
 
   /// Whether it gives anything else than what takes the velocity of the last row to zero.
   SCREE_HD bool is_last_driven() const {
     constexpr Real kNone = largest_number<Real>();
-    return least > -kNone || most < kNone || has_own_terms();
+    return least > -kNone || most < kNone || has_law();
   }
 
   /// The same of row k: whether it is not held.
@@ -207,6 +214,12 @@ struct JointRow {
   SCREE_HD Real inverse_pivot(int k) const { return factor[triangle_place(k, k)]; }
 
  private:
+  /// Whether impulses of the last row depend on its velocity, but for bounds of the main part.
+  SCREE_HD bool has_law() const {
+    constexpr Real kNone = largest_number<Real>();
+    return compliance > Real(0) || friction > Real(0) || slowest > -kNone || fastest < kNone;
+  }
+
   SCREE_HD Real pivot(int k) const {
     const Real inverse = inverse_pivot(k);
     return inverse > Real(0) ? Real(1) / inverse : Real(0);

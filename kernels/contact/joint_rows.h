@@ -80,7 +80,7 @@ struct JointRows {
     if (j.is_last_driven()) {
       const Real step = Real(1) / j.scale;
       const JointValues<Real> own = as_values(z);
-      const JointValues<Real> moved = as_values(project(p, c, z - step * u, step));
+      const JointValues<Real> moved = j.project_firm(as_values(z - step * u), step);
       for (int k = 0; k < kJointRows; ++k)
         if (j.is_driven(k)) left[k] = j.scale * (own[k] - moved[k]);
     }

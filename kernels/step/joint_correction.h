@@ -38,8 +38,11 @@ struct CorrectJoint {
     // A held last row has no limits; one that the bodies cannot follow has no velocity.
     const bool is_limited = bounds.are_there() && (joint.held >> kJointAxisRow & 1u) == 0 &&
                             r.inverse_pivot(kJointAxisRow) > Real(0);
-    if (state[j].is_broken != 0 || (joint.held == 0 && !is_limited)) return {};
+    if (state[j].is_broken != 0) return {};
     const int first = turned ? 1 : 0, second = 1 - first;
+    JointSums sums;
+    note_drive(joint, r, places.of(joint.body[first]), places.of(joint.body[second]), sums);
+    if (joint.held == 0 && !is_limited) return sums;
     JointSide a = side_of_joint(bodies, places, joint, first);
     const JointSide b = side_of_joint(bodies, places, joint, second);
     const JointForm form = form_of_sides(joint.form, turned);
@@ -56,7 +59,7 @@ struct CorrectJoint {
     const Vec3<double> turn =
         length * end.turn -
         (length * now.turn - h * joint_recovery(now.turn, length, h, recovery_speed));
-    JointSums sums;
+    sums.left = left_of(joint, r, a_twist, b_twist);
     note_motion(joint, first, a, a_twist, sums);
     note_motion(joint, second, b, b_twist, sums);
     if (is_limited)
@@ -112,6 +115,51 @@ struct CorrectJoint {
     return unit * allowed.beyond(x_end);
   }
 
+  /// The speed that the drive of a joint gives to what it moves beside that which this has without it, by all that it may give in
+  /// the step; or that of a body that moves by itself.
+  SCREE_HD void note_drive(const JointFrames& joint, const JointRow<Real>& r, Index a, Index b,
+                           JointSums& sums) const {
+    constexpr int k = kJointAxisRow;
+    sums.forced = largest(prescribed_speed(a, joint.reach), prescribed_speed(b, joint.reach));
+    sums.driven = sums.forced;
+    const bool is_driven = (joint.held >> k & 1u) == 0 && joint.drive.is_used() && !r.rubs;
+    if (!is_driven || !(r.inverse_pivot(k) > Real(0))) return;
+    const double least = static_cast<double>(r.least), most = static_cast<double>(r.most);
+    const double given = static_cast<double>(r.scale) / static_cast<double>(r.inverse_pivot(k)) *
+                         largest(std::abs(least), std::abs(most));
+    const JointValues<Real> u = JointRows<Real>::speeds(r, free_velocity(a), free_velocity(b));
+    const double asked = std::abs(static_cast<double>(u[k] + r.bias[k]));
+    const double speed = given < asked || least == most ? given : asked;
+    const double unit = r.force_is_last ? 1 : joint.reach / static_cast<double>(r.length);
+    sums.driven = largest(sums.driven, unit * speed);
+    if (!has_bound(r)) sums.forced = largest(sums.forced, unit * speed);
+  }
+  static SCREE_HD bool has_bound(const JointRow<Real>& r) {
+    return r.least > -largest_number<Real>() || r.compliance > Real(0);
+  }
+  /// The largest velocity of the rows that are held, with that of a motor without a bound.
+  SCREE_HD double left_of(const JointFrames& joint, const JointRow<Real>& r,
+                          const Twist<Real>& a_twist, const Twist<Real>& b_twist) const {
+    const JointValues<Real> u = r.velocity(JointRows<Real>::velocity(r, a_twist, b_twist));
+    double most = 0;
+    for (int k = 0; k < kJointRows; ++k) {
+      const bool is_held =
+          (joint.held >> k & 1u) != 0 || (k == kJointAxisRow && !r.is_last_driven());
+      if (is_held && r.inverse_pivot(k) > Real(0))
+        most = largest(most, std::abs(static_cast<double>(u[k])));
+    }
+    return most;
+  }
+  SCREE_HD double prescribed_speed(Index i, double reach) const {
+    if (i == places.world || bodies.moves(i)) return 0;
+    return static_cast<double>(norm(bodies.velocity[i])) +
+           reach * static_cast<double>(norm(bodies.angular_velocity[i]));
+  }
+  SCREE_HD Twist<Real> free_velocity(Index i) const {
+    return i == places.world ? Twist<Real>{} : free[i];
+  }
+  static SCREE_HD double largest(double x, double y) { return x > y ? x : y; }
+
   SCREE_HD void note_motion(const JointFrames& joint, int which, const JointSide& side,
                             const Twist<Real>& twist, JointSums& sums) const {
     const Index i = places.of(joint.body[which]);
@@ -157,6 +205,7 @@ struct PlanLess {
   Span<const Index> order;  ///< joint of each row
   Span<const JointRow<Real>> planned;
   Real share = 0;
+  Real give = 0;  ///< by which rows give way to impulses, in parts of the mobility of their joint
   Span<JointRow<Real>> row;  ///< out
 
   SCREE_HD void operator()(Index k) const {
@@ -168,6 +217,7 @@ struct PlanLess {
     const Real at_rest = r.inverse_pivot(kJointAxisRow) * r.bias[kJointAxisRow];
     if (r.fastest < at_rest) r.fastest = at_rest + share * (r.fastest - at_rest);
     if (r.slowest > at_rest) r.slowest = at_rest + share * (r.slowest - at_rest);
+    r.give = give * r.scale;
     row[k] = r;
   }
 };

@@ -43,6 +43,7 @@ struct JointFrames {
   JointForm form = JointForm::point;
   unsigned held = 0;  ///< rows that it has, see JointRow
   double zero = 0;    ///< position that counts as zero [m]
+  double reach = 0;   ///< what turns with its bodies is no farther away [m]
   JointDrive drive;
   double break_force = INFINITY;   ///< a joint that carries more is no more [N]
   double break_moment = INFINITY;  ///< [N m]
@@ -223,6 +224,9 @@ struct JointSums {
   double speed_before = 0, speed = 0;
   /// Of the free bodies, once for each of their joints: without joints and contacts, at the end, and their mass [J, kg].
   double free_energy = 0, energy = 0, mass = 0;
+  double driven = 0;  ///< largest speed that a drive or a prescribed body asks for [m/s]
+  double forced = 0;  ///< the same without drives of bounded force [m/s]
+  double left = 0;    ///< largest velocity of a row that should have none [m/s]
   SCREE_HD void combine(const JointSums& o) {
     const bool is_first = o.max_error == max_error && o.max_error_joint < max_error_joint;
     if (o.max_error > max_error || is_first) {
@@ -235,6 +239,9 @@ struct JointSums {
     free_energy += o.free_energy;
     energy += o.energy;
     mass += o.mass;
+    if (o.driven > driven) driven = o.driven;
+    if (o.forced > forced) forced = o.forced;
+    if (o.left > left) left = o.left;
   }
 };
 

@@ -25,7 +25,7 @@ inline Scene weak_motor(double& moment) {
 
 constexpr double kPress = 50;
 
-/// A plate of 2 kg, 1, above a fixed one that a motor presses it on with 50 N, without gravity.
+/// A plate of 2 kg, 1, 5 cm above a fixed one that a motor presses it on with 50 N, without gravity.
 inline Scene press(const JointMotor& motor) {
   Scene scene = default_scene();
   scene.gravity = {};
@@ -37,14 +37,14 @@ inline Scene press(const JointMotor& motor) {
   return scene;
 }
 
-/// A lever on a hinge, 1, that a motor presses on a block at 0.5 m of it with 50 N m, without gravity.
-inline Scene lever_on_a_block() {
+/// A lever on a hinge, 1, that a motor presses on a block at 0.5 m of it with 50 N m, without gravity. It begins 0.01 rad above it.
+inline Scene lever_on_a_block(const JointMotor& motor = {.speed = 1, .max_force = kPress}) {
   Scene scene = default_scene();
   scene.gravity = {};
   add_wall_box(scene, {0.5, 0, -0.12}, {0.02, 0.1, 0.1});
   add_box(scene, {0.4, 0, 0}, {0.4, 0.05, 0.015}, 3);
   Joint hinge = joint_of(JointKind::hinge, kWorldBody, 1, {}, {0, 1, 0});
-  hinge.motor = JointMotor{.speed = 1, .max_force = kPress};
+  hinge.motor = motor;
   scene.joints = {hinge};
   return scene;
 }

@@ -128,14 +128,32 @@ TEST_P(WeakDrives, MotorsPressWithTheirForceWithoutGravity) {
   }
 }
 
+/// The same of motors with a position beyond what they press on: tolerances went down to rounding, or up to what bodies may sink.
+TEST_P(WeakDrives, MotorsWithAPositionPressWithoutGravity) {
+  for (const JointMotor& motor :
+       {JointMotor{.position = -0.25, .stiffness = kPress / 0.2, .damping = 50},
+        JointMotor{.position = -1, .stiffness = 1000, .damping = 100, .max_force = kPress}}) {
+    World world = world_of(press(motor));
+    expect_in_steps(world, -kPress, [&] { return force_on_first(world).z; });
+  }
+}
+
+/// Of a block, about the hinge of lever_on_a_block() [N m].
+double moment_on_block(World& world) {
+  double moment = 0;
+  for (const ContactRecord& c : world.contacts())
+    moment += 1e3 * cross(c.point, c.body_a == 0 ? -c.impulse : c.impulse).y;
+  return moment;
+}
+
 TEST_P(WeakDrives, AMotorPressesALeverWithItsMomentWithoutGravity) {
-  World world = world_of(lever_on_a_block());
-  expect_in_steps(world, kPress, [&] {
-    double moment = 0;  // about the hinge, of the block
-    for (const ContactRecord& c : world.contacts())
-      moment += 1e3 * cross(c.point, c.body_a == 0 ? -c.impulse : c.impulse).y;
-    return moment;
-  });
+  for (const JointMotor& motor :
+       {JointMotor{.speed = 1, .max_force = kPress},
+        JointMotor{.position = 1.01, .stiffness = kPress, .damping = 5},
+        JointMotor{.position = 2, .stiffness = kPress, .damping = 5, .max_force = kPress}}) {
+    World world = world_of(lever_on_a_block(motor));
+    expect_in_steps(world, kPress, [&] { return moment_on_block(world); });
+  }
 }
 
 }  // namespace

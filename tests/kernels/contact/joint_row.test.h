@@ -225,7 +225,7 @@ std::pair<double, double> impulses_at(const JointRow<double>& d, double w) {
 }
 
 // Motor or spring, friction and limits together: what is found is an impulse that they give at the
-// velocity that the impulse leaves.
+// velocity that the impulse leaves, beside that by which the row gives way.
 TYPED_TEST(JointRowTest, DrivenRowGivesWhatItsPartsGive) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -239,11 +239,12 @@ TYPED_TEST(JointRowTest, DrivenRowGivesWhatItsPartsGive) {
     if (trial % 4 < 2) row.friction = some();
     row.rest = some() - TypeParam(0.5);
     if (trial % 7 < 4) row.fastest = some() - TypeParam(0.2);
+    if (trial % 9 < 3) row.give = some();
     if (trial % 7 > 2) row.slowest = (row.fastest < 1 ? row.fastest : TypeParam(0)) - some();
     const double step = 0.1 + 3 * uniform(random);
     const double given = 6 * uniform(random) - 3;
     const double found = this->run(row, {given * Vector6::Unit(5)}, step).nearest[0](5);
-    const double w = (found - given) / step;
+    const double w = (found - given) / step + row.give * found;
     JointRow<double> same;
     same.least = row.least, same.most = row.most, same.compliance = row.compliance;
     same.friction = row.friction, same.rest = row.rest;
@@ -260,6 +261,16 @@ TYPED_TEST(JointRowTest, DrivenRowGivesWhatItsPartsGive) {
     ++(is_limited ? at_limit : sticks ? sticking : row.compliance > 0 ? free : bounded);
   }
   for (const int count : {at_limit, sticking, bounded, free}) EXPECT_GT(count, 15);
+}
+
+// All rows that give way do so by the same times their impulse.
+TYPED_TEST(JointRowTest, RowsThatGiveWayAreSprings) {
+  JointRow<TypeParam> row = this->joint_of(Matrix6::Identity(), kAll);
+  row.least = -largest_number<TypeParam>(), row.most = largest_number<TypeParam>();
+  row.give = TypeParam(0.5);
+  const Vector6 given = this->random_vector();
+  const Vector6 found = this->run(row, {given}, 0.25).nearest[0];
+  EXPECT_LT(((found - given) / 0.25 + 0.5 * found).norm(), 20 * this->kTolerance);
 }
 
 // Friction in any direction: the moments nearest to those given, in the coordinates of solvers, that are no more than it gives in

@@ -32,7 +32,7 @@ enum class RankCalls {
 struct WorldOptions {
   BackendKind backend = BackendKind::cpu;
   Precision precision = Precision::single_precision;
-  int threads = 0;  ///< CPU backend: 0 takes what OpenMP offers
+  int threads = 0;  ///< CPU backend: 1 or more; 0 takes what OpenMP offers
   /// Number of the device among those of the backend: CUDA devices as the runtime counts them,
   /// which respects CUDA_VISIBLE_DEVICES; the CPU is device 0. Worlds of one process may use one
   /// device or several, from one thread or each from its own.

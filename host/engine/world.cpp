@@ -35,6 +35,9 @@ std::unique_ptr<Dynamics> own_dynamics(Scene scene, const WorldOptions& options)
   if (!backend_available(options.backend, &reason, options.device))
     throw InputError((options.backend == BackendKind::cuda ? "backend cuda: " : "backend cpu: ") +
                      reason);
+  if (options.threads < 0)
+    throw InputError("threads are " + std::to_string(options.threads) +
+                     ", expected 1 or more, or 0 for as many as OpenMP offers");
   require_solver(scene, options);
 #ifdef SCREE_HAS_CUDA
   if (options.backend == BackendKind::cuda) {

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "dynamics/rigid/shared_constants.h"
+#include "host/error.h"
 #include "host/state_hash.h"
 #include "tests/physics/scene_builder.h"
 
@@ -47,6 +48,17 @@ TEST_P(Determinism, TheThreadCountChangesNoBit) {
   const auto one = hashes(scene, cpu_options(1, GetParam()), 50);
   EXPECT_EQ(one, hashes(scene, cpu_options(2, GetParam()), 50));
   EXPECT_EQ(one, hashes(scene, cpu_options(3, GetParam()), 50));
+}
+
+TEST(WorldThreads, NegativeOnesAreRefused) {
+  const Scene scene = empty_scene(1e-3, 0);
+  try {
+    World(scene, cpu_options(-3));
+    FAIL() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "threads are -3, expected 1 or more, or 0 for as many as OpenMP offers");
+  }
 }
 
 TEST_P(Determinism, RunsRepeat) {

@@ -14,6 +14,7 @@ struct JointCorrection {
   const Scene& scene;
   double tolerance = 0;    ///< of solves [m/s]
   double start_error = 0;  ///< of joints at the start of the step [m]
+  double way_back = 0;     ///< longest of a point of a body to where limits are passed no more [m]
 };
 
 /// Solves the problem again as long as joints would not lie where they belong at the end of the step, and that helps. Where the
@@ -54,9 +55,12 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
   const double speed = kMostRecoveries * stepping.max_recovery_speed;
   // Nor with more energy than the errors at the start account for: where a chain lies in a straight line, what moves across is pulled
   // back to the line in each step, faster and faster. Drives and what is prescribed add energy without errors, too.
-  const double pulled =
-      std::min(wanted.start_error / stepping.time_step, stepping.max_recovery_speed);
-  const double allowed = kMostGain * end.free_energy + 0.5 * end.mass * pulled * pulled;
+  const auto speed_for = [&](double way) {
+    return std::min(way / stepping.time_step, stepping.max_recovery_speed);
+  };
+  const double pulled = speed_for(wanted.start_error), back = speed_for(wanted.way_back);
+  const double allowed = kMostGain * end.free_energy +
+                         0.5 * end.mass * std::max(pulled * pulled, kMostGain * back * back);
   if (end.error <= error && end.speed <= kWorse * end.speed_before + speed && end.energy <= allowed)
     return;
   const auto planned = end;

@@ -159,10 +159,11 @@ class RigidDynamics final : public ModelOn<B, Real> {
     }
     problem.mark = mark.view();
     const Offset contacts_of_all = problem.all_contacts;
+    typename Joints<B, Real>::Worst worst;
     if (joints_.count() > 0) {
       joints_.join(b, bodies, scene_.stepping, periodic_box().length, assembled, gamma);
       assembly_.share(b, assembled);  // joints are among what bodies have
-      const auto worst = joints_.worst(b);
+      worst = joints_.worst(b);
       report.max_joint_error = worst.error;
       report.max_joint_error_joint = worst.joint;
     }
@@ -182,8 +183,8 @@ class RigidDynamics final : public ModelOn<B, Real> {
     SolveStats stats = solver_->solve(b, problem, gamma, tolerance);
     if (joints_.count() > 0 && tolerance > 0)
       correct_joints(
-          b, joints_, bodies, *solver_, problem, gamma, {scene_, tolerance, report.max_joint_error},
-          stats,
+          b, joints_, bodies, *solver_, problem, gamma,
+          {scene_, tolerance, worst.error, worst.way_back}, stats,
           [&] {
             return joints_.correct(b, bodies, problem, scene_.stepping, periodic_box().length,
                                    solver_->velocity());

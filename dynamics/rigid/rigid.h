@@ -205,7 +205,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (tracks_forces_) sum_forces(bodies, contacts, gamma, problem.rolling);
     IntegrateSums moved =
         integration_.run(b, bodies, solver_->velocity(), summary_.layout, h, periodic_box(),
-                         detector_.walls(), detector_.held_pairs(), seen);
+                         detector_.walls(), detector_.held_pairs(), seen, obstacles_.shapes());
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
     const Index bad_body = moved.bad_body;

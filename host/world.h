@@ -83,7 +83,7 @@ struct StepReport {
   int max_joint_error_joint = -1;  ///< number of that joint in Scene::joints, -1: none is off
   double max_cone_violation = 0;   ///< max(|gamma_t| - mu gamma_n) [N s]
   double kinetic_energy = 0;       ///< after the step [J]
-  int stopped = 0;                 ///< spheres that were stopped at a box or mesh wall
+  int stopped = 0;                 ///< bodies that were stopped at a box or mesh wall
   double max_turn = 0;      ///< largest turn of a body in the step, of models that bound it [rad]
   std::vector<double> own;  ///< quantities of the model, see Own in dynamics_card.h
   /// With several ranks: bodies of the fullest one over the mean, and ghosts over all free bodies.

@@ -16,8 +16,9 @@ struct JointCorrection {
   double tolerance = 0;    ///< of solves [m/s]
   double reference = 0;    ///< v*, see reference_speed() [m/s]
   double start_error = 0;  ///< of joints at the start of the step [m]
-  bool has_contacts =
-      false;  ///< on any rank: bodies that no joint holds may give energy to those of joints
+  double way_back = 0;     ///< longest of a point of a body to where limits are passed no more [m]
+  /// On any rank: bodies that no joint holds may give energy to those of joints.
+  bool has_contacts = false;
 };
 
 /// Solves the problem again as long as joints would not lie where they belong at the end of the step, and that helps. Where the
@@ -63,9 +64,13 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
   const double speed = kMostRecoveries * stepping.max_recovery_speed;
   // Nor with more energy than the errors at the start account for: where a chain lies in a straight line, what moves across is pulled
   // back to the line in each step, faster and faster. Drives and what is prescribed add energy without errors, too.
-  const double pulled =
-      std::min(wanted.start_error / stepping.time_step, stepping.max_recovery_speed);
-  const double allowed = kMostGain * end.free_energy + 0.5 * end.mass * pulled * pulled;
+  const auto speed_for = [&](double way) {
+    return std::min(way / stepping.time_step, stepping.max_recovery_speed);
+  };
+  const double pulled = speed_for(wanted.start_error);
+  const double back = std::sqrt(kMostGain) * speed_for(wanted.way_back);
+  const double recovery = std::max(pulled, back);
+  const double allowed = kMostGain * end.free_energy + 0.5 * end.mass * recovery * recovery;
   const auto solve_for = [&](double share) {
     joints.plan(b, bodies, share, /*give=*/0, gamma);
     solve_again(has_guess);
@@ -91,7 +96,7 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
   // A motor that nothing bounds, or a prescribed body, against joints or contacts that do not let it: no velocities do what all ask
   // for, or absurd ones do, as of bodies that spin so fast that anchors that are apart go where the motor wants them. So the rows of
   // all joints give way by a part of their impulses: velocities are those of the least squares of what is left, but for that part.
-  const double asked = pulled + end.driven;
+  const double asked = recovery + end.driven;
   // In terms of speeds: what drives give adds to what there is.
   const bool is_too_fast = std::sqrt(end.energy) > std::sqrt(kMostGain * end.free_energy) +
                                                        std::sqrt(0.5 * end.mass) * asked;

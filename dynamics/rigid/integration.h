@@ -15,13 +15,14 @@ class Integration {
   /// Gives owned bodies the velocities that a solver found, and moves them; ghosts are for their
   /// owners to move. One host read.
   /// @param solved  of the problem of the step [bodies.count]
-  /// @param walls   that spheres may not pass
+  /// @param walls   that centers of bodies may not pass
   /// @param held    bodies that do not touch each other
   /// @param parts   that `walls` names
+  /// @param shapes  of bodies
   IntegrateSums run(B& b, const BodyView<Real>& bodies, Span<const Twist<Real>> solved,
                     ContactLayout layout, double h, const PeriodicBox& box,
                     const WallView<Real>& walls, const IgnoredPairs& held,
-                    const BodyView<Real>& parts) {
+                    const BodyView<Real>& parts, Span<const ShapeRecord<Real>> shapes) {
     const Index n = bodies.owned_count;
     Buffer<B, Twist<Real>> plain(b);
     if (layout == ContactLayout::mixed) {
@@ -36,7 +37,7 @@ class Integration {
                             StoreResult<IntegrateSums>{sums_.data()});
     };
     if (walls.solids.size > 0) {
-      along(GuardedWay<Real>{bodies, walls, box.length, h, held, parts});
+      along(GuardedWay<Real>{bodies, walls, box.length, h, held, parts, shapes});
     } else {
       along(StraightWay<Real>{bodies, h});
     }

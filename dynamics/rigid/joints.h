@@ -152,12 +152,13 @@ class Joints {
   struct Worst {
     double error =
         0;  ///< distance of two anchors, or turn of two axes times the size of a body [m]
-    Index joint = -1;  ///< in the order of the scene; -1: no joint is off
+    Index joint = -1;     ///< in the order of the scene; -1: no joint is off
+    double way_back = 0;  ///< longest of a point to where a limit is passed no more [m]
   };
   /// At the start of the step, of all ranks. One host read.
   Worst worst(B& b) const {
     const JointSums sums = over_ranks(b, fetch(b, sums_.data()));
-    return {sums.max_error, in_scene(sums.max_error_joint)};
+    return {sums.max_error, in_scene(sums.max_error_joint), sums.way_back};
   }
 
   /// Where joints will be with velocities that a solver found, of all ranks.

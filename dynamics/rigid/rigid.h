@@ -159,10 +159,11 @@ class RigidDynamics final : public ModelOn<B, Real> {
     }
     problem.mark = mark.view();
     const Offset contacts_of_all = problem.all_contacts;
+    typename Joints<B, Real>::Worst worst;
     if (joints_.count() > 0) {
       joints_.join(b, bodies, scene_.stepping, periodic_box().length, assembled, gamma);
       assembly_.share(b, assembled);  // joints are among what bodies have
-      const auto worst = joints_.worst(b);
+      worst = joints_.worst(b);
       report.max_joint_error = worst.error;
       report.max_joint_error_joint = worst.joint;
     }
@@ -183,7 +184,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (joints_.count() > 0 && tolerance > 0)
       correct_joints(
           b, joints_, bodies, *solver_, problem, gamma,
-          {scene_, tolerance, reference, report.max_joint_error,
+          {scene_, tolerance, reference, worst.error, worst.way_back,
            (shared_ ? contacts_of_all : contacts.count) > 0},
           stats,
           [&] {
@@ -206,7 +207,7 @@ class RigidDynamics final : public ModelOn<B, Real> {
     if (tracks_forces_) sum_forces(bodies, contacts, gamma, problem.rolling);
     IntegrateSums moved =
         integration_.run(b, bodies, solver_->velocity(), summary_.layout, h, periodic_box(),
-                         detector_.walls(), detector_.held_pairs(), seen);
+                         detector_.walls(), detector_.held_pairs(), seen, obstacles_.shapes());
     solver_->forget_velocity();  // in favor of the next search for contacts
     loads_.finish();
     const Index bad_body = moved.bad_body;

@@ -373,7 +373,7 @@ class Run {
           record_.transport.empty() ? "" : ", transport " + record_.transport, largest_share_));
     if (record_.totals.stopped() > 0) {
       progress.note(fmt::format(
-          "warning: spheres were stopped {} times at a box or mesh wall that their contacts of the "
+          "warning: bodies were stopped {} times at a box or mesh wall that their contacts of the "
           "step did not know; a smaller time step follows them better",
           record_.totals.stopped()));
     }

@@ -122,7 +122,8 @@ struct ConvexOnMesh {
       return !on.is_inner(corner, meeting, t, feature);
     }
     SCREE_HD bool reaches(const Vec3d& x) const {
-      return on.is_in_notch(corner, t, d, x, meeting.tie);
+      return on.is_in_notch(corner, t, d, x, meeting.tie) ||
+             on.is_before(corner, x, on.deepest(meeting.a), meeting.tie);
     }
     SCREE_HD bool has_middle(bool is_met) const {
       return is_met || on.is_over(corner, corner.way, 0);
@@ -213,15 +214,27 @@ struct ConvexOnMesh {
                         bool is_middle_over) const {
     const Vec3d n = corner.core.normal;
     const double tie = 1e-5 * body.size();
-    const double deepest = body.rounding + kDeepest * box_box_parts::smallest(body.half);
+    const double most = deepest(body);
     CoreFacet face;
     body.facing(-n, body.top(-n), face);
     for (int k = 0; k < face.count; ++k) {
       const Vec3d& x = face.point[k];
-      if (!is_middle_over && dot(x - corner.core.center, n) < -deepest) continue;
+      if (is_before(corner, x, most, tie)) return true;
+      if (!is_middle_over && dot(x - corner.core.center, n) < -most) continue;
       if (is_over(corner, x, tie) || is_in_notch(corner, t, d, x, tie)) return true;
     }
     return false;
+  }
+  /// Depth from which a body is too deep to be held by a plane that is not its shortest way out [m].
+  SCREE_HD static double deepest(const ConvexCore& body) {
+    return body.rounding + kDeepest * box_box_parts::smallest(body.half);
+  }
+
+  /// Whether a triangle lies between the middle of A and a point that is too deep: on whatever way it went there, it goes back.
+  SCREE_HD bool is_before(const Corner& corner, const Vec3d& x, double most, double tie) const {
+    const Vec3d n = corner.core.normal;
+    const double from = -dot(corner.core.center, n), to = from + dot(x, n);
+    return to < -most && from > 0 && is_over(corner, (from / (from - to)) * x, tie);
   }
 
   /// Whether a point lies over a triangle, or below it.

@@ -1,5 +1,5 @@
 #pragma once
-// The way of a free sphere in one step, as the solved velocities lead it, but not through
+// The way of a free body in one step, as the solved velocities lead it, but not through
 // solid walls.
 //
 // Contacts hold a sphere off what it would meet on the way it had before they acted. One that
@@ -8,9 +8,12 @@
 // center would come nearer to a part of the wall than most of the radius, the sphere stops as it
 // touches that part, and slides along it for the rest of the step. Its velocity stays, and is for
 // the contacts of the next step.
+// Of other convex bodies that is the ball of MiddleContact: whatever else of a body that spins is behind a wall, its center, by which
+// the side that it belongs to is told, stays before it.
 
 #include "kernels/narrow_phase/ignored_pairs.h"
 #include "kernels/narrow_phase/mesh_way.h"
+#include "kernels/narrow_phase/pairs/middle_contact.h"
 #include "kernels/narrow_phase/wall_contacts.h"
 #include "shapes/shape_list.h"
 
@@ -46,18 +49,19 @@ template <class Real>
 struct GuardedWay {
   BodyView<Real> bodies;
   WallView<Real> walls;
-  Vec3d period;          ///< [m]; zero: not periodic
-  double time_step;      ///< h [s]
-  IgnoredPairs held;     ///< bodies that do not touch each other
-  BodyView<Real> parts;  ///< that `walls` names
+  Vec3d period;                           ///< [m]; zero: not periodic
+  double time_step;                       ///< h [s]
+  IgnoredPairs held;                      ///< bodies that do not touch each other
+  BodyView<Real> parts;                   ///< that `walls` names
+  Span<const ShapeRecord<Real>> records;  ///< of bodies that are no spheres
 
-  /// Where sphere i is after the step.
+  /// Where body i is after the step.
   /// @param v        its velocity [m/s]
   /// @param stopped  out: it did not go all its way
   SCREE_HD Vec3d end(Index i, const Vec3<Real>& v, bool& stopped) const {
     const Vec3d straight = time_step * Vec3d(v);
-    if (bodies.shape[i] >= 0) return bodies.position[i] + straight;
-    const auto radius = static_cast<double>(bodies.radius[i]);
+    const double radius = guarded_radius(i);
+    if (!(radius > 0)) return bodies.position[i] + straight;
     Leg leg;
     leg.start = bodies.position[i];
     leg.way = straight;
@@ -83,6 +87,17 @@ struct GuardedWay {
   }
 
  private:
+  /// Radius of the ball about the center of a body that is followed [m]; 0: there is none.
+  SCREE_HD double guarded_radius(Index i) const {
+    if (bodies.shape[i] < 0) return static_cast<double>(bodies.radius[i]);
+    const ShapeRecord<Real>& shape = records[bodies.shape[i]];
+    if (shape.kind == shapes::Compound::kind) return 0;
+    const Vec3d half(shape.half_extents);
+    const double least = half.x < half.y ? half.x : half.y;
+    return MiddleContact::kBall *
+           ((least < half.z ? least : half.z) + static_cast<double>(shape.rounded.radius));
+  }
+
   /// Straight parts of a way.
   static constexpr int kMostLegs = 6;
   /// Straight parts by which the way past a turning wall is followed.

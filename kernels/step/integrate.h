@@ -126,7 +126,7 @@ struct IntegrateSums {
   double kinetic_energy = 0;  ///< [J]
   Index bad_body = -1;        ///< lowest storage index with a state that is not finite, too far
                               ///< out or too fast
-  Index stopped = 0;          ///< spheres that a wall kept from going all their way
+  Index stopped = 0;          ///< bodies that a wall kept from going all their way
   SCREE_HD void combine(const IntegrateSums& o) {
     kinetic_energy += o.kinetic_energy;
     stopped += o.stopped;

@@ -69,8 +69,8 @@ struct CorrectJoint {
                              turning_about_axis(now.frame, Vec3<double>(a_twist.angular),
                                                 Vec3<double>(b_twist.angular)) /
                              now.gear,
-                         bounds, now.gear * length, JointRows<Real>::velocity(r, a_twist, b_twist),
-                         r, sums.end_error);
+                         bounds, now.gear * length, recovery_speed * share_of_points(r, a, b),
+                         JointRows<Real>::velocity(r, a_twist, b_twist), r, sums.end_error);
     const JointValues<Real> off = r.rows(Vec3<Real>((1 / h) * gap), Vec3<Real>((1 / h) * turn));
     for (int i = 0; i < kJointRows; ++i)
       if ((joint.held >> i & 1u) != 0) r.bias[i] += off[i];
@@ -88,13 +88,14 @@ struct CorrectJoint {
   /// @param start  position at the start of the step [m or rad]
   /// @param turn   by which B turns against A in it [rad]
   /// @param length of the last row, where that is a moment [m]
+  /// @param most   of its velocity back to the limits [m/s]
   /// @param u      velocities of the rows in the coordinates of solvers
   /// @param beyond  out: how far the joint ends beyond its limits [m]
   /// @return  how far beyond what is allowed of that
   SCREE_HD double correct_limits(const JointFrames& joint, const JointMeasure& end, double sign,
                                  double start, double turn, const JointBounds& bounds,
-                                 double length, const JointValues<Real>& u, JointRow<Real>& r,
-                                 double& beyond) const {
+                                 double length, double most, const JointValues<Real>& u,
+                                 JointRow<Real>& r, double& beyond) const {
     const double h = time_step, unit = r.force_is_last ? 1 : length;
     const double x = sign * start;
     double x_end = sign * joint_position(joint.form, end, sign, joint.zero, start + sign * turn);
@@ -103,7 +104,7 @@ struct CorrectJoint {
         dot(rotate(end.frame, {0, 0, 1}), Vec3<double>(r.axes[2])) < 0)
       x_end = -x_end;
     // Where the joint is far beyond, a part of the way is allowed, see JointSetup.
-    const double part = h * recovery_speed / unit;
+    const double part = h * most / unit;
     JointBounds allowed = bounds;
     if (x - part > allowed.upper) allowed.upper = x - part;
     if (x + part < allowed.lower) allowed.lower = x + part;

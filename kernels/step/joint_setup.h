@@ -10,6 +10,7 @@
 #include "kernels/math/dense.h"
 #include "kernels/math/pair_key.h"
 #include "kernels/step/joint_measure.h"
+#include "kernels/step/joint_recovery.h"
 
 namespace scree {
 
@@ -200,26 +201,13 @@ SCREE_HD Real limited_value(double value) {
   return static_cast<Real>(value > kMost ? kMost : (value < -kMost ? -kMost : value));
 }
 
-/// Scale of the moment rows: the radius of the smaller free body [m].
-SCREE_HD inline double length_of_joint(const JointSide& a, const JointSide& b) {
-  return b.is_free && b.radius < a.radius ? b.radius : a.radius;
-}
-
-/// Speed that takes an error away in the step, or the largest that is allowed [m/s].
-/// @param length  of the error's unit [m]
-/// @param most    [m/s]
-SCREE_HD inline Vec3<double> joint_recovery(const Vec3<double>& error, double length,
-                                            double time_step, double most) {
-  const Vec3<double> speed = (length / time_step) * error;
-  const double size = norm(speed);
-  return size > most ? (most / size) * speed : speed;
-}
-
 /// What the set-up of joints adds up.
 struct JointSums {
   double max_error = 0;  ///< distance of two anchors, or turn times length, that should be zero [m]
   Index max_error_joint = -1;  ///< the first of those with that error; -1: none has one
-  double end_error = 0;        ///< at the end of the step, with what limits are passed by then [m]
+  /// Longest way of a point of a body back to where a limit is passed no more [m].
+  double way_back = 0;
+  double end_error = 0;  ///< at the end of the step, with what limits are passed by then [m]
   /// Of the fastest point of a free body, as of a ball, at the start and at the end [m/s].
   double speed_before = 0, speed = 0;
   /// Of the free bodies, once for each of their joints: without joints and contacts, at the end, and their mass [J, kg].
@@ -233,6 +221,7 @@ struct JointSums {
       max_error = o.max_error;
       max_error_joint = o.max_error_joint;
     }
+    if (o.way_back > way_back) way_back = o.way_back;
     if (o.end_error > end_error) end_error = o.end_error;
     if (o.speed_before > speed_before) speed_before = o.speed_before;
     if (o.speed > speed) speed = o.speed;
@@ -329,6 +318,7 @@ struct JointSetup {
       r.friction = limited_value<Real>(time_step * joint.drive.friction / length);
     } else if (is_driven) {
       sums.max_error = drive(joint.drive, m.gear, sign, position, a, b, r);
+      sums.way_back = sums.max_error / share_of_points(r, a, b);
     }
     row[k] = r;
     normal[k] = r.axes[2];
@@ -458,8 +448,9 @@ struct JointSetup {
       level = sign * unit * d.target;
     }
     double fastest = unit * (bounds.upper - x) / h, slowest = unit * (bounds.lower - x) / h;
-    if (fastest < -recovery_speed) fastest = -recovery_speed;
-    if (slowest > recovery_speed) slowest = recovery_speed;
+    const double most = recovery_speed * share_of_points(r, a, b);
+    if (fastest < -most) fastest = -most;
+    if (slowest > most) slowest = most;
     r.bias[kJointAxisRow] = static_cast<Real>(drift - level);
     // In the coordinates of solvers.
     const double impulse = h / (unit * inverse);

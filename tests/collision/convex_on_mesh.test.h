@@ -89,6 +89,32 @@ TYPED_TEST(ConvexOnMeshTest, AllSidesOfAPitHoldACornerBelowIt) {
   }
 }
 
+// It leans over the bottom of the valley: its middle is over one side, its tip came through the other one. The nearest way out
+// of that leads past the bottom.
+TYPED_TEST(ConvexOnMeshTest, TheSideThatANeedleWentThroughHoldsItsTip) {
+  using Real = TypeParam;
+  const double slope = this->kSlope, inside = 6e-3, x = 5e-4, lean = std::atan(1.0);
+  const Vec3<double> half{2.5e-4, 2.5e-4, 2e-2};
+  for (const double side : {-1.0, 1.0}) {
+    const Quat<double> q = exp_map(Vec3<double>{0, -side * lean, 0});
+    const Vec3<double> through{side * x, 0.21, slope * x};
+    const Vec3<double> center = through + rotate(q, Vec3<double>{0, 0, half.z - inside});
+    CollisionScene<Real> s;
+    s.settings.envelope = 1e-3;
+    s.add_free_box(center, half, Quat<Real>(q));
+    s.add_mesh_wall({0, 0, 0}, this->valley());
+    CollisionRun<TestBackend, Real> run(this->backend(), s);
+    const Vec3<double> up = normalized(Vec3<double>{-side * slope, 0, 1});
+    double lowest = 0, deepest = 0;
+    for (const double corner : {-half.x, half.x})
+      lowest = std::min(lowest, dot(center + rotate(q, Vec3<double>{corner, half.y, -half.z}), up));
+    ASSERT_LT(lowest, -5e-3);
+    for (const HostContact& c : run.detect())
+      if (norm(c.normal + up) < this->kEps) deepest = std::min(deepest, c.gap);
+    EXPECT_NEAR(deepest, lowest, this->kEps) << side;
+  }
+}
+
 TYPED_TEST(ConvexOnMeshTest, ACornerOverAValleyMeetsBothSidesOnce) {
   const Vec3<double> tip{0, 0.21, this->kDepth};
   EXPECT_EQ(this->contacts(this->valley(), tip, 0.1).size(), 2u);

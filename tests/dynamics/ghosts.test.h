@@ -417,7 +417,7 @@ TYPED_TEST(GhostStepTest, IntegrationLeavesGhostsAlone) {
         const WallView<Real> walls = world.run().detector().walls();
         EXPECT_EQ(walls.solids.size > 0, has_box);
         const IntegrateSums sums = Integration<TestBackend, Real>(b).run(
-            b, bodies, rates.view(), layout, 1e-3, {}, walls, {}, bodies);
+            b, bodies, rates.view(), layout, 1e-3, {}, walls, {}, bodies, {});
         EXPECT_NEAR(sums.kinetic_energy, expected, this->tolerance(1e-12, 1e-5) * expected);
         EXPECT_EQ(sums.bad_body, -1);
         energy[k] = sums.kinetic_energy;

@@ -103,5 +103,68 @@ TEST_P(RoughTerrain, HoldsTheCornersOfSmallBodies) {
   EXPECT_LT(deepest_corner(p.ground, p.bodies, p.seed, p.time_step, p.seconds), 1e-3);
 }
 
+/// Needles and plates that are thinner than what they go in a step come down, each with a ball after it that drives it into the ground.
+/// @param spin  by which they turn in a step at first [rad]
+/// @return  how many of their centers are below the ground after a while
+int count_below(Ground ground, double spin, unsigned seed, Precision precision) {
+  constexpr int kRow = 10;
+  constexpr double kSpacing = 0.05, kSide = 0.55, kTimeStep = 1e-3;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> height(0, 0.08), size(4e-3, 8e-3), aside(-0.5, 0.5);
+  std::normal_distribution<double> normal;
+  const auto direction = [&] {
+    const double x = normal(random), y = normal(random), z = normal(random);
+    return normalized(Vec3d{x, y, z});
+  };
+  const HeightGrid grid = grid_of(23, 23, 1, 1, [&](double, double) { return height(random); });
+  Scene scene = empty_scene(kTimeStep, 0.1);
+  solve_to(scene, 1e-3);
+  scene.gravity = {0, 0, -kGravity};
+  const TriangleMesh solid = height_field_mesh("heights", grid, {kSide, kSide}, 0.05);
+  add_mesh(scene, ground == Ground::height_field ? solid : surface_of(solid, 0));
+  for (int k = 0; k < kRow * kRow; ++k) {
+    const double s = size(random), vx = aside(random), vy = aside(random);
+    const Vec3d place{kSpacing * (k % kRow - 0.5 * (kRow - 1)),
+                      kSpacing * (k / kRow - 0.5 * (kRow - 1)), 0};
+    BodyDescription body;
+    if (k % 2 == 0) {
+      set_hull(scene, body,
+               {{0, 0, 2.5 * s},
+                {0.2 * s, 0, 0},
+                {-0.1 * s, 0.17 * s, 0},
+                {-0.1 * s, -0.17 * s, 0},
+                {0, 0, -2.5 * s}});
+    } else {
+      body.shape.kind = shapes::Box::kind;
+      body.shape.half_extents = {s, s, 0.05 * s};
+    }
+    body.position = place + Vec3d{0, 0, 0.1};
+    body.velocity = {vx, vy, -1.5};
+    body.orientation = exp_map(kPi * direction());
+    body.angular_velocity = (spin / kTimeStep) * direction();
+    set_mass_from_density(body, 2500);
+    scene.bodies.push_back(body);
+    add_sphere(scene, place + Vec3d{0, 0, 0.135}, 0.01, 0.02).velocity = {vx, vy, -3};
+  }
+  World world(scene, cpu_options(1, precision));
+  run_for(world, scene, 0.1);
+  const BodyStates states = world.states();
+  int below = 0;
+  for (std::size_t i = 1; i < scene.bodies.size(); i += 2) {
+    const Vec3d& x = states.position[i];
+    if (std::abs(x.x) < 0.49 * kSide && std::abs(x.y) < 0.49 * kSide)
+      below += is_above(grid, kSide, kSide, x) ? 0 : 1;
+  }
+  return below;
+}
+
+TEST(RoughTerrainHits, CentersOfNeedlesAndPlatesStayAbove) {
+  constexpr auto kFloat = Precision::single_precision, kDouble = Precision::double_precision;
+  EXPECT_EQ(count_below(Ground::height_field, 0.05, 1, kFloat), 0);
+  EXPECT_EQ(count_below(Ground::height_field, 1, 4, kDouble), 0);
+  EXPECT_EQ(count_below(Ground::open_mesh, 0.05, 6, kDouble), 0);
+  EXPECT_EQ(count_below(Ground::open_mesh, 1, 7, kFloat), 0);
+}
+
 }  // namespace
 }  // namespace scree::physics

@@ -27,6 +27,11 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
                   const std::vector<std::string>& overrides = {},
                   std::vector<std::string>* notes = nullptr);
 
+/// What is found wrong with a scene after it was read, as read_scene() says it: with the file, and "(overridden)" where an override
+/// gave the value. @param fault  "<key path>: ..."
+std::string scene_fault(const std::filesystem::path& file,
+                        const std::vector<std::string>& overrides, const std::string& fault);
+
 /// The document that read_scene reads, with overrides applied and without comments: the record of
 /// what was run. @throws InputError
 std::string scene_text(const std::filesystem::path& file,

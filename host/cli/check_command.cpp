@@ -55,7 +55,7 @@ int check_scene(const CheckOptions& options) {
   std::vector<std::string> notes;
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides, &notes);
   const WorldOptions world = resolve_options(options.target, scene);
-  require_solver(scene, world);
+  require_known_solver(options.target, scene, world);
   const SceneSummary s = summarize_run(scene, world);
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
   const std::size_t memory = expected_memory(scene, world);

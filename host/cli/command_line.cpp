@@ -188,6 +188,16 @@ void add_device_options(CLI::App& command, RunTarget& target, const std::string&
       ->take_last();
 }
 
+CLI::Validator memory_limits() {
+  return {[](std::string& text) -> std::string {
+            double value = 0;
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            if (is_number && value > 0 && value <= 1e9) return {};
+            return text + " is not allowed: must be above 0 and up to 1e+09 [MiB]";
+          },
+          "", "memory limits"};
+}
+
 void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,
                          const std::string& precision) {
   add_device_options(command, target, backend, precision);
@@ -195,7 +205,7 @@ void add_backend_options(CLI::App& command, RunTarget& target, const std::string
       .add_option("--memory", target.memory,
                   "refuse what is expected to take more [MiB] (default: what is free)")
       ->type_name("MIB")
-      ->check(CLI::PositiveNumber & CLI::Range(0.0, 1e9))
+      ->check(memory_limits())
       ->take_last();
   command
       .add_option("--set", target.overrides,

@@ -10,6 +10,7 @@
 #include "host/error.h"
 #include "host/ranks/mpi_ranks.h"
 #include "host/ranks/nccl_messages.h"
+#include "host/scene_reader.h"
 
 namespace scree {
 namespace fs = std::filesystem;
@@ -128,6 +129,15 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   }
   set_transport(target.transport, options.backend, ranks.get());
   return options;
+}
+
+void require_known_solver(const RunTarget& target, const Scene& scene,
+                          const WorldOptions& options) {
+  try {
+    require_solver(scene, options);
+  } catch (const InputError& fault) {
+    throw InputError(scene_fault(find_scene(target.scene), target.overrides, fault.what()));
+  }
 }
 
 }  // namespace scree

@@ -38,4 +38,7 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene,
                              std::string* notice = nullptr,
                              const std::shared_ptr<Ranks>& ranks = nullptr);
 
+/// require_solver(), whose fault names the file of the scene.
+void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options);
+
 }  // namespace scree

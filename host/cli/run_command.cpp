@@ -138,7 +138,7 @@ class Run {
       check_steps_csv(directory_.steps_csv(), card_.report, checkpoint->state.step);
       if (writes_forces()) check_forces_csv(directory_.forces_csv(), checkpoint->state.step);
     }
-    require_solver(scene_, world_options_);
+    require_known_solver(options_.target, scene_, world_options_);
     require_memory(scene_, world_options_);
     if (scene_.output.surface_frames) require_surface_size(surface_size(scene_));
     start_clock_ = std::chrono::steady_clock::now();
@@ -555,7 +555,7 @@ int run_on_ranks(const RunOptions& options, const std::shared_ptr<Ranks>& ranks)
   std::optional<RunInput> input;
   const auto read = [&](RankReport& report) {
     input.emplace(options, ranks);
-    require_solver(input->scene, input->world);
+    require_known_solver(options.target, input->scene, input->world);
     require_memory(input->scene, input->world);
     report.scene = input->text;
     report.arithmetic =

@@ -54,7 +54,8 @@ std::optional<Fault> geometry_fault(const Joint& joint) {
         "length", fmt::format("{:g}", joint.length),
         fmt::format("must be up to {:g} [m], or negative for that at the start", kFarthest)};
   const double length = joint.length < 0 ? norm(joint.second_anchor - joint.anchor) : joint.length;
-  if (joint.kind == JointKind::distance && !(length > 0))
+  const bool has_direction = joint.kind == JointKind::distance || joint.kind == JointKind::cable;
+  if (has_direction && !(length > 0))
     return Fault{"anchors", "one point twice",
                  "a distance of zero has no direction; use a ball joint"};
   return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -12,6 +13,7 @@
 #include "host/scene/bodies_by_id.h"
 #include "host/scene_reader/ipc_scene.h"
 #include "host/scene_reader/parts.h"
+#include "solvers/solver_card.h"
 
 namespace scree {
 
@@ -36,15 +38,26 @@ Json document(const std::string& text, Source& source, const std::vector<std::st
   return json;
 }
 
+/// Notes parameters of other solvers.
+void note_other_parameters(const Node& solver, const std::string& name, Draft& draft) {
+  for (const auto& [parameter, able] : solver_parameters())
+    if (solver.has(parameter.key) && std::find(able.begin(), able.end(), name) == able.end())
+      draft.notes.push_back(fmt::format("solver.{} has no effect: \"{}\" has none, these have: {}",
+                                        parameter.key, name, fmt::join(able, ", ")));
+}
+
 /// Notes what a valid scene says that changes nothing.
 void note_without_effect(const Node& root, Draft& draft) {
   const Scene& scene = draft.scene;
-  if (!dynamics_card(scene.dynamics.type).has_contacts)
+  if (!dynamics_card(scene.dynamics.type).has_contacts) {
     for (const char* key : {"solver", "stepping", "collision"})
       if (root.find(key))
         draft.notes.push_back(fmt::format(
             "\"{}\" has no effect: the dynamics \"{}\" have keys of their own in \"dynamics\"", key,
             scene.dynamics.type));
+  } else if (const auto solver = root.find("solver")) {
+    note_other_parameters(*solver, scene.solver.name, draft);
+  }
   // Layers of a rain are batches of one entry, of which some may come.
   std::map<std::string, std::size_t> late;
   for (const Insertion& insertion : scene.insertions) {
@@ -96,11 +109,11 @@ void name_bodies(Draft& draft) {
     draft.scene.body_names[name] = id_of_entry[entry];
 }
 
-void validate_read(const Scene& scene, const std::string& file_name) {
+void validate_read(const Scene& scene, const Source& source) {
   try {
     validate(scene);
   } catch (const InputError& fault) {
-    throw InputError(file_name + ": " + fault.what());
+    throw InputError(placed_fault(source, fault.what()));
   }
 }
 
@@ -115,7 +128,7 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
   if (ipc::is_ipc_scene(json)) {
     std::vector<std::string> told;
     Scene scene = ipc::read_ipc_scene(root, told);
-    validate_read(scene, file_name);
+    validate_read(scene, source);
     if (notes != nullptr) *notes = std::move(told);
     return scene;
   }
@@ -145,7 +158,7 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
     draft.scene.insertions.push_back(std::move(insertion));
   }
   name_bodies(draft);
-  validate_read(draft.scene, file_name);
+  validate_read(draft.scene, source);
   note_without_effect(root, draft);
   note_whole_steps(draft);
   turn_camera(draft.scene);
@@ -156,6 +169,13 @@ Scene parse_scene(const std::string& text, const std::string& file_name,
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                  std::vector<std::string>* notes) {
   return parse_scene(read_text(file), file.string(), file.parent_path(), overrides, notes);
+}
+
+std::string scene_fault(const std::filesystem::path& file,
+                        const std::vector<std::string>& overrides, const std::string& fault) {
+  Source source{file.string(), file.parent_path(), {}};
+  document(read_text(file), source, overrides);
+  return placed_fault(source, fault);
 }
 
 std::string scene_text(const std::filesystem::path& file,

@@ -56,18 +56,25 @@ std::string nearest_hint(const std::string& wrong, const std::vector<std::string
   return name.empty() ? "" : "; did you mean \"" + name + "\"?";
 }
 
-std::string Node::place() const {
-  std::string result = source_->file_name + ": " + (path_.empty() ? "document" : path_);
-  // The value itself was overridden, or something around it or inside it.
-  for (const std::string& path : source_->overridden) {
-    const std::string& longer = path_.size() > path.size() ? path_ : path;
-    const std::size_t shared = std::min(path_.size(), path.size());
-    if (shared > 0 && path_.compare(0, shared, path, 0, shared) == 0 &&
+std::string place_in(const Source& source, const std::string& path) {
+  std::string result = source.file_name + ": " + (path.empty() ? "document" : path);
+  for (const std::string& other : source.overridden) {
+    const std::string& longer = path.size() > other.size() ? path : other;
+    const std::size_t shared = std::min(path.size(), other.size());
+    if (shared > 0 && path.compare(0, shared, other, 0, shared) == 0 &&
         (longer.size() == shared || longer[shared] == '.' || longer[shared] == '['))
       return result + " (overridden)";
   }
   return result;
 }
+
+std::string placed_fault(const Source& source, const std::string& fault) {
+  const std::size_t end = fault.find(": ");
+  if (end == std::string::npos) return source.file_name + ": " + fault;
+  return place_in(source, fault.substr(0, end)) + fault.substr(end);
+}
+
+std::string Node::place() const { return place_in(*source_, path_); }
 
 void Node::refuse(const std::string& expected) const {
   std::string value = json_->dump(-1, ' ', false, Json::error_handler_t::replace);

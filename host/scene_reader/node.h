@@ -23,6 +23,12 @@ struct Source {
   std::vector<std::string> overridden;   ///< paths set by overrides; messages say so
 };
 
+/// "<file>: <path>", with " (overridden)" where an override gave the value, or something around it or inside it.
+std::string place_in(const Source& source, const std::string& path);
+
+/// What was found wrong with a scene that is read, as a Node says it. @param fault  "<path>: ..."
+std::string placed_fault(const Source& source, const std::string& fault);
+
 /// Numbers a key accepts, and how a message says it.
 struct Range {
   double low;

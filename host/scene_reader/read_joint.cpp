@@ -112,8 +112,7 @@ void read_drive(const Node& node, const JointCard& card, Joint& joint) {
   }
   read_turn(node, card, "turn", card.has_turn, joint.turn);
   read_turn(node, card, "second_turn", card.has_second_turn, joint.second_turn);
-  node.read("length", joint.length, card.kind == JointKind::distance ? kPositive : kNonNegative,
-            "m");
+  node.read("length", joint.length, card.kind == JointKind::spring ? kNonNegative : kPositive, "m");
   if (card.kind == JointKind::spring)
     joint.stiffness = node.at("stiffness", "must be that of the spring [N/m], or 0 for a damper")
                           .number(kNonNegative, "N/m");

@@ -31,7 +31,7 @@ SCREE_HD Quat<Real> midpoint_turn(Real h, const Vec3<Real>& inverse, const Vec3<
     w_mid = next;
     if (change <= norm2(next) * (sizeof(Real) == 8 ? Real(1e-30) : Real(1e-13))) break;
   }
-  return normalized(exp_map(h * w_mid) * q);
+  return turned_by(h * w_mid, q);
 }
 
 /// A step in turns that are known, for bodies that are long and thin or turn far in a step: half a turn by what one of the two
@@ -100,7 +100,7 @@ SCREE_HD void rotate_on_axes(Real h, const Vec3<Real>& moments, unsigned axes, Q
   };
   Vec3<Real> w_mid = w;
   for (int k = 0; k < 10; ++k) w_mid = rate(exp_map((h / 2) * w_mid) * q);
-  q = normalized(exp_map(h * w_mid) * q);
+  q = turned_by(h * w_mid, q);
   w = rate(q);
 }
 
@@ -113,7 +113,7 @@ SCREE_HD void turn_body(const BodyView<Real>& bodies, Index i, Real h, Quat<Real
   const unsigned axes = free_angular_axes(bodies.locks[i]);
   const bool has_two = axes == 3u || axes == 5u || axes == 6u;
   if (isotropic || !(axes == 7u || has_two)) {
-    q = normalized(exp_map(h * w) * q);
+    q = turned_by(h * w, q);
   } else if (axes == 7u) {
     rotate_free(h, moments, q, w);
   } else {

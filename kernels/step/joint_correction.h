@@ -190,7 +190,7 @@ struct CorrectJoint {
     if (is_free) {
       turn_body(bodies, i, h, q, w);
     } else {
-      q = normalized(exp_map(h * w) * q);
+      q = turned_by(h * w, q);
     }
     return side_at(bodies, places, joint, which, bodies.position[i] + time_step * Vec3<double>(v),
                    q);

@@ -51,7 +51,8 @@ TEST_P(Determinism, TheThreadCountChangesNoBit) {
 }
 
 TEST(WorldThreads, NegativeOnesAreRefused) {
-  const Scene scene = empty_scene(1e-3, 0);
+  Scene scene = empty_scene(1e-3, 0);
+  add_sphere(scene, {}, 0.1, 1);
   try {
     World(scene, cpu_options(-3));
     FAIL() << "not refused";

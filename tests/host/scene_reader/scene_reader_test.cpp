@@ -359,6 +359,18 @@ TEST(SceneReader, TellsWhatWouldComeAfterTheEnd) {
                          "10 bodies of particles[0] would come after the end of the run, 1 s"));
 }
 
+TEST(SceneReader, TellsOfParametersThatTheSolverDoesNotHave) {
+  std::vector<std::string> notes;
+  parse_scene(with_sphere(R"("solver": {"name": "apgd", "relaxation": 0.5})"), "x.json", {}, {},
+              &notes);
+  EXPECT_THAT(notes,
+              testing::ElementsAre(HasSubstr(
+                  "solver.relaxation has no effect: \"apgd\" has none, these have: jacobi")));
+  parse_scene(with_sphere(R"("solver": {"name": "jacobi", "relaxation": 0.5})"), "x.json", {}, {},
+              &notes);
+  EXPECT_THAT(notes, testing::ElementsAre());
+}
+
 TEST(SceneReader, TellsOfADurationThatDoesNotEndWithAStep) {
   const auto notes_of = [](const std::string& settings) {
     std::vector<std::string> notes;

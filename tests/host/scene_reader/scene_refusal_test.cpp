@@ -395,6 +395,11 @@ TEST(SceneReader, RefusesBadOverrides) {
             "override \"duration.x=1\": duration is the value 1, it has no key \"x\"");
   EXPECT_EQ(refused_text(text, {"time_step=-1"}),
             "x.json: time_step (overridden): -1 is not allowed: must be positive [s]");
+  // Found after reading.
+  EXPECT_THAT(refused_text(text, {"time_step=1e-320"}),
+              StartsWith("x.json: time_step (overridden): "));
+  EXPECT_THAT(refused_text(text, {"gravity=[0,0,1e300]"}),
+              StartsWith("x.json: gravity (overridden): "));
   EXPECT_THAT(refused_text(text, {"tim_step=1"}),
               StartsWith("x.json: tim_step (overridden): unknown key"));
 }

@@ -71,7 +71,7 @@ class PairCandidates {
              Buffer<B, float>& note) {
     spare.skin *= stretch_;
     const bool extends = is_kept_ && !is_retired_ && is_young() && outside_ <= left_.capacity();
-    if (extends && extend(b, bodies, range, spare, note)) return;
+    if (extends && extend(b, bodies, range, for_few(spare), note)) return;
     note.release();
     if (is_kept_) stretch(spare);
     build(b, bodies, range, spare);
@@ -168,6 +168,13 @@ class PairCandidates {
   static constexpr Index kMostAge = 10;
   /// A list that lasts for fewer listings gets more skin the next time, one for more gets less.
   static constexpr Index kShortAge = 9, kLongAge = 20;
+  /// Bodies that leave their balls move more than others, and do so again: as long as they are few, they may have room for the
+  /// rest of the list's life.
+  static SpareReach for_few(SpareReach spare) {
+    spare.skin *= 2;
+    spare.steps_ahead *= 3;
+    return spare;
+  }
   static constexpr double kStretchStep = 1.5, kMostStretch = 4;
 
   bool is_young() const { return age_ < kMostAge + extensions_ / 2; }

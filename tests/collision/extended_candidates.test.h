@@ -55,6 +55,22 @@ TYPED_TEST(ExtendedCandidatesTest, ASpentListIsToldAStepAhead) {
   EXPECT_EQ(retired.detector().list_builds(), 2);
 }
 
+/// A body that is faster than others leaves its first ball after two steps, and its second one not within ten more.
+TYPED_TEST(ExtendedCandidatesTest, ABodyThatLeavesHasRoomForTheRestOfTheList) {
+  auto s = this->bed(500, 0.06, 0.06, 16);
+  s.settings.skin = 0.012;
+  CollisionRun<TestBackend, TypeParam> run(this->backend(), s);
+  run.detect();
+  for (int step = 0; step < 10; ++step) {
+    run.scene().velocity[123].z = TypeParam(3);
+    run.scene().position[123].z += 3e-3;
+    run.load();
+    EXPECT_TRUE(run.detect() == this->fresh_contacts(run.scene())) << step;
+  }
+  EXPECT_EQ(run.detector().list_builds(), 1);
+  EXPECT_EQ(run.detector().list_extensions(), 1);
+}
+
 TYPED_TEST(ExtendedCandidatesTest, ManyBodiesThatLeaveCallForANewList) {
   auto s = this->bed(6000, 0.03, 0.03, 31);
   CollisionRun<TestBackend, TypeParam> run(this->backend(), s);

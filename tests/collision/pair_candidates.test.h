@@ -213,7 +213,8 @@ TYPED_TEST(PairCandidatesTest, ListLastsUntilABodyLeavesItsBall) {
   EXPECT_EQ(changes_after(-0.0058), 1) << "of where the list was made, not of the last place";
   EXPECT_EQ(changes_after(0.0062), 2);
   EXPECT_EQ(changes_after(0.0062 - 0.0058), 2) << "the ball is about the new place";
-  EXPECT_EQ(changes_after(0), 3);
+  EXPECT_EQ(changes_after(0.0062 - 0.0118), 2) << "and has twice the room";
+  EXPECT_EQ(changes_after(0.0062 - 0.0122), 3);
   EXPECT_EQ(run.detector().list_builds(), 1) << "one body calls for no new list";
 }
 

@@ -20,9 +20,9 @@ Scene settling_bed() {
   scene.solver = SolverSettings{};
   scene.solver.name = "gauss_seidel_colored";
   scene.solver.stop.level = StopRule::Level::preview;
-  add_lattice(scene, 1800, 12, 12, {-0.06, -0.06, 0.005}, 0.0101, 0.005, 2500, 4);
+  add_lattice(scene, 1000, 10, 10, {-0.05, -0.05, 0.005}, 0.0101, 0.005, 2500, 4);
   for (BodyDescription& body : scene.bodies) body.velocity = {0, 0, -0.5};
-  add_tank(scene, -0.067, 0.06, -0.067, 0.06);
+  add_tank(scene, -0.057, 0.05, -0.057, 0.05);
   for (int k = 0; k < 2; ++k) {
     Scene batch;
     add_lattice(batch, 100, 10, 10, {-0.05, -0.05, 0.16}, 0.0106, 0.005, 2500, 50 + k);
@@ -105,7 +105,7 @@ TEST(CarriedColors, StayValidFewAndMostlyTheSameInASettlingBed) {
     if (step >= 140) settled_share = std::min(settled_share, share_kept(before, colors));
     before = colors;
   }
-  EXPECT_GT(before.size(), 4000u);
+  EXPECT_GT(before.size(), 2400u);
   EXPECT_GT(settled_share, 0.9);  // step 192 sorts the bodies again
   EXPECT_LE(most, most_fresh + 2);
   EXPECT_NEAR(applications, fresh_applications, 0.1 * fresh_applications);

@@ -35,10 +35,9 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
   constexpr double kProgress = 0.5;  // an error that falls less is not for impulses to take away
   constexpr double kWorse = 2, kMostMissed = 10, kMostRecoveries = 20, kSmallShare = 1.0 / 16;
   constexpr double kMostGain = 1.2;  // of energy in a step
-  constexpr double kForced =
-      4;  // times v*: less is what a motor makes up for that loads have slowed down
-  constexpr double kLeft = 0.1;   // of what is asked for, where it is contradicted
-  constexpr double kGive = 0.01;  // of the mobility of a joint
+  constexpr double kForced = 4;      // times v*: less makes up for what loads have slowed down
+  constexpr double kLeft = 0.1;      // of what is asked for, where it is contradicted
+  constexpr double kGive = 0.01;     // of the mobility of a joint
   const SteppingSettings& stepping = wanted.scene.stepping;
   const double enough = std::max(kNear, 3 * stepping.time_step * wanted.tolerance);
   const auto solve_again = [&](bool is_warm) {

@@ -168,6 +168,16 @@ std::string usage_fault(const CLI::App& app, const CLI::ParseError& error, int a
                      fmt::join(names, ", "));
 }
 
+CLI::Validator memory_limits() {
+  return {[](std::string& text) -> std::string {
+            double value = 0;
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            if (is_number && value > 0 && value <= 1e9) return {};
+            return text + " is not allowed: must be above 0 and up to 1e+09 [MiB]";
+          },
+          "", "memory limits"};
+}
+
 }  // namespace
 
 void add_device_options(CLI::App& command, RunTarget& target, const std::string& backend,
@@ -186,16 +196,6 @@ void add_device_options(CLI::App& command, RunTarget& target, const std::string&
   command.add_option("--threads", target.threads, "CPU threads (default: " + threads + ")")
       ->check(CLI::Range(0, 4096))
       ->take_last();
-}
-
-CLI::Validator memory_limits() {
-  return {[](std::string& text) -> std::string {
-            double value = 0;
-            const bool is_number = CLI::detail::lexical_cast(text, value);
-            if (is_number && value > 0 && value <= 1e9) return {};
-            return text + " is not allowed: must be above 0 and up to 1e+09 [MiB]";
-          },
-          "", "memory limits"};
 }
 
 void add_backend_options(CLI::App& command, RunTarget& target, const std::string& backend,

@@ -7,12 +7,13 @@ cd "$1"
 
 files=()
 while IFS= read -r file; do files+=("$file"); done < <(
-  find kernels shapes solvers collision dynamics host scenes bench tests -type f -name '*.cpp' | LC_ALL=C sort)
+  find kernels shapes solvers collision dynamics host scenes bench tests -type f \( -name '*.cpp' -o -name '*.test.h' -o -name '*.inst.h' \) | LC_ALL=C sort)
 
 awk '
-  # What is compiled into one program or library: a folder of the tree, and of tests/.
+  # What is compiled into one program or library: a folder of the tree, and of tests/. Headers are compiled once per backend.
   function program(path,  part) {
     split(path, part, "/")
+    if (path ~ /\.h$/) return part[1] " of a backend"
     return part[1] == "tests" || path ~ /^host\/(cli|python)\// ? part[1] "/" part[2] : part[1]
   }
   # "std::string text(const Vec3d& v, int n = 0)" becomes "text(const Vec3d&,int)": names of parameters do not matter.
@@ -44,19 +45,29 @@ awk '
       file_of[key] = FILENAME
     }
   }
-  FNR == 1 { inside = 0; pending = ""; open_names = "" }
+  # "constexpr double kMass = 1.5, kSizes[] = {1, 2};" names kMass and kSizes: commas within brackets part nothing.
+  function found_constants(  count, part, i) {
+    while (sub(/[({<[][^][(){}<>]*[])}>]/, "", constants)) {}
+    count = split(constants, part, ",")
+    for (i = 1; i <= count; ++i) {
+      sub(/ *[=;].*$/, "", part[i])
+      sub(/^.*[ *&]/, "", part[i])
+      found(part[i])
+    }
+    constants = ""
+  }
+  FNR == 1 { inside = 0; constants = ""; pending = ""; open_names = "" }
   /^namespace \{/ { inside = 1; next }
   /^namespace .*\{/ { if (!inside) open_names = open_names $2 "::"; next }
   /^\}  \/\/ namespace$/ { inside = 0; next }
   /^\}  \/\/ namespace / { if (!inside) sub(/[^:]*::$/, "", open_names); next }
   !inside { next }
   pending == "" && /^(struct|class|enum class) [A-Za-z_0-9]+ .*\{/ { start = FNR; found($1 == "enum" ? $3 : $2); next }
-  pending == "" && /^(inline |static )?(constexpr|const) [^(]*=/ {
-    start = FNR
-    name = $0
-    sub(/ *[={[].*$/, "", name)
-    sub(/^.* /, "", name)
-    found(name)
+  pending == "" && (constants != "" || /^(inline |static )?(constexpr|const) [^(]*=/) {
+    if (constants == "") start = FNR
+    sub(/ *\/\/.*$/, "")
+    constants = constants " " $0
+    if (/;$/) found_constants()
     next
   }
   pending == "" && /^[A-Za-z_:\[][^=]*\(/ && !/^(TEST|TYPED_TEST|INSTANTIATE|REGISTER|static_assert|template|using)/ {

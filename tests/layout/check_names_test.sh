@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The checker of names must find the two planted here, in its own words, and nothing else.
+# The checker of names must find those planted here, in its own words, and nothing else.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")" || exit 1
 check=$PWD/check_names.sh
@@ -11,6 +11,8 @@ cat >host/scene/a.cpp <<'END'
 namespace scree {
 namespace {
 constexpr double kSize = 1;
+constexpr int kCounts[] = {kOne, 2}, kLast = least<kOne, 3>(
+                                         4);  // and a second one
 std::string text(const Vec3d& v) { return {}; }
 int count(int a) {
   const int other = a;
@@ -24,6 +26,8 @@ cat >host/scene/b.cpp <<'END'
 namespace scree {
 namespace {
 constexpr float kSize = 1;
+constexpr double kMass = 2, kLast = 3,
+                 kCounts = 4, kOne = 5;
 std::string text(const Vec3d& value,
                  int digits) {
   return {};
@@ -38,7 +42,9 @@ cp host/scene/a.cpp tests/host/c.cpp                       # another program
 sed 's/scree/scree::part/' host/scene/a.cpp >host/scene/c.cpp # another namespace
 found=$(bash "$check" .)
 status=$?
-diff <(echo "$status: $found") - <<'END' && echo "found both planted names"
+diff <(echo "$status: $found") - <<'END' && echo "found the planted names"
 1: host/scene/b.cpp:3: kSize is in host/scene/a.cpp:3 too
-host/scene/b.cpp:9: count(int) is in host/scene/a.cpp:5 too
+host/scene/b.cpp:4: kLast is in host/scene/a.cpp:4 too
+host/scene/b.cpp:4: kCounts is in host/scene/a.cpp:4 too
+host/scene/b.cpp:11: count(int) is in host/scene/a.cpp:7 too
 END

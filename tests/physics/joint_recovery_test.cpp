@@ -13,11 +13,11 @@
 namespace scree::physics {
 namespace {
 
-constexpr double kHalf = 0.5;       // of a rod along x [m]
-constexpr double kThick = 0.025;    // [m]
-constexpr double kRecovery = 0.5;   // the default of scenes [m/s]
-constexpr double kAngle = 0.2;      // beyond the limits at first [rad]
-constexpr double kRounding = 0.01;  // a ball about the rod reaches farther than its ends by less
+constexpr double kHalf = 0.5;         // of a rod along x [m]
+constexpr double kHalfWidth = 0.025;  // [m]
+constexpr double kRecovery = 0.5;     // the default of scenes [m/s]
+constexpr double kAngle = 0.2;        // beyond the limits at first [rad]
+constexpr double kRounding = 0.01;    // a ball about the rod reaches farther than its ends by less
 
 /// A joint of the world and a rod, with its anchor at the origin.
 struct OffJoint {
@@ -100,7 +100,7 @@ TEST_P(JointRecovery, OfAnyKindWithItsAnchorAnywhere) {
     SCOPED_TRACE(wanted.name);
     Scene scene = empty_scene(kStep, 0);
     scene.gravity = {};
-    add_box(scene, {wanted.center, 0, 0}, {kHalf, kThick, kThick}, 2);
+    add_box(scene, {wanted.center, 0, 0}, {kHalf, kHalfWidth, kHalfWidth}, 2);
     scene.joints.push_back(wanted.joint);
     World world = world_of(scene);
     const double way = wanted.along > 0 ? wanted.off * wanted.along : wanted.off;
@@ -124,7 +124,7 @@ TEST_P(JointRecovery, OfTwoFreeRodsByTheirEnds) {
   Scene scene = empty_scene(1e-3, 0);
   scene.gravity = {};
   for (const double side : {-1.0, 1.0})
-    add_box(scene, {side * kHalf, 0, 0}, {kHalf, kThick, kThick}, 2);
+    add_box(scene, {side * kHalf, 0, 0}, {kHalf, kHalfWidth, kHalfWidth}, 2);
   scene.joints.push_back(joint_of(JointKind::hinge, 0, 1, {}, {0, 1, 0}));
   scene.joints[0].limits = {-1, -kAngle};
   World world = world_of(scene);

@@ -209,7 +209,9 @@ TEST_P(AffineFixtures, NoTrianglesTouchAndNoPairIsMissed) {
       "try triangles\n",
       GetParam(), step, std::lround(scene.stepping.duration / scene.stepping.time_step), in_reach,
       least_gap, above_tolerance, frames, pairs, largest, seconds(), tried);
-  if (!steps_on_gpu()) EXPECT_EQ(frames < 10, step < 10);
+  if (!steps_on_gpu()) {
+    EXPECT_EQ(frames < 10, step < 10);
+  }
 }
 
 std::string test_name(const ::testing::TestParamInfo<const char*>& info) {

@@ -60,6 +60,7 @@ class CliRanks : public testing::Test {
     ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     ::setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
     ::setenv("OMPI_MCA_mpi_yield_when_idle", "1", 1);
+    ::setenv("OMPI_MCA_pml", "ob1", 1);  // a look for other networks takes half of a short run
     ::setenv("OMP_NUM_THREADS", "1", 1);
     ::setenv("ASAN_OPTIONS", "detect_leaks=0", 1);  // Open MPI keeps memory of unloaded modules
   }

@@ -83,14 +83,12 @@ struct EnergySum {
   double energy = 0;
   double rounding = 0;
   double squared = 1e300;  ///< least squared distance of near pairs [m^2]
-  double off = 0;          ///< farthest way of a corner from where loads take it [m]
   Index contacts = 0;      ///< pairs that the barrier acts on
   SCREE_HD void combine(const EnergySum& o) {
     energy += o.energy;
     rounding += o.rounding;
     contacts += o.contacts;
     squared = o.squared < squared ? o.squared : squared;
-    off = o.off > off ? o.off : off;
   }
 };
 
@@ -115,7 +113,6 @@ struct EnergyOfTerm {
       const BodyConstant& body = p.bodies[b];
       const AffineVec off = q[b] - p.target[i];
       e.energy = 0.5 * p.inertia_factor(body) * dot(off, body.mass.product(off));
-      e.off = corner_way(off, body.radius);
       if (body.lame.is_elastic()) {
         e.energy += p.scale * neo_hookean_energy(body.lame, q[b]);
         e.rounding = 1e-15 * p.scale * body.lame.shear;

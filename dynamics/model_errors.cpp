@@ -133,6 +133,13 @@ void throw_bad_earlier_step() {
   throw InputError("checkpoint: affine/earlier_step must be one time above 0");
 }
 
+void throw_bad_near_list() {
+  throw InputError(
+      "checkpoint: affine/near_list must be a time from 0 to 1, a room above 0, and three numbers "
+      "of steps, 1 or more and "
+      "the second 0 or more");
+}
+
 void throw_no_room_for_bodies(std::int64_t wanted, std::int64_t room) {
   throw RunError(
       fmt::format("{} free bodies and ghosts on a rank, which can number {}", wanted, room));

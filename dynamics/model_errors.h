@@ -34,6 +34,7 @@ namespace scree {
 [[noreturn]] void throw_wrong_body_count(std::size_t found, std::size_t expected);
 /// @throws InputError
 [[noreturn]] void throw_bad_earlier_step();
+[[noreturn]] void throw_bad_near_list();
 /// More bodies on a rank than it has room for. @throws RunError
 [[noreturn]] void throw_no_room_for_bodies(std::int64_t wanted, std::int64_t room);
 /// More ranks near one than it can know. @throws RunError

@@ -281,7 +281,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     for_each(b, rows_,
              affine::SetTargets{scheme, p.bodies, p.body_of_row, states(scheme.is_second),
                                 led_.view(std::ssize(led)), setup_.first_led_row, target_.view(),
-                                rate_.view(), minimizer_.from(), minimizer_.to()});
+                                rate_.view()});
     copy(b, Span<const AffineVec>(q_.view()), next_.view());
     const auto joints = static_cast<Index>(setup_.drives.size());
     for_each(b, joints,
@@ -289,7 +289,7 @@ class AffineDynamics final : public ModelOn<B, double> {
                                joint_position_.view(joints), drives_.view(joints)});
     p.drives = drives_.view(joints);
     p.lead = kFirstLead;
-    minimizer_.begin(surfaces_, p);
+    minimizer_.begin(surfaces_, p, v_.view(), scheme.h, blocked);
   }
 
   /// That of the scene, or one whose force at half the reach moves the mean mass by three times the reach in a step: about as
@@ -496,7 +496,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     affine::require_no_crossing(setup_, name);
     fill(backend(), target_.view(), AffineVec{});  // of no step
     affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});
-    minimizer_.begin(surfaces_, p);
+    minimizer_.begin_at_rest(surfaces_, p);
     minimizer_.take_near_ms();  // of no step
     const double separation = p.barrier.separation;
     if (const auto near = features_within(p, separation + affine::touching_gap(setup_)))
@@ -538,6 +538,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     s.add("affine/joint_position",
           download(backend(), joint_position_.view(std::ssize(setup_.drives))));
     s.add("affine/led_time", led_time_);
+    save_near_list(s);
     if (!(scene_.gravity == first_gravity_))
       s.add("world/gravity", std::vector<Vec3d>{scene_.gravity});
   }
@@ -565,9 +566,38 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (position.size() != setup_.drives.size())
       throw_wrong_body_count(position.size(), setup_.drives.size());
     upload(backend(), position, joint_position_);
+    restore_near_list(s);
     write_poses();
     scene_.gravity =
         s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : first_gravity_;
+  }
+  /// The list that the next step goes on with: what it holds beside near pairs decides last bits.
+  void save_near_list(WorldState& s) {
+    affine::NearList<B>& near = minimizer_.near();
+    const affine::NearListState& list = near.state();
+    s.add("affine/near_list",
+          std::vector<double>{list.time, list.room, list.steps, list.served, list.wanted});
+    s.add("affine/near_from", nodes(near.from()));
+    s.add("affine/near_to", nodes(near.to()));
+  }
+  /// Without one in an older state, pairs near where bodies are.
+  void restore_near_list(const WorldState& s) {
+    affine::NearList<B>& near = minimizer_.near();
+    affine::NearListState state{.room = reach_};
+    const bool is_there = s.has("affine/near_list");
+    if (is_there) {
+      const auto& list = s.template at<double>("affine/near_list");
+      if (list.size() != 5) throw_bad_near_list();
+      state = {list[0], list[1], list[2], list[3], list[4]};
+      if (!state.is_valid()) throw_bad_near_list();
+    }
+    put_nodes(s.template at<Vec3d>(is_there ? "affine/near_from" : "affine/position"), near.from());
+    put_nodes(s.template at<Vec3d>(is_there ? "affine/near_to" : "affine/position"), near.to());
+    affine::Barrier barrier;
+    barrier.reach = reach_;
+    barrier.separation = kSeparation.of(scene_.dynamics.parameters);
+    near.restore(surfaces_, barrier, state);
+    minimizer_.take_near_ms();  // of no step
   }
   /// Four vectors of each body with a row, in the order of rows.
   std::vector<Vec3d> nodes(Buffer<B, AffineVec>& array) {

@@ -10,7 +10,7 @@
 
 #include "dynamics/affine/block_solver.h"
 #include "dynamics/affine/linked_rows.h"
-#include "dynamics/affine/near_pairs.h"
+#include "dynamics/affine/near_list.h"
 #include "dynamics/model_on.h"
 #include "kernels/affine/assembly.h"
 
@@ -49,11 +49,9 @@ class Minimizer {
       : b_(&b),
         solver_(b, links.empty() ? rows : static_cast<Index>(links.used.size()), equations),
         linked_(b, links),
-        near_(b),
+        near_(b, bodies),
         full_(b, bodies),
         trial_(b, bodies),
-        from_(b, bodies),
-        to_(b, bodies),
         right_(b, rows),
         step_(b, rows),
         diagonal_(b, rows),
@@ -72,25 +70,31 @@ class Minimizer {
         line_(b),
         mixed_(b) {}
 
-  /// Ways of bodies that the next list is for, by body: written before begin().
-  Span<AffineVec> from() { return from_.view(); }
-  Span<AffineVec> to() { return to_.view(); }
-
   /// Bodies that rest are where they are in all states.
   void keep_places(Span<const AffineVec> q) {
     copy(*b_, q, full_.view());
     copy(*b_, q, trial_.view());
-    copy(*b_, q, from_.view());
-    copy(*b_, q, to_.view());
+    near_.keep_places(q);
   }
 
-  /// Lists near pairs for ways that start at from() and go to to().
-  /// @param p  all but its near pairs is set
-  void begin(const SurfaceTables<B>& surfaces, Potential& p) {
-    surfaces_ = &surfaces;
-    room_ = p.barrier.reach;
-    list(p);
+  /// The list of near pairs, for who saves and restores it.
+  NearList<B>& near() { return near_; }
+  /// Lists near pairs before the first step.
+  void begin_at_rest(const SurfaceTables<B>& surfaces, Potential& p) {
+    near_.begin_at_rest(surfaces, p.barrier);
+    p.near = near_.view();
     p.slips = slips_.view(0);
+  }
+  /// Near pairs of a step that begins.
+  /// @param p     all but its near pairs is set
+  /// @param v     by body  @param h  of the step [s]
+  /// @param anew  whether bodies are not where the last step left them
+  void begin(const SurfaceTables<B>& surfaces, Potential& p, Span<const AffineVec> v, double h,
+             bool anew) {
+    near_.begin(surfaces, p, v, h, anew);
+    p.near = near_.view();
+    p.slips = slips_.view(0);
+    is_first_ = true;
   }
 
   /// Distance of the two nearest features of the list [m]; 1e150: it is empty.
@@ -165,18 +169,13 @@ class Minimizer {
       if (!is_last && (iteration >= settings.most_iterations || !(sums.size < 1e300))) break;
       ++report.iterations;
       move(p, q, 1, full_.view());
-      double goal = sums.stray_from_end < sums.stray ? 1 : time_;
-      if (std::min(sums.stray, sums.stray_from_end) > room_) {
-        copy(*b_, Span<const AffineVec>(q), from_.view());
-        copy(*b_, Span<const AffineVec>(full_.view()), to_.view());
-        // The next Newton steps are shorter and begin on this way: half of its length is room for them. Wide lists pay where
-        // the search looked at much and found little.
-        const double most = (near_.finds_few() ? kMostRoom : 1) * p.barrier.reach;
-        room_ = std::clamp(0.5 * sums.size, p.barrier.reach, most);
-        list(p);
-        goal = 1;
+      Strays strays = sums.strays;
+      if (!near_.serves(strays)) {
+        strays = near_.renew(p, q, full_.view(), sums.size, is_first_);
+        p.near = near_.view();
         at = energy(p, q);
       }
+      is_first_ = false;
       double share = free_share(p, q);
       EnergySum next;
       const auto is_lower = [&] {
@@ -193,7 +192,7 @@ class Minimizer {
         if (is_last) return;
         break;
       }
-      time_ += share * (goal - time_);
+      near_.follow(strays, share);
       is_last = is_last && is_foreseen(at, next, sums.slope, shrinks);
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
       at = next;
@@ -210,7 +209,7 @@ class Minimizer {
   }
 
   /// What listing near pairs took since it was asked last [ms].
-  double take_near_ms() { return std::exchange(near_ms_, 0); }
+  double take_near_ms() { return near_.take_ms(); }
 
  private:
   /// Tolerance of conjugate gradients. With 1e-2 for the first system of a step Newton's method takes up to 1.7 times as
@@ -223,8 +222,6 @@ class Minimizer {
   static constexpr double kForeseen = 0.25;
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
-  /// Widest room about ways [reach].
-  static constexpr double kMostRoom = 8;
 
   /// Whether a Newton step lowered the energy by what its system foresaw, or by the more that goes with a curvature of which the
   /// system has too much: with 1 / (1 - x) of it, steps are x times as long as those before, and the energy falls by 1 + x times that.
@@ -236,15 +233,6 @@ class Minimizer {
     const double few = before.rounding + after.rounding + 1e-14 * std::abs(before.energy);
     return fell >= (1 - kForeseen) * expected - few &&
            fell <= (1 + shrinks + kForeseen) * expected + few;
-  }
-
-  void list(Potential& p) {
-    StageClock<B> timer(*b_);
-    const double reach = p.barrier.reach + p.barrier.separation;
-    near_.build(*b_, *surfaces_, from_.view(), to_.view(), reach + 2 * room_);
-    p.near = near_.view();
-    time_ = 0;
-    near_ms_ += timer.lap();
   }
 
   /// Also what the next system and the next way need of the pairs at q.
@@ -264,9 +252,8 @@ class Minimizer {
         .value;
   }
   StepSums measure(const Potential& p, Span<const AffineVec> q) {
-    return reduce_to_host<StepSums>(
-        *b_, MeasureStep::items(p),
-        MeasureStep{p, q, step_.view(), right_.view(), from_.view(), to_.view(), time_});
+    return reduce_to_host<StepSums>(*b_, MeasureStep::items(p),
+                                    MeasureStep{p, q, step_.view(), right_.view(), near_.ways()});
   }
   void move(const Potential& p, Span<const AffineVec> q, double share, Span<AffineVec> moved) {
     for_each(*b_, p.rows(), MoveBody{p.body_of_row, q, step_.view(), share, moved});
@@ -364,16 +351,13 @@ class Minimizer {
   }
 
   B* b_;
-  const SurfaceTables<B>* surfaces_ = nullptr;
   BlockSolver<B> solver_;
   LinkedRows<B> linked_;
-  NearPairs<B> near_;
-  double room_ = 0;  ///< how far bodies may be from where the ways of the list are at one time [m]
-  double time_ = 0;  ///< on these ways, about where bodies are
-  double near_ms_ = 0;
+  NearList<B> near_;
+  bool is_first_ = false;  ///< whether the next Newton step is the first of a step
   Index block_count_ = 0;
-  Buffer<B, AffineVec> full_, trial_, from_, to_;  ///< by body
-  Buffer<B, AffineVec> right_, step_;              ///< by row
+  Buffer<B, AffineVec> full_, trial_;  ///< by body
+  Buffer<B, AffineVec> right_, step_;  ///< by row
   Buffer<B, Dense<12>> diagonal_;
   Buffer<B, Index> begin_, mark_;
   Buffer<B, double> squared_;  ///< of near pairs, as energy() found them

@@ -68,7 +68,7 @@ class NearPairs {
   }
 
   /// Whether the last search found few pairs for the features that it looked at.
-  bool finds_few() const { return 4 * found_.pairs < found_.features; }
+  bool finds_few() const { return 4 * found_.pairs <= found_.features; }
 
   NearPairsView view() const {
     return {near_.view(found_.pairs), body_pair_.view(found_.touching), corners_};

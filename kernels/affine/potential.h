@@ -7,7 +7,7 @@
 #include "kernels/affine/drive.h"
 #include "kernels/affine/first_contact.h"
 #include "kernels/affine/friction.h"
-#include "kernels/affine/inertial_target.h"
+#include "kernels/affine/listed_ways.h"
 #include "kernels/affine/near_pair.h"
 #include "kernels/affine/neo_hookean.h"
 #include "kernels/backend/backend.h"
@@ -235,16 +235,14 @@ struct MarkBodies {
 /// Of a Newton step: its largest way of a corner, its slope, how far its end is from where the ways that the list of near pairs
 /// was made for are at one time for all bodies, and by how much it changes what may stick or slide.
 struct StepSums {
-  double size = 0;            ///< [m]
-  double stick = 0;           ///< largest change of a slip that may stick or slide, over that limit
-  double slope = 0;           ///< gradient times step
-  double stray = 0;           ///< from a time on the ways [m]
-  double stray_from_end = 0;  ///< [m]
+  double size = 0;   ///< [m]
+  double stick = 0;  ///< largest change of a slip that may stick or slide, over that limit
+  double slope = 0;  ///< gradient times step
+  Strays strays;     ///< of its end
   SCREE_HD void combine(const StepSums& o) {
     size = o.size > size ? o.size : size;
     slope += o.slope;
-    stray = o.stray > stray ? o.stray : stray;
-    stray_from_end = o.stray_from_end > stray_from_end ? o.stray_from_end : stray_from_end;
+    strays.combine(o.strays);
     stick = o.stick > stick ? o.stick : stick;
   }
 };
@@ -254,8 +252,7 @@ struct MeasureStep {
   Potential p;
   Span<const AffineVec> q;            ///< by body
   Span<const AffineVec> step, right;  ///< by row
-  Span<const AffineVec> from, to;     ///< by body, ways of the list
-  double time = 0;                    ///< on them, from 0 to 1
+  ListedWays ways;
 
   static SCREE_HD Index items(const Potential& p) {
     return p.rows() + static_cast<Index>(p.slips.size + p.drives.size);
@@ -303,14 +300,12 @@ struct MeasureStep {
   SCREE_HD StepSums of_row(Index row) const {
     const Index b = p.body_of_row[row];
     const double radius = p.bodies[b].radius;
-    const AffineVec end = q[b] + step[row];
     StepSums s;
     s.size = corner_way(step[row], radius);
     s.slope = -dot(right[row], step[row]);
-    s.stray = corner_way(end - (from[b] + time * (to[b] - from[b])), radius);
-    s.stray_from_end = corner_way(end - to[b], radius);
+    s.strays = ways.strays(b, radius, q[b] + step[row]);
     // A step that is not a number must be seen, whatever maxima make of it.
-    if (!(s.size < 1e300)) s.size = s.stray = s.stray_from_end = 1e300;
+    if (!(s.size < 1e300)) s.size = s.strays.here = s.strays.from_goal = 1e300;
     return s;
   }
 };

@@ -62,7 +62,6 @@ struct SetTargets {
   Span<const AffineVec> led;     ///< targets of led bodies
   Index first_led = 0;           ///< row of the first
   Span<AffineVec> target, rate;  ///< out, by row
-  Span<AffineVec> from, to;      ///< out, by body: ways that near pairs are listed for
 
   SCREE_HD void operator()(Index row) const {
     const Index b = body_of_row[row];
@@ -75,7 +74,6 @@ struct SetTargets {
       t = inertial_target(rule_of(scheme, body), body.mass, start, body.force, body.torque);
     }
     target[row] = t.q, rate[row] = t.rate;
-    from[b] = start.q, to[b] = t.q;
   }
 };
 

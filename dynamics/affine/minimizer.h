@@ -162,8 +162,10 @@ class Minimizer {
       // around in the valley of a stiff body, are short as well, but not shorter than those before. Where each is a share of the
       // one before, all that follow are together shorter than the tolerance.
       const double shrinks = iteration == 0 ? 0 : sums.size / last_size;
-      bool is_last = sums.size < settings.tolerance && sums.stick < kStick &&
-                     sums.size * shrinks < settings.tolerance * (1 - shrinks);
+      // Steps that are lost in rounding shrink no more.
+      const bool are_few = sums.size * shrinks < settings.tolerance * (1 - shrinks) ||
+                           -0.5 * sums.slope <= lost_in(at, at);
+      bool is_last = sums.size < settings.tolerance && sums.stick < kStick && are_few;
       last_size = sums.size;
       if (is_last && sums.size == 0) return;
       if (!is_last && (iteration >= settings.most_iterations || !(sums.size < 1e300))) break;
@@ -223,6 +225,11 @@ class Minimizer {
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
 
+  /// Part of the difference of two energies that rounding may be.
+  static double lost_in(const EnergySum& before, const EnergySum& after) {
+    return before.rounding + after.rounding + 1e-14 * std::abs(before.energy);
+  }
+
   /// Whether a Newton step lowered the energy by what its system foresaw, or by the more that goes with a curvature of which the
   /// system has too much: with 1 / (1 - x) of it, steps are x times as long as those before, and the energy falls by 1 + x times that.
   /// @param slope    of the energy along the step
@@ -230,7 +237,7 @@ class Minimizer {
   static bool is_foreseen(const EnergySum& before, const EnergySum& after, double slope,
                           double shrinks) {
     const double expected = -0.5 * slope, fell = before.energy - after.energy;
-    const double few = before.rounding + after.rounding + 1e-14 * std::abs(before.energy);
+    const double few = lost_in(before, after);
     return fell >= (1 - kForeseen) * expected - few &&
            fell <= (1 + shrinks + kForeseen) * expected + few;
   }

@@ -78,7 +78,8 @@ struct Potential {
   }
 };
 
-/// Sums of the potential and of what rounding may make of it: A^T A - I is what is left of numbers near one.
+/// Sums of the potential and of what rounding may make of it: A^T A - I is what is left of numbers near one, and gaps are what is
+/// left of coordinates.
 struct EnergySum {
   double energy = 0;
   double rounding = 0;
@@ -91,6 +92,18 @@ struct EnergySum {
     squared = o.squared < squared ? o.squared : squared;
   }
 };
+
+/// Largest coordinate of some points [m].
+SCREE_HD inline double size_of(const Four& x) {
+  double size = 0;
+  for (int i = 0; i < 4; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double far = std::abs(x[i][k]);
+      size = far > size ? far : size;
+    }
+  }
+  return size;
+}
 
 /// What the other passes of an iteration need of near pairs where bodies are, an entry each.
 struct PairStates {
@@ -134,6 +147,8 @@ struct EnergyOfTerm {
       const ContactPair contact = p.contact_pair(pair.kind, rest);
       const Mollifier m = mollifier(contact, x);
       e.energy = p.scale * contact_energy(contact, p.barrier, e.squared, m);
+      e.rounding =
+          p.scale * contact_rounding(contact, p.barrier, e.squared, m, size_of(rest) + size_of(x));
       e.contacts = 1;
       states.elements[i] = mode_parts(m);
       return e;
@@ -145,7 +160,9 @@ struct EnergyOfTerm {
       return e;
     }
     const DriveTerm& drive = p.drives[i - static_cast<Index>(p.slips.size)];
-    e.energy = p.scale * drive.energy(drive.way(p.start, q));
+    const double way = drive.way(p.start, q);
+    e.energy = p.scale * drive.energy(way);
+    e.rounding = p.scale * drive.rounding(q, way);
     return e;
   }
 };

@@ -376,6 +376,25 @@ TEST(AffineModel, ResumedRunsHaveTheSameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(state_hash(one.states()), state_hash(other.states()));
 }
 
+/// Gaps are what is left of coordinates, here of a plane that is some hundred times as large as the block.
+TEST(AffineModel, StepsOfABlockAtRestOnASlopeEndBeforeRounding) {
+  Scene scene = affine_scene(0.01, 0.5, 1);
+  scene.dynamics.parameters["reach"] = 5e-4;
+  scene.dynamics.parameters["slip_speed"] = 1e-4;
+  scene.dynamics.parameters["tolerance"] = 1e-6;
+  const double slope = physics::kPi / 9;
+  add_plane(scene, {std::sin(slope), 0, std::cos(slope)});
+  const Vec3d normal{std::sin(slope), 0, std::cos(slope)};
+  add_box(scene, 0.0504 * normal, {0.05, 0.05, 0.05}, 1).orientation =
+      exp_map(slope * Vec3d{0, 1, 0});
+  World world(scene, cpu_options());
+  for (int k = 0; k < 600; ++k) {
+    const StepReport report = world.step();
+    ASSERT_TRUE(report.converged) << k;
+    ASSERT_LT(report.iterations, 20) << k;
+  }
+}
+
 /// Boxes that fly keep a list of near pairs for several steps, and what else it holds decides last bits.
 TEST(AffineModel, RunsThatAreResumedInFlightHaveTheSameBits) {
   const Scene scene = falling_boxes(1);

@@ -400,5 +400,21 @@ TEST(AffineJointDrives, MotorsThatCannotMoveAreTold) {
   EXPECT_THAT(told_of_joints(frame), held);
 }
 
+/// Its motor is so stiff that rounding of places decides what its energy is.
+TEST(AffineMotors, StepsOfASliderWithAMotorWithoutBoundEndBeforeRounding) {
+  Scene scene = affine_scene(kStep, 0, 1);
+  scene.gravity = {};
+  add_box(scene, {}, {0.05, 0.05, 0.05}, 1);
+  Joint slider = joint_of(JointKind::slider, kWorldBody, 0, {}, {1, 0, 0});
+  slider.motor = JointMotor{.speed = 1};
+  scene.joints = {slider};
+  World world(scene, cpu_options());
+  for (int k = 0; k < 500; ++k) {
+    const StepReport report = world.step();
+    ASSERT_TRUE(report.converged) << k;
+    ASSERT_LT(report.iterations, 10) << k;
+  }
+}
+
 }  // namespace
 }  // namespace scree::affine

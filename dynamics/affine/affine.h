@@ -312,10 +312,11 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (has_friction_) minimizer_.remember_friction(p, next_.view());
     minimizer_.minimize(p, next_.view(), settings, done);
     for (int solve = 1; solve < solves; ++solve) {
-      minimizer_.remember_friction(p, next_.view());
       // What sticks is held whatever the normal forces are, but where bodies slide friction that lags by a step feeds swings of
-      // bdf2: a box on a slope of 60 degrees took off.
-      if (wanted > 0 && !minimizer_.slides(p, next_.view(), settings.tolerance)) break;
+      // bdf2: a box on a slope of 60 degrees took off. Contacts that slid and have opened still had the friction of before.
+      const bool slid = minimizer_.slides(p, next_.view(), settings.tolerance);
+      minimizer_.remember_friction(p, next_.view());
+      if (wanted > 0 && !slid && !minimizer_.slides(p, next_.view(), settings.tolerance)) break;
       const int before = done.iterations;
       minimizer_.minimize(p, next_.view(), settings, done);
       if (done.iterations <= before + 1) break;  // friction changed nothing

@@ -1,7 +1,8 @@
 #pragma once
-// A small body that goes fast against a sphere. Their one contact stops the point that would touch, but where that lies off the center
-// the body spins and its center goes on, deep into the sphere. So there the ball of MiddleContact meets the sphere in place of the body:
-// its center stays outside, and what of the body is inside then the contact of the next step takes out.
+// A small body that goes by more than its half thickness a step against a sphere. Their one contact stops the point that would touch,
+// but where that lies off the center the body spins and its center goes on, deep into the sphere. So there the ball of MiddleContact
+// meets the sphere in place of the body: its center stays outside, and what of the body is inside then the contact of the next step
+// takes out. Slower bodies go less deep with their own contact.
 
 #include <type_traits>
 
@@ -13,6 +14,8 @@ namespace scree {
 struct SmallOnSphere {
   /// Part of the least half thickness by which the center passes the normal: nearer, the contact stops the center too, or all but a few hundredths of its speed.
   static constexpr double kAside = 0.1;
+  /// Way in a step, along the normal, over the least half thickness.
+  static constexpr double kFast = 1;
 
   /// @param g  of the sphere A and body B, and out
   SCREE_HD static ContactGeometry followed(const ContactGeometry& g, const PairSide& a,
@@ -22,7 +25,7 @@ struct SmallOnSphere {
     const Vec3d& half = b.half_extents;
     const double least = smaller(smaller(half.x, half.y), half.z) + b.rounded.radius;
     const double most = -smaller(smaller(-half.x, -half.y), -half.z) + b.rounded.reach();
-    if (!(approach > MiddleContact::kFast * least && most <= a.radius)) return g;
+    if (!(approach > kFast * least && most <= a.radius)) return g;
     const Vec3d aside = g.arm_b - dot(g.arm_b, g.normal) * g.normal;
     if (norm2(aside) < kAside * kAside * least * least) return g;
     return sphere_sphere(d, a.radius, MiddleContact::kBall * least);

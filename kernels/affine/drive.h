@@ -135,7 +135,9 @@ struct SetDrives {
       const double beside = DriveTerm::kBeside * t.motor.stiffness;
       t.hard = hard > beside ? hard : beside;
     } else {
-      t.motor.stiffness = law.most < INFINITY ? law.most / (law.slip * h) : hard;
+      const double smoothed = law.most / (law.slip * h);
+      // A bound that nothing reaches is as good as none, and stiffer ones end in rounding.
+      t.motor.stiffness = smoothed < hard ? smoothed : hard;
       t.motor.rest = within(law.speed * h, t.lower, t.upper);
     }
     t.friction = {0, law.friction / (law.slip * h), law.friction};

@@ -3,6 +3,7 @@
 // help, memory forecast, steps.csv, frames and checkpoints read it, so that a model is known
 // everywhere by its own file and a line in the list of dynamics/CMakeLists.txt.
 
+#include <limits>
 #include <span>
 #include <string>
 #include <variant>
@@ -17,6 +18,9 @@ namespace scree {
 struct Own {
   std::size_t place = 0;
 };
+
+/// Stands in a StepReport for what a step has no value of: steps.csv has an empty field there, run.json null.
+inline constexpr double kNoValue = std::numeric_limits<double>::infinity();
 
 /// A column of steps.csv.
 struct ReportColumn {

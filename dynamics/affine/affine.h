@@ -87,12 +87,12 @@ class AffineDynamics final : public ModelOn<B, double> {
     require_apart();
     if (const std::vector<affine::Nested> nested = affine::nested_with_elastic(setup_);
         !nested.empty())
-      warnings_.push_back(affine::nested_warning(nested));
+      warnings_.push_back(affine::nested_warning(nested, names()));
     for (std::string& each : affine::joint_warnings(setup_, scene_.stepping.time_step))
       warnings_.push_back(std::move(each));
     for (std::size_t b = 0; b < setup_.bodies.size(); ++b)
       if (affine::is_too_stiff(setup_.bodies[b], scene_.stepping.time_step)) {
-        warnings_.push_back(affine::stiff_warning(setup_.id_of_body[b]));
+        warnings_.push_back(affine::stiff_warning(names()(setup_.id_of_body[b])));
         break;
       }
   }
@@ -104,8 +104,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     StageClock<B> clock(b);
     StepReport report;
     report.own.assign(kPartsColumn + 1, 0);
-    report.own[kMinGapColumn] =
-        kSeparation.of(scene_.dynamics.parameters) + 3 * reach_;  // none is nearer
+    report.own[kMinGapColumn] = kNoValue;
     affine::MinimizerReport done;
     const int parts = part_count();
     for (int part = 0; part < parts; ++part) {
@@ -477,6 +476,9 @@ class AffineDynamics final : public ModelOn<B, double> {
     report.converged = done.converged;
     report.residual_rms = report.residual_max;
     report.own[kPartsColumn] = parts;
+    // Pairs farther apart are listed by chance.
+    if (!(report.own[kMinGapColumn] < kSeparation.of(scene_.dynamics.parameters) + 3 * reach_))
+      report.own[kMinGapColumn] = kNoValue;
     if (report.own[kBlockedColumn] > 0) ++blocked_steps_;
     if (report.own[kStrainColumn] > worst_strain_) {
       worst_strain_ = report.own[kStrainColumn];
@@ -490,10 +492,14 @@ class AffineDynamics final : public ModelOn<B, double> {
                    fetch(backend(), v_.data() + body).node[0]);
   }
 
+  /// What messages call bodies, by id.
+  affine::BodyNames names() {
+    return [this](Index id) { return body_name(this->constants(), id, scene_.body_names); };
+  }
   /// A step ends without intersections only where it begins without.
   void require_apart() {
     if (rows_ == 0) return;
-    const auto name = [&](Index id) { return body_name(this->constants(), id, scene_.body_names); };
+    const affine::BodyNames name = names();
     affine::require_no_crossing(setup_, name);
     fill(backend(), target_.view(), AffineVec{});  // of no step
     affine::Potential p = potential({rule_, false, scene_.stepping.time_step, scene_.gravity});

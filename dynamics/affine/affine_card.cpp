@@ -9,6 +9,7 @@
 
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/body_name.h"
 #include "host/scene/joint_cards.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
@@ -58,7 +59,7 @@ void check_joint(const Scene& scene, std::size_t j) {
         "is no linear equation of affine bodies");
   for (const int body : joint.bodies)
     if (body != kWorldBody && scene.bodies[static_cast<std::size_t>(body)].elastic->is_on())
-      refuse_value(path + ".bodies", fmt::format("body {}", body),
+      refuse_value(path + ".bodies", body_name(BodyConstants(scene), body, scene.body_names),
                    "must not be elastic: attachments hold elastic bodies");
   if (std::isfinite(joint.break_force) || std::isfinite(joint.break_moment))
     refuse_value(path, "a joint that breaks", "must hold with the dynamics \"affine\"");

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string>
 #include <tuple>
 
 #include "dynamics/affine/affine_card.h"
 #include "host/error.h"
 #include "host/scene/bodies_by_id.h"
+#include "host/scene/body_name.h"
 #include "host/scene/scene_checks.h"
 #include "kernels/affine/surface_tree.h"
 #include "shapes/polyhedron.h"
@@ -181,12 +183,7 @@ class Builder {
       c.force = body.load->force, c.torque = body.load->torque;
       const Sym3<double>& s = c.mass.second;
       const double least = std::min({s.xx, s.yy, s.zz});
-      if (!(c.stiffness > 0) || !(least > 1e-12 * s.trace()))
-        throw InputError(
-            fmt::format("body {}: second moments [{:g}, {:g}, {:g}] kg m^2 are not allowed: an "
-                        "affine body must have "
-                        "a volume and be extended along all axes",
-                        each.id, s.xx, s.yy, s.zz));
+      if (!(c.stiffness > 0) || !(least > 1e-12 * s.trace())) refuse_moments(each, s);
     } else if (c.is_led) {
       box_mass(*surface, c);
     }
@@ -205,6 +202,19 @@ class Builder {
     setup_.id_of_body.push_back(static_cast<Index>(each.id));
     const bool has_own = body.kind == BodyKind::free || body.collision_group >= 0;
     setup_.collision_group.push_back(has_own ? body.collision_group : kRestingGroup);
+  }
+
+  /// @param s  of a body that has no extent along one of its axes
+  [[noreturn]] void refuse_moments(const Body& each, const Sym3<double>& s) const {
+    std::string keys;
+    for (const ShapeKey& key : shape_card(each.body.shape.kind).keys)
+      if (key.type != ShapeKey::Type::flag && key.key != kRoundingKey.key)
+        keys += fmt::format("{}\"{}\"", keys.empty() ? "; see its " : ", ", key.key);
+    throw InputError(fmt::format(
+        "{}: second moments of [{:g}, {:g}, {:g}] kg m^2 are not allowed: an affine body must "
+        "have a volume and be extended along all axes{}",
+        body_name(BodyConstants(scene_), static_cast<int>(each.id), scene_.body_names), s.xx, s.yy,
+        s.zz, keys));
   }
 
   /// A body that is led resists as a box of water about it.
@@ -416,11 +426,11 @@ bool is_too_stiff(const BodyConstant& body, double time_step) {
   return body.stiffness * time_step * time_step > kMost * std::min({s.xx, s.yy, s.zz});
 }
 
-std::string stiff_warning(int id) {
+std::string stiff_warning(const std::string& body) {
   return fmt::format(
-      "body {} is very stiff for its size and the time step: it may stop turning; take a smaller "
+      "{} is very stiff for its size and the time step: it may stop turning; take a smaller "
       "\"stiffness\" or time step",
-      id);
+      body);
 }
 
 std::string tolerance_warning(double tolerance, double gained, double fitting) {

@@ -2,7 +2,9 @@
 // A scene as the model of affine bodies takes it: surfaces, masses, equations of locks and joints.
 
 #include <array>
+#include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "dynamics/affine/solid_setup.h"
@@ -14,6 +16,9 @@
 #include "kernels/affine/potential.h"
 
 namespace scree::affine {
+
+/// What messages call a body, by its id.
+using BodyNames = std::function<std::string(Index)>;
 
 /// A body whose motion is prescribed.
 struct LedBody {
@@ -58,7 +63,7 @@ bool may_touch(const AffineSetup& setup, Index a, Index b);
 /// Whether a body is so stiff for a time step [s] that Newton's method makes but short steps around in the valley of states without
 /// strain: it may stop turning.
 bool is_too_stiff(const BodyConstant& body, double time_step);
-std::string stiff_warning(int id);
+std::string stiff_warning(const std::string& body);
 
 /// Of a tolerance that lets steps end early [m/s]. @param gained  what gravity changes a velocity by in a step; 0: there is none
 std::string tolerance_warning(double tolerance, double gained, double fitting);

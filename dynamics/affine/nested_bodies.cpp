@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "kernels/affine/surface_tree.h"
+#include "shapes/solid_angle.h"
 
 namespace scree::affine {
 namespace {
@@ -22,15 +23,6 @@ struct Whole {
   bool is_elastic = false;
   bool is_wall = false;  ///< planes, as triangles far larger than the scene
 };
-
-/// Of a triangle as seen from a point, above zero where the point is behind it. Source: Van Oosterom and Strackee, The solid
-/// angle of a plane triangle, IEEE Trans. Biomed. Eng. 30(2), 1983.
-double solid_angle(const Corners& corner, const Vec3d& from) {
-  const Vec3d a = corner[0] - from, b = corner[1] - from, c = corner[2] - from;
-  const double x = norm(a), y = norm(b), z = norm(c);
-  return 2 *
-         std::atan2(dot(a, cross(b, c)), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
-}
 
 bool holds(const Bounds& outer, const Bounds& inner) {
   for (int k = 0; k < 3; ++k)
@@ -101,13 +93,13 @@ std::vector<Nested> nested_with_elastic(const AffineSetup& setup) {
   return found;
 }
 
-std::string nested_warning(const std::vector<Nested>& nested) {
+std::string nested_warning(const std::vector<Nested>& nested, const BodyNames& name) {
   const std::string more =
       nested.size() > 1 ? fmt::format(", and {} more bodies so", nested.size() - 1) : "";
   return fmt::format(
-      "body {} starts inside of body {}, or behind it{}: surfaces keep what is inside from coming "
+      "{} starts inside of {}, or behind it{}: surfaces keep what is inside from coming "
       "out",
-      nested[0].inner, nested[0].outer, more);
+      name(nested[0].inner), name(nested[0].outer), more);
 }
 
 }  // namespace scree::affine

@@ -1,6 +1,7 @@
 #pragma once
 // Bodies that start inside of others without crossing their surfaces.
 
+#include <string>
 #include <vector>
 
 #include "dynamics/affine/affine_setup.h"
@@ -16,6 +17,6 @@ struct Nested {
 std::vector<Nested> nested_with_elastic(const AffineSetup& setup);
 
 /// One line for a user. @param nested  one or more
-std::string nested_warning(const std::vector<Nested>& nested);
+std::string nested_warning(const std::vector<Nested>& nested, const BodyNames& name);
 
 }  // namespace scree::affine

@@ -1,16 +1,12 @@
 #pragma once
 // Whether the bodies of a scene of affine ones are apart at the start.
 
-#include <functional>
 #include <string>
 
 #include "dynamics/affine/affine_setup.h"
 #include "kernels/affine/near_pair.h"
 
 namespace scree::affine {
-
-/// What messages call a body, by its id.
-using BodyNames = std::function<std::string(Index)>;
 
 /// Looks at all bodies that may touch, where they are at time zero. @throws InputError naming two that intersect, and a triangle of each
 void require_no_crossing(const AffineSetup& setup, const BodyNames& name);

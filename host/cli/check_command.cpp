@@ -78,7 +78,8 @@ int check_scene(const CheckOptions& options) {
     surfaces = surface_size(scene);
     require_surface_size(*surfaces);
   }
-  const Overlaps overlaps = find_overlaps(std::move(scene), world);
+  Overlaps overlaps;
+  with_scene_file(options.target, [&] { overlaps = find_overlaps(std::move(scene), world); });
   if (options.target.json) {
     nlohmann::json out = {{"scene", settings.name},
                           {"valid", true},

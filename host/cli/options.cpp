@@ -131,13 +131,17 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   return options;
 }
 
-void require_known_solver(const RunTarget& target, const Scene& scene,
-                          const WorldOptions& options) {
+void with_scene_file(const RunTarget& target, const std::function<void()>& what) {
   try {
-    require_solver(scene, options);
+    what();
   } catch (const InputError& fault) {
     throw InputError(scene_fault(find_scene(target.scene), target.overrides, fault.what()));
   }
+}
+
+void require_known_solver(const RunTarget& target, const Scene& scene,
+                          const WorldOptions& options) {
+  with_scene_file(target, [&] { require_solver(scene, options); });
 }
 
 }  // namespace scree

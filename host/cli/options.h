@@ -2,6 +2,7 @@
 // Options that several commands share.
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,6 +38,9 @@ std::filesystem::path find_scene(const std::string& name_or_path);
 WorldOptions resolve_options(const RunTarget& target, const Scene& scene,
                              std::string* notice = nullptr,
                              const std::shared_ptr<Ranks>& ranks = nullptr);
+
+/// Does what may find a fault of a scene that was read, which then names its file. @throws InputError
+void with_scene_file(const RunTarget& target, const std::function<void()>& what);
 
 /// require_solver(), whose fault names the file of the scene.
 void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options);

@@ -146,7 +146,7 @@ class Run {
     std::optional<std::int64_t> resumed_step;
     std::optional<double> resumed_time;
     if (checkpoint) {  // a state that does not fit is refused before any file changes
-      made.emplace(scene_, world_options_);
+      with_scene_file(options_.target, [&] { made.emplace(scene_, world_options_); });
       if (writes_forces()) made->track_forces();  // sums of the checkpoint go on
       restore_from(directory_.checkpoint_file(), *checkpoint, *made);
       resumed_step = checkpoint->state.step;
@@ -165,7 +165,7 @@ class Run {
       overlaps = overlap_warning(overlaps_as_rigid(scene_, world_options_), BodyConstants(scene_));
     Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
     if (!made) {
-      made.emplace(std::move(loaded), world_options_);
+      with_scene_file(options_.target, [&] { made.emplace(std::move(loaded), world_options_); });
       if (writes_forces()) made->track_forces();
     }
     loaded = {};

@@ -26,13 +26,15 @@ std::string header(Columns columns) {
   return line + '\n';
 }
 
-/// Shortest text that reads back as the same number; true and false as 1 and 0.
+/// Shortest text that reads back as the same number; true and false as 1 and 0; nothing for no value.
 void append_line(std::string& out, Columns columns, const StepReport& report) {
   const char* separator = "";
   for (const ReportColumn& column : columns) {
     with_value(column, report, [&](auto value) {
       if constexpr (std::is_same_v<decltype(value), bool>)
         fmt::format_to(std::back_inserter(out), "{}{}", separator, value ? 1 : 0);
+      else if (static_cast<double>(value) == kNoValue)
+        out += separator;
       else
         fmt::format_to(std::back_inserter(out), "{}{}", separator, value);
     });
@@ -55,6 +57,12 @@ bool parse(std::string_view text, T* value) {
     *value = text == "1";
     return text == "0" || text == "1";
   } else {
+    if constexpr (std::is_same_v<T, double>) {
+      if (text.empty()) {
+        *value = kNoValue;
+        return true;
+      }
+    }
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *value);
     return error == std::errc() && end == text.data() + text.size();
   }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "dynamics/dynamics_card.h"
+#include "host/scene/body_name.h"
 #include "host/scene/scene_checks.h"
 #include "kernels/bodies/range.h"
 
@@ -89,6 +90,9 @@ std::optional<Fault> attachment_fault(const Scene& scene, const Attachment& atta
 
 std::optional<Fault> attachments_fault(const Scene& scene) {
   std::map<int, std::set<int>> held;  // corners, by body
+  const auto name = [&](int body) {
+    return body_name(BodyConstants(scene), body, scene.body_names);
+  };
   for (std::size_t k = 0; k < scene.attachments.size(); ++k) {
     const Attachment& each = scene.attachments[k];
     const std::string path = fmt::format("attachments[{}].", k);
@@ -99,13 +103,13 @@ std::optional<Fault> attachments_fault(const Scene& scene) {
     if (held[each.body].size() == before)
       return Fault{path + "box",
                    fmt::format("{} to {}", vector_text(each.low), vector_text(each.high)),
-                   fmt::format("must hold a corner of body {} at the start that no attachment "
+                   fmt::format("must hold a corner of {} at the start that no attachment "
                                "before it holds",
-                               each.body)};
+                               name(each.body))};
     if (std::ssize(held[each.body]) == corners)
       return Fault{path + "box",
                    fmt::format("{} to {}", vector_text(each.low), vector_text(each.high)),
-                   fmt::format("must leave a corner of body {} loose", each.body)};
+                   fmt::format("must leave a corner of {} loose", name(each.body))};
   }
   std::set<int> meshes;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b)

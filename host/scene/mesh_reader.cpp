@@ -16,6 +16,7 @@
 #include "host/error.h"
 #include "host/io/printable.h"
 #include "host/scene/mesh_crossings.h"
+#include "host/scene/mesh_shells.h"
 #include "host/scene/mesh_text.h"
 #include "host/scene/tetrahedra_reader.h"
 #include "kernels/bodies/range.h"
@@ -310,6 +311,16 @@ void check_solid(const TriangleMesh& mesh) {
          fmt::format("triangles {} and {} cross each other: a closed surface must not cross "
                      "itself, or the scene must say \"closed\": false",
                      pair->first, pair->second));
+  if (const auto shell = wrong_shell(mesh))
+    fail(mesh.name,
+         fmt::format("the closed part with triangle {} {}, or the scene must say "
+                     "\"closed\": false",
+                     shell->triangle,
+                     shell->is_outward
+                         ? "is inside of another one and turned like it, so that what is in it "
+                           "would count twice: a cavity must have its triangles the other way round"
+                         : "is in no other one and turned inside out, so that what is in it would "
+                           "count as less than nothing: parts must be turned alike"));
 }
 
 /// Welding squares distances.

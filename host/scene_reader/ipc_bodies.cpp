@@ -261,6 +261,14 @@ std::uint8_t locks_of(const Node& node, const Entry& entry) {
 }
 
 [[noreturn]] void refuse_flat(const Node& node, const Surface& surface) {
+  for (const char* key : {"dimensions", "scale"}) {
+    const auto size = node.find(key);
+    if (!size || !size->json().is_array()) continue;
+    const Vec3d along = size->vector("-");
+    if (along.x == 0 || along.y == 0 || along.z == 0)
+      size->refuse("must not be 0 along an axis, since the body is free and must enclose a volume");
+    break;  // dimensions count where both are there
+  }
   const auto mesh = node.find("mesh");
   (mesh ? *mesh : node.at("vertices", ""))
       .refuse(fmt::format(

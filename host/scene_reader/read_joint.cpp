@@ -207,9 +207,12 @@ void read_attachment(const Node& node, Draft& draft) {
   if (ends.size() != 2) box.refuse(corners);
   attachment.low = ends[0].vector("m");
   attachment.high = ends[1].vector("m");
-  if (const auto fault = attachment_fault(draft.scene, attachment))
+  if (const auto fault = attachment_fault(draft.scene, attachment)) {
+    if (fault->field != "box")
+      node.at(fault->field, one).refuse(fault->expected);  // as named there
     Node(node.json(), node.path() + "." + fault->field, node.source())
         .fail(fault->value + " is not allowed: " + fault->expected);
+  }
   draft.scene.attachments.push_back(attachment);
 }
 

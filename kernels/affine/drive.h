@@ -71,6 +71,8 @@ struct DrivenJoint {
 struct DriveTerm {
   /// By how much stiffer than inertia in a step that is which nothing gives way to: limits, and motors without a bound.
   static constexpr double kHard = 1e6;
+  /// By how much stiffer a limit is than a spring of its joint.
+  static constexpr double kBeside = 1e4;
 
   Index body[2] = {};  ///< one that is twice there has slopes of the first alone
   AffineVec slope[2];  ///< of the way since the start of the step
@@ -133,16 +135,21 @@ struct SetDrives {
       t.body[side] = joint.body[side] < 0 ? joint.body[known] : joint.body[side];
     const double at = joint.slides ? slide(joint, t) : turn(joint, position[j], t);
     position[j] = at;
-    t.hard = DriveTerm::kHard * law.inertia / (h * h);
+    const double hard = DriveTerm::kHard * law.inertia / (h * h);
+    t.hard = hard;
     t.lower = law.lower - at, t.upper = law.upper - at;
     t.motor.most = law.most;
     t.force = law.force;
     if (law.stiffness > 0 || law.damping > 0) {
       t.motor.stiffness = law.stiffness + law.damping / h;
       t.motor.rest = law.stiffness * (law.rest - at) / t.motor.stiffness;
+      const double beside = DriveTerm::kBeside * t.motor.stiffness;
+      t.hard = hard > beside ? hard : beside;
     } else {
-      t.motor.stiffness = law.most < INFINITY ? law.most / (law.slip * h) : t.hard;
-      t.motor.rest = law.speed * h;
+      const double smoothed = law.most / (law.slip * h);
+      // A bound that nothing reaches is as good as none, and stiffer ones end in rounding.
+      t.motor.stiffness = smoothed < hard ? smoothed : hard;
+      t.motor.rest = within(law.speed * h, t.lower, t.upper);
     }
     t.friction = {0, law.friction / (law.slip * h), law.friction};
     terms[j] = t;
@@ -185,6 +192,10 @@ struct SetDrives {
         std::atan2(dot(b[0], a[1]) - dot(b[1], a[0]), dot(b[0], a[0]) + dot(b[1], a[1]));
     constexpr double kTurn = 6.283185307179586476925;
     return angle + kTurn * std::floor((last - angle) / kTurn + 0.5);
+  }
+  /// A motor to a speed goes no farther than the limits: as stiff as they are it would hold a joint in the middle.
+  SCREE_HD static double within(double way, double lower, double upper) {
+    return way > upper ? upper : way < lower ? lower : way;
   }
   /// A direction of a body in the world.
   SCREE_HD static Vec3d turned(const AffineVec& q, const Vec3d& own) {

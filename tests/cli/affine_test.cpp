@@ -157,8 +157,8 @@ TEST(CliAffine, JointsThatContradictAreTold) {
   EXPECT_FALSE(holds(told(), "joints["));
   scene["bodies"][0]["lock"] = {"x"};
   EXPECT_TRUE(holds(told(),
-                    "warning: joints[0]: its motor has no \"max_force\", and other joints "
-                    "or locks hold what it drives"));
+                    "warning: joints[0]: its motor has no \"max_force\", and other joints, "
+                    "locks or such motors hold what it drives"));
 }
 
 TEST(CliAffine, BodiesThatIntersectAreNamed) {
@@ -175,6 +175,77 @@ TEST(CliAffine, BodiesThatIntersectAreNamed) {
          {"bodies[1] \"lid\"", "bodies[2] \"pot\"", "intersect at the start: triangle "})
       EXPECT_TRUE(holds(result.err, part)) << result.err;
   }
+}
+
+/// By file and name, as values are.
+TEST(CliAffine, FaultsOfBodiesNameTheFileAndTheBody) {
+  const Scratch scratch;
+  const json plain = json::parse(R"({
+    "name": "two", "time_step": 0.01, "duration": 0.02, "dynamics": {"type": "affine"},
+    "bodies": [{"name": "lid", "shape": "box", "size": [1, 1, 1], "density": 1000},
+               {"name": "pot", "shape": "box", "size": [1, 1, 1], "density": 1000, "position": [0, 0, 2]}]})");
+  const auto expect = [&](const json& scene, const std::string& fault) {
+    const std::string file = put_scene(scratch, scene).string();
+    for (const Arguments& command : {Arguments{"run", file, "--out", (scratch / "a").string()},
+                                     Arguments{"check", file}, Arguments{"bench", "scene", file}}) {
+      const Result result = scree(scratch, command);
+      EXPECT_EQ(result.code, 2);
+      EXPECT_TRUE(holds("\n" + result.err, "\nscree: " + file + ": " + fault)) << result.err;
+    }
+  };
+  json scene = plain;
+  scene["bodies"][1]["position"] = {0, 0, 1};
+  expect(scene, "bodies[0] \"lid\" and bodies[1] \"pot\" touch at the start: ");
+  scene["bodies"][1]["position"] = {0.5, 0.4, 0.3};
+  expect(scene, "bodies[0] \"lid\" and bodies[1] \"pot\" intersect at the start: ");
+  scene = plain;
+  scene["bodies"][1]["size"] = {1, 1, 1e-9};
+  expect(scene, "bodies[1] \"pot\": second moments of [");
+  const Result thin = scree(scratch, {"check", put_scene(scratch, scene).string()});
+  EXPECT_TRUE(holds(thin.err, "extended along all axes; see its \"size\"\n")) << thin.err;
+  scene = plain;
+  scene["attachments"] = {{{"body", "lid"}, {"to", "world"}, {"box", {{-5, -5, -5}, {6, 6, 6}}}}};
+  expect(scene, "attachments[0].body: \"lid\" is not allowed: must be an elastic body");
+
+  json soft = hanging_octahedron(scratch);
+  soft["attachments"][0]["to"] = "soft";
+  expect(soft, "attachments[0].to: \"soft\" is not allowed: must be a body that is not elastic");
+  soft["attachments"][0]["to"] = "world";
+  soft["attachments"][0]["box"] = {{-5, -5, -5}, {6, 6, 6}};
+  expect(soft,
+         "attachments[0].box: [-5, -5, -5] to [6, 6, 6] is not allowed: must leave a corner of "
+         "bodies[0] \"soft\" loose");
+  soft["attachments"][0]["box"] = {{5, 5, 5}, {6, 6, 6}};
+  expect(soft,
+         "attachments[0].box: [5, 5, 5] to [6, 6, 6] is not allowed: must hold a corner of "
+         "bodies[0] \"soft\" at the start");
+}
+
+/// A gap is that of bodies that are near: else there is none.
+TEST(CliAffine, GapsOfBodiesThatAreFarApartAreEmpty) {
+  const Scratch scratch;
+  json scene = json::parse(R"({
+    "name": "gap", "time_step": 0.01, "duration": 0.03, "gravity": [0, 0, 0],
+    "dynamics": {"type": "affine", "reach": 1e-3}, "output": {"picture": false},
+    "bodies": [{"shape": "box", "size": [0.1, 0.1, 0.1], "density": 1000},
+               {"shape": "box", "size": [0.1, 0.1, 0.1], "density": 1000, "position": [0, 0, 0.2]}]})");
+  const auto run = [&] {
+    const Result done = scree(
+        scratch, run_arguments(put_scene(scratch, scene).string(), scratch / "a", {"--force"}));
+    EXPECT_EQ(done.code, 0) << done.err;
+    const json record = json::parse(contents(scratch / "a" / "run.json"));
+    const auto steps = read_steps_csv(scratch / "a" / "steps.csv", dynamics_card("affine").report);
+    EXPECT_EQ(steps.size(), 3u);
+    return std::pair(record.at("totals").at("final_min_gap_m"), steps.back().own.at(kMinGapColumn));
+  };
+  const auto [far_record, far] = run();
+  EXPECT_TRUE(far_record.is_null()) << far_record;
+  EXPECT_EQ(far, kNoValue);
+  EXPECT_TRUE(holds(contents(scratch / "a" / "steps.csv"), ",,"));
+  scene["bodies"][1]["position"] = {0, 0, 0.102};
+  const auto [near_record, near] = run();
+  EXPECT_NEAR(near, 0.002, 1e-9);
+  EXPECT_EQ(near_record.get<double>(), near);
 }
 
 TEST(CliAffine, WhatTheModelDoesNotUseIsRefusedOrTold) {

@@ -28,7 +28,7 @@ Scene read_affine_scene(const AffineBenchOptions& options, const std::string& na
 
 struct AffineFigures {
   StepFigures steps;
-  double min_gap = 1e300;  ///< [m]
+  double min_gap = kNoValue;  ///< [m]
   double max_strain = 0;
   double frames_per_s() const { return 1e3 / steps.ms("total").mean; }
 };

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "dynamics/dynamics_card.h"
 #include "host/cli/bench/figures.h"
@@ -23,7 +24,9 @@ int bench_scene(const SceneBenchOptions& options) {
   const Json header = bench_header("scene", world_options);
   const bool prints_json = options.json == "-";
   BenchRecord record(header, prints_json ? "" : options.json);
-  World world(scene, world_options);
+  std::optional<World> made;
+  with_scene_file(options.target, [&] { made.emplace(scene, world_options); });
+  World& world = *made;
   scene.bodies = {};  // the world has its own
   scene.particles = {};
   scene.insertions = {};

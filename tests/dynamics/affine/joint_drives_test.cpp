@@ -241,6 +241,30 @@ TEST_P(AffineDrives, LimitsHold) {
   }
 }
 
+// As stiff as they are, motors that go on do not hold a joint beyond its limit.
+TEST_P(AffineDrives, LimitsHoldAgainstMotorsOfTheirJoint) {
+  constexpr double kLimit = 0.5, kFar = 2;
+  for (const JointMotor& motor :
+       {JointMotor{.speed = 2}, JointMotor{.speed = 2, .max_force = 1e9},
+        JointMotor{.position = kFar, .stiffness = 1e9, .damping = 1e7},
+        JointMotor{.position = kFar, .stiffness = 1e9, .damping = 1e7, .max_force = 1e12}}) {
+    for (const JointKind kind : {JointKind::hinge, JointKind::slider}) {
+      SCOPED_TRACE(testing::Message() << motor.max_force << ' ' << motor.stiffness << ' '
+                                      << (kind == JointKind::hinge ? "hinge" : "slider"));
+      double inertia = 0;
+      Scene scene = flywheel(GetParam(), inertia);
+      scene.joints[0].kind = kind;
+      scene.joints[0].limits = {-0.1, kLimit};
+      scene.joints[0].motor = motor;
+      World world(scene, cpu_options());
+      // Where all is at rounding a step may not see that it is done.
+      for (int k = 0; k < 200; ++k) ASSERT_LT(world.step().residual_max, 1e-9) << k;
+      const double at = kind == JointKind::hinge ? angle(world) : world.states().position[0].y;
+      EXPECT_NEAR(at, kLimit, motor.stiffness > 0 ? 1e-4 * (kFar - kLimit) : 1e-6);
+    }
+  }
+}
+
 TEST_P(AffineDrives, ASliderStopsAtItsLimit) {
   Scene scene = driven_scene(GetParam());
   add_box(scene, {0, 0, 0}, {0.1, 0.1, 0.1}, 2);
@@ -414,6 +438,46 @@ TEST(AffineMotors, StepsOfASliderWithAMotorWithoutBoundEndBeforeRounding) {
     ASSERT_TRUE(report.converged) << k;
     ASSERT_LT(report.iterations, 10) << k;
   }
+}
+
+TEST(AffineJointDrives, MotorsThatContradictEachOtherAreTold) {
+  const auto held = [](const char* more) {
+    return testing::ElementsAre(testing::AllOf(testing::HasSubstr("joints[0]: its motor"),
+                                               testing::HasSubstr("they contradict each other"),
+                                               testing::HasSubstr(more)));
+  };
+  // Two motors of one axis, whose joint may name its bodies the other way round.
+  Scene one = rod_on_hinge(1);
+  one.joints.push_back(one.joints[0]);
+  std::swap(one.joints[1].bodies[0], one.joints[1].bodies[1]);
+  one.joints[0].motor = JointMotor{.speed = 1};
+  one.joints[1].motor = JointMotor{.speed = 1};
+  EXPECT_THAT(told_of_joints(one), held("and 1 more joints so"));
+  one.joints[1].motor->speed = 0;
+  EXPECT_THAT(told_of_joints(one), held("and 1 more joints so"));
+  one.joints[1].motor->speed = -1;
+  EXPECT_THAT(told_of_joints(one), testing::IsEmpty());
+  one.joints[1].motor = JointMotor{.speed = 1, .max_force = 1};
+  EXPECT_THAT(told_of_joints(one), testing::IsEmpty());
+  // Three about one axis: the third follows from the others.
+  Scene ring = driven_scene(1);
+  add_box(ring, {0, 0, 0}, {0.2, 0.05, 0.2}, 3);
+  add_box(ring, {0, 0.2, 0}, {0.1, 0.05, 0.1}, 2);
+  for (const auto& bodies :
+       {std::array{kWorldBody, 0}, std::array{0, 1}, std::array{kWorldBody, 1}}) {
+    ring.joints.push_back(joint_of(JointKind::hinge, bodies[0], bodies[1], {0, 0.1, 0}, {0, 1, 0}));
+    ring.joints.back().motor = JointMotor{.speed = 1};
+  }
+  EXPECT_THAT(told_of_joints(ring), held("and 2 more joints so"));
+  ring.joints[2].motor->speed = 2;
+  EXPECT_THAT(told_of_joints(ring), testing::IsEmpty());
+  // About axes that cross, and along one and about it, motors do not meet.
+  Scene both = driven_scene(1);
+  add_box(both, {}, {0.1, 0.1, 0.1}, 1);
+  both.joints = {joint_of(JointKind::cylindrical, kWorldBody, 0, {}, {1, 0, 0})};
+  both.joints[0].motor = JointMotor{.speed = 1};
+  both.joints[0].turn.motor = JointMotor{.speed = -2};
+  EXPECT_THAT(told_of_joints(both), testing::IsEmpty());
 }
 
 }  // namespace

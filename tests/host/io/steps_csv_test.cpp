@@ -57,6 +57,16 @@ class StepsCsvTest : public testing::Test {
   std::filesystem::path file = directory / "steps.csv";
 };
 
+TEST_F(StepsCsvTest, NoValueIsAnEmptyField) {
+  StepReport report = report_of(1);
+  report.max_penetration = kNoValue;
+  StepsCsv(file, columns).append(report);
+  const std::string text = contents(file);
+  EXPECT_NE(text.find(",,"), std::string::npos) << text;
+  EXPECT_EQ(text.find("inf"), std::string::npos) << text;
+  EXPECT_EQ(read_steps_csv(file).at(0).max_penetration, kNoValue);
+}
+
 TEST_F(StepsCsvTest, EveryFieldComesBack) {
   write_steps(3);
   const std::vector<StepReport> reports = read_steps_csv(file);

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
+#include <string>
+#include <vector>
 
 #include "tests/host/input_files.h"
 #include "tests/mesh_volume.h"
@@ -111,6 +114,66 @@ TEST(MeshReader, TurnsAMeshThatIsInsideOut) {
   TriangleMesh cube = read_mesh(write_file("cube.obj", kCube));
   for (auto& triangle : cube.triangles) std::swap(triangle[0], triangle[1]);
   expect_cube(read_mesh(write_file("inside_out.stl", binary_stl(cube))));
+}
+
+/// Adds a cube with one corner at a place. @param is_turned  inside out
+void add_cube(std::string& text, int number, const Vec3d& at, double size, bool is_turned = false) {
+  for (int k = 0; k < 8; ++k)
+    text += "v " + std::to_string(at.x + size * ((k + 1) / 2 % 2)) + " " +
+            std::to_string(at.y + size * (k / 2 % 2)) + " " +
+            std::to_string(at.z + size * (k / 4)) + "\n";
+  for (std::array<int, 4> face :
+       {std::array{1, 4, 3, 2}, std::array{5, 6, 7, 8}, std::array{1, 2, 6, 5},
+        std::array{2, 3, 7, 6}, std::array{3, 4, 8, 7}, std::array{4, 1, 5, 8}}) {
+    if (is_turned) std::swap(face[1], face[3]);
+    text += "f";
+    for (const int v : face) text += " " + std::to_string(v + 8 * number);
+    text += "\n";
+  }
+}
+
+TEST(MeshReader, PartsInPartsAreCavitiesOrRefused) {
+  struct Part {
+    Vec3d at;
+    double size;
+    bool is_turned;
+  };
+  const auto text_of = [](const std::vector<Part>& parts) {
+    std::string text;
+    int number = 0;
+    for (const Part& part : parts) add_cube(text, number++, part.at, part.size, part.is_turned);
+    return text;
+  };
+  const auto volume_of = [&](const std::vector<Part>& parts) {
+    return volume(read_mesh(write_file("parts.obj", text_of(parts))));
+  };
+  const Part large{{0, 0, 0}, 4, false}, cavity{{1, 1, 1}, 2, true},
+      core{{1.5, 1.5, 1.5}, 1, false}, beside{{5, 0, 0}, 1, false};
+  EXPECT_NEAR(volume_of({large, beside}), 65, 1e-9);
+  EXPECT_NEAR(volume_of({large, cavity}), 56, 1e-9);
+  EXPECT_NEAR(volume_of({core, cavity, beside, large}), 58, 1e-9);
+  std::vector<Part> turned{large, cavity, core, beside};  // as a whole
+  for (Part& part : turned) part.is_turned = !part.is_turned;
+  EXPECT_NEAR(volume_of(turned), 58, 1e-9);
+  EXPECT_NEAR(volume_of({large, {{1, 4, 1}, 1, false}}), 65, 1e-9);  // it lies on a face
+
+  const auto refusal_of = [&](const std::vector<Part>& parts) {
+    return refusal([&] { read_mesh(write_file("parts.obj", text_of(parts))); });
+  };
+  EXPECT_THAT(
+      refusal_of({large, {{1, 1, 1}, 2, false}}),
+      testing::AllOf(HasSubstr("parts.obj: the closed part with triangle 12 is inside of another"),
+                     HasSubstr("count twice"), HasSubstr("\"closed\": false")));
+  EXPECT_THAT(refusal_of({large, {{1, 3, 1}, 1, false}}),
+              HasSubstr("count twice"));  // on its inside
+  EXPECT_THAT(refusal_of({core, large}), HasSubstr("part with triangle 0 is inside"));
+  EXPECT_THAT(refusal_of({large, cavity, {{1.5, 1.5, 1.5}, 1, true}}),
+              HasSubstr("part with triangle 24 is in no other one and turned inside out"));
+  EXPECT_THAT(refusal_of({large, {{5, 0, 0}, 1, true}}),
+              HasSubstr("part with triangle 12 is in no other one and turned inside out"));
+  EXPECT_EQ(read_mesh(write_file("parts.obj", text_of({core, large})), {.closed = false})
+                .triangles.size(),
+            24u);
 }
 
 TEST(MeshReader, AcceptsAnOpenSurfaceWhenToldSo) {

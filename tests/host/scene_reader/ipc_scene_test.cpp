@@ -351,6 +351,12 @@ TEST(IpcScene, FlatFreeBodiesAreRefusedByName) {
   EXPECT_THAT(refusal([] { body_of(R"({"mesh": "plane.obj"})"); }),
               AllOf(HasSubstr("rigid_bodies[0].mesh: \"plane.obj\" is not allowed"),
                     HasSubstr("enclose a volume"), HasSubstr("2 triangles")));
+  for (const char* key : {"dimensions", "scale"})
+    EXPECT_THAT(refusal([&] {
+                  body_of(std::string(R"({"mesh": "cube.obj", ")") + key + R"(": [1, 0, 1]})");
+                }),
+                AllOf(HasSubstr(std::string("rigid_bodies[0].") + key + ": [1,0,1] is not allowed"),
+                      HasSubstr("enclose a volume")));
 }
 
 TEST(IpcScene, BodiesWithoutTrianglesAreRefusedByName) {

@@ -443,11 +443,12 @@ std::string strain_warning(double strain, std::int64_t step) {
       strain, step);
 }
 
-std::string blocked_warning(std::int64_t steps) {
+std::string blocked_warning(std::int64_t stayed, std::int64_t slow, double delay) {
   return fmt::format(
       "in {} steps kinematic bodies stayed where they were, blocked by what they push "
-      "(blocked_bodies): their motions go on later by as much",
-      steps);
+      "(blocked_bodies), and in {} they went a part of their way, as they would squeeze it: their "
+      "motions are {:.3g} s late",
+      stayed, slow - stayed, delay);
 }
 
 }  // namespace scree::affine

@@ -183,8 +183,8 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr double kFineWay = 0.01;
   /// Ways of Newton steps that rounding leaves, over the size of the scene.
   static constexpr double kFinest = 1e-12;
-  /// Strain from which on a body counts as squeezed.
-  static constexpr double kMostSqueeze = 0.01;
+  /// Strain from which on a body counts as squeezed: where led bodies go whole steps, and where they go parts.
+  static constexpr double kMostSqueeze = 0.01, kSlowSqueeze = 0.001;
   /// Strain of stiff bodies from which on users are told.
   static constexpr double kStrained = 0.05;
   static constexpr int kMostParts = 1024;
@@ -333,7 +333,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     if (led_.count() == 0) return 0;
     while (!led_.stay()) {
       const int missed = count_missed(p, settings.tolerance);
-      if (squeeze(p) > kMostSqueeze || (missed > 0 && p.lead >= kMostLead)) {
+      const double most = most_squeeze(p);
+      if (squeeze(p, next_, most) > most || (missed > 0 && p.lead >= kMostLead)) {
         led_.shorten(scheme.h);
         set_out(p, scheme, /*anew=*/true);
         p.barrier.stiffness = stiffness;
@@ -348,25 +349,31 @@ class AffineDynamics final : public ModelOn<B, double> {
     led_.end(scheme.h);
     return led_.stay() ? led_.count() : 0;
   }
-  /// Largest strain at the end of the step of a body that led ones may push.
-  double squeeze(const affine::Potential& p) {
-    const double of_all = strain();
-    if (!(of_all > kMostSqueeze)) return of_all;
+  /// What a body may be squeezed by. One that is blocked gives way until that: in parts of steps it is little, since these end
+  /// wherever that is reached.
+  double most_squeeze(const affine::Potential& p) {
+    if (!led_.is_slow()) return kMostSqueeze;
+    return std::clamp(squeeze(p, q_, kSlowSqueeze), kSlowSqueeze, kMostSqueeze);
+  }
+  /// Largest strain of a body that led ones may push, or that of any where it is small.
+  /// @param state  by body  @param small  what counts as that
+  double squeeze(const affine::Potential& p, Buffer<B, AffineVec>& state, double small) {
+    const double of_all = strain(state);
+    if (!(of_all > small)) return of_all;
     const std::vector<bool> is_near =
         affine::bodies_near_led(setup_, download(backend(), p.near.bodies));
-    const std::vector<AffineVec> q = download(backend(), next_.view());
+    const std::vector<AffineVec> q = download(backend(), state.view());
     double most = 0;
     for (std::size_t body = 0; body < q.size(); ++body)
       if (is_near[body] && !setup_.bodies[body].lame.is_elastic())
         most = std::max(most, affine::strain_norm(q[body]));
     return most;
   }
-  /// Largest strain of a body at the end of the step.
-  double strain() {
+  double strain(Buffer<B, AffineVec>& state) {
     return reduce_to_host<Largest<double>>(
                backend(), rows_,
                affine::StrainOfRow{constants_.view(std::ssize(setup_.bodies)),
-                                   body_of_row_.view(rows_), next_.view()})
+                                   body_of_row_.view(rows_), state.view()})
         .value;
   }
   int count_missed(const affine::Potential& p, double tolerance) {

@@ -37,9 +37,9 @@ void LedMotion::shorten(double h) {
     part_ = 0;
   } else if (last_ > 0 && part_ > last_) {
     rise_ = 0.5 * (part_ - last_);
-    part_ = rise_ >= kLeastRise ? last_ + rise_ : last_;
+    part_ = rise_ >= kLeastPart ? last_ + rise_ : last_;
   } else {
-    part_ = 0.5 * part_ >= kLeastPart ? 0.5 * part_ : 0;
+    part_ = kLeft * part_ >= kLeastPart ? kLeft * part_ : 0;
   }
 }
 
@@ -48,7 +48,7 @@ void LedMotion::end(double h) {
   const double gained = part_ - last_;
   if (gained < 0) rise_ = part_;
   if (gained >= 0) rise_ = is_short_ ? gained : 2 * gained;
-  rise_ = std::clamp(rise_, kLeastRise, std::max(kLeastRise, part_));
+  rise_ = std::clamp(rise_, kLeastPart, std::max(kLeastPart, part_));
   last_ = part_;
 }
 

@@ -39,8 +39,8 @@ class LedMotion {
   void restore(const std::vector<double>& time, const std::vector<double>& part);
 
  private:
-  /// Least part of a step that they go, and least by which that grows.
-  static constexpr double kLeastPart = 1.0 / 64, kLeastRise = 1.0 / 256;
+  /// Least part of a step that they go, and by which that grows; and what is left of a part after a try.
+  static constexpr double kLeastPart = 1.0 / 1024, kLeft = 0.25;
 
   AffineVec place(std::size_t body, double ahead) const;
   bool moves(double h) const;

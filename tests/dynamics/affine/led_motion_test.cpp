@@ -29,15 +29,15 @@ Scene pushed_cube(double time_step, double speed, double half = 0.05) {
 }
 
 // Inertia alone squeezes them by more than the limit where they are to be as fast within a step. With the fastest one that
-// limits what they gain in a step to some sixtieth of the speed.
+// limits what they gain in a step to some four hundredth of the speed.
 TEST(AffineLedBodies, PushWhatNothingHoldsUpToTheirSpeed) {
   struct Case {
     double time_step, speed, half;
     int steps;
   };
   for (const Case& each :
-       {Case{1e-3, 10, 0.05, 60}, Case{2e-4, 10, 0.05, 200}, Case{1e-3, 30, 0.05, 100},
-        Case{0.01, 10, 1.5, 120}, Case{2e-4, 100, 0.05, 400}}) {
+       {Case{1e-3, 10, 0.05, 60}, Case{2e-4, 10, 0.05, 300}, Case{1e-3, 30, 0.05, 100},
+        Case{0.01, 10, 1.5, 120}, Case{2e-4, 100, 0.05, 900}}) {
     SCOPED_TRACE(testing::Message() << each.time_step << " s, " << each.speed << " m/s");
     World world(pushed_cube(each.time_step, each.speed, each.half), cpu_options());
     double fastest = 0;
@@ -49,7 +49,7 @@ TEST(AffineLedBodies, PushWhatNothingHoldsUpToTheirSpeed) {
       const BodyStates states = world.states();
       const double way = states.position[0].x - before;
       ASSERT_GT(states.position[1].x - states.position[0].x, 1.98 * each.half) << k;
-      ASSERT_EQ(report.own[blocked] > 0, way < 1e-3 * each.speed * each.time_step) << k;
+      ASSERT_EQ(report.own[blocked] > 0, way < 9e-4 * each.speed * each.time_step) << k;
       slow = way < 0.99 * each.speed * each.time_step ? slow + 1 : slow;
       fastest = std::max(fastest, states.velocity[1].x);
     }
@@ -63,7 +63,7 @@ TEST(AffineLedBodies, PushWhatNothingHoldsUpToTheirSpeed) {
 }
 
 TEST(AffineLedBodies, ResumedRunsHaveTheSameBitsWhereTheyGoPartsOfSteps) {
-  const Scene scene = pushed_cube(2e-4, 100);
+  const Scene scene = pushed_cube(1e-3, 30);
   World one(scene, cpu_options(1));
   WorldState state;
   int steps = 0;

@@ -445,10 +445,10 @@ std::string strain_warning(double strain, std::int64_t step) {
 
 std::string blocked_warning(std::int64_t stayed, std::int64_t slow, double delay) {
   return fmt::format(
-      "in {} steps kinematic bodies stayed where they were, blocked by what they push "
-      "(blocked_bodies), and in {} they went a part of their way, as they would squeeze it: their "
-      "motions are {:.3g} s late",
-      stayed, slow - stayed, delay);
+      "kinematic bodies went a part of their way in {} steps, where the whole would squeeze what "
+      "they push, and stayed in {} where they were blocked (blocked_bodies): their motions are "
+      "{:.3g} s late",
+      slow - stayed, stayed, delay);
 }
 
 }  // namespace scree::affine

@@ -381,7 +381,7 @@ class Run {
       progress.note("warning: " + warning);
     const std::vector<std::string> warnings = world.warnings();
     for (std::size_t k = told; k < warnings.size(); ++k) progress.note("warning: " + warnings[k]);
-    constexpr double kMostTurn = 0.5;  // rad
+    constexpr double kMostTurn = 0.5;                        // rad
     if (record_.totals.max_turn() > kMostTurn * (1 + 1e-6))  // but for rounding
       progress.note(fmt::format(
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "

@@ -140,6 +140,11 @@ void throw_bad_near_list() {
       "the second 0 or more");
 }
 
+void throw_bad_led_part() {
+  throw InputError(
+      "checkpoint: affine/led_part must be a part of a step from 0 to 1, and one above 0");
+}
+
 void throw_no_room_for_bodies(std::int64_t wanted, std::int64_t room) {
   throw RunError(
       fmt::format("{} free bodies and ghosts on a rank, which can number {}", wanted, room));

@@ -35,6 +35,7 @@ namespace scree {
 /// @throws InputError
 [[noreturn]] void throw_bad_earlier_step();
 [[noreturn]] void throw_bad_near_list();
+[[noreturn]] void throw_bad_led_part();
 /// More bodies on a rank than it has room for. @throws RunError
 [[noreturn]] void throw_no_room_for_bodies(std::int64_t wanted, std::int64_t room);
 /// More ranks near one than it can know. @throws RunError

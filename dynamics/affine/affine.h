@@ -11,6 +11,7 @@
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
 #include "dynamics/affine/joint_warnings.h"
+#include "dynamics/affine/led_motion.h"
 #include "dynamics/affine/minimizer.h"
 #include "dynamics/affine/nested_bodies.h"
 #include "dynamics/affine/push_islands.h"
@@ -61,12 +62,12 @@ class AffineDynamics final : public ModelOn<B, double> {
         rate_(backend(), rows_),
         hit_(backend(), rows_),
         owed_(backend(), rows_),
-        led_(backend()),
+        led_target_(backend()),
         joints_(backend()),
         drives_(backend(), std::ssize(setup_.drives)),
         joint_position_(backend()),
         body_strain_(backend(), static_cast<Index>(setup_.scene_bodies)),
-        led_time_(setup_.led.size()) {
+        led_(setup_.led) {
     B& b = backend();
     upload(b, setup_.bodies, constants_);
     upload(b, setup_.body_of_row, body_of_row_);
@@ -107,12 +108,15 @@ class AffineDynamics final : public ModelOn<B, double> {
     report.own[kMinGapColumn] = kNoValue;
     affine::MinimizerReport done;
     const int parts = part_count();
+    bool is_slow = false;
     for (int part = 0; part < parts; ++part) {
       const affine::StepScheme scheme = scheme_of(scene_.stepping.time_step / parts);
       affine::Potential p = potential(scheme);
+      led_.begin();
       set_out(p, scheme);
       p.barrier.stiffness = barrier_stiffness(p, scheme.h);
       const int blocked = minimize(p, scheme, minimizer_settings(scheme.h), done);
+      is_slow = is_slow || led_.is_slow();
       finish(scheme);
       affine::AffineSums sums = sum();
       if (sums.bad_body >= 0) report_bad_body(sums.bad_body);
@@ -124,6 +128,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     }
     this->count_step();
     fill_report(report, done, parts);
+    if (is_slow) ++slow_steps_;
     report.ms.collision = minimizer_.take_near_ms();
     report.ms.solve = done.linear_ms;
     report.ms.setup = done.assembly_ms;
@@ -136,7 +141,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     std::vector<std::string> all = warnings_;
     if (worst_strain_ > kStrained)
       all.push_back(affine::strain_warning(worst_strain_, strained_step_));
-    if (blocked_steps_ > 0) all.push_back(affine::blocked_warning(blocked_steps_));
+    if (slow_steps_ > 0)
+      all.push_back(affine::blocked_warning(blocked_steps_, slow_steps_, led_.delay(this->time())));
     return all;
   }
   int body_count() const override { return store_.ranges().present_count(); }
@@ -176,8 +182,8 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr double kFineWay = 0.01;
   /// Ways of Newton steps that rounding leaves, over the size of the scene.
   static constexpr double kFinest = 1e-12;
-  /// Strain from which on a body counts as squeezed.
-  static constexpr double kMostSqueeze = 0.01;
+  /// Strain from which on a body counts as squeezed: where led bodies go whole steps, and where they go parts.
+  static constexpr double kMostSqueeze = 0.01, kSlowSqueeze = 0.001;
   /// Strain of stiff bodies from which on users are told.
   static constexpr double kStrained = 0.05;
   static constexpr int kMostParts = 1024;
@@ -187,10 +193,10 @@ class AffineDynamics final : public ModelOn<B, double> {
   int part_count() {
     const double most = kMaxTurn.of(scene_.dynamics.parameters), h = scene_.stepping.time_step;
     if (!(most > 0)) return 1;
-    const double turn = sum().turn * h;
+    const double turn = sum().turn * h, most_led = std::min(most, kMostLedTurn);
     int parts = 1;
-    while (parts < kMostParts &&
-           (turn > most * parts || (has_earlier_ && h > 2.5 * earlier_step_ * parts)))
+    while (parts < kMostParts && (turn > most * parts || led_.turn(h, parts) > most_led ||
+                                  (has_earlier_ && h > 2.5 * earlier_step_ * parts)))
       parts *= 2;
     return parts;
   }
@@ -267,20 +273,15 @@ class AffineDynamics final : public ModelOn<B, double> {
             kBarrierStiffness.of(values) == 0};
   }
 
-  /// Targets and near pairs of a step that begins anew. @param blocked  whether led bodies stay where they are
-  void set_out(affine::Potential& p, const affine::StepScheme& scheme, bool blocked = false) {
+  /// Targets and near pairs of a step, with the part of it that led bodies try.
+  /// @param anew  whether bodies are not where the last step left them
+  void set_out(affine::Potential& p, const affine::StepScheme& scheme, bool anew = false) {
     B& b = backend();
-    std::vector<AffineVec> led;
-    for (std::size_t k = 0; k < setup_.led.size(); ++k) {
-      const affine::LedBody& each = setup_.led[k];
-      led.push_back(affine::pose_coordinates(
-          pose_at(each.description, led_time_[k] + (blocked ? 0 : scheme.h))));
-    }
-    upload(b, led, led_);
+    upload(b, led_.targets(scheme.h), led_target_);
     for_each(b, rows_,
              affine::SetTargets{scheme, p.bodies, p.body_of_row, states(scheme.is_second),
-                                led_.view(std::ssize(led)), setup_.first_led_row, target_.view(),
-                                rate_.view()});
+                                led_target_.view(led_.count()), setup_.first_led_row,
+                                target_.view(), rate_.view()});
     copy(b, Span<const AffineVec>(q_.view()), next_.view());
     const auto joints = static_cast<Index>(setup_.drives.size());
     for_each(b, joints,
@@ -288,7 +289,7 @@ class AffineDynamics final : public ModelOn<B, double> {
                                joint_position_.view(joints), drives_.view(joints)});
     p.drives = drives_.view(joints);
     p.lead = kFirstLead;
-    minimizer_.begin(surfaces_, p, v_.view(), scheme.h, blocked);
+    minimizer_.begin(surfaces_, p, v_.view(), scheme.h, anew);
   }
 
   /// That of the scene, or one whose force at half the reach moves the mean mass by three times the reach in a step: about as
@@ -322,48 +323,57 @@ class AffineDynamics final : public ModelOn<B, double> {
     }
   }
 
-  /// Minimizes with led bodies ever heavier until they are where they should be. Where that squeezes a body, all led
-  /// bodies stay in this step where they were led last, and go on from there. @return led bodies that stay
+  /// Minimizes with led bodies ever heavier until they are where they should be. Where that squeezes a body, all of them go
+  /// a smaller part of the step, and where they cannot move they stay. @return led bodies that stay
   int minimize(affine::Potential& p, const affine::StepScheme& scheme,
                const affine::MinimizerSettings& settings, affine::MinimizerReport& done) {
+    const double stiffness = p.barrier.stiffness;
+    const bool was_converged = done.converged;
     minimize_with_friction(p, settings, done);
-    if (setup_.led.empty()) return 0;
-    for (;;) {
+    if (led_.count() == 0) return 0;
+    while (!led_.stay()) {
       const int missed = count_missed(p, settings.tolerance);
-      if (squeeze(p) > kMostSqueeze || (missed > 0 && p.lead >= kMostLead)) {
-        const double stiffness = p.barrier.stiffness;
-        set_out(p, scheme, /*blocked=*/true);
+      const double most = most_squeeze(p);
+      if (squeeze(p, next_, most) > most || (missed > 0 && p.lead >= kMostLead)) {
+        led_.shorten(scheme.h);
+        set_out(p, scheme, /*anew=*/true);
         p.barrier.stiffness = stiffness;
+        done.converged = was_converged;
         minimize_with_friction(p, settings, done);
-        return static_cast<int>(setup_.led.size());
+      } else {
+        if (missed == 0) break;
+        p.lead *= 10;
+        minimizer_.minimize(p, next_.view(), settings, done);
       }
-      if (missed == 0) {
-        for (double& time : led_time_) time += scheme.h;
-        return 0;
-      }
-      p.lead *= 10;
-      minimizer_.minimize(p, next_.view(), settings, done);
     }
+    led_.end(scheme.h);
+    return led_.stay() ? led_.count() : 0;
   }
-  /// Largest strain at the end of the step of a body that led ones may push.
-  double squeeze(const affine::Potential& p) {
-    const double of_all = strain();
-    if (!(of_all > kMostSqueeze)) return of_all;
+  /// What a body may be squeezed by. One that is blocked gives way until that: in parts of steps it is little, since these end
+  /// wherever that is reached.
+  double most_squeeze(const affine::Potential& p) {
+    if (!led_.is_slow()) return kMostSqueeze;
+    return std::clamp(squeeze(p, q_, kSlowSqueeze), kSlowSqueeze, kMostSqueeze);
+  }
+  /// Largest strain of a body that led ones may push, or that of any where it is small.
+  /// @param state  by body  @param small  what counts as that
+  double squeeze(const affine::Potential& p, Buffer<B, AffineVec>& state, double small) {
+    const double of_all = strain(state);
+    if (!(of_all > small)) return of_all;
     const std::vector<bool> is_near =
         affine::bodies_near_led(setup_, download(backend(), p.near.bodies));
-    const std::vector<AffineVec> q = download(backend(), next_.view());
+    const std::vector<AffineVec> q = download(backend(), state.view());
     double most = 0;
     for (std::size_t body = 0; body < q.size(); ++body)
       if (is_near[body] && !setup_.bodies[body].lame.is_elastic())
         most = std::max(most, affine::strain_norm(q[body]));
     return most;
   }
-  /// Largest strain of a body at the end of the step.
-  double strain() {
+  double strain(Buffer<B, AffineVec>& state) {
     return reduce_to_host<Largest<double>>(
                backend(), rows_,
                affine::StrainOfRow{constants_.view(std::ssize(setup_.bodies)),
-                                   body_of_row_.view(rows_), next_.view()})
+                                   body_of_row_.view(rows_), state.view()})
         .value;
   }
   int count_missed(const affine::Potential& p, double tolerance) {
@@ -409,9 +419,10 @@ class AffineDynamics final : public ModelOn<B, double> {
     write_poses();
   }
   void write_poses() {
-    for_each(backend(), rows_,
-             affine::WritePoses{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
-                                store_.view()});
+    for_each(
+        backend(), rows_,
+        affine::WritePoses{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
+                           store_.view(), has_earlier_ ? earlier_step_ : 0, earlier_q_.view()});
   }
   /// Strains, and poses of elastic bodies. Only when they are asked for: a pass goes through a body alone.
   void write_output() {
@@ -442,7 +453,7 @@ class AffineDynamics final : public ModelOn<B, double> {
     return reduce_to_host<affine::AffineSums>(
         backend(), rows_,
         affine::SumBody{constants_.view(), body_of_row_.view(), q_.view(), v_.view(),
-                        hit_.view(rows_)});
+                        hit_.view(rows_), store_.view().angular_velocity});
   }
 
   /// Adds what a part of the step ended with.
@@ -462,7 +473,7 @@ class AffineDynamics final : public ModelOn<B, double> {
                   0};
     report.residual_max = std::max(report.residual_max, done.residual / scheme.h);
     report.kinetic_energy = sums.kinetic;
-    report.max_turn = std::max(report.max_turn, sums.turn * scheme.h);
+    report.max_turn = std::max(report.max_turn, std::max(sums.turn, sums.led_turn) * scheme.h);
     if (!std::isfinite(sums.kinetic))
       throw_not_finite(steps_done() + 1, "kinetic energy", sums.kinetic);
   }
@@ -544,7 +555,8 @@ class AffineDynamics final : public ModelOn<B, double> {
           has_earlier_ ? std::vector<double>{earlier_step_} : std::vector<double>{});
     s.add("affine/joint_position",
           download(backend(), joint_position_.view(std::ssize(setup_.drives))));
-    s.add("affine/led_time", led_time_);
+    s.add("affine/led_time", led_.time());
+    if (led_.count() > 0) s.add("affine/led_part", led_.part());
     save_near_list(s);
     if (!(scene_.gravity == first_gravity_))
       s.add("world/gravity", std::vector<Vec3d>{scene_.gravity});
@@ -565,10 +577,9 @@ class AffineDynamics final : public ModelOn<B, double> {
       if (step.size() != 1 || !(step[0] > 0)) throw_bad_earlier_step();
       earlier_step_ = step[0];
     }
-    const auto& led_time = s.template at<double>("affine/led_time");
-    if (led_time.size() != led_time_.size())
-      throw_wrong_body_count(led_time.size(), led_time_.size());
-    led_time_ = led_time;
+    led_.restore(s.template at<double>("affine/led_time"),
+                 s.has("affine/led_part") ? s.template at<double>("affine/led_part")
+                                          : std::vector<double>{1, 1});  // an older state
     const auto& position = s.template at<double>("affine/joint_position");
     if (position.size() != setup_.drives.size())
       throw_wrong_body_count(position.size(), setup_.drives.size());
@@ -650,7 +661,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   Scene scene_;                        ///< without the descriptions already loaded
   std::vector<std::string> warnings_;  ///< of the scene
   double worst_strain_ = 0;            ///< of the steps so far
-  std::int64_t strained_step_ = 0, blocked_steps_ = 0;
+  std::int64_t strained_step_ = 0, blocked_steps_ = 0, slow_steps_ = 0;
   Vec3d first_gravity_ = scene_.gravity;
   affine::AffineSetup setup_;
   SceneSummary summary_;
@@ -675,13 +686,12 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, AffineVec> target_, rate_;                  ///< by row
   Buffer<B, Index> hit_;                                ///< by row, in the last step
   Buffer<B, Vec3d> owed_;                               ///< by row, after impacts
-  Buffer<B, AffineVec> led_;
+  Buffer<B, AffineVec> led_target_;
   Buffer<B, affine::DrivenJoint> joints_;
   Buffer<B, affine::DriveTerm> drives_;  ///< of the step
   Buffer<B, double> joint_position_;     ///< where the last step began [m or rad]
   Buffer<B, double> body_strain_;        ///< by body of the scene, see write_output()
-  std::vector<double>
-      led_time_;  ///< of the motion of each led body [s]: it waits where it is blocked
+  affine::LedMotion led_;
 };
 
 template <class B, class Real>

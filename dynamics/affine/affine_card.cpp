@@ -11,6 +11,7 @@
 #include "host/scene/bodies_by_id.h"
 #include "host/scene/body_name.h"
 #include "host/scene/joint_cards.h"
+#include "host/scene/motion.h"
 #include "host/scene/scene_checks.h"
 #include "host/scene/scene_summary.h"
 #include "shapes/shape_card.h"
@@ -25,6 +26,24 @@ void check_locks(std::uint8_t locks, const std::string& path) {
         path + ".lock", "one locked axis of rotation",
         "must be none, two or three: turning about two axes is no linear equation of an affine "
         "body");
+}
+
+/// The most that a kinematic body turns by in a step that is not made in parts.
+void check_turn(const Scene& scene, std::size_t id, const BodyDescription& body) {
+  if (body.kind != BodyKind::kinematic || kMaxTurn.of(scene.dynamics.parameters) > 0) return;
+  const double h = scene.stepping.time_step;
+  const MostTurn most = most_turn(body.motion, h);
+  if (!(most.turn > kMostLedTurn)) return;
+  const BodyConstants constants(scene);
+  refuse_value(
+      fmt::format("{}.{}", body_name(constants, static_cast<int>(id)), most.field), most.value,
+      fmt::format(
+          "must turn {} by {:g} rad at most in a time step of {:g} s, which turns it by "
+          "{:.3g} rad: kinematic bodies of the dynamics \"affine\" go straight from pose to "
+          "pose in their coordinates, and become flat by half a turn; take a time step of "
+          "{:.3g} s at most, or \"max_turn\" of the dynamics, which makes steps in parts",
+          body_name(constants, static_cast<int>(id), scene.body_names), kMostLedTurn, h, most.turn,
+          0.99 * h * kMostLedTurn / most.turn));
 }
 
 constexpr std::array<std::pair<const char*, double Material::*>, 4> kNoValues{
@@ -76,7 +95,8 @@ void check_affine(const Scene& scene) {
   require_no_values(scene, kNoValues, "contacts of the dynamics \"affine\" have friction alone");
   for_each_by_id(
       scene,
-      [](std::size_t id, const BodyDescription& body) {
+      [&](std::size_t id, const BodyDescription& body) {
+        check_turn(scene, id, body);
         check_locks(body.locks, body.entry >= 0 ? fmt::format("bodies[{}]", body.entry)
                                                 : fmt::format("body {}", id));
       },

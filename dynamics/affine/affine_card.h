@@ -86,12 +86,15 @@ inline constexpr SolverParameter kBarrierStiffness{
 inline constexpr SolverParameter kMaxTurn{
     .key = "max_turn",
     .description =
-        "a step in which a stiff body would turn by more is made in equal parts, 1024 at most "
-        "[rad]; 0: in one, however far bodies turn.",
+        "a step in which a stiff body, or a kinematic one, would turn by more is made in equal "
+        "parts, 1024 at most [rad]; 0: in one, however far free bodies turn.",
     .standard = 0,
     .low = 0,
     .high = 1e6,
     .is_low_allowed = true};
+/// Most that a kinematic body may turn by in a step, or in each part of one [rad]: its way is straight in its coordinates, where a
+/// half turn makes it flat.
+inline constexpr double kMostLedTurn = 1;
 inline constexpr std::array kAffineParameters{
     kStepRule,         kAffineStiffness, kReach,           kSeparation,
     kSlipSpeed,        kFrictionSolves,  kNewtonTolerance, kNewtonIterations,

@@ -453,11 +453,12 @@ std::string strain_warning(double strain, std::int64_t step) {
       strain, step);
 }
 
-std::string blocked_warning(std::int64_t steps) {
+std::string blocked_warning(std::int64_t stayed, std::int64_t slow, double delay) {
   return fmt::format(
-      "in {} steps kinematic bodies stayed where they were, blocked by what they push "
-      "(blocked_bodies): their motions go on later by as much",
-      steps);
+      "kinematic bodies went a part of their way in {} steps, where the whole would squeeze what "
+      "they push, and stayed in {} where they were blocked (blocked_bodies): their motions are "
+      "{:.3g} s late",
+      slow - stayed, stayed, delay);
 }
 
 }  // namespace scree::affine

@@ -68,8 +68,9 @@ std::string stiff_warning(const std::string& body);
 /// Of a tolerance that lets steps end early [m/s]. @param gained  what gravity changes a velocity by in a step; 0: there is none
 std::string tolerance_warning(double tolerance, double gained, double fitting);
 
-/// Of stiff bodies that gave way, and of kinematic ones that what they press on stopped.
+/// Of stiff bodies that gave way, and of kinematic ones that what they press on slowed or stopped.
+/// @param stayed  steps in which they stayed  @param slow  these, and those of which they went a part  @param delay  [s]
 std::string strain_warning(double strain, std::int64_t step);
-std::string blocked_warning(std::int64_t steps);
+std::string blocked_warning(std::int64_t stayed, std::int64_t slow, double delay);
 
 }  // namespace scree::affine

@@ -381,8 +381,8 @@ class Run {
       progress.note("warning: " + warning);
     const std::vector<std::string> warnings = world.warnings();
     for (std::size_t k = told; k < warnings.size(); ++k) progress.note("warning: " + warnings[k]);
-    constexpr double kMostTurn = 0.5;  // rad
-    if (record_.totals.max_turn() > kMostTurn)
+    constexpr double kMostTurn = 0.5;                        // rad
+    if (record_.totals.max_turn() > kMostTurn * (1 + 1e-6))  // but for rounding
       progress.note(fmt::format(
           "warning: a body turned by {:.2g} rad in a step: steps follow turns of up to {:g} rad; a "
           "smaller time step follows it better, or max_turn of the dynamics",

@@ -1,19 +1,15 @@
 #include "host/scene/motion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "host/scene/scene_checks.h"
+
 namespace scree {
 namespace {
-
-/// Rotation vector of a unit quaternion, angle in [0, pi].
-Vec3d log_map(Quatd q) {
-  if (q.w < 0) q = {-q.w, -q.x, -q.y, -q.z};
-  const double s = norm(q.vec());
-  const double angle = 2 * std::atan2(s, q.w);
-  return s > 0 ? (angle / s) * q.vec() : Vec3d{};
-}
 
 Pose sampled_pose(const Motion& m, const BodyDescription& body, double t) {
   const auto next = std::upper_bound(m.times.begin(), m.times.end(), t);
@@ -34,7 +30,52 @@ Pose sampled_pose(const Motion& m, const BodyDescription& body, double t) {
   return pose;
 }
 
+/// The most of samples, which between two of them turn the shorter way: at the end of a time that begins with a sample, or ends
+/// with one.
+MostTurn most_turn_of_samples(const Motion& motion, double time) {
+  const std::vector<double>& times = motion.times;
+  std::vector<double> turned{0};  // from the first sample on [rad]
+  for (std::size_t i = 1; i < motion.orientations.size(); ++i) {
+    const Quatd &a = motion.orientations[i - 1], &b = motion.orientations[i];
+    const double same = std::abs(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z);
+    turned.push_back(turned.back() + 2 * std::acos(std::min(1.0, same)));
+  }
+  if (motion.orientations.empty()) return {};
+  const auto turned_at = [&](double t) {
+    const auto after = std::upper_bound(times.begin(), times.end(), t);
+    if (after == times.begin()) return 0.0;
+    if (after == times.end()) return turned.back();
+    const auto i = static_cast<std::size_t>(after - times.begin());
+    const double share = (t - times[i - 1]) / (times[i] - times[i - 1]);
+    return turned[i - 1] + share * (turned[i] - turned[i - 1]);
+  };
+  MostTurn most;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double here =
+        std::max(turned_at(times[i] + time) - turned[i], turned[i] - turned_at(times[i] - time));
+    if (!(here > most.turn)) continue;
+    most.turn = here;
+    most.field = fmt::format("motion.orientations[{}]", i);
+  }
+  most.value = fmt::format("{:.4g} rad within a time step", most.turn);
+  return most;
+}
+
 }  // namespace
+
+MostTurn most_turn(const Motion& motion, double time) {
+  switch (motion.kind) {
+    case Motion::Kind::rotating:
+      return {std::abs(motion.rate) * time, "motion.rate", value_text(motion.rate)};
+    case Motion::Kind::linear:
+      return {norm(motion.angular_velocity) * time, "motion.angular_velocity",
+              value_text(motion.angular_velocity)};
+    case Motion::Kind::sampled:
+      return most_turn_of_samples(motion, time);
+    default:
+      return {};
+  }
+}
 
 Pose pose_at(const BodyDescription& body, double t) {
   const Motion& m = body.motion;

@@ -1,6 +1,8 @@
 #pragma once
 // Prescribed motion of kinematic bodies.
 
+#include <string>
+
 #include "host/scene.h"
 
 namespace scree {
@@ -20,6 +22,13 @@ struct Rates {
   Vec3d angular_velocity;  ///< world frame [rad/s]
 };
 Rates rates_between(const Pose& from, const Pose& to, double h);
+
+/// Where a motion turns a body most within a time, along its way.
+struct MostTurn {
+  double turn = 0;           ///< [rad]
+  std::string field, value;  ///< what gives it, and that as messages show it
+};
+MostTurn most_turn(const Motion& motion, double time);
 
 /// Whether the body ever turns: decides between contact layouts.
 bool rotates(const BodyDescription& body);

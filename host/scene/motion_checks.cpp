@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/scene/motion.h"
 #include "host/scene/scene_checks.h"
 #include "kernels/math/quat.h"
 
@@ -43,46 +44,12 @@ std::optional<Fault> samples_fault(const Motion& motion) {
 }
 
 /// A pose at the end of a step does not tell how many times a body has turned round in it.
-std::optional<Fault> rate_fault(const Motion& motion, double time_step) {
-  const std::string expected = fmt::format(
-      "must turn the body by less than half a turn in a time step of {} s [rad/s]", time_step);
-  if (motion.kind == Motion::Kind::rotating &&
-      !(std::abs(motion.rate) * time_step < std::numbers::pi))
-    return Fault{"motion.rate", value_text(motion.rate), expected};
-  if (motion.kind == Motion::Kind::linear &&
-      !(norm(motion.angular_velocity) * time_step < std::numbers::pi))
-    return Fault{"motion.angular_velocity", value_text(motion.angular_velocity), expected};
-  return std::nullopt;
-}
-
-/// The same of samples, which between two of them turn the shorter way.
-std::optional<Fault> sampled_turn_fault(const Motion& motion, double time_step) {
-  const std::vector<double>& times = motion.times;
-  std::vector<double> turned{0};  // from the first sample on [rad]
-  for (std::size_t i = 1; i < motion.orientations.size(); ++i) {
-    const Quatd &a = motion.orientations[i - 1], &b = motion.orientations[i];
-    const double same = std::abs(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z);
-    turned.push_back(turned.back() + 2 * std::acos(std::min(1.0, same)));
-  }
-  if (motion.orientations.empty()) return std::nullopt;
-  const auto turned_at = [&](double t) {
-    const auto after = std::upper_bound(times.begin(), times.end(), t);
-    if (after == times.begin()) return 0.0;
-    if (after == times.end()) return turned.back();
-    const auto i = static_cast<std::size_t>(after - times.begin());
-    const double share = (t - times[i - 1]) / (times[i] - times[i - 1]);
-    return turned[i - 1] + share * (turned[i] - turned[i - 1]);
-  };
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const double most = std::max(turned_at(times[i] + time_step) - turned[i],
-                                 turned[i] - turned_at(times[i] - time_step));
-    if (!(most < std::numbers::pi))
-      return Fault{fmt::format("motion.orientations[{}]", i),
-                   fmt::format("{:.4g} rad within a time step", most),
-                   fmt::format("must turn the body by less than half a turn in a time step of {} s",
-                               time_step)};
-  }
-  return std::nullopt;
+std::optional<Fault> turn_rate_fault(const Motion& motion, double time_step) {
+  const MostTurn most = most_turn(motion, time_step);
+  if (most.turn < std::numbers::pi) return std::nullopt;
+  return Fault{most.field, most.value,
+               fmt::format("must turn the body by less than half a turn in a time step of {} s{}",
+                           time_step, motion.kind == Motion::Kind::sampled ? "" : " [rad/s]")};
 }
 
 }  // namespace
@@ -122,11 +89,9 @@ std::optional<Fault> motion_fault(const BodyDescription& body, double time_step)
     return Fault{"motion.frequency", value_text(motion.frequency), "must be zero or positive [Hz]"};
   if (swinging && !std::isfinite(motion.phase))
     return Fault{"motion.phase", value_text(motion.phase), "must be a finite number [rad]"};
-  if (motion.kind == Motion::Kind::sampled) {
+  if (motion.kind == Motion::Kind::sampled)
     if (auto fault = samples_fault(motion)) return fault;
-    return sampled_turn_fault(motion, time_step);
-  }
-  return rate_fault(motion, time_step);
+  return turn_rate_fault(motion, time_step);
 }
 
 }  // namespace scree

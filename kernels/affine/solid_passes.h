@@ -101,7 +101,7 @@ struct WriteSolidPoses {
       momentum += cross(q[b].node[0] - nearest.node[0], own.mass * (v[b].node[0] - velocity)) +
                   angular_momentum(own, q[b], v[b]);
     }
-    write_pose(mass, nearest, velocity, momentum, solid.body, store);
+    write_pose(nearest, velocity, turn_rate(mass, nearest, momentum), solid.body, store);
   }
 };
 

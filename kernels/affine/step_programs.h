@@ -133,17 +133,22 @@ struct StartAnew {
   }
 };
 
-/// The pose of a body as a rigid one. @param velocity, momentum  of its center of mass, and of its turn about that
-SCREE_HD inline void write_pose(const AffineMass& mass, const AffineVec& q, const Vec3d& velocity,
-                                const Vec3d& momentum, Index body, const BodyView<double>& store) {
+/// The rotation nearest to that of a body.
+SCREE_HD inline Quat<double> orientation_of(const AffineVec& q) {
   Vec3d columns[3];
   nearest_rotation(q, columns);
-  const Quat<double> turn = quaternion_of(columns), before = store.orientation[body];
+  return quaternion_of(columns);
+}
+
+/// The pose of a body as a rigid one. @param velocity  of its center of mass  @param rate  of its turn about that
+SCREE_HD inline void write_pose(const AffineVec& q, const Vec3d& velocity, const Vec3d& rate,
+                                Index body, const BodyView<double>& store) {
+  const Quat<double> turn = orientation_of(q), before = store.orientation[body];
   const double same = turn.w * before.w + turn.x * before.x + turn.y * before.y + turn.z * before.z;
   store.position[body] = q.node[0];
   store.orientation[body] = same < 0 ? Quat<double>{-turn.w, -turn.x, -turn.y, -turn.z} : turn;
   store.velocity[body] = velocity;
-  store.angular_velocity[body] = turn_rate(mass, q, momentum);
+  store.angular_velocity[body] = rate;
 }
 
 /// Poses of the bodies as rigid ones.
@@ -153,12 +158,25 @@ struct WritePoses {
   Span<const Index> body_of_row;
   Span<const AffineVec> q, v;  ///< by body
   BodyView<double> store;
+  double earlier_step = 0;          ///< how long the step before took [s]; 0: there was none
+  Span<const AffineVec> earlier_q;  ///< by body, where that began
 
   SCREE_HD void operator()(Index row) const {
     const Index b = body_of_row[row];
     if (bodies[b].lame.is_elastic()) return;  // part of a body
-    write_pose(bodies[b].mass, q[b], v[b].node[0], angular_momentum(bodies[b].mass, q[b], v[b]), b,
-               store);
+    const AffineMass& mass = bodies[b].mass;
+    write_pose(
+        q[b], v[b].node[0],
+        bodies[b].is_led ? led_rate(b) : turn_rate(mass, q[b], angular_momentum(mass, q[b], v[b])),
+        b, store);
+  }
+
+ private:
+  /// Led bodies go straight in their coordinates, where turns are too slow by a sine.
+  SCREE_HD Vec3d led_rate(Index b) const {
+    if (!(earlier_step > 0)) return {};
+    return (1 / earlier_step) *
+           log_map(orientation_of(q[b]) * conjugate(orientation_of(earlier_q[b])));
   }
 };
 
@@ -167,6 +185,7 @@ struct AffineSums {
   double kinetic = 0;   ///< [J]
   double strain = 0;    ///< largest |A^T A - I| of stiff bodies
   double turn = 0;      ///< their largest angular velocity [rad/s]
+  double led_turn = 0;  ///< that of led bodies [rad/s]
   Vec3d momentum;       ///< [kg m/s]
   Vec3d angular;        ///< about the origin [kg m^2/s]
   Index bad_body = -1;  ///< one whose state is no number
@@ -175,6 +194,7 @@ struct AffineSums {
     kinetic += o.kinetic;
     strain = o.strain > strain ? o.strain : strain;
     turn = o.turn > turn ? o.turn : turn;
+    led_turn = o.led_turn > led_turn ? o.led_turn : led_turn;
     momentum += o.momentum;
     angular += o.angular;
     bad_body = bad_body < 0 ? o.bad_body : bad_body;
@@ -187,6 +207,7 @@ struct SumBody {
   Span<const Index> body_of_row;
   Span<const AffineVec> q, v;  ///< by body
   Span<const Index> hit;       ///< by row
+  Span<const Vec3d> rate;      ///< by body of the scene: its angular velocity [rad/s]
 
   SCREE_HD AffineSums operator()(Index row) const {
     const Index b = body_of_row[row];
@@ -194,7 +215,10 @@ struct SumBody {
     AffineSums s;
     s.strain = body.lame.is_elastic() ? 0 : strain_norm(q[b]);
     if (!(dot(q[b], q[b]) < 1e30 && dot(v[b], v[b]) < 1e30)) s.bad_body = b;
-    if (body.is_led) return s;
+    if (body.is_led) {
+      s.led_turn = norm(rate[b]);
+      return s;
+    }
     s.hit = hit[row];
     s.kinetic = 0.5 * dot(v[b], body.mass.product(v[b]));
     s.momentum = body.mass.mass * v[b].node[0];

@@ -66,6 +66,15 @@ SCREE_HD Quat<Real> exp_map(const Vec3<Real>& w) {
   return normalized(Quat<Real>{std::cos(angle / 2), s * w.x, s * w.y, s * w.z});
 }
 
+/// Rotation vector of a unit quaternion [rad], of an angle in [0, pi].
+template <class Real>
+SCREE_HD Vec3<Real> log_map(Quat<Real> q) {
+  if (q.w < Real(0)) q = {-q.w, -q.x, -q.y, -q.z};
+  const Real s = norm(q.vec());
+  const Real angle = Real(2) * std::atan2(s, q.w);
+  return s > Real(0) ? (angle / s) * q.vec() : Vec3<Real>{};
+}
+
 /// q after a turn by a rotation vector, exp_map(w) q. What the turn changes is added to q at once: products with a cosine just
 /// below one are rounded to the same side for thousands of steps, and a steady spin would drift by 1e-8 of itself a step in float.
 /// @param w  [rad], world frame

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "dynamics/ranks/shareable.h"
 #include "host/error.h"
 #include "host/ranks/mpi_ranks.h"
 #include "host/ranks/nccl_messages.h"
@@ -131,9 +132,10 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene, std::s
   return options;
 }
 
-void require_known_solver(const RunTarget& target, const Scene& scene,
-                          const WorldOptions& options) {
+void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options,
+                          bool over_ranks) {
   try {
+    if (over_ranks) require_shareable(scene);
     require_solver(scene, options);
   } catch (const InputError& fault) {
     throw InputError(scene_fault(find_scene(target.scene), target.overrides, fault.what()));

@@ -38,7 +38,8 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene,
                              std::string* notice = nullptr,
                              const std::shared_ptr<Ranks>& ranks = nullptr);
 
-/// require_solver(), whose fault names the file of the scene.
-void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options);
+/// require_solver(), and over several ranks that they can share the scene; faults name its file.
+void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options,
+                          bool over_ranks);
 
 }  // namespace scree

@@ -45,7 +45,7 @@ nlohmann::json rain() {
                                 {"density", 2500},
                                 {"velocity", {0, 0, -8}},
                                 {"layers", 100},
-                                {"interval", 0.002},
+                                {"interval", 0.003},
                                 {"region", {{"min", {-0.5, -0.5, 1}}, {"max", {0.5, 0.5, 1.02}}}}});
   return scene;
 }

@@ -44,21 +44,6 @@ TEST(CliRefusedRun, BodiesThatIntersectLeaveOldResults) {
   EXPECT_FALSE(fs::exists(scratch / "b"));
 }
 
-TEST(CliRefusedRun, ForcesThatAModelDoesNotTellLeaveOldResults) {
-  if (find_dynamics("affine") == nullptr) GTEST_SKIP() << "no dynamics \"affine\"";
-  const Scratch scratch;
-  nlohmann::json scene = nlohmann::json::parse(kIntersecting);
-  scene["bodies"].erase(2);
-  const fs::path out = scratch / "a";
-  const fs::path good = put(scratch / "good.json", scene.dump());
-  ASSERT_EQ(scree(scratch, run_arguments(good, out, {"--steps", "1"})).code, 0);
-  const auto before = files_in(out);
-  const Result forced =
-      scree(scratch, run_arguments(good, out, {"--force", "--set", "output.force_interval=0.01"}));
-  EXPECT_EQ(forced.code, 2) << forced.err;
-  EXPECT_EQ(files_in(out), before);
-}
-
 /// What only one rank can simulate.
 TEST_F(CliRanks, ScenesForOneRankAreRefusedBeforeFilesChange) {
   const fs::path out = scratch / "a";

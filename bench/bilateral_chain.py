@@ -16,6 +16,7 @@ import resource
 import subprocess
 import tempfile
 
+import programs
 from markdown import number, put_tables, table
 
 
@@ -62,8 +63,9 @@ def main():
     parser.add_argument("--steps", type=int, default=4)
     parser.add_argument("--tolerance", default="1e-8")
     parser.add_argument("--page", type=pathlib.Path)
-    parser.add_argument("--scree", default="scree")
+    parser.add_argument("--scree", metavar="PROGRAM", help="default: that of the newest build")
     options = parser.parse_args()
+    options.scree = programs.scree(options.scree)
     rows = []
     for links in options.links:
         with tempfile.TemporaryDirectory() as folder:

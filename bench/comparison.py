@@ -18,6 +18,7 @@ import pathlib
 import subprocess
 import sys
 
+import programs
 from markdown import number, put_tables, table
 
 LEVELS = [3e-1, 1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4]  # of v*
@@ -33,11 +34,12 @@ STYLES = ["-", "--", ":", "-."]  # of machines
 
 
 def run(options):
+    program = programs.scree(options.scree)
     options.out.mkdir(parents=True, exist_ok=True)
     bodies = options.bodies or BODIES[options.backend]
     middle = bodies[len(bodies) // 2] if options.backend == "cpu" else bodies[-1]
     for name, sizes, layers in (("sizes", bodies, [LAYERS]), ("depths", [middle], options.depths or DEPTHS)):
-        command = [options.scree, "bench", "solvers", "--backend", options.backend, "--limit", options.limit]
+        command = [program, "bench", "solvers", "--backend", options.backend, "--limit", options.limit]
         command += ["--sizes", ",".join(map(str, sizes)), "--layers", ",".join(map(str, layers))]
         command += ["--levels", ",".join(map(str, LEVELS)), "--json", options.out / f"{options.backend}_{name}.json"]
         command += ["--threads", options.threads] if options.threads else []
@@ -215,7 +217,7 @@ def main():
     runner = commands.add_parser("run")
     runner.set_defaults(action=run)
     runner.add_argument("--out", type=pathlib.Path, required=True)
-    runner.add_argument("--scree", default="build/release/bin/scree")
+    runner.add_argument("--scree", metavar="PROGRAM", help="default: that of the newest build")
     runner.add_argument("--backend", choices=BODIES, default="cpu")
     runner.add_argument("--limit", type=float, default=5, help="seconds of a solve, about")
     runner.add_argument("--threads", type=int)

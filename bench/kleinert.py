@@ -14,6 +14,8 @@ import pathlib
 import subprocess
 import sys
 
+import programs
+
 
 def scene(table, friction, rotations):
     particles = {"layout": "file", "file": str(table.resolve()), "density": 1650}
@@ -36,10 +38,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("table", type=pathlib.Path)
     parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--scree", default="build/release/bin/scree")
+    parser.add_argument("--scree", metavar="PROGRAM", help="default: that of the newest build")
     parser.add_argument("--friction", type=float, default=0.4)
     parser.add_argument("--no-rotations", action="store_true")
     options = parser.parse_args()
+    options.scree = programs.scree(options.scree)
     try:
         import h5py
     except ImportError:

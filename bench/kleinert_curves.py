@@ -13,9 +13,8 @@ import pathlib
 import subprocess
 import sys
 
-import h5py
-
-from curves import at, reached, solve
+import programs
+from curves import at, h5py, reached, solve
 from markdown import number, put_tables, table
 
 SOLVERS = ["apgd", "apgd_plain", "spg", "gauss_seidel", "jacobi"]
@@ -87,10 +86,11 @@ def main():
     parser.add_argument("--piles", type=pathlib.Path, nargs="+", required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--page", type=pathlib.Path, help="page that gets the tables (default: DIR/kleinert.md)")
-    parser.add_argument("--scree", default="build/release/bin/scree")
+    parser.add_argument("--scree", metavar="PROGRAM", help="default: that of the newest build")
     parser.add_argument("--iterations", type=int, default=20000)
     parser.add_argument("--seconds", type=float, default=30, help="limit per solver")
     options = parser.parse_args()
+    options.scree = programs.scree(options.scree)
     options.out.mkdir(parents=True, exist_ok=True)
     sections = {}
     for pile in options.piles:

@@ -11,6 +11,7 @@ of itself that went on for twice as long. Tables go to the page, pictures and cu
 import argparse
 import pathlib
 
+import programs
 from curves import reached, solve
 from markdown import number, put_tables, table
 
@@ -155,9 +156,10 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--page", type=pathlib.Path, help="page that gets the tables (default: DIR/packing_1702.md)")
     parser.add_argument("--problem", type=pathlib.Path, default=here / "problems" / "packing_1702.hdf5")
-    parser.add_argument("--scree", default="build/release/bin/scree")
+    parser.add_argument("--scree", metavar="PROGRAM", help="default: that of the newest build")
     parser.add_argument("--seconds", type=float, default=10, help="limit per solver")
     options = parser.parse_args()
+    options.scree = programs.scree(options.scree)
     limits = ["--tolerance", "1e-12", "--max-seconds", options.seconds]
     results, text = {}, ""
     for model, (title, reference, solvers) in MODELS.items():

@@ -16,6 +16,8 @@ import pathlib
 import subprocess
 import sys
 
+import programs
+
 try:
     import h5py
     import numpy as np
@@ -118,9 +120,10 @@ def dump(options, bodies, envelope):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--scree", default="build/release/bin/scree")
+    parser.add_argument("--scree", metavar="PROGRAM", help="default: that of the newest build")
     parser.add_argument("--contacts", type=int, default=1702)
     options = parser.parse_args()
+    options.scree = programs.scree(options.scree)
     options.out.mkdir(parents=True, exist_ok=True)
 
     settled = simulate(options, "settle", scene(rain(), 4))

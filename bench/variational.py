@@ -4,7 +4,7 @@
     bench/variational.py run --out DIR [--bin DIR] [--steps N]
     bench/variational.py show --out DIR --page docs/results/variational.md
 
-`run` starts scree_tests_physics and scree_energy_curves, which are in --bin (build/release/bin), and writes tests.json and
+`run` starts scree_tests_physics and scree_energy_curves, which are in --bin (that of the newest build), and writes tests.json and
 curves.json. `show` puts their figures into the tables of the page, beside the reference values and gates of the cases, and draws
 the curves beside it. `show` needs matplotlib for the picture.
 """
@@ -15,6 +15,7 @@ import pathlib
 import subprocess
 import sys
 
+import programs
 from markdown import number, put_tables, table
 
 SUITES = "*Collision*:-Impact/*:GranularGas.*:ImpactChain.*"
@@ -88,11 +89,12 @@ ORDERS = [
 
 
 def run(options):
+    folder = programs.folder_of(("scree_tests_physics", "scree_energy_curves"), options.bin)
     options.out.mkdir(parents=True, exist_ok=True)
     tests = options.out / "tests.json"
-    subprocess.run([options.bin / "scree_tests_physics", f"--gtest_filter={SUITES}", f"--gtest_output=json:{tests}"],
+    subprocess.run([folder / "scree_tests_physics", f"--gtest_filter={SUITES}", f"--gtest_output=json:{tests}"],
                    check=True)
-    subprocess.run([options.bin / "scree_energy_curves", "--steps", str(options.steps), "--json",
+    subprocess.run([folder / "scree_energy_curves", "--steps", str(options.steps), "--json",
                     options.out / "curves.json"], check=True)
 
 
@@ -168,7 +170,7 @@ def main():
     modes = parser.add_subparsers(required=True)
     make = modes.add_parser("run")
     make.add_argument("--out", type=pathlib.Path, required=True)
-    make.add_argument("--bin", type=pathlib.Path, default=pathlib.Path("build/release/bin"))
+    make.add_argument("--bin", type=pathlib.Path, metavar="DIR", help="default: that of the newest build")
     make.add_argument("--steps", type=int, default=100000)
     make.set_defaults(work=run)
     page = modes.add_parser("show")

@@ -74,6 +74,9 @@ class Dynamics {
 
   virtual Image render(const PictureSettings& settings) = 0;
 
+  /// See World.
+  virtual bool is_asked_to_end() const { return false; }
+
   /// CUDA device that must be the current one during a call; negative: none.
   virtual int cuda_device() const = 0;
   virtual std::size_t memory() const = 0;

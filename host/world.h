@@ -291,6 +291,9 @@ class World {
 
   Image render(const PictureSettings& settings) const;
 
+  /// Whether another rank was asked to end, see follow_worlds(): rank 0 knows since its last call that all took part in.
+  bool is_asked_to_end() const;
+
   /// Bytes held in backend memory now, and the most ever held.
   std::size_t memory() const;
   std::size_t peak_memory() const;
@@ -319,7 +322,9 @@ class World {
 /// Takes part in the worlds that rank 0 makes of this scene, on the ranks above it; WorldOptions::ranks is theirs. Returns
 /// after rank 0 called release_followers(). What fails here alone ends all ranks, see Ranks::abort().
 /// @param sink  gets the bodies of this rank when rank 0 calls give_own_bodies(); null: it does not
-void follow_worlds(const Scene& scene, const WorldOptions& options, OwnBodiesSink* sink = nullptr);
+/// @param asks_to_end  whether this rank was asked to end; rank 0 gets to know by World::is_asked_to_end(). Empty: never
+void follow_worlds(const Scene& scene, const WorldOptions& options, OwnBodiesSink* sink = nullptr,
+                   const std::function<bool()>& asks_to_end = {});
 
 /// On rank 0: the others return from follow_worlds().
 void release_followers(Ranks& ranks);
@@ -339,6 +344,9 @@ struct DeviceInfo {
   int threads = 0;             ///< CPU threads or multiprocessors
 };
 DeviceInfo device_info(BackendKind kind, int device = 0);
+
+/// CPU threads that a World of these options has, or multiprocessors of its GPU.
+int threads_of(const WorldOptions& options);
 
 /// @throws InputError when the solver does not run on the backend, or does not know
 ///         the contacts of the scene

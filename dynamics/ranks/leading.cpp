@@ -41,8 +41,8 @@ struct Order {
   Vec3d first, second;
 };
 
-/// Rank 0 says, the others hear.
-Order tell(Ranks& ranks, const Order& order) { return gather(ranks, order)[0]; }
+/// Rank 0 says, the others hear. Their `number` is not 0 where they were asked to end.
+std::vector<Order> tell(Ranks& ranks, const Order& order) { return gather(ranks, order); }
 
 /// Calls `work`, and ends all ranks when it fails on this one alone.
 /// @param takes_input  input that is refused is refused everywhere; else a rank has met it alone
@@ -75,6 +75,8 @@ std::unique_ptr<Dynamics> make_together(Ranks& ranks, const MakeDynamics& make) 
   } catch (const InputError& error) {
     fault = error.what();
     is_input = true;
+  } catch (const std::bad_alloc&) {
+    fault = "host memory exhausted";
   } catch (const std::exception& error) {
     fault = error.what();
   }
@@ -104,7 +106,10 @@ class LeadingDynamics final : public Dynamics {
   // First, because the type that it returns follows from what it calls.
   template <class F>
   auto led(const Order& order, F&& work) {
-    tell(*ranks_, order);
+    const std::vector<Order> all = tell(*ranks_, order);
+    is_asked_to_end_ =
+        is_asked_to_end_ ||
+        std::any_of(all.begin() + 1, all.end(), [](const Order& o) { return o.number != 0; });
     return together(*ranks_, order.call != Call::step, work);
   }
   template <class F>
@@ -193,6 +198,7 @@ class LeadingDynamics final : public Dynamics {
   Image render(const PictureSettings& settings) override {
     return led(Call::render, [&] { return own_->render(settings); });
   }
+  bool is_asked_to_end() const override { return is_asked_to_end_; }
   int cuda_device() const override { return own_->cuda_device(); }
   std::size_t memory() const override { return own_->memory(); }
   std::size_t peak_memory() const override { return own_->peak_memory(); }
@@ -200,6 +206,7 @@ class LeadingDynamics final : public Dynamics {
  private:
   std::shared_ptr<Ranks> ranks_;
   std::unique_ptr<Dynamics> own_;
+  bool is_asked_to_end_ = false;
 };
 
 /// What rank 0 asked for, on the simulation of this rank.
@@ -274,10 +281,11 @@ std::unique_ptr<Dynamics> lead(std::shared_ptr<Ranks> ranks, const MakeDynamics&
   return std::make_unique<LeadingDynamics>(std::move(ranks), std::move(own));
 }
 
-void follow(Ranks& ranks, const MakeDynamics& make, OwnBodiesSink* sink) {
+void follow(Ranks& ranks, const MakeDynamics& make, OwnBodiesSink* sink, const AsksToEnd& asks) {
   std::unique_ptr<Dynamics> own;
   for (;;) {
-    const Order order = tell(ranks, {});
+    const int wish = asks && asks() ? 1 : 0;
+    const Order order = tell(ranks, {Call::stop, wish, {}, {}})[0];
     if (order.call == Call::stop) return;
     try {
       if (order.call == Call::make) {

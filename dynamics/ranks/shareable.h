@@ -5,7 +5,7 @@
 
 namespace scree {
 
-/// @throws InputError naming what of a scene of rigid bodies one rank simulates only
+/// @throws InputError naming what of a scene one rank simulates only
 void require_shareable(const Scene& scene);
 
 /// @throws InputError saying that a call of World is for one rank only

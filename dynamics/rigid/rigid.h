@@ -645,7 +645,6 @@ std::unique_ptr<Dynamics> make_rigid(Scene scene, const WorldOptions& options) {
   const bool near_pairs = keeps_near_pairs(scene, options);  // from what is free before all else
   const SceneSummary summary = summarize_run(scene, options);
   const bool is_shared = options.ranks != nullptr && options.ranks->count() > 1;
-  if (is_shared) require_shareable(scene);
   RankPlan plan =
       is_shared ? plan_for_ranks(options.ranks, scene) : plan_for_one(summary.free_capacity);
   return std::make_unique<RigidDynamics<B, Real>>(make_backend<B>(options), std::move(scene),

@@ -10,6 +10,7 @@
 #include "dynamics/dynamics_card.h"
 #include "host/io/surface_frames.h"
 #include "host/problems/body_problem.h"
+#include "host/ranks/launch.h"
 #include "host/scene/body_name.h"
 #include "host/scene/overlaps.h"
 #include "host/scene/run_summary.h"
@@ -55,7 +56,7 @@ int check_scene(const CheckOptions& options) {
   std::vector<std::string> notes;
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides, &notes);
   const WorldOptions world = resolve_options(options.target, scene);
-  require_known_solver(options.target, scene, world);
+  require_known_solver(options.target, scene, world, launch_of_environment().count > 1);
   const SceneSummary s = summarize_run(scene, world);
   const auto steps = std::llround(scene.stepping.duration / scene.stepping.time_step);
   const std::size_t memory = expected_memory(scene, world);

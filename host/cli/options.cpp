@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "dynamics/ranks/shareable.h"
 #include "host/error.h"
 #include "host/ranks/mpi_ranks.h"
 #include "host/ranks/nccl_messages.h"
@@ -139,9 +140,12 @@ void with_scene_file(const RunTarget& target, const std::function<void()>& what)
   }
 }
 
-void require_known_solver(const RunTarget& target, const Scene& scene,
-                          const WorldOptions& options) {
-  with_scene_file(target, [&] { require_solver(scene, options); });
+void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options,
+                          bool over_ranks) {
+  with_scene_file(target, [&] {
+    if (over_ranks) require_shareable(scene);
+    require_solver(scene, options);
+  });
 }
 
 }  // namespace scree

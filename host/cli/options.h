@@ -42,7 +42,8 @@ WorldOptions resolve_options(const RunTarget& target, const Scene& scene,
 /// Does what may find a fault of a scene that was read, which then names its file. @throws InputError
 void with_scene_file(const RunTarget& target, const std::function<void()>& what);
 
-/// require_solver(), whose fault names the file of the scene.
-void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options);
+/// require_solver(), and over several ranks that they can share the scene; faults name its file.
+void require_known_solver(const RunTarget& target, const Scene& scene, const WorldOptions& options,
+                          bool over_ranks);
 
 }  // namespace scree

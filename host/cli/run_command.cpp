@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "dynamics/dynamics_card.h"
+#include "host/cli/abort_record.h"
 #include "host/cli/deepest_overlap.h"
 #include "host/cli/joints_apart.h"
 #include "host/cli/judged.h"
@@ -138,17 +139,21 @@ class Run {
       check_steps_csv(directory_.steps_csv(), card_.report, checkpoint->state.step);
       if (writes_forces()) check_forces_csv(directory_.forces_csv(), checkpoint->state.step);
     }
-    require_known_solver(options_.target, scene_, world_options_);
+    require_known_solver(options_.target, scene_, world_options_, rank_count() > 1);
     require_memory(scene_, world_options_);
     if (scene_.output.surface_frames) require_surface_size(surface_size(scene_));
     start_clock_ = std::chrono::steady_clock::now();
-    std::optional<World> made;
     std::optional<std::int64_t> resumed_step;
     std::optional<double> resumed_time;
-    if (checkpoint) {  // a state that does not fit is refused before any file changes
-      with_scene_file(options_.target, [&] { made.emplace(scene_, world_options_); });
-      if (writes_forces()) made->track_forces();  // sums of the checkpoint go on
-      restore_from(directory_.checkpoint_file(), *checkpoint, *made);
+    std::string overlaps;  // where no contacts of a first step will tell
+    if (!checkpoint && !card_.has_contacts)
+      overlaps = overlap_warning(overlaps_as_rigid(scene_, world_options_), BodyConstants(scene_));
+    std::optional<World> made;  // what it refuses is refused before any file changes
+    with_scene_file(options_.target, [&] { made.emplace(scene_, world_options_); });
+    World& world = *made;
+    if (writes_forces()) world.track_forces();
+    if (checkpoint) {
+      restore_from(directory_.checkpoint_file(), *checkpoint, world);  // sums of forces go on
       resumed_step = checkpoint->state.step;
       resumed_time = checkpoint->state.time;
       checkpoint.reset();  // it is as large as the world
@@ -159,26 +164,20 @@ class Run {
     if (!notice_.empty() && !options_.quiet) say(notice_);
     std::optional<RunFiles> files(std::in_place, directory_, scene_, world_options_.precision,
                                   rank_count(), resumed_step, resumed_time);
-    if (!made) write_walls(directory_.walls(), scene_);
-    std::string overlaps;  // where no contacts of a first step will tell
-    if (!made && !card_.has_contacts)
-      overlaps = overlap_warning(overlaps_as_rigid(scene_, world_options_), BodyConstants(scene_));
-    Scene loaded = std::exchange(scene_, settings_of(scene_));  // the descriptions go to the world
-    if (!made) {
-      with_scene_file(options_.target, [&] { made.emplace(std::move(loaded), world_options_); });
-      if (writes_forces()) made->track_forces();
-    }
-    loaded = {};
+    if (!resumed_step) write_walls(directory_.walls(), scene_);
+    scene_ = settings_of(scene_);  // steps have the memory of the rest
     if (!overlaps.empty()) say("warning: " + overlaps);
-    World& world = *made;
     record_.body_count = static_cast<int>(world.constants().size());
     const SignalGuard signals;
     start_record(resumed_step);
+    const AbortRecord on_abort(world_options_.ranks.get(), [&](const std::string& text) {
+      record_failure(text);
+      finish_record(world);
+    });
     try {
       simulate(world, *files, signals, resumed_step);
     } catch (const std::exception& error) {
-      record_.status = RunStatus::failed;
-      record_.message = error.what();
+      record_failure(error.what());
       directory_.require_present();  // when it is gone, that is what to tell
       const auto try_to = [](const auto& finish) {
         try {
@@ -338,7 +337,8 @@ class Run {
     const std::size_t told = world.warnings().size();
     double before = world.time();
     DeepestOverlap deepest;
-    while (world.steps_done() < target_ && signals.received() == 0) {
+    const auto is_interrupted = [&] { return signals.received() != 0 || world.is_asked_to_end(); };
+    while (world.steps_done() < target_ && !is_interrupted()) {
       const StepReport report = advance(world, writer, progress);
       if (report.step == 1) warn_of_overlaps(world, report, progress);
       if (card_.has_contacts) deepest.note(world, report);
@@ -363,9 +363,9 @@ class Run {
     progress.finish();
     record_.transport = transport();
     const std::string apart = joints_apart(record_.totals, scene_.joints, world.constants());
-    set_status_at_end(signals.received() != 0, apart, world.constants());
-    if (signals.received() != 0)
-      progress.note("interrupted: checkpoint written, continue with --resume");
+    const bool was_interrupted = is_interrupted();
+    set_status_at_end(was_interrupted, apart, world.constants());
+    if (was_interrupted) progress.note("interrupted: checkpoint written, continue with --resume");
     if (!options_.quiet) progress.note(summary());
     if (!options_.quiet && record_.ranks > 1)
       progress.note(fmt::format(
@@ -487,12 +487,17 @@ class Run {
     record_.backend = world_options_.backend;
     record_.precision = world_options_.precision;
     record_.device = device.name;
-    record_.threads = world_options_.threads > 0 ? world_options_.threads : device.threads;
+    record_.threads = threads_of(world_options_);
     record_.ranks = rank_count();
     record_.seed = scene_.seed;
     record_.start_time = utc_now();
     record_.resumed_from_step = resumed_from;
     write_run_record(directory_.run_json(), record_);
+  }
+
+  void record_failure(const std::string& message) {
+    record_.status = RunStatus::failed;
+    record_.message = message;
   }
 
   /// @throws RunError when the directory is no longer that of this run
@@ -539,12 +544,14 @@ class FollowerGuard {
 
 /// Takes part in the run of rank 0, which alone speaks, and writes all but pieces of frames.
 int follow(const RunOptions& options, const RunInput& input, Ranks& ranks) {
-  ignore_requests_to_end();
+  note_requests_to_end();
+  const fs::path folder = output_folder(options, input.scene);
+  const AbortRecord on_abort(
+      &ranks, [&](const std::string& text) { write_run_failure(folder / "run.json", text); });
   try {
-    FramePiece piece(
-        frame_piece_file(output_folder(options, input.scene) / "frames.vtkhdf", ranks.rank()),
-        input.scene, input.world.precision);
-    follow_worlds(input.scene, input.world, &piece);
+    FramePiece piece(frame_piece_file(folder / "frames.vtkhdf", ranks.rank()), input.scene,
+                     input.world.precision);
+    follow_worlds(input.scene, input.world, &piece, is_requested_to_end);
   } catch (const std::exception& error) {
     ranks.abort(error.what(), 1);
   }
@@ -555,7 +562,7 @@ int run_on_ranks(const RunOptions& options, const std::shared_ptr<Ranks>& ranks)
   std::optional<RunInput> input;
   const auto read = [&](RankReport& report) {
     input.emplace(options, ranks);
-    require_known_solver(options.target, input->scene, input->world);
+    require_known_solver(options.target, input->scene, input->world, true);
     require_memory(input->scene, input->world);
     report.scene = input->text;
     report.arithmetic =

@@ -11,14 +11,15 @@
 
 #include "dynamics/dynamics.h"
 #include "dynamics/ranks/leading.h"
+#include "dynamics/ranks/shareable.h"
 #include "host/engine/cuda_device.h"
 #include "host/engine/roster.h"
 #include "host/error.h"
 #include "host/scene/scene_checks.h"
+#include "kernels/backend/cpu.h"
 
 namespace scree {
 
-class Cpu;
 class Cuda;
 
 namespace {
@@ -29,8 +30,7 @@ bool has_several_ranks(const WorldOptions& options) {
 
 std::unique_ptr<Dynamics> own_dynamics(Scene scene, const WorldOptions& options) {
   validate(scene);
-  if (has_several_ranks(options) && scene.dynamics.type != "rigid")
-    throw InputError("dynamics \"" + scene.dynamics.type + "\" runs on one rank only");
+  if (has_several_ranks(options)) require_shareable(scene);
   std::string reason;
   if (!backend_available(options.backend, &reason, options.device))
     throw InputError((options.backend == BackendKind::cuda ? "backend cuda: " : "backend cpu: ") +
@@ -314,15 +314,17 @@ Image World::render(const PictureSettings& settings) const {
   check_picture(settings);
   return OnDevice(*dynamics_)->render(settings);
 }
+bool World::is_asked_to_end() const { return dynamics_->is_asked_to_end(); }
 std::size_t World::memory() const { return dynamics_->memory(); }
 std::size_t World::peak_memory() const { return std::max(peak_before_, dynamics_->peak_memory()); }
 
-void follow_worlds(const Scene& scene, const WorldOptions& options, OwnBodiesSink* sink) {
+void follow_worlds(const Scene& scene, const WorldOptions& options, OwnBodiesSink* sink,
+                   const std::function<bool()>& asks_to_end) {
 #ifdef SCREE_HAS_CUDA
   const CudaDeviceScope scope(options.backend == BackendKind::cuda ? options.device : -1);
 #endif
   follow(
-      *options.ranks, [&] { return own_dynamics(scene, options); }, sink);
+      *options.ranks, [&] { return own_dynamics(scene, options); }, sink, asks_to_end);
 }
 void release_followers(Ranks& ranks) { release(ranks); }
 
@@ -348,6 +350,11 @@ int device_count(BackendKind kind) {
 #else
   return 0;
 #endif
+}
+
+int threads_of(const WorldOptions& options) {
+  return options.backend == BackendKind::cpu ? Cpu(options.threads).threads()
+                                             : device_info(options.backend, options.device).threads;
 }
 
 DeviceInfo device_info([[maybe_unused]] BackendKind kind, [[maybe_unused]] int device) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -140,6 +141,23 @@ void write_run_record(const std::filesystem::path& path, const RunRecord& record
   json["scene"] = scene_of(record.scene_text);
   // A command line may hold bytes that are no UTF-8.
   write_file_atomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void write_run_failure(const std::filesystem::path& path, const std::string& message) {
+  std::ifstream in(path);
+  const Json json = Json::parse(in, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object() || json.value("status", "") != to_string(RunStatus::running)) return;
+  Json failed;
+  for (const auto& [key, value] : json.items()) {
+    failed[key] = value;
+    if (key == "status") {
+      failed[key] = to_string(RunStatus::failed);
+      failed["message"] = message;
+    } else if (key == "end_time") {
+      failed[key] = utc_now();
+    }
+  }
+  write_file_atomically(path, failed.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 std::string utc_now() {

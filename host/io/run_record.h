@@ -107,6 +107,10 @@ struct RunRecord {
 /// @throws RunError naming the file and the reason
 void write_run_record(const std::filesystem::path& path, const RunRecord& record);
 
+/// Tells in run.json that a run failed, from a process that does not keep its record. Nothing where no run.json says that it runs.
+/// @throws RunError naming the file and the reason
+void write_run_failure(const std::filesystem::path& path, const std::string& message);
+
 /// Time now, ISO 8601 in UTC with seconds: 2024-05-31T12:34:56Z.
 std::string utc_now();
 

@@ -18,6 +18,8 @@ extern "C" void note_signal(int number) {
   }
 }
 
+extern "C" void keep_signal(int number) { received_signal = number; }
+
 }  // namespace
 
 SignalGuard::SignalGuard() {
@@ -39,8 +41,19 @@ SignalGuard::~SignalGuard() {
 
 int SignalGuard::received() const { return received_signal; }
 
-void ignore_requests_to_end() {
-  for (const int request : {SIGINT, SIGTERM, SIGHUP}) std::signal(request, SIG_IGN);
+void note_requests_to_end() {
+  received_signal = 0;
+  struct sigaction action {};
+  action.sa_handler = keep_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  for (const int request : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction now {};
+    if (sigaction(request, nullptr, &now) == 0 && now.sa_handler != SIG_IGN)
+      sigaction(request, &action, nullptr);
+  }
 }
+
+bool is_requested_to_end() { return received_signal != 0; }
 
 }  // namespace scree

@@ -27,7 +27,10 @@ class SignalGuard {
   std::array<struct sigaction, requests.size()> old_{};
 };
 
-/// From now on SIGINT, SIGTERM and SIGHUP do nothing here: another process is asked too, and decides for this one.
-void ignore_requests_to_end();
+/// From now on SIGINT, SIGTERM and SIGHUP, however many come, only set a flag: another process decides for this one. Those
+/// that the process was started to ignore stay ignored.
+void note_requests_to_end();
+/// Whether one has come.
+bool is_requested_to_end();
 
 }  // namespace scree

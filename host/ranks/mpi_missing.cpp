@@ -16,6 +16,8 @@ std::shared_ptr<Ranks> mpi_ranks() {
 
 LocalRank local_rank(const Ranks& ranks) { return {ranks.rank(), ranks.count()}; }
 
+void set_before_abort(Ranks&, std::function<void(const std::string&)>) {}
+
 std::string mpi_version() { return {}; }
 
 }  // namespace scree

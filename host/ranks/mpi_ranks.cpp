@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
+#include <functional>
 #include <sstream>
 #include <utility>
 
@@ -120,6 +122,9 @@ class MpiRanks final : public Ranks {
   int count() const override { return count_; }
   int count_here() const override { return local_.count; }
   LocalRank local() const { return local_; }
+  void set_before_abort(std::function<void(const std::string&)> act) {
+    before_abort_ = std::move(act);
+  }
   bool is_own_session() const { return session_.is_own(); }
 
   void gather(const void* own, std::size_t bytes, void* all) override {
@@ -158,7 +163,13 @@ class MpiRanks final : public Ranks {
 
   [[noreturn]] void abort(const std::string& reason, int exit_code) override {
     constexpr std::size_t most_printed = 4000;
-    say("scree: rank " + std::to_string(rank_) + ": " + printable(reason, most_printed));
+    const std::string text = "rank " + std::to_string(rank_) + ": " + reason;
+    say("scree: " + printable(text, most_printed));
+    try {
+      if (before_abort_) before_abort_(text);
+    } catch (const std::exception&) {
+      // The reason to end is what counts, and it is told.
+    }
     MPI_Abort(world_.get(), exit_code);
     std::_Exit(exit_code);
   }
@@ -228,6 +239,7 @@ class MpiRanks final : public Ranks {
   LocalRank local_;
   std::unique_ptr<DeviceMessages> messages_ = nccl_messages();
   bool is_broken_ = false;
+  std::function<void(const std::string&)> before_abort_;
 };
 
 }  // namespace
@@ -248,6 +260,10 @@ std::shared_ptr<Ranks> mpi_ranks() {
 LocalRank local_rank(const Ranks& ranks) {
   if (const auto* mpi = dynamic_cast<const MpiRanks*>(&ranks)) return mpi->local();
   return {ranks.rank(), ranks.count()};
+}
+
+void set_before_abort(Ranks& ranks, std::function<void(const std::string&)> act) {
+  if (auto* mpi = dynamic_cast<MpiRanks*>(&ranks)) mpi->set_before_abort(std::move(act));
 }
 
 std::string mpi_version() {

@@ -1,6 +1,7 @@
 #pragma once
 // Ranks that are processes of one launch by MPI: mpirun -n 4 scree run SCENE. The only part of scree that knows MPI.
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,10 @@ struct LocalRank {
 };
 /// Ranks that MPI does not connect are on one host.
 LocalRank local_rank(const Ranks& ranks);
+
+/// What this rank does when it ends all, see Ranks::abort(), before they end: the text is the one that is told. What it throws is
+/// lost. Empty: nothing. Ranks that MPI does not connect do not call it.
+void set_before_abort(Ranks& ranks, std::function<void(const std::string& text)> act);
 
 /// Name and version of the library, "Open MPI 4.1.4"; empty: built without.
 std::string mpi_version();

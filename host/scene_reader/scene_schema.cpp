@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "dynamics/dynamics_card.h"
@@ -85,6 +86,14 @@ Json schema_of(ShapeKey::Type type) {
   return {};
 }
 
+/// A vector whose text says so has positive components.
+Json schema_of(const ShapeKey& key) {
+  Json schema = schema_of(key.type);
+  if (key.type == ShapeKey::Type::vector && std::string_view(key.text).ends_with(" positive."))
+    schema["items"] = {{"exclusiveMinimum", 0}};
+  return schema;
+}
+
 bool may_be_part(const ShapeCard& card) { return card.may_be_part(); }
 bool is_any(const ShapeCard&) { return true; }
 bool may_be_free(const ShapeCard& card) { return card.may_be_free(); }
@@ -133,7 +142,7 @@ void put_shapes(Json& object, bool (*fits)(const ShapeCard&),
         fmt::format("{}{}: {}.", description.empty() ? "" : " ", card.name, card.description);
     for (const ShapeKey& key : card.keys) {
       if (std::find(kept.begin(), kept.end(), key.key) != kept.end()) continue;
-      properties[key.key] = schema_of(key.type);
+      properties[key.key] = schema_of(key);
       properties[key.key]["description"] = text_of_key(key.key, fits);
     }
   }

@@ -27,7 +27,7 @@ def dumbbells(count=1000):
     bodies = [{"shape": "half_space", "normal": normal, "point": point} for normal, point in walls]
     joints = []
     for k in range(count):
-        x, y, z = 0.1 + 0.108 * (k % 8), 0.07 + 0.1 * (k // 8 % 9), 0.1 + 0.1 * (k // 72)
+        x, y, z = 0.09 + 0.13 * (k % 7), 0.07 + 0.1 * (k // 7 % 9), 0.1 + 0.1 * (k // 63)
         first = len(bodies)
         for side in (-0.03, 0.03):
             bodies.append({"shape": "sphere", "radius": 0.03, "density": 1000, "position": [x + side, y, z],

@@ -53,7 +53,7 @@ Json bench_header(const std::string& benchmark, const WorldOptions& options) {
           {"device_memory_bytes", device.memory_bytes},
           {"backend", to_string(options.backend)},
           {"precision", to_string(options.precision)},
-          {"threads", options.threads > 0 ? options.threads : device.threads}};
+          {"threads", threads_of(options)}};
 }
 
 std::string bench_title(const Json& header) {

@@ -19,7 +19,7 @@ int bench_scene(const SceneBenchOptions& options) {
   Scene scene = read_scene(find_scene(options.target.scene), options.target.overrides);
   std::string notice;
   const WorldOptions world_options = resolve_options(options.target, scene, &notice);
-  require_known_solver(options.target, scene, world_options);
+  require_known_solver(options.target, scene, world_options, false);
   require_memory(scene, world_options);
   const Json header = bench_header("scene", world_options);
   const bool prints_json = options.json == "-";

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "dynamics/dynamics_card.h"
+#include "host/error.h"
 #include "host/scene_reader.h"
 #include "host/scene_reader/keys.h"
 #include "host/scene_reader/scene_schema.h"
@@ -61,6 +62,54 @@ TEST(Schema, DescribesEveryKey) {
           part(document, value["$ref"].get<std::string>().substr(8)).contains("description");
       EXPECT_TRUE(itself || by_reference) << table.object << "." << key;
     }
+}
+
+/// The lower bound of a number, or of each of a list.
+bool is_bounded(const Json& value) {
+  const Json& number = value.contains("items") ? value.at("items") : value;
+  return number.value("exclusiveMinimum", -1.0) == 0;
+}
+
+TEST(Schema, BoundsWhatItCallsPositive) {
+  const Json document = schema();
+  int count = 0;
+  for (const KeyTable& table : scene_key_tables())
+    for (const auto& [key, value] : part(document, table.object).at("properties").items()) {
+      if (value.value("description", "").find("], positive.") == std::string::npos) continue;
+      EXPECT_TRUE(is_bounded(value)) << table.object << "." << key;
+      ++count;
+    }
+  EXPECT_GE(count, 6);
+}
+
+/// The reader has the same bound.
+TEST(Schema, WhatItBoundsIsRefused) {
+  const auto refuses = [](const std::string& key, const std::string& entries) {
+    try {
+      parse_scene(R"({"time_step": 1e-3, "duration": 0, )" + entries + "}", "scene", ".");
+    } catch (const InputError& error) {
+      return std::string(error.what()).find(key) != std::string::npos;
+    }
+    return false;
+  };
+  const std::string sphere = R"({"shape": "sphere", "radius": 0.1)";
+  for (const char* wrong : {"0", "-0.1"}) {
+    const std::string size = std::string(R"("size": [0.1, )") + wrong + ", 0.1]";
+    for (const std::string shape : {"box", "ellipsoid", "container"}) {
+      const std::string body = R"({"shape": ")" + shape + R"(", "density": 1000, )" + size + "}";
+      EXPECT_TRUE(refuses("size", R"("bodies": [)" + body + "]")) << body;
+    }
+    const std::string part = R"({"shape": "box", )" + size + "}";
+    const std::string compound =
+        R"({"shape": "compound", "density": 1000, "parts": [)" + part + "]}";
+    EXPECT_TRUE(refuses("size", R"("bodies": [)" + compound + "]")) << compound;
+    const std::string set =
+        R"({"layout": "lattice", "shape": "box", "count": 1, "density": 1000, )" + size +
+        R"(, "region": {"min": [0, 0, 0], "max": [1, 1, 1]}})";
+    EXPECT_TRUE(refuses("size", R"("particles": [)" + set + "]")) << set;
+    const std::string inertia = std::string(R"(, "mass": 1, "inertia": [1, )") + wrong + ", 1]}";
+    EXPECT_TRUE(refuses("inertia", R"("bodies": [)" + sphere + inertia + "]")) << inertia;
+  }
 }
 
 TEST(Schema, TellsSolversAndModelsAsTheirCardsDo) {

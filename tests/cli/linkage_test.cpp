@@ -15,7 +15,7 @@ TEST(CliLinkage, AJointHoldsThatIsStrongerThanItsLoad) {
     const Result run =
         scree(scratch, {"run", "linkage", "--backend", "cpu", "--precision", precision, "--steps",
                         "300", "--set", "particles.0.count=60", "--set",
-                        "output.force_interval=0.001", "--set", "joints.1.break_force=100",
+                        "output.force_interval=0.001", "--set", "joints.1.break_force=1000",
                         "--quiet", "--force", "--out", (scratch / "a").string()});
     ASSERT_EQ(run.code, 0) << run.err;
     std::ifstream in(scratch / "a/forces.csv");

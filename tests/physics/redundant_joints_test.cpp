@@ -32,9 +32,10 @@ Scene linkage_above_balls(int balls) {
   Scene scene = empty_scene(1e-3, 0.5);
   scene.solver.stop = StopRule();
   const Vec3d start{-0.2, 0, 0.55}, pin{-0.3, 0, 0.55}, knee{-0.15, 0, 0.35}, end{0, 0, 0.55};
-  const Vec3d axis{0, 1, 0};
-  const int crank = add_bar(scene, start, pin), coupler = add_bar(scene, pin, knee);
-  const int rocker = add_bar(scene, end, knee);
+  const Vec3d axis{0, 1, 0}, aside{0, 0.007, 0};  // bars lie side by side, joints between them
+  const int crank = add_bar(scene, start - aside, pin - aside);
+  const int coupler = add_bar(scene, pin + aside, 2.0 * knee - pin + aside);
+  const int rocker = add_bar(scene, end - aside, knee - aside);
   scene.joints.push_back(joint_of(JointKind::hinge, kWorldBody, crank, start, axis));
   scene.joints.back().motor = JointMotor{.speed = 3, .max_force = 60};
   scene.joints.push_back(joint_of(JointKind::hinge, kWorldBody, rocker, end, axis));
@@ -49,8 +50,8 @@ Scene linkage_above_balls(int balls) {
   return scene;
 }
 
-// All of it lies in one plane, so nothing loads it sideways.
-TEST_P(Redundant, ALinkageBearsNoForceAcrossItsPlane) {
+// Nothing loads it sideways but couples of bars that lie side by side.
+TEST_P(Redundant, ALinkageBearsFewNewtonsAcrossItsPlane) {
   World world(linkage_above_balls(40), cpu_options(1, GetParam()));
   double largest = 0, in_plane = 0;
   int iterations = 0;
@@ -65,7 +66,7 @@ TEST_P(Redundant, ALinkageBearsNoForceAcrossItsPlane) {
   }
   EXPECT_GT(iterations, 300);
   EXPECT_GT(in_plane, 1);
-  EXPECT_LT(largest, 0.1);
+  EXPECT_LT(largest, 3);  // in the jerk of the start
 }
 
 // The solver adds the weight of balls to what the step before left; the hinges share that, too, in each step.

@@ -15,9 +15,11 @@ TEST(CliDocuments, TheReadmeHasAllOptionsOfRun) {
   const std::string rows = table.substr(0, table.find("\n\n"));
   const std::regex option("\n  (?:-h,)?(--[a-z-]+)");
   int count = 0;
-  for (std::sregex_iterator k(help.begin(), help.end(), option), end; k != end; ++k, ++count)
-    if (const std::string name = (*k)[1]; name != "--help")
-      EXPECT_TRUE(std::regex_search(rows, std::regex("\n\\|[^|]*`" + name + "[` ]"))) << name;
+  for (std::sregex_iterator k(help.begin(), help.end(), option), end; k != end; ++k, ++count) {
+    const std::string name = (*k)[1];
+    if (name == "--help") continue;
+    EXPECT_TRUE(std::regex_search(rows, std::regex("\n\\|[^|]*`" + name + "[` ]"))) << name;
+  }
   EXPECT_GT(count, 10);
 }
 

@@ -21,8 +21,6 @@ constexpr double kSuspect = 1e-2;
 constexpr double kMostWork = 1e8;
 /// The same of free_directions(): about a hundredth of a second.
 constexpr double kMostFreeWork = 1e7;
-/// The part of a pivot that the shift may be: the rest is rounding, or less than what the shift takes from a solution.
-constexpr double kMostShift = 0.5;
 /// Square of what a direction may change, in parts of what its unknowns do one by one: floats that depend on each other do by 4e-15.
 constexpr double kMostEffect = 1e-12;
 /// Part of the largest entry of a direction below which one is of rounding.
@@ -119,7 +117,7 @@ void SparseFactor::Impl::find_superfluous() {
   for (const auto& [part, k] : suspects) {
     if (left < 0) break;
     left -= static_cast<double>(find_direction(k));
-    if (kMostShift * pivot[k] < kShift * alone()) inverse_pivot[k] = 0;
+    if (pivot[k] <= (kShift + kMostEffect) * alone()) inverse_pivot[k] = 0;
   }
 }
 

@@ -22,8 +22,7 @@ struct JointCorrection {
 };
 
 /// Solves the problem again as long as joints would not lie where they belong at the end of the step, and that helps. Where the
-/// step makes errors worse instead, it does less about them, or nothing. Where joints contradict each other they give way. What
-/// redundant ones bear they share in the end.
+/// step makes errors worse instead, it does less about them, or nothing. Where joints contradict each other they give way.
 /// @param at_end  gives Joints::AtEnd of the last solve, and corrects the rows by what was missed
 /// @param keep    keeps the biases of a problem that is about to be solved
 template <class B, class Real, class AtEnd, class Keep>
@@ -104,7 +103,7 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
   const bool is_left = is_forced && end.left > kLeft * (pulled + end.forced);
   const bool gives_way =
       stats.converged ? is_too_fast && (is_forced || !wanted.has_contacts) : is_too_fast || is_left;
-  if (!gives_way) return joints.share(b, bodies, problem, gamma, solver.velocity());
+  if (!gives_way) return;
   joints.plan(b, bodies, /*share=*/1, kGive, gamma);
   solve_again(/*is_warm=*/false);  // a guess takes rows to be firm
 }

@@ -146,13 +146,6 @@ class Joints {
     guess_.improve(b, problem, places(bodies), order_.view(here_), gamma, is_warm);
   }
 
-  /// Redundant joints share the impulses that a solver found from the last guess(), see JointGuess.
-  /// @param velocity  of owned bodies and ghosts
-  void share(B& b, const BodyView<Real>& bodies, const ContactProblem<Real>& problem,
-             Span<Vec3<Real>> gamma, Span<const Twist<Real>> velocity) {
-    guess_.share(b, problem, places(bodies), order_.view(here_), gamma, velocity);
-  }
-
   /// Number in the scene of the joint that row k of the problem of join() holds. One host read.
   Index number_of(B& b, Index k) const { return in_scene(fetch(b, order_.data() + k)); }
 

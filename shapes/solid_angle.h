@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "kernels/math/vec3.h"
+#include "shapes/shape.h"
 
 namespace scree {
 

@@ -136,8 +136,7 @@ void throw_bad_earlier_step() {
 void throw_bad_near_list() {
   throw InputError(
       "checkpoint: affine/near_list must be a time from 0 to 1, a room above 0, and three numbers "
-      "of steps, 1 or more and "
-      "the second 0 or more");
+      "of steps, the second 0 or more, the others 1 or more");
 }
 
 void throw_bad_led_part() {

@@ -16,7 +16,7 @@ struct NearListState {
   double time = 0;    ///< on the ways, about where bodies are, from 0 to 1
   double room = 0;    ///< how far bodies may be from where the ways are at one time [m]
   double steps = 1;   ///< that the ways are for
-  double served = 0;  ///< steps begun with the list
+  double served = 0;  ///< steps that used it from their start, that of its first way included
   double wanted = 1;  ///< steps that the next list is made for
 
   bool is_valid() const {
@@ -46,7 +46,7 @@ class NearList {
   }
 
   /// A step begins. What the one before ended with serves until bodies go on, for their list holds what is near where they are.
-  /// @param p     all but its near pairs is set: where the step begins, and targets
+  /// @param p     all but its near pairs is set, targets need not be
   /// @param v     by body  @param h  of the step [s]
   /// @param anew  whether bodies are not where the last step left them
   void begin(const SurfaceTables<B>& surfaces, const Potential& p, Span<const AffineVec> v,

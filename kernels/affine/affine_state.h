@@ -16,6 +16,9 @@ namespace scree::affine {
 /// other.
 inline constexpr int kWaitingThreads = 64;
 
+/// Part of a coordinate that rounding changes where it is summed up from those of a body.
+inline constexpr double kPlaceRounding = 4e-16;
+
 /// Position, velocity, force or step of an affine body.
 struct AffineVec {
   Vec3d node[4];  ///< center of mass, then the columns of A

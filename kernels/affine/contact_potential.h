@@ -2,6 +2,7 @@
 // Barrier energy of one pair, with gradient and Hessian for its four points.
 // docs/theory.md, "Barrier contact".
 
+#include "kernels/affine/affine_state.h"
 #include "kernels/affine/barrier.h"
 #include "kernels/affine/mollifier.h"
 
@@ -23,16 +24,16 @@ SCREE_HD inline double contact_energy(const ContactPair& pair, const Barrier& ba
                                       double squared, const Mollifier& m) {
   return pair.weight * m.value * barrier(squared).value;
 }
-/// What rounding of its points makes of the energy of a pair [J], nearly. @param size  of coordinates [m]
-SCREE_HD inline double contact_rounding(const ContactPair& pair, const Barrier& barrier,
-                                        double squared, const Mollifier& m, double size) {
-  constexpr double kOfPlace = 4e-16;
-  const double force = 2 * std::sqrt(squared) * std::abs(barrier(squared).first);
-  return kOfPlace * size * pair.weight * m.value * force;
-}
 SCREE_HD inline double contact_energy(const ContactPair& pair, const Barrier& barrier,
                                       const Four& x) {
   return contact_energy(pair, barrier, squared_distance(pair.kind, x), mollifier(pair, x));
+}
+
+/// What rounding of its points makes of the energy of a pair [J], nearly. @param size  of coordinates [m]
+SCREE_HD inline double contact_rounding(const ContactPair& pair, const Barrier& barrier,
+                                        double squared, const Mollifier& m, double size) {
+  const double force = 2 * std::sqrt(squared) * std::abs(barrier(squared).first);
+  return kPlaceRounding * size * pair.weight * m.value * force;
 }
 
 SCREE_HD inline Four contact_gradient(const ContactPair& pair, const Barrier& barrier,

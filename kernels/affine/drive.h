@@ -88,13 +88,12 @@ struct DriveTerm {
   }
   /// What rounding of places makes of the energy [J], nearly.
   SCREE_HD double rounding(Span<const AffineVec> q, double way) const {
-    constexpr double kOfPlace = 4e-16;
     double size = 0;
     for (int side = 0; side < 2; ++side)
       for (int k = 0; k < 4; ++k)
         for (int i = 0; i < 3; ++i)
           size += std::abs(slope[side].node[k][i] * q[body[side]].node[k][i]);
-    const double miss = kOfPlace * size;
+    const double miss = kPlaceRounding * size;
     return miss * (std::abs(first(way)) + miss * second(way));
   }
   SCREE_HD double energy(double way) const {

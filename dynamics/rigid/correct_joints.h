@@ -22,7 +22,8 @@ struct JointCorrection {
 };
 
 /// Solves the problem again as long as joints would not lie where they belong at the end of the step, and that helps. Where the
-/// step makes errors worse instead, it does less about them, or nothing. Where joints contradict each other they give way.
+/// step makes errors worse instead, it does less about them, or nothing. Where joints contradict each other they give way. What
+/// redundant ones bear they share in the end.
 /// @param at_end  gives Joints::AtEnd of the last solve, and corrects the rows by what was missed
 /// @param keep    keeps the biases of a problem that is about to be solved
 template <class B, class Real, class AtEnd, class Keep>
@@ -35,9 +36,11 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
   constexpr double kProgress = 0.5;  // an error that falls less is not for impulses to take away
   constexpr double kWorse = 2, kMostMissed = 10, kMostRecoveries = 20, kSmallShare = 1.0 / 16;
   constexpr double kMostGain = 1.2;  // of energy in a step
-  constexpr double kForced = 4;      // times v*: less makes up for what loads have slowed down
-  constexpr double kLeft = 0.1;      // of what is asked for, where it is contradicted
-  constexpr double kGive = 0.01;     // of the mobility of a joint
+  // Times the energy of all bodies, as joined ones count once for each of their joints.
+  constexpr double kAbsurd = 10;
+  constexpr double kForced = 4;   // times v*: less makes up for what loads have slowed down
+  constexpr double kLeft = 0.1;   // of what is asked for, where it is contradicted
+  constexpr double kGive = 0.01;  // of the mobility of a joint
   const SteppingSettings& stepping = wanted.scene.stepping;
   const double enough = std::max(kNear, 3 * stepping.time_step * wanted.tolerance);
   const auto solve_again = [&](bool is_warm) {
@@ -86,7 +89,10 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
     };
     if (is_fine(planned)) return solve_for(1);
     solve_for(kSmallShare);
-    if (!is_fine(end)) solve_for(0);
+    if (is_fine(end)) return;
+    // Contacts have impulses of what was no good: a solver that goes on from absurd ones may stay with them.
+    fill(b, gamma, Vec3<Real>{});
+    solve_for(0);
   };
   if (!(end.error <= error && end.speed <= kWorse * end.speed_before + speed &&
         end.energy <= allowed))
@@ -101,9 +107,19 @@ void correct_joints(B& b, Joints<B, Real>& joints, const BodyView<Real>& bodies,
                                                        std::sqrt(0.5 * end.mass) * asked;
   const bool is_forced = end.forced > kForced * wanted.reference;
   const bool is_left = is_forced && end.left > kLeft * (pulled + end.forced);
+  // What hits joined bodies gives them no more energy than all bodies have.
+  const auto is_absurd = [&] {
+    const FreeMotion all = joints.free_motion(b, bodies, problem);
+    const double given = asked + all.prescribed;
+    return end.energy > kAbsurd * (all.energy + 0.5 * end.mass * given * given);
+  };
+  const auto is_by_contacts = [&] {
+    return wanted.has_contacts && !is_forced && !(end.forced > 0 && is_absurd());
+  };
   const bool gives_way =
-      stats.converged ? is_too_fast && (is_forced || !wanted.has_contacts) : is_too_fast || is_left;
-  if (!gives_way) return;
+      stats.converged ? is_too_fast && !is_by_contacts() : is_too_fast || is_left;
+  if (!gives_way) return joints.share(b, bodies, problem, gamma, solver.velocity());
+  fill(b, gamma, Vec3<Real>{});
   joints.plan(b, bodies, /*share=*/1, kGive, gamma);
   solve_again(/*is_warm=*/false);  // a guess takes rows to be firm
 }

@@ -107,22 +107,24 @@ bool HeldJoints::are_springs_worth_it(const std::vector<Known>& joints) const {
 
 bool HeldJoints::improve(std::vector<JointEnds<double>>& joints) {
   list_rows(joints);
+  free_.clear();
   const bool is_all = is_whole_ && takes_all_drives_;
   if (rows_ == 0) return is_all;
   if (!list_entries(joints)) return false;
-  if (drives_.empty()) {
-    if (!solve(joints)) return false;
-    share_loads(joints, /*with_drives=*/true);
-    return is_all;
-  }
-  if (!find_set(joints)) return false;
-  const std::vector<JointEnds<double>> unshared = joints;
-  share_loads(joints, /*with_drives=*/true);
-  if (!drives_hold(joints)) {
-    joints = unshared;
-    share_loads(joints, /*with_drives=*/false);
-  }
+  if (!(drives_.empty() ? solve(joints) : find_set(joints))) return false;
+  free_ = factor_.free_directions();
+  share(joints);
   return is_all;
+}
+
+void HeldJoints::share(std::vector<JointEnds<double>>& joints) {
+  if (free_.empty()) return;
+  if (drives_.empty()) return share_loads(joints, free_);
+  const std::vector<JointEnds<double>> unshared = joints;
+  share_loads(joints, free_);
+  if (drives_hold(joints)) return;
+  joints = unshared;
+  share_loads(joints, free_without_drives());
 }
 
 /// Takes the velocities of rows that hold to where they belong, the others keep their impulse.
@@ -250,9 +252,8 @@ void HeldJoints::add(std::vector<JointEnds<double>>& joints) const {
 
 /// Where joints are redundant many impulses have one effect. Of these the one with the least squares of forces, and of moments
 /// over the size of a joint: loads as of joints that are all alike stiff, and small beside their bodies.
-void HeldJoints::share_loads(std::vector<JointEnds<double>>& joints, bool with_drives) {
-  std::vector<FactorEntry> free = factor_.free_directions();
-  if (!with_drives) leave_out_drives(free);
+void HeldJoints::share_loads(std::vector<JointEnds<double>>& joints,
+                             const std::vector<FactorEntry>& free) {
   if (free.empty()) return;
   std::vector<double> impulse(joints.size() * kJointRows);
   std::vector<int> joint_of_row(static_cast<std::size_t>(rows_));
@@ -285,23 +286,22 @@ void HeldJoints::share_loads(std::vector<JointEnds<double>>& joints, bool with_d
   add(joints);
 }
 
-/// Leaves out directions in which drives take part.
-void HeldJoints::leave_out_drives(std::vector<FactorEntry>& directions) const {
+/// Directions in which no drives take part.
+std::vector<FactorEntry> HeldJoints::free_without_drives() const {
   std::vector<char> is_drive(static_cast<std::size_t>(rows_));
   for (const Drive& d : drives_)
     is_drive[static_cast<std::size_t>(row(d.joint, kJointAxisRow))] = 1;
   std::vector<FactorEntry> kept;
   int columns = 0;
-  for (std::size_t at = 0, end = 0; at < directions.size(); at = end) {
+  for (std::size_t at = 0, end = 0; at < free_.size(); at = end) {
     bool is_moved = false;
-    for (; end < directions.size() && directions[end].column == directions[at].column; ++end)
-      is_moved = is_moved || is_drive[static_cast<std::size_t>(directions[end].row)] != 0;
+    for (; end < free_.size() && free_[end].column == free_[at].column; ++end)
+      is_moved = is_moved || is_drive[static_cast<std::size_t>(free_[end].row)] != 0;
     if (is_moved) continue;
-    for (std::size_t k = at; k < end; ++k)
-      kept.push_back({directions[k].row, columns, directions[k].value});
+    for (std::size_t k = at; k < end; ++k) kept.push_back({free_[k].row, columns, free_[k].value});
     ++columns;
   }
-  directions.swap(kept);
+  return kept;
 }
 
 /// Whether drives that hold do so by the impulses that they have.

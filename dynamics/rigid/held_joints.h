@@ -39,15 +39,22 @@ class HeldJoints {
   /// @return  whether the impulses are right for all of them, with what else acts on their bodies as it is
   template <class Real>
   bool improve(std::vector<JointEnds<Real>>& joints) {
-    std::vector<JointEnds<double>> wide(joints.size());
-    for (std::size_t k = 0; k < joints.size(); ++k) wide[k] = widened(joints[k]);
-    const bool is_solved = improve(wide);
-    for (std::size_t k = 0; k < joints.size(); ++k)
-      for (int r = 0; r < kJointRows; ++r)
-        joints[k].impulse[r] = static_cast<Real>(wide[k].impulse[r]);
+    bool is_solved = false;
+    in_double(joints, [&](auto& wide) { is_solved = improve(wide); });
     return is_solved;
   }
   bool improve(std::vector<JointEnds<double>>& joints);
+
+  /// Whether the joints of the last improve() are redundant.
+  bool are_redundant() const { return !free_.empty(); }
+  /// Shares what redundant joints bear, as improve() does, without a change of what impulses do: a solver that goes on from a guess
+  /// shares what it adds in its own way.
+  /// @param joints  those of the last improve(), with other impulses and velocities; impulses in and out
+  template <class Real>
+  void share(std::vector<JointEnds<Real>>& joints) {
+    in_double(joints, [&](auto& wide) { share(wide); });
+  }
+  void share(std::vector<JointEnds<double>>& joints);
 
  private:
   /// One of the two bodies of a joint, in the order of the scene.
@@ -68,6 +75,15 @@ class HeldJoints {
 
   template <class Real>
   static JointEnds<double> widened(const JointEnds<Real>& x);
+  template <class Real, class Change>
+  static void in_double(std::vector<JointEnds<Real>>& joints, Change change) {
+    std::vector<JointEnds<double>> wide(joints.size());
+    for (std::size_t k = 0; k < joints.size(); ++k) wide[k] = widened(joints[k]);
+    change(wide);
+    for (std::size_t k = 0; k < joints.size(); ++k)
+      for (int r = 0; r < kJointRows; ++r)
+        joints[k].impulse[r] = static_cast<Real>(wide[k].impulse[r]);
+  }
 
   bool are_springs_worth_it(const std::vector<Known>& joints) const;
   void list_rows(const std::vector<JointEnds<double>>& joints);
@@ -83,8 +99,8 @@ class HeldJoints {
   void list_entries_of_set(const std::vector<JointEnds<double>>& joints);
   void add(std::vector<JointEnds<double>>& joints) const;
   void move_bodies(std::vector<JointEnds<double>>& joints) const;
-  void share_loads(std::vector<JointEnds<double>>& joints, bool with_drives);
-  void leave_out_drives(std::vector<FactorEntry>& directions) const;
+  void share_loads(std::vector<JointEnds<double>>& joints, const std::vector<FactorEntry>& free);
+  std::vector<FactorEntry> free_without_drives() const;
   bool drives_hold(const std::vector<JointEnds<double>>& joints) const;
 
   int row(std::size_t joint, int r) const { return place_[joint][static_cast<std::size_t>(r)]; }
@@ -102,6 +118,7 @@ class HeldJoints {
   std::vector<FactorEntry> entries_, of_set_;
   std::vector<double> right_;
   SparseFactor factor_;
+  std::vector<FactorEntry> free_;  ///< see SparseFactor::free_directions()
 };
 
 /// A bound of a drive in another precision; none stays none.

@@ -43,14 +43,13 @@ class JointGuess {
   void improve(B& b, const ContactProblem<Real>& problem, const JointPlaces& places,
                Span<const Index> order, Span<Vec3<Real>> gamma, bool is_warm) {
     const bool has_held = held_.count() > 0 && is_warm;
+    shares_ = false;
     if (most_drives_ == 0 && !has_held) return;
     Buffer<B, Twist<Real>> velocity(b, problem.bodies.owned_count);
     const auto gather = [&] {
       ContactPasses<JointedRows<Real>, B, Real>::gather_velocities(b, problem, gamma,
                                                                    velocity.view());
     };
-    const Offset joint_vectors = 2 * static_cast<Offset>(order.size);
-    const Span<Vec3<Real>> own = {gamma.data + gamma.size - joint_vectors, joint_vectors};
     const auto solve_drives = [&] {
       const int passes = most_drives_ > 1 ? kDrivePasses : most_drives_;
       for (int pass = 0; pass < passes; ++pass) {
@@ -60,17 +59,10 @@ class JointGuess {
     };
     const auto solve_held = [&] {
       gather();
-      fill(b, ends_.view(), JointEnds<Real>{});
-      for_each(b, order.size,
-               ListJointEnds<Real>{problem, velocity.view(), own, places, order, slot_.view(),
-                                   ends_.view()});
-      std::vector<JointEnds<Real>> ends = download(b, ends_.view());
-      const bool is_solved = held_.improve(ends);
-      std::vector<JointValues<Real>> impulse;
-      impulse.reserve(ends.size());
-      for (const JointEnds<Real>& e : ends) impulse.push_back(e.impulse);
-      upload(b, impulse, impulse_);
-      for_each(b, order.size, TakeJointImpulses<Real>{order, slot_.view(), impulse_.view(), own});
+      bool is_solved = false;
+      on_host(b, problem, places, order, gamma, velocity.view(),
+              [&](std::vector<JointEnds<Real>>& ends) { is_solved = held_.improve(ends); });
+      shares_ = held_.are_redundant();
       return is_solved;
     };
     if (!has_held) return solve_drives();
@@ -82,6 +74,16 @@ class JointGuess {
       solve_drives();
       solve_held();
     }
+  }
+
+  /// Redundant joints share the impulses that a solver found from the last guess, see HeldJoints::share(). Nothing where that took no
+  /// impulses of the step before.
+  /// @param velocity  that the solver found
+  void share(B& b, const ContactProblem<Real>& problem, const JointPlaces& places,
+             Span<const Index> order, Span<Vec3<Real>> gamma, Span<const Twist<Real>> velocity) {
+    if (!shares_) return;
+    on_host(b, problem, places, order, gamma, velocity,
+            [&](std::vector<JointEnds<Real>>& ends) { held_.share(ends); });
   }
 
  private:
@@ -100,6 +102,26 @@ class JointGuess {
     for (std::size_t s = 0; s < held.size(); ++s)
       slot[static_cast<std::size_t>(held[s])] = static_cast<Index>(s);
     if (!held.empty()) upload(b, slot, slot_);
+  }
+
+  /// Changes the impulses of the joints that are solved on the host.
+  template <class Change>
+  void on_host(B& b, const ContactProblem<Real>& problem, const JointPlaces& places,
+               Span<const Index> order, Span<Vec3<Real>> gamma, Span<const Twist<Real>> velocity,
+               Change change) {
+    const Offset joint_vectors = 2 * static_cast<Offset>(order.size);
+    const Span<Vec3<Real>> own = {gamma.data + gamma.size - joint_vectors, joint_vectors};
+    fill(b, ends_.view(), JointEnds<Real>{});
+    for_each(
+        b, order.size,
+        ListJointEnds<Real>{problem, velocity, own, places, order, slot_.view(), ends_.view()});
+    std::vector<JointEnds<Real>> ends = download(b, ends_.view());
+    change(ends);
+    std::vector<JointValues<Real>> impulse;
+    impulse.reserve(ends.size());
+    for (const JointEnds<Real>& e : ends) impulse.push_back(e.impulse);
+    upload(b, impulse, impulse_);
+    for_each(b, order.size, TakeJointImpulses<Real>{order, slot_.view(), impulse_.view(), own});
   }
 
   /// Joints that are solved on the host: all where that is where their problem is, else those that are worth the way.
@@ -137,6 +159,7 @@ class JointGuess {
   int most_drives_ = 0;  ///< of a free body
   HeldJoints held_;
   bool takes_all_drives_ = false;  ///< no drive is left out of `held_`
+  bool shares_ = false;            ///< the last guess had redundant joints
   Buffer<B, Index> slot_;          ///< of each joint among those of `held_`, -1: none
   Buffer<B, JointEnds<Real>> ends_;
   Buffer<B, JointValues<Real>> impulse_;

@@ -14,6 +14,7 @@
 #include "host/world.h"
 #include "host/world_state.h"
 #include "kernels/backend/over_ranks.h"
+#include "kernels/step/free_motion.h"
 #include "kernels/step/joint_correction.h"
 #include "kernels/step/joint_impacts.h"
 #include "solvers/body_contacts.h"
@@ -146,6 +147,13 @@ class Joints {
     guess_.improve(b, problem, places(bodies), order_.view(here_), gamma, is_warm);
   }
 
+  /// Redundant joints share the impulses that a solver found from the last guess(), see JointGuess.
+  /// @param velocity  of owned bodies and ghosts
+  void share(B& b, const BodyView<Real>& bodies, const ContactProblem<Real>& problem,
+             Span<Vec3<Real>> gamma, Span<const Twist<Real>> velocity) {
+    guess_.share(b, problem, places(bodies), order_.view(here_), gamma, velocity);
+  }
+
   /// Number in the scene of the joint that row k of the problem of join() holds. One host read.
   Index number_of(B& b, Index k) const { return in_scene(fetch(b, order_.data() + k)); }
 
@@ -186,6 +194,14 @@ class Joints {
     const JointSums sums = over_ranks(b, fetch(b, sums_.data()));
     return {sums.max_error, sums.end_error, sums.speed_before, sums.speed,  sums.free_energy,
             sums.energy,    sums.mass,      sums.driven,       sums.forced, sums.left};
+  }
+
+  /// What all bodies have without contacts and joints, of all ranks. One host read.
+  FreeMotion free_motion(B& b, const BodyView<Real>& bodies, const ContactProblem<Real>& problem) {
+    reduce<FreeMotion>(b, bodies.count,
+                       NoteFreeMotion<Real>{bodies, problem.free_velocity, problem.general_inertia},
+                       StoreResult<FreeMotion>{free_motion_.data()});
+    return over_ranks(b, fetch(b, free_motion_.data()));
   }
 
   /// Keeps the rows of join() for plan(). Bytes: those of the rows, read and written.
@@ -313,6 +329,7 @@ class Joints {
         row_(b, count_),
         planned_(b, count_),
         sums_(b, 1),
+        free_motion_(b, 1),
         here_count_(b, 1),
         is_counted_(b),
         lists_(b),
@@ -425,6 +442,7 @@ class Joints {
   ProblemContacts<B, Real> joined_;  ///< fields of contacts and joints
   Buffer<B, JointRow<Real>> row_, planned_;
   Buffer<B, JointSums> sums_;
+  Buffer<B, FreeMotion> free_motion_;
   Buffer<B, Sums<1>> here_count_;
   Buffer<B, Index> is_counted_;  ///< with several ranks: of each joint, see MarkCountedJoints
   GroupContacts<B> lists_;

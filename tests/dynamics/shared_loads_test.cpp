@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <random>
 
 namespace scree {
@@ -72,6 +75,45 @@ TEST(SharedLoads, ARowThatIsNearlySuperfluousHasNoDirection) {
   const std::vector<FactorEntry> free = factor.free_directions();
   ASSERT_FALSE(free.empty());
   EXPECT_EQ(free.back().column, 0);  // of the other row
+}
+
+// Two rows are nearly one, and their difference, thirty times larger, is the third. Its pivot is small, but not as small as
+// that of a row that is like another one, and a solution that divided by it would take rounding for a load.
+TEST(SharedLoads, ARowThatHasASmallPartInADirectionIsSuperfluous) {
+  constexpr double kAngle = 3e-2, kInconsistent = 1e-6, kShift = 1e-9;
+  Eigen::Matrix<double, 3, 2> rows;
+  rows << 1, 0, std::cos(kAngle), std::sin(kAngle), 0, 1;
+  Eigen::Vector3d free(-std::cos(kAngle), 1, -std::sin(kAngle));
+  std::array<int, 3> order{0, 1, 2};
+  do {
+    Eigen::Matrix<double, 3, 2> j;
+    Eigen::Vector3d z;
+    for (int k = 0; k < 3; ++k) {
+      j.row(k) = rows.row(order[static_cast<std::size_t>(k)]);
+      z(k) = free(order[static_cast<std::size_t>(k)]);
+    }
+    const Eigen::Matrix3d matrix = j * j.transpose();
+    std::vector<FactorEntry> entries;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column <= row; ++column)
+        entries.push_back({row, column, matrix(row, column)});
+    SparseFactor factor;
+    ASSERT_TRUE(factor.factorize(3, entries));
+    const std::vector<FactorEntry> found = factor.free_directions();
+    ASSERT_EQ(found.size(), 3u);
+    Eigen::Vector3d direction;
+    for (const FactorEntry& e : found) direction(e.row) = e.value;
+    EXPECT_LT(direction.normalized().cross(z.normalized()).norm(), 2 * kShift / kAngle);
+
+    const Eigen::Vector3d right = j * Eigen::Vector2d(1, 2) + kInconsistent * z;
+    std::vector<double> x(right.data(), right.data() + 3);
+    factor.solve(x);
+    Eigen::Map<Eigen::Vector3d> solution(x.data());
+    EXPECT_LT((matrix * solution - right).norm(), 1e-4);
+    EXPECT_LT(solution.norm(), 3 / kAngle);
+    const double way = ways_to_least(x, found).at(0);
+    EXPECT_LT((solution - way * direction).norm(), 4);
+  } while (std::next_permutation(order.begin(), order.end()));
 }
 
 TEST(SharedLoads, ARegularSystemHasNoDirections) {

@@ -33,8 +33,8 @@ TEST(AffineImpacts, ABodyIsNotThrownBackByAWallWhereverInTheStepItHits) {
     SCOPED_TRACE(place);
     Scene scene = scene_without_gravity();
     const double way = (5 + place / double{kImpactPlaces}) * kTimeStep;  // to the wall, at 1 m/s
-    physics::add_wall_box(scene, {0.1 + 0.05 + way, 0, 0}, {0.1, 1, 1});
     add_box(scene, {}, {0.05, 0.05, 0.05}, 1).velocity = {1, 0, 0};
+    physics::add_wall_box(scene, {0.1 + 0.05 + way, 0, 0}, {0.1, 1, 1});
     World world(scene, cpu_options());
     double least = 1, most_energy = 0;
     for (int k = 0; k < 20; ++k) {
@@ -52,9 +52,9 @@ TEST(AffineImpacts, ABodyThatFallsComesToRestOnTheFloor) {
   for (int place = 0; place < kImpactPlaces; ++place) {
     SCOPED_TRACE(place);
     Scene scene = affine_scene(kTimeStep, 0.3, kSecondOrder);
-    physics::add_wall_box(scene, {0, 0, -0.1}, {1, 1, 0.1});
     const double height = 0.3 + 0.02 * place / kImpactPlaces;
     add_box(scene, {0, 0, 0.05 + height}, {0.05, 0.05, 0.05}, 1);
+    physics::add_wall_box(scene, {0, 0, -0.1}, {1, 1, 0.1});
     World world(scene, cpu_options());
     const double speed = std::sqrt(2 * kGravity * height);
     double most = 0;
@@ -175,8 +175,8 @@ TEST(AffineImpacts, FrictionOfALandingIsBoundByItsNormalForce) {
 TEST(AffineImpacts, BodiesElsewhereAreNotTouched) {
   const auto spin_beside = [](bool falls) {
     Scene scene = affine_scene(kTimeStep, 0.3, kSecondOrder);
-    physics::add_wall_box(scene, {0, 0, -0.1}, {1, 1, 0.1});
     add_box(scene, {0, 0, 3}, {0.05, 0.06, 0.04}, 1).angular_velocity = {0, 0, 15};
+    physics::add_wall_box(scene, {0, 0, -0.1}, {1, 1, 0.1});
     if (falls) add_box(scene, {0.5, 0, 0.2}, {0.05, 0.05, 0.05}, 1);
     scene.dynamics.parameters["reach"] = 1e-4;
     scene.dynamics.parameters["tolerance"] = 1e-9;

@@ -161,7 +161,8 @@ TEST_P(ContradictedJoints, ACableAndARodShareWhatAPrescribedBodyAsksFor) {
   EXPECT_LT(most, 0.14);  // half of the way of the prescribed body
 }
 
-/// It came to 2e6 J in float, as bars that press on each other hold what nothing bounds.
+/// It came to 2e6 J in float, as bars that press on each other hold what nothing bounds, and where redundant joints share their loads
+/// to 43 m/s and, with steps of 2.5 ms, to 30, as that energy was taken for what contacts bring.
 TEST_P(ContradictedJoints, BarsThatPressOnEachOtherStayWithTheirMotor) {
   for (const double time_step : {1e-3, 2e-3, 2.5e-3, 3e-3, 4e-3}) {
     Scene s = rhombus();
@@ -172,7 +173,7 @@ TEST_P(ContradictedJoints, BarsThatPressOnEachOtherStayWithTheirMotor) {
       world.step();
       for (const Vec3d& v : world.states().velocity) fastest = std::max(fastest, norm(v));
     }
-    EXPECT_LT(fastest, 10 * 3 * 0.5);  // ten times the end of the driven bar
+    EXPECT_LT(fastest, 5 * 3 * 0.5);  // five times the end of the driven bar
   }
 }
 

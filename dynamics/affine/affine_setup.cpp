@@ -97,6 +97,7 @@ class Builder {
       if (all_[b].body.elastic->is_on())
         elastic.push_back({static_cast<Index>(b), static_cast<Index>(all_[b].id), &all_[b].body});
     add_solids(scene_, elastic, body_of_id_, setup_);
+    let_bend();
     return std::move(setup_);
   }
 
@@ -229,6 +230,18 @@ class Builder {
     c.mass.second.yy = c.mass.mass * half.y * half.y / 3;
     c.mass.second.zz = c.mass.mass * half.z * half.z / 3;
     c.stiffness = stiffness_ * volume;
+  }
+
+  /// Points that joints hold together stay so on straight ways.
+  void let_bend() {
+    for (BodyConstant& body : setup_.bodies)
+      body.may_bend = body.row >= 0 && !body.is_led && !body.lame.is_elastic();
+    for (const NodeEquation& e : setup_.equations)
+      for (const Index row : e.row)
+        if (e.row[1] >= 0) setup_.bodies[body_of(row)].may_bend = false;
+  }
+  std::size_t body_of(Index row) const {
+    return static_cast<std::size_t>(setup_.body_of_row[static_cast<std::size_t>(row)]);
   }
 
   void number_rows() {

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "dynamics/affine/block_solver.h"
 #include "dynamics/affine/linked_rows.h"
 #include "dynamics/affine/near_list.h"
+#include "dynamics/affine/step_damping.h"
 #include "dynamics/model_on.h"
 #include "kernels/affine/assembly.h"
 
@@ -51,6 +53,7 @@ class Minimizer {
         linked_(b, links),
         near_(b, bodies),
         full_(b, bodies),
+        middle_(b, bodies),
         trial_(b, bodies),
         right_(b, rows),
         step_(b, rows),
@@ -68,12 +71,16 @@ class Minimizer {
         sort_(b),
         first_(b),
         line_(b),
-        mixed_(b) {}
+        mixed_(b),
+        space_(b) {
+    if (!equations.empty()) upload(b, row_spaces(rows, equations), space_);
+  }
 
   /// Bodies that rest are where they are in all states.
   void keep_places(Span<const AffineVec> q) {
     copy(*b_, q, full_.view());
     copy(*b_, q, trial_.view());
+    copy(*b_, q, middle_.view());
     near_.keep_places(q);
   }
 
@@ -148,9 +155,10 @@ class Minimizer {
     EnergySum at = energy(p, q);
     report.note(at);
     double last_gap = 0, last_size = 0;
+    StepDamping damping;
     for (int iteration = 0;; ++iteration) {
       StageClock<B> timer(*b_);
-      assemble(p, q);
+      assemble(p, q, damping.value());
       report.assembly_ms += timer.lap();
       const bool has_step = solve(report);
       const StepSums sums = measure(p, q);
@@ -165,36 +173,19 @@ class Minimizer {
       // Steps that are lost in rounding shrink no more.
       const bool are_few = sums.size * shrinks < settings.tolerance * (1 - shrinks) ||
                            -0.5 * sums.slope <= lost_in(at, at);
-      bool is_last = sums.size < settings.tolerance && sums.stick < kStick && are_few;
+      bool is_last =
+          sums.size < settings.tolerance && sums.stick < kStick && are_few && damping.value() == 0;
       last_size = sums.size;
       if (is_last && sums.size == 0) return;
       if (!is_last && (iteration >= settings.most_iterations || !(sums.size < 1e300))) break;
       ++report.iterations;
-      move(p, q, 1, full_.view());
-      Strays strays = sums.strays;
-      if (!near_.serves(strays)) {
-        strays = near_.renew(p, q, full_.view(), sums.size, is_first_);
-        p.near = near_.view();
-        at = energy(p, q);
-      }
-      is_first_ = false;
-      double share = free_share(p, q);
-      EnergySum next;
-      const auto is_lower = [&] {
-        return next.energy <=
-               at.energy + 1e-4 * share * sums.slope + 1e-14 * std::abs(at.energy) + at.rounding;
-      };
-      for (;; share *= 0.5) {
-        if (share <= kLeastShare) break;
-        move(p, q, share, trial_.view());
-        next = energy(p, trial_.view());
-        if (is_lower()) break;
-      }
-      if (share <= kLeastShare) {
+      const Way way = go(p, q, at, sums);
+      if (!(way.share > 0)) {
         if (is_last) return;
         break;
       }
-      near_.follow(strays, share);
+      damping.note(way.share);
+      const EnergySum& next = way.end;
       is_last = is_last && is_foreseen(at, next, sums.slope, shrinks);
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
       at = next;
@@ -222,12 +213,97 @@ class Minimizer {
   static constexpr double kStick = 0.05;
   /// Most that the energy may miss what was foreseen of its fall, over that: 0.39 where a step takes a body out of a barrier by its gap.
   static constexpr double kForeseen = 0.25;
+  /// Where a bend pays: it is no less than that [reach], the energy falls by less than this part of what was foreseen, and not because
+  /// a barrier is near, which leaves a small share of the step.
+  static constexpr double kLeastBend = 0.01, kPoor = 0.7, kLeastBentShare = 0.25;
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
 
   /// Part of the difference of two energies that rounding may be.
   static double lost_in(const EnergySum& before, const EnergySum& after) {
     return before.rounding + after.rounding + 1e-14 * std::abs(before.energy);
+  }
+
+  /// What was gone of a Newton step: a share, 0 where there is no lower place on its way, and what is there.
+  struct Way {
+    double share = 0;
+    EnergySum end;
+  };
+
+  static bool is_lower(const EnergySum& at, const EnergySum& next, double share, double slope) {
+    return next.energy <=
+           at.energy + 1e-4 * share * slope + 1e-14 * std::abs(at.energy) + at.rounding;
+  }
+
+  /// Takes trial_ along a Newton step until it is lower there. @param at  in and out: what is known of the pairs at q
+  Way go(Potential& p, Span<const AffineVec> q, EnergySum& at, const StepSums& sums) {
+    bool may_bend = sums.bend > kLeastBend * p.barrier.reach;
+    move(p, q, 1, full_.view());
+    Strays strays = list_way(p, q, at, sums.size, sums.strays);
+    Way way;
+    for (double share = free_share(p, q); share > kLeastShare; share *= 0.5) {
+      move(p, q, share, trial_.view());
+      way.end = energy(p, trial_.view());
+      const double expected = -sums.slope * share * (1 - 0.5 * share);
+      const bool is_poor = at.energy - way.end.energy < kPoor * expected - lost_in(at, way.end);
+      if (may_bend && is_poor && share > kLeastBentShare) {
+        may_bend = false;
+        near_.follow(strays, share);
+        if (const auto end = bend(p, q, way.end, share, sums.bend);
+            end && is_lower(at, *end, share, sums.slope))
+          return {share, *end};
+        // The list may be that of another way now.
+        move(p, q, 1, full_.view());
+        strays = renew(p, q, at, sums.size);
+        move(p, q, share, trial_.view());
+        way.end = energy(p, trial_.view());
+      }
+      if (is_lower(at, way.end, share, sums.slope)) {
+        near_.follow(strays, share);
+        way.share = share;
+        break;
+      }
+    }
+    return way;
+  }
+
+  /// A second way, from where a Newton step has stretched bodies that turn to where they are as large as before. One way instead of
+  /// both would make them smaller in between, and what surrounds an axis would be blocked by it.
+  /// @param there  what is known of the pairs at trial_, which is where the step has led  @param size  of the bend [m]
+  /// @return what is at the end, in trial_, if that is lower
+  std::optional<EnergySum> bend(Potential& p, Span<const AffineVec> q, EnergySum there,
+                                double share, double size) {
+    B& b = *b_;
+    copy(b, Span<const AffineVec>(trial_.view()), middle_.view());
+    const auto middle = Span<const AffineVec>(middle_.view());
+    for_each(b, p.rows(),
+             BendWays{p, q, step_.view(), share, space_.view(space_.capacity()), full_.view()});
+    const Strays strays = list_way(p, middle, there, size, this->strays(p));
+    const double back = free_share(p, middle);
+    for_each(b, p.rows(), MovePart{p.body_of_row, middle, full_.view(), back, trial_.view()});
+    const EnergySum end = energy(p, trial_.view());
+    if (!(end.energy < there.energy)) return std::nullopt;
+    near_.follow(strays, back);
+    return end;
+  }
+
+  /// A list for the way to where full_ is, if that which there is does not serve. @param at  in and out: what is known of the pairs at q
+  Strays list_way(Potential& p, Span<const AffineVec> q, EnergySum& at, double size,
+                  const Strays& strays) {
+    if (!near_.serves(strays)) return renew(p, q, at, size);
+    is_first_ = false;
+    return strays;
+  }
+  Strays renew(Potential& p, Span<const AffineVec> q, EnergySum& at, double size) {
+    const Strays strays = near_.renew(p, q, full_.view(), size, is_first_);
+    is_first_ = false;
+    p.near = near_.view();
+    at = energy(p, q);
+    return strays;
+  }
+  Strays strays(const Potential& p) {
+    return reduce_to_host<Strays>(*b_, p.rows(),
+                                  StrayOfBody{p.bodies, p.body_of_row, full_.view(), near_.ways()});
   }
 
   /// Whether a Newton step lowered the energy by what its system foresaw, or by the more that goes with a curvature of which the
@@ -290,10 +366,10 @@ class Minimizer {
   }
 
   /// The linear system at q, where energy() was asked last.
-  void assemble(const Potential& p, Span<const AffineVec> q) {
+  void assemble(const Potential& p, Span<const AffineVec> q, double damping) {
     B& b = *b_;
     const Index rows = p.rows();
-    for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view()});
+    for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view(), damping});
     const Index contacts = marked_.list(b, count_, static_cast<Index>(p.near.pairs.size), active_);
     const Index count = contacts + static_cast<Index>(p.slips.size + p.drives.size);
     block_count_ = 0;
@@ -363,8 +439,8 @@ class Minimizer {
   NearList<B> near_;
   bool is_first_ = false;  ///< whether the next Newton step is the first of a step
   Index block_count_ = 0;
-  Buffer<B, AffineVec> full_, trial_;  ///< by body
-  Buffer<B, AffineVec> right_, step_;  ///< by row
+  Buffer<B, AffineVec> full_, middle_, trial_;  ///< by body
+  Buffer<B, AffineVec> right_, step_;           ///< by row
   Buffer<B, Dense<12>> diagonal_;
   Buffer<B, Index> begin_, mark_;
   Buffer<B, double> squared_;  ///< of near pairs, as energy() found them
@@ -379,6 +455,7 @@ class Minimizer {
   Buffer<B, Index> first_;
   Buffer<B, LineSum> line_;
   Buffer<B, MixedBlock> mixed_;
+  Buffer<B, RowSpace> space_;  ///< by row, see BendWays
 };
 
 }  // namespace scree::affine

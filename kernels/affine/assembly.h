@@ -210,6 +210,7 @@ struct BeginRows {
   Span<const AffineVec> q;
   Span<Dense<12>> diagonal;  ///< out
   Span<AffineVec> right;     ///< out
+  double damping = 0;        ///< inertia beside that of bodies, over it, in the matrix alone
 
   SCREE_HD void operator()(Index row) const {
     const Index b = p.body_of_row[row];
@@ -224,11 +225,12 @@ struct BeginRows {
     Dense<12> block;
     for (int i = 0; i < 9; ++i)
       for (int j = 0; j < 9; ++j) block(3 + i, 3 + j) = p.scale * elastic(i, j);
+    const double held = factor * (1 + damping);
     for (int k = 0; k < 4; ++k) {
       AffineVec unit;
       unit.node[k].x = 1;
       const AffineVec column = body.mass.product(unit);
-      for (int l = 0; l < 4; ++l) block.add_identity(l, k, factor * column.node[l].x);
+      for (int l = 0; l < 4; ++l) block.add_identity(l, k, held * column.node[l].x);
     }
     diagonal[row] = block;
   }

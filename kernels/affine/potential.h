@@ -3,6 +3,7 @@
 //   1/2 |q - target|_M^2 + scale (elastic + barrier + friction + drives of joints)
 // docs/theory.md, "Affine bodies" and "Barrier contact".
 
+#include "kernels/affine/bent_way.h"
 #include "kernels/affine/contact_modes.h"
 #include "kernels/affine/drive.h"
 #include "kernels/affine/first_contact.h"
@@ -10,6 +11,7 @@
 #include "kernels/affine/listed_ways.h"
 #include "kernels/affine/near_pair.h"
 #include "kernels/affine/neo_hookean.h"
+#include "kernels/affine/row_space.h"
 #include "kernels/backend/backend.h"
 
 namespace scree::affine {
@@ -24,6 +26,8 @@ struct BodyConstant {
   Index row = -1;        ///< of the linear system; -1: the body is fixed
   Index material = 0;
   bool is_led = false;  ///< its target is prescribed
+  /// Whether its Newton steps may be bent: those of led bodies, of parts of elastic ones and of bodies that equations hold are straight.
+  bool may_bend = false;
 };
 
 /// A pair that rubs, as it was when friction was last worked out.
@@ -253,11 +257,13 @@ struct MarkBodies {
 /// was made for are at one time for all bodies, and by how much it changes what may stick or slide.
 struct StepSums {
   double size = 0;   ///< [m]
+  double bend = 0;   ///< largest bend_of() [m]
   double stick = 0;  ///< largest change of a slip that may stick or slide, over that limit
   double slope = 0;  ///< gradient times step
   Strays strays;     ///< of its end
   SCREE_HD void combine(const StepSums& o) {
     size = o.size > size ? o.size : size;
+    bend = o.bend > bend ? o.bend : bend;
     slope += o.slope;
     strays.combine(o.strays);
     stick = o.stick > stick ? o.stick : stick;
@@ -319,11 +325,50 @@ struct MeasureStep {
     const double radius = p.bodies[b].radius;
     StepSums s;
     s.size = corner_way(step[row], radius);
+    s.bend = p.bodies[b].may_bend ? bend_of(step[row], radius) : 0;
     s.slope = -dot(right[row], step[row]);
     s.strays = ways.strays(b, radius, q[b] + step[row]);
     // A step that is not a number must be seen, whatever maxima make of it.
     if (!(s.size < 1e300)) s.size = s.strays.here = s.strays.from_goal = 1e300;
     return s;
+  }
+};
+
+/// Ends of the Newton steps of all bodies, bent where they may be. Bytes: 700 a row.
+struct BendWays {
+  static constexpr const char* name = "affine_bend_ways";
+  Potential p;
+  Span<const AffineVec> q;     ///< by body
+  Span<const AffineVec> step;  ///< by row
+  double share = 1;
+  Span<const RowSpace> space;  ///< by row, what equations leave to it; empty: all
+  Span<AffineVec> end;         ///< out, by body; fixed ones are not written
+
+  SCREE_HD void operator()(Index row) const {
+    const Index b = p.body_of_row[row];
+    const BodyConstant& body = p.bodies[b];
+    const AffineVec way = share * step[row];
+    if (!body.may_bend) {
+      end[b] = q[b] + way;
+      return;
+    }
+    const AffineVec bent = bent_end(body.mass, q[b], way, p.target[row].node[0]);
+    const bool is_held = !space.empty() && !space[row].is_whole();
+    end[b] = is_held ? q[b] + expanded(space[row], restricted(space[row], bent - q[b])) : bent;
+  }
+};
+
+/// q + share (to - q).
+struct MovePart {
+  static constexpr const char* name = "affine_move_part";
+  Span<const Index> body_of_row;
+  Span<const AffineVec> q, to;  ///< by body
+  double share = 1;
+  Span<AffineVec> moved;  ///< out, by body; fixed ones are not written
+
+  SCREE_HD void operator()(Index row) const {
+    const Index b = body_of_row[row];
+    moved[b] = q[b] + share * (to[b] - q[b]);
   }
 };
 

@@ -1,0 +1,66 @@
+// Newton steps that go on as a turn does (kernels/affine/bent_way.h), and those that barriers block (dynamics/affine/step_damping.h).
+
+#include <gtest/gtest.h>
+
+#include "tests/dynamics/affine_scenes.h"
+
+namespace scree::affine {
+namespace {
+
+using namespace test;
+using physics::add_box;
+
+/// A rod on a hinge at its end that turns by 0.6 rad a step.
+Scene spinning_rod() {
+  constexpr double kSpin = 60;
+  Scene scene = affine_scene(0.01, 0, 1);
+  scene.gravity = {};
+  scene.dynamics.parameters["tolerance"] = 1e-6;
+  BodyDescription& rod = add_box(scene, {0, 0, -0.5}, {0.01, 0.01, 0.5}, 1);
+  rod.angular_velocity = {0, kSpin, 0};
+  rod.velocity = {-0.5 * kSpin, 0, 0};
+  Joint hinge;
+  hinge.kind = JointKind::hinge;
+  hinge.bodies = {kWorldBody, 0};
+  hinge.axis = {0, 1, 0};
+  scene.joints.push_back(hinge);
+  return scene;
+}
+
+// Along straight ways alone it takes 8 iterations a step.
+TEST(AffineBentWays, ARodThatTurnsFarInAStepTakesFewIterationsAndStaysOnItsHinge) {
+  World world(spinning_rod(), cpu_options());
+  double iterations = 0, apart = 0;
+  constexpr int kSteps = 50;
+  for (int k = 0; k < kSteps; ++k) {
+    const StepReport report = world.step();
+    iterations += report.iterations;
+    EXPECT_TRUE(report.converged);
+    const std::vector<Vec3d> node = world.save().at<Vec3d>("affine/position");
+    apart = std::max(apart, norm(node[0] + 0.5 * node[3]));
+  }
+  EXPECT_LT(iterations / kSteps, 6.5);
+  EXPECT_LT(apart, 1e-12);
+}
+
+// A block of 2 m slides down a slope, over its side by 5 cm, and tips off its end. In one step it comes within 1e-7 m of an edge
+// along which it turns: all 200 iterations went along that gap.
+TEST(AffineStepDamping, ABlockThatTurnsAlongATinyGapGetsAway) {
+  for (const double along : {0.6356, 0.3356}) {
+    Scene scene = affine_scene(0.025, 0.15, 1);
+    scene.dynamics.parameters["reach"] = 1e-3;
+    scene.dynamics.parameters["tolerance"] = 1e-6;
+    scene.dynamics.parameters["stiffness"] = 1e9;
+    scene.gravity = {0, -physics::kGravity, 0};
+    const Quat<double> turn = exp_map(Vec3d{0, 0, physics::radians(30)});
+    physics::add_wall_box(scene, {}, {4, 0.1, 2}).orientation = turn;
+    BodyDescription& block =
+        add_box(scene, rotate(turn, Vec3d{along, 1.1009, -1.05}), {1, 1, 1}, 4000);
+    block.orientation = turn;
+    World world(scene, cpu_options());
+    for (int k = 0; k < 100; ++k) EXPECT_TRUE(world.step().converged) << "step " << k;
+  }
+}
+
+}  // namespace
+}  // namespace scree::affine

@@ -184,6 +184,8 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr double kFinest = 1e-12;
   /// Strain from which on a body counts as squeezed: where led bodies go whole steps, and where they go parts.
   static constexpr double kMostSqueeze = 0.01, kSlowSqueeze = 0.001;
+  /// Part of their speed by which bodies may become faster in a step without an impact, where led bodies go parts of their way.
+  static constexpr double kJerk = 0.1;
   /// Strain of stiff bodies from which on users are told.
   static constexpr double kStrained = 0.05;
   static constexpr int kMostParts = 1024;
@@ -386,11 +388,11 @@ class AffineDynamics final : public ModelOn<B, double> {
 
   void finish(const affine::StepScheme& scheme) {
     solids_.join(backend(), next_.view());
-    for_each(
-        backend(), rows_,
-        affine::FinishStep{scheme, constants_.view(), body_of_row_.view(), states(scheme.is_second),
-                           next_.view(), target_.view(), rate_.view(), earlier_q_.view(),
-                           earlier_v_.view(), hit_.view(rows_), tolerance_});
+    for_each(backend(), rows_,
+             affine::FinishStep{scheme, constants_.view(), body_of_row_.view(),
+                                states(scheme.is_second), next_.view(), target_.view(),
+                                rate_.view(), earlier_q_.view(), earlier_v_.view(),
+                                hit_.view(rows_), tolerance_, led_.is_slow() ? kJerk : 0});
     has_earlier_ = true;
     earlier_step_ = scheme.h;
     write_poses();

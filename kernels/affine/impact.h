@@ -5,24 +5,31 @@
 
 namespace scree::affine {
 
-/// Root mean square of the speeds of a body's points [m/s].
-SCREE_HD inline double mean_speed(const AffineMass& mass, const AffineVec& v) {
-  return std::sqrt(dot(v, mass.product(v)) / mass.mass);
+/// Root mean square of the speeds that points of a body have about its center as it turns [m/s].
+SCREE_HD inline double spin_speed(const AffineMass& mass, const AffineVec& q, const AffineVec& v) {
+  const Vec3d momentum = angular_momentum(mass, q, v);
+  return std::sqrt(dot(turn_rate(mass, q, momentum), momentum) / mass.mass);
 }
 
-/// Whether the mean velocity of a step is not what the velocities before it led to. Along a smooth way with turns of `phi` a
-/// step it differs by 5/12 phi^2 of the speed; a spring that swings as fast differs like that, too.
-/// @param s  states before the step, which was one of second order. @param least  speed that counts as none [m/s]
+/// Whether the mean velocity of a step is not what the velocities before it led to: that of the center, or the turn about it.
+/// Along a smooth way that turns by `phi` a step it differs by 5/12 phi^2 of the speed, or 5/12 phi of what a step changed it by; a
+/// spin by the first of its own speed. The speed of the center is no measure: bodies that fly together meet as bodies at rest do.
+/// Nor is stretch: a body that is pushed is squeezed and swings.
+/// @param s      states before the step, which was one of second order
+/// @param least  speed that counts as none [m/s]
+/// @param jerk   part of the speed of the center by which it may differ, too: where led bodies go parts of their way, what they push
+///               becomes faster by jerks
 SCREE_HD inline bool is_hit(const StepScheme& scheme, const AffineMass& mass, const StepStart& s,
-                            const AffineVec& q, double least) {
-  constexpr double kSmooth = 0.1;
+                            const AffineVec& q, double least, double jerk = 0) {
+  constexpr double kSmooth = 0.25, kSpin = 0.1;
   const AffineVec gained = scheme.ratio * (s.v - s.earlier_v);
-  const AffineVec mean = (1 / scheme.h) * (q - s.q);
-  const double speed = mean_speed(mass, s.v);
+  const AffineVec off = (1 / scheme.h) * (q - s.q) - (s.v + 0.5 * gained);
+  const double few = scheme.h * norm(scheme.gravity) + least;
+  if (norm(off.node[0]) > few + kSmooth * norm(gained.node[0]) + jerk * norm(s.v.node[0]))
+    return true;
   const double turn = scheme.h * norm(turn_rate(mass, s.q, angular_momentum(mass, s.q, s.v)));
-  const double smooth = scheme.h * norm(scheme.gravity) + least + turn * turn * speed +
-                        kSmooth * (speed + mean_speed(mass, gained));
-  return mean_speed(mass, mean - (s.v + 0.5 * gained)) > smooth;
+  return spin_speed(mass, s.q, off) > few + (kSpin + turn * turn) * spin_speed(mass, s.q, s.v) +
+                                          kSmooth * spin_speed(mass, s.q, gained);
 }
 
 /// Velocities before and after a step.

@@ -89,6 +89,7 @@ struct FinishStep {
   Span<AffineVec> earlier_q, earlier_v;  ///< out, by body
   Span<Index> hit;                       ///< out, by row
   double least = 0;                      ///< speed that counts as none [m/s]
+  double jerk = 0;                       ///< see is_hit()
 
   SCREE_HD void operator()(Index row) const {
     const Index b = body_of_row[row];
@@ -96,7 +97,7 @@ struct FinishStep {
     if (bodies[b].is_led) own.rule = StepRule::implicit_euler, own.is_second = false;
     const StepStart start = states.start(b);
     const bool may_be_hit = own.is_second && !bodies[b].lame.is_elastic();
-    hit[row] = may_be_hit && is_hit(own, bodies[b].mass, start, q[b], least) ? 1 : 0;
+    hit[row] = may_be_hit && is_hit(own, bodies[b].mass, start, q[b], least, jerk) ? 1 : 0;
     states.v[b] = velocity_after(own, start, {target[row], rate[row]}, q[b]);
     states.q[b] = q[b];
     earlier_q[b] = start.q, earlier_v[b] = start.v;

@@ -394,7 +394,7 @@ void AffineSystem::join(std::vector<std::size_t>& label, std::vector<bool>& is_h
   }
 }
 
-AffineReport AffineSystem::step() {
+AffineReport AffineSystem::step(const std::vector<AffineVec>& other) {
   const bool second_order = settings_.rule == StepRule::bdf2 && !earlier_position_.empty();
   const StepScheme scheme{settings_.rule, second_order, settings_.h, settings_.gravity};
   Impl impl{settings_, bodies_, joints_, {}, {}, scheme.scale(), {}, {}};
@@ -418,6 +418,10 @@ AffineReport AffineSystem::step() {
     impl.remember_friction(q);
     impl.minimize(q, report);
   }
+  const auto energy = [&](const State& at) {
+    return impl.energy(at, pairs_near(bodies_, at, at, impl.reach()));
+  };
+  if (!other.empty()) report.above = energy(other) - energy(q);
   const std::vector<AffineVec> last_velocity = [&] {
     State r;
     for (const AffineBody& body : bodies_) r.push_back(body.velocity);

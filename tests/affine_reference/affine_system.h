@@ -62,6 +62,8 @@ struct AffineReport {
   bool converged = true;  ///< whether that is below the tolerance, in every minimization
   int contacts = 0;       ///< pairs of corners, edges and triangles within reach, at the end
   double gap = 0;  ///< smallest distance of two bodies at the end [m], at most twice the reach
+  /// What the other places have of the potential above the end, see step() [J times the scale of the step]
+  double above = 0;
 };
 
 class AffineSystem {
@@ -78,7 +80,8 @@ class AffineSystem {
   const std::vector<AffineBody>& bodies() const { return bodies_; }
 
   /// Advances all bodies by h. Bodies that do not touch at the start never do.
-  AffineReport step();
+  /// @param other  places, by body, that the end is compared with: a potential has many minima. Empty: none
+  AffineReport step(const std::vector<AffineVec>& other = {});
 
  private:
   struct Impl;

@@ -51,24 +51,34 @@ AffineSystem reference_of(const Scene& scene) {
 /// Nodes of the moving bodies, four rows each.
 std::vector<Vec3d> nodes_of(World& world) { return world.save().at<Vec3d>("affine/position"); }
 
-TEST(AffineModel, MovesAsTheReferenceUntilChaosTellsThemApart) {
+TEST(AffineModel, MovesAsTheReferenceUntilTheyFindOtherMinima) {
   for (const double rule : {0.0, 1.0, 2.0}) {
     SCOPED_TRACE(rule);
     Scene scene = falling_boxes(rule);
     scene.dynamics.parameters["friction_solves"] = 1;  // as the reference
     AffineSystem reference = reference_of(scene);
     World world(scene, cpu_options());
-    int contacts = 0;
-    for (int k = 0; k < 40; ++k) {
-      const AffineReport expected = reference.step();
+    int contacts = 0, steps = 0;
+    for (bool is_same = true; is_same && steps < 40; ++steps) {
       const StepReport report = world.step();
-      ASSERT_TRUE(expected.converged && report.converged) << k;
-      contacts += report.contact_count;
       const std::vector<Vec3d> nodes = nodes_of(world);
-      for (std::size_t i = 0; i < nodes.size(); ++i)
-        ASSERT_LT(norm(nodes[i] - reference.bodies()[i / 4].position.node[i % 4]), 1e-6)
-            << "step " << k << " node " << i;
+      std::vector<AffineVec> places;
+      for (const AffineBody& body : reference.bodies()) places.push_back(body.position);
+      for (std::size_t i = 0; i < nodes.size(); ++i) places[i / 4].node[i % 4] = nodes[i];
+      const AffineReport expected = reference.step(places);
+      ASSERT_TRUE(expected.converged && report.converged) << steps;
+      contacts += report.contact_count;
+      double apart = 0;
+      for (std::size_t b = 0; b < places.size(); ++b)
+        for (int n = 0; n < 4; ++n)
+          apart = std::max(apart, norm(places[b].node[n] - reference.bodies()[b].position.node[n]));
+      // Newton's method may come to different minima, from which on the runs are different ones.
+      is_same = apart < 1e-6;
+      if (!is_same) {
+        EXPECT_LT(expected.above, 0) << steps;
+      }
     }
+    EXPECT_GE(steps, 20);
     EXPECT_GT(contacts, 50);
   }
 }

@@ -155,6 +155,44 @@ TEST(AffineImpacts, AHingeAtItsLimitIsNotThrownBack) {
   }
 }
 
+/// Boxes that meet head-on while both fly, and how fast they then part, over how fast they met.
+double restitution_in_frame_of(const Vec3d& velocity, double place) {
+  Scene scene = scene_without_gravity();
+  add_box(scene, {-0.1 - (5 + place) * kTimeStep, 0, 0}, {0.05, 0.05, 0.05}, 1).velocity =
+      velocity + Vec3d{1, 0, 0};
+  add_box(scene, {}, {0.05, 0.05, 0.05}, 1).velocity = velocity;
+  World world(scene, cpu_options());
+  for (int k = 0; k < 20; ++k) world.step();
+  const BodyStates states = world.states();
+  return states.velocity[1].x - states.velocity[0].x;
+}
+
+TEST(AffineImpacts, DoNotDependOnTheFrame) {
+  for (int place = 0; place < kImpactPlaces; ++place) {
+    SCOPED_TRACE(place);
+    const double share = place / double{kImpactPlaces},
+                 at_rest = restitution_in_frame_of({}, share);
+    EXPECT_LT(std::abs(at_rest), 0.12);
+    for (const Vec3d& frame : {Vec3d{10, 0, 0}, Vec3d{0, 10, 0}, Vec3d{-3, 4, 20}})
+      EXPECT_NEAR(restitution_in_frame_of(frame, share), at_rest, 1e-3);
+  }
+}
+
+TEST(AffineImpacts, ASpinningDiscIsNotThrownBackByTheFloor) {
+  for (const double spin : {0.0, 50.0}) {
+    Scene scene = affine_scene(kTimeStep, 0, kSecondOrder);
+    add_box(scene, {0, 0, 0.08}, {0.05, 0.05, 0.03}, 1).angular_velocity = {0, 0, spin};
+    physics::add_wall_box(scene, {0, 0, -0.1}, {1, 1, 0.1});
+    World world(scene, cpu_options());
+    double most = 0;
+    for (int k = 0; k < 40; ++k) {
+      world.step();
+      most = std::max(most, world.states().velocity[0].z);
+    }
+    EXPECT_LT(most, 0.12) << spin;
+  }
+}
+
 /// A plate that lands while it slides and takes off again: contacts that open in a step have no friction left.
 TEST(AffineImpacts, FrictionOfALandingIsBoundByItsNormalForce) {
   constexpr double kMu = 0.5, kStep = 0.005, kSpeed = 10;

@@ -189,9 +189,12 @@ class Builder {
       box_mass(*surface, c);
     }
     AffineVec q = pose_coordinates(place_of(body)), v;
-    if (body.kind == BodyKind::free) {
-      v.node[0] = body.velocity;
-      for (int k = 1; k < 4; ++k) v.node[k] = cross(body.angular_velocity, q.node[k]);
+    if (body.kind == BodyKind::free || c.is_led) {
+      const double h = 1e-3 * scene_.stepping.time_step;  // a step may be more than half a turn
+      const Rates rates = c.is_led ? rates_between(pose_at(body, 0), pose_at(body, h), h)
+                                   : Rates{body.velocity, body.angular_velocity};
+      v.node[0] = rates.velocity;
+      for (int k = 1; k < 4; ++k) v.node[k] = cross(rates.angular_velocity, q.node[k]);
     }
     const auto storage = static_cast<Index>(setup_.bodies.size());
     body_of_id_[each.id] = storage;

@@ -97,10 +97,11 @@ class NearList {
     copy(*b_, from, from_.view());
     copy(*b_, to, to_.view());
     s.steps = 1, goal_ = 1;
-    // The next Newton steps are shorter and begin on this way: half of its length is room for them. Wide lists pay where the
-    // search looked at much and found little.
-    const double reach = p.barrier.reach, most = (near_.finds_few() ? kMostRoom : 1) * reach;
-    s.room = std::clamp(0.5 * size, reach, most);
+    // The next Newton steps are shorter and begin on this way: a part of its length is room for them. On a processor wide lists pay
+    // where the search looked at much and found little; a device searches as long whatever it finds.
+    const bool is_wide = B::kIsDevice || near_.finds_few();
+    const double reach = p.barrier.reach;
+    s.room = std::clamp(kRoomOfWay * size, reach, (is_wide ? kMostRoom : 1) * reach);
     make(p.barrier);
     return {size, 0};
   }
@@ -123,6 +124,7 @@ class NearList {
  private:
   /// Widest room about ways, and that about ways of several steps [reach].
   static constexpr double kMostRoom = 8, kRoomOfSteps = 4;
+  static constexpr double kRoomOfWay = B::kIsDevice ? 1 : 0.5;  ///< room about a way, over its length
   static constexpr double kMostSteps = 8;
 
   void make(const Barrier& barrier) {

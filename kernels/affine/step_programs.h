@@ -166,16 +166,15 @@ struct WritePoses {
     const Index b = body_of_row[row];
     if (bodies[b].lame.is_elastic()) return;  // part of a body
     const AffineMass& mass = bodies[b].mass;
-    write_pose(
-        q[b], v[b].node[0],
-        bodies[b].is_led ? led_rate(b) : turn_rate(mass, q[b], angular_momentum(mass, q[b], v[b])),
-        b, store);
+    const bool is_led = bodies[b].is_led && earlier_step > 0;
+    write_pose(q[b], v[b].node[0],
+               is_led ? led_rate(b) : turn_rate(mass, q[b], angular_momentum(mass, q[b], v[b])), b,
+               store);
   }
 
  private:
   /// Led bodies go straight in their coordinates, where turns are too slow by a sine.
   SCREE_HD Vec3d led_rate(Index b) const {
-    if (!(earlier_step > 0)) return {};
     return (1 / earlier_step) *
            log_map(orientation_of(q[b]) * conjugate(orientation_of(earlier_q[b])));
   }

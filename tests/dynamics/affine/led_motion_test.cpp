@@ -129,6 +129,7 @@ Scene spinner(double time_step, double rate) {
 // The chord of a turn is shorter by a sine.
 TEST(AffineLedBodies, HaveTheAngularVelocityOfTheirMotion) {
   World world(spinner(0.01, 90), cpu_options());
+  EXPECT_LT(norm(world.states().angular_velocity[0] - Vec3d{54, 0, 72}), 1e-6);
   WorldState state;
   for (int k = 0; k < 10; ++k) {
     const StepReport report = world.step();
@@ -140,6 +141,14 @@ TEST(AffineLedBodies, HaveTheAngularVelocityOfTheirMotion) {
   World other(spinner(0.01, 90), cpu_options());
   other.restore(state);
   EXPECT_LT(norm(other.states().angular_velocity[0] - Vec3d{54, 0, 72}), 1e-6);
+}
+
+TEST(AffineLedBodies, HaveTheVelocityOfTheirMotionBeforeTheFirstStep) {
+  Scene scene = affine_scene(0.01, 0);
+  add_pusher(scene, {}, {0.1, 0.1, 0.1}, {0.5, -1, 2});
+  add_box(scene, {3, 0, 0}, {0.1, 0.1, 0.1}, 1);
+  World world(scene, cpu_options());
+  EXPECT_LT(norm(world.states().velocity[0] - Vec3d{0.5, -1, 2}), 1e-9);
 }
 
 TEST(AffineLedBodies, TurnInPartsWhereAllowed) {

@@ -15,6 +15,7 @@
 #include "dynamics/affine/minimizer.h"
 #include "dynamics/affine/nested_bodies.h"
 #include "dynamics/affine/push_islands.h"
+#include "dynamics/affine/row_states.h"
 #include "dynamics/affine/solids.h"
 #include "dynamics/affine/start_checks.h"
 #include "dynamics/model_on.h"
@@ -594,23 +595,17 @@ class AffineDynamics final : public ModelOn<B, double> {
   /// The list that the next step goes on with: what it holds beside near pairs decides last bits.
   void save_near_list(WorldState& s) {
     affine::NearList<B>& near = minimizer_.near();
-    const affine::NearListState& list = near.state();
-    s.add("affine/near_list",
-          std::vector<double>{list.time, list.room, list.steps, list.served, list.wanted});
+    s.add("affine/near_list", near.state().numbers());
     s.add("affine/near_from", nodes(near.from()));
     s.add("affine/near_to", nodes(near.to()));
   }
   /// Without one in an older state, pairs near where bodies are.
   void restore_near_list(const WorldState& s) {
     affine::NearList<B>& near = minimizer_.near();
-    affine::NearListState state{.room = reach_};
     const bool is_there = s.has("affine/near_list");
-    if (is_there) {
-      const auto& list = s.template at<double>("affine/near_list");
-      if (list.size() != 5) throw_bad_near_list();
-      state = {list[0], list[1], list[2], list[3], list[4]};
-      if (!state.is_valid()) throw_bad_near_list();
-    }
+    const auto state = is_there
+                           ? affine::NearListState::of(s.template at<double>("affine/near_list"))
+                           : affine::NearListState{.room = reach_};
     put_nodes(s.template at<Vec3d>(is_there ? "affine/near_from" : "affine/position"), near.from());
     put_nodes(s.template at<Vec3d>(is_there ? "affine/near_to" : "affine/position"), near.to());
     affine::Barrier barrier;
@@ -619,22 +614,11 @@ class AffineDynamics final : public ModelOn<B, double> {
     near.restore(surfaces_, barrier, state);
     minimizer_.take_near_ms();  // of no step
   }
-  /// Four vectors of each body with a row, in the order of rows.
   std::vector<Vec3d> nodes(Buffer<B, AffineVec>& array) {
-    const std::vector<AffineVec> all = download(backend(), array.view());
-    std::vector<Vec3d> out;
-    for (const Index body : setup_.body_of_row)
-      for (const Vec3d& node : all[static_cast<std::size_t>(body)].node) out.push_back(node);
-    return out;
+    return affine::row_states(backend(), setup_, array);
   }
   void put_nodes(const std::vector<Vec3d>& from, Buffer<B, AffineVec>& array) {
-    if (from.size() != 4 * setup_.body_of_row.size())
-      throw_wrong_body_count(from.size() / 4, setup_.body_of_row.size());
-    std::vector<AffineVec> all = download(backend(), array.view());
-    for (std::size_t row = 0; row < setup_.body_of_row.size(); ++row)
-      for (std::size_t k = 0; k < 4; ++k)
-        all[static_cast<std::size_t>(setup_.body_of_row[row])].node[k] = from[4 * row + k];
-    upload(backend(), all.data(), array.view());
+    affine::restore_row_states(backend(), setup_, from, array);
   }
 
   typename ModelOn<B, double>::Drawn drawn() override {

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "dynamics/affine/near_pairs.h"
+#include "dynamics/model_errors.h"
 #include "dynamics/model_on.h"
 #include "kernels/affine/near_ways.h"
 
@@ -21,6 +23,14 @@ struct NearListState {
 
   bool is_valid() const {
     return time >= 0 && time <= 1 && room > 0 && steps >= 1 && served >= 0 && wanted >= 1;
+  }
+  std::vector<double> numbers() const { return {time, room, steps, served, wanted}; }
+  /// @param numbers  as numbers() gives them. @throws InputError for others
+  static NearListState of(const std::vector<double>& numbers) {
+    if (numbers.size() != 5) throw_bad_near_list();
+    const NearListState s{numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]};
+    if (!s.is_valid()) throw_bad_near_list();
+    return s;
   }
 };
 
@@ -124,7 +134,8 @@ class NearList {
  private:
   /// Widest room about ways, and that about ways of several steps [reach].
   static constexpr double kMostRoom = 8, kRoomOfSteps = 4;
-  static constexpr double kRoomOfWay = B::kIsDevice ? 1 : 0.5;  ///< room about a way, over its length
+  static constexpr double kRoomOfWay =
+      B::kIsDevice ? 1 : 0.5;  ///< room about a way, over its length
   static constexpr double kMostSteps = 8;
 
   void make(const Barrier& barrier) {

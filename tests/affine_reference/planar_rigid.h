@@ -3,7 +3,7 @@
 // Rigid Body Dynamics, ACM TOG 40(4), 2021): true rotations, implicit Euler, dense. It shares no code with the dynamics "affine",
 // which it is to be held against: own distances, own derivatives, own line search.
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <vector>
 
 namespace scree::planar {

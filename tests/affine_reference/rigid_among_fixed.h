@@ -2,7 +2,7 @@
 // One rigid body among fixed surfaces, without friction, as rigid-ipc steps it: true rotations, implicit Euler, all pairs of
 // corners, edges and triangles. It shares no code with the dynamics "affine", which it is to be held against.
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <array>
 #include <vector>
 

@@ -20,6 +20,10 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& symmetric) {
          solver.eigenvectors().transpose();
 }
 
+Eigen::VectorXd solve_definite(const Eigen::MatrixXd& symmetric, const Eigen::VectorXd& right) {
+  return symmetric.ldlt().solve(right);
+}
+
 Eigen::VectorXd solve_sparse(const std::vector<SparseEntry>& entries,
                              const Eigen::VectorXd& right) {
   std::vector<Eigen::Triplet<double>> triplets;

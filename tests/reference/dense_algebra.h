@@ -19,6 +19,9 @@ Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& symmetric);
 /// The positive semidefinite matrix nearest to a symmetric one.
 Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& symmetric);
 
+/// Solution of a symmetric and definite system.
+Eigen::VectorXd solve_definite(const Eigen::MatrixXd& symmetric, const Eigen::VectorXd& right);
+
 struct SparseEntry {
   int row = 0, column = 0;
   double value = 0;

@@ -9,6 +9,7 @@
 
 namespace scree::affine {
 
+/// Positions or velocities. @param by_body  of all bodies  @return nodes of those with a row
 template <class B>
 std::vector<Vec3d> row_states(B& b, const AffineSetup& setup, Buffer<B, AffineVec>& by_body) {
   const std::vector<AffineVec> all = download(b, by_body.view());

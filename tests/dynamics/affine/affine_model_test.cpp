@@ -14,6 +14,7 @@
 #include "tests/box_mesh.h"
 #include "tests/dynamics/affine/exact_surfaces.h"
 #include "tests/dynamics/affine_scenes.h"
+#include "tests/physics/joint_scenes.h"
 
 namespace scree::affine {
 namespace {
@@ -280,11 +281,7 @@ Scene hinged_rod(double rule, double h) {
   const double angle = physics::radians(60);
   rod.orientation = exp_map(Vec3d{0, angle, 0});
   rod.position = rotate(rod.orientation, Vec3d{0, 0, -0.5});
-  Joint hinge;
-  hinge.kind = JointKind::hinge;
-  hinge.bodies = {kWorldBody, 0};
-  hinge.axis = {0, 1, 0};
-  scene.joints.push_back(hinge);
+  scene.joints = {physics::joint_of(JointKind::hinge, kWorldBody, 0, {}, {0, 1, 0})};
   return scene;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/dynamics/affine_scenes.h"
+#include "tests/physics/joint_scenes.h"
 
 namespace scree::affine {
 namespace {
@@ -19,11 +20,7 @@ Scene spinning_rod() {
   BodyDescription& rod = add_box(scene, {0, 0, -0.5}, {0.01, 0.01, 0.5}, 1);
   rod.angular_velocity = {0, kSpin, 0};
   rod.velocity = {-0.5 * kSpin, 0, 0};
-  Joint hinge;
-  hinge.kind = JointKind::hinge;
-  hinge.bodies = {kWorldBody, 0};
-  hinge.axis = {0, 1, 0};
-  scene.joints.push_back(hinge);
+  scene.joints = {physics::joint_of(JointKind::hinge, kWorldBody, 0, {}, {0, 1, 0})};
   return scene;
 }
 

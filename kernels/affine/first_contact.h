@@ -103,6 +103,13 @@ SCREE_HD inline bool stays_apart(PairKind kind, const Four& from, const Four& to
   return closing < 0.9 * (std::sqrt(squared) - separation) - 1e-8 * std::sqrt(size);
 }
 
+/// Whether a plane across a direction is between features at the start and at the end of straight ways: then it is all the time.
+SCREE_HD inline bool stay_apart_along(PairKind kind, const Four& x, const Four& end,
+                                      const Vec3d& direction, double least) {
+  const int split = first_points(kind);
+  return apart_along(x, split, direction) > least && apart_along(end, split, direction) > least;
+}
+
 struct FirstContactParameters {
   double separation = 0;  ///< distance that must not be reached [m], >= 0
   double remaining =
@@ -117,47 +124,91 @@ struct FirstContact {
   int steps = 0;     ///< distances that were computed
 };
 
+/// Straight ways of four points from a common start, and where a search of their first contact is.
+struct ContactSearch {
+  PairKind kind;
+  Four start, way;
+  double least = 0;  ///< distance that must be kept, rounding included [m]
+  double stop = 0;   ///< what may be left beyond that [m]
+  double time = 0;
+  Four x;           ///< points at that time
+  ApartAlong best;  ///< there
+  int steps = 0;    ///< distances that were computed
+
+  SCREE_HD Four at(double when) const {
+    Four p;
+    for (int i = 0; i < 4; ++i) p[i] = start[i] + when * way[i];
+    return p;
+  }
+  SCREE_HD void go(double to) {
+    time = to;
+    x = at(to);
+    best = apart_directions(kind, x);
+    ++steps;
+  }
+  /// Features that slide past an edge have many planes between them one after the other, and often one that is nearer to both and
+  /// serves for longer: that between them later, or one half way. All of the way that is left is tried, half of it and so on.
+  /// @param share  of the way that is free anyway. @return whether it went
+  SCREE_HD bool go_far(double share) {
+    const double rest = 1 - time;
+    double ahead = rest;
+    for (int k = 0; k < kFarTries && ahead > 2 * share; ++k, ahead *= 0.5) {
+      ContactSearch later = *this;
+      later.go(k == 0 ? 1 : time + ahead);
+      steps = later.steps;
+      if (later.best.apart - least > stop &&
+          (stay_apart_along(kind, x, later.x, later.best.direction, least) ||
+           stay_apart_along(kind, x, later.x, normalized(best.direction + later.best.direction),
+                            least))) {
+        *this = later;
+        return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kFarTries = 5;
+};
+
 /// @param from, to  the four points at the start and at the end of their straight ways [m]
 /// @return a time up to which the features stay farther apart than the separation
 SCREE_HD inline FirstContact first_contact(PairKind kind, const Four& from, const Four& to,
                                            const FirstContactParameters& parameters) {
-  Four start, way;
+  int plain = 3;  // steps before it tries to go far: enough for most
+  ContactSearch s;
+  s.kind = kind;
   Vec3d mean;
-  closing_ways(kind, from, to, way, mean);
+  closing_ways(kind, from, to, s.way, mean);
   double size = 0;
   for (int i = 0; i < 4; ++i) {
-    start[i] = from[i] - from[0];
-    const double far = norm(start[i]) + norm(way[i]) + norm(mean) + norm(to[i] - from[i]);
+    s.start[i] = from[i] - from[0];
+    const double far = norm(s.start[i]) + norm(s.way[i]) + norm(mean) + norm(to[i] - from[i]);
     size = far > size ? far : size;
   }
-  const double least = parameters.separation + kCoordinateErrors * size;
-  FirstContact r;
-  double stop = 0;
-  for (double time = 0;;) {
-    Four x;
-    for (int i = 0; i < 4; ++i) x[i] = start[i] + time * way[i];
-    const ApartAlong best = apart_directions(kind, x);
-    const double left = best.apart - least;
-    ++r.steps;
-    if (r.steps == 1) stop = parameters.remaining * left;
-    if (!(left > stop) || r.steps >= parameters.most_steps) {
-      if (r.steps == 1) time = 0;
-      r.time = time;
-      r.hit = true;
-      return r;
-    }
-    const double rest = 1 - time;
-    if (share_along(kind, x, way, best.direction, least, rest) >= rest) return r;
+  s.least = parameters.separation + kCoordinateErrors * size;
+  s.go(0);
+  s.stop = parameters.remaining * (s.best.apart - s.least);
+  bool is_free = false;
+  while (!is_free) {
+    const double left = s.best.apart - s.least, rest = 1 - s.time;
+    if (!(left > s.stop) || s.steps >= parameters.most_steps) break;
+    const auto share = [&](double keep) {
+      return share_along(kind, s.x, s.way, s.best.direction, keep, rest);
+    };
+    is_free = !(rest > 0) || share(s.least) >= rest;
+    if (is_free) break;
     // Less than all of it, so that the next distance is not lost to rounding.
-    const double keep = least + (r.steps == 1 ? parameters.remaining : 0.1) * left;
-    const double next = time + share_along(kind, x, way, best.direction, keep, rest);
-    if (next <= time) {
-      r.time = time;
-      r.hit = true;
-      return r;
+    const double free = share(s.least + (s.steps == 1 ? parameters.remaining : 0.1) * left);
+    if (s.steps >= plain) {
+      const bool went = s.go_far(free);
+      plain = 2 * s.steps;  // what does not go far seldom does later
+      if (went) continue;
     }
-    time = next;
+    if (s.time + free <= s.time) break;
+    s.go(s.time + free);
   }
+  return {is_free ? 1 : s.time, !is_free, s.steps};
 }
 
 }  // namespace scree::affine

@@ -11,7 +11,7 @@
 #include "dynamics/affine/affine_card.h"
 #include "dynamics/affine/affine_setup.h"
 #include "dynamics/affine/joint_warnings.h"
-#include "dynamics/affine/led_motion.h"
+#include "dynamics/affine/led_push.h"
 #include "dynamics/affine/minimizer.h"
 #include "dynamics/affine/nested_bodies.h"
 #include "dynamics/affine/push_islands.h"
@@ -68,7 +68,8 @@ class AffineDynamics final : public ModelOn<B, double> {
         drives_(backend(), std::ssize(setup_.drives)),
         joint_position_(backend()),
         body_strain_(backend(), static_cast<Index>(setup_.scene_bodies)),
-        led_(setup_.led) {
+        led_(setup_.led),
+        push_(backend(), setup_, led_) {
     B& b = backend();
     upload(b, setup_.bodies, constants_);
     upload(b, setup_.body_of_row, body_of_row_);
@@ -125,6 +126,7 @@ class AffineDynamics final : public ModelOn<B, double> {
         start_anew(p, scheme);
         sums = sum();
       }
+      turn_ = sums.turn;
       note_part(report, p, scheme, done, sums, blocked);
     }
     this->count_step();
@@ -183,8 +185,6 @@ class AffineDynamics final : public ModelOn<B, double> {
   static constexpr double kFineWay = 0.01;
   /// Ways of Newton steps that rounding leaves, over the size of the scene.
   static constexpr double kFinest = 1e-12;
-  /// Strain from which on a body counts as squeezed: where led bodies go whole steps, and where they go parts.
-  static constexpr double kMostSqueeze = 0.01, kSlowSqueeze = 0.001;
   /// Part of their speed by which bodies may become faster in a step without an impact, where led bodies go parts of their way.
   static constexpr double kJerk = 0.1;
   /// Strain of stiff bodies from which on users are told.
@@ -196,7 +196,8 @@ class AffineDynamics final : public ModelOn<B, double> {
   int part_count() {
     const double most = kMaxTurn.of(scene_.dynamics.parameters), h = scene_.stepping.time_step;
     if (!(most > 0)) return 1;
-    const double turn = sum().turn * h, most_led = std::min(most, kMostLedTurn);
+    if (!turn_) turn_ = sum().turn;
+    const double turn = *turn_ * h, most_led = std::min(most, kMostLedTurn);
     int parts = 1;
     while (parts < kMostParts && (turn > most * parts || led_.turn(h, parts) > most_led ||
                                   (has_earlier_ && h > 2.5 * earlier_step_ * parts)))
@@ -335,9 +336,8 @@ class AffineDynamics final : public ModelOn<B, double> {
     minimize_with_friction(p, settings, done);
     if (led_.count() == 0) return 0;
     while (!led_.stay()) {
-      const int missed = count_missed(p, settings.tolerance);
-      const double most = most_squeeze(p);
-      if (squeeze(p, next_, most) > most || (missed > 0 && p.lead >= kMostLead)) {
+      const int missed = push_.count_missed(p, next_.view(), settings.tolerance);
+      if (push_.squeezes(p, q_.view(), next_.view()) || (missed > 0 && p.lead >= kMostLead)) {
         led_.shorten(scheme.h);
         set_out(p, scheme, /*anew=*/true);
         p.barrier.stiffness = stiffness;
@@ -352,41 +352,6 @@ class AffineDynamics final : public ModelOn<B, double> {
     led_.end(scheme.h);
     return led_.stay() ? led_.count() : 0;
   }
-  /// What a body may be squeezed by. One that is blocked gives way until that: in parts of steps it is little, since these end
-  /// wherever that is reached.
-  double most_squeeze(const affine::Potential& p) {
-    if (!led_.is_slow()) return kMostSqueeze;
-    return std::clamp(squeeze(p, q_, kSlowSqueeze), kSlowSqueeze, kMostSqueeze);
-  }
-  /// Largest strain of a body that led ones may push, or that of any where it is small.
-  /// @param state  by body  @param small  what counts as that
-  double squeeze(const affine::Potential& p, Buffer<B, AffineVec>& state, double small) {
-    const double of_all = strain(state);
-    if (!(of_all > small)) return of_all;
-    const std::vector<bool> is_near =
-        affine::bodies_near_led(setup_, download(backend(), p.near.bodies));
-    const std::vector<AffineVec> q = download(backend(), state.view());
-    double most = 0;
-    for (std::size_t body = 0; body < q.size(); ++body)
-      if (is_near[body] && !setup_.bodies[body].lame.is_elastic())
-        most = std::max(most, affine::strain_norm(q[body]));
-    return most;
-  }
-  double strain(Buffer<B, AffineVec>& state) {
-    return reduce_to_host<Largest<double>>(
-               backend(), rows_,
-               affine::StrainOfRow{constants_.view(std::ssize(setup_.bodies)),
-                                   body_of_row_.view(rows_), state.view()})
-        .value;
-  }
-  int count_missed(const affine::Potential& p, double tolerance) {
-    return static_cast<int>(
-        reduce_to_host<Sums<1>>(backend(), rows_,
-                                affine::MissedTargets{p.bodies, p.body_of_row, p.start,
-                                                      next_.view(), p.target, tolerance})
-            .value[0]);
-  }
-
   void finish(const affine::StepScheme& scheme) {
     solids_.join(backend(), next_.view());
     for_each(backend(), rows_,
@@ -588,6 +553,7 @@ class AffineDynamics final : public ModelOn<B, double> {
       throw_wrong_body_count(position.size(), setup_.drives.size());
     upload(backend(), position, joint_position_);
     restore_near_list(s);
+    turn_.reset();
     write_poses();
     scene_.gravity =
         s.has("world/gravity") ? saved_gravity(s, scene_.stepping.time_step) : first_gravity_;
@@ -661,8 +627,9 @@ class AffineDynamics final : public ModelOn<B, double> {
   affine::StepRule rule_ = affine::StepRule::bdf2;
   double reach_ = 0, tolerance_ = 0;  ///< [m], [m/s]
   bool has_friction_ = false;
-  bool has_earlier_ = false;  ///< whether there was a step before
-  double earlier_step_ = 0;   ///< how long that took [s]
+  std::optional<double> turn_;  ///< largest angular velocity of stiff bodies, once known [rad/s]
+  bool has_earlier_ = false;    ///< whether there was a step before
+  double earlier_step_ = 0;     ///< how long that took [s]
   Buffer<B, affine::BodyConstant> constants_;
   Buffer<B, Index> body_of_row_;
   Buffer<B, double> friction_;
@@ -678,6 +645,7 @@ class AffineDynamics final : public ModelOn<B, double> {
   Buffer<B, double> joint_position_;     ///< where the last step began [m or rad]
   Buffer<B, double> body_strain_;        ///< by body of the scene, see write_output()
   affine::LedMotion led_;
+  affine::LedPush<B> push_;
 };
 
 template <class B, class Real>

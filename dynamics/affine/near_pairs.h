@@ -80,7 +80,7 @@ class NearPairs {
   static constexpr bool is_few(Index bodies) { return bodies <= kFew; }
   /// Items of a feature: as many as a device has threads for, if that is few features.
   static Index parts_of(Index features) {
-    constexpr Index kMostParts = 32, kThreads = 1 << 19;
+    constexpr Index kMostParts = 64, kThreads = 1 << 19;
     Index parts = 1;
     if constexpr (B::kIsDevice)
       while (parts < kMostParts && features <= kThreads / (2 * parts)) parts *= 2;
@@ -131,9 +131,10 @@ class NearPairs {
     const BlockItems items{sums.blocks};
     for_each(b, blocks, SearchBlock{at, items, mask_.view(blocks), count_.view(blocks)});
     add_up(b, blocks, features_);
-    for_each(b, blocks,
+    constexpr int kBlockItems = B::kIsDevice ? kBlockFeatures : 1;
+    for_each(b, kBlockItems * blocks,
              ListFeatures{at, items, std::as_const(mask_).view(blocks), sums.features,
-                          item_.view(features)});
+                          item_.view(features), kBlockItems});
 
     SearchFeature feature{at,
                           sums.features,
@@ -225,7 +226,9 @@ class NearPairs {
       const Offset needed = found_.of(list);
       // A list that was cut short, and those behind it, only grow: their numbers are too low.
       const Offset wanted = std::min(needed + needed / 4 + 256, kMostItems);
-      room_.of(list) = fits ? wanted : std::max(room_.of(list), wanted);
+      // Room for pairs alone costs no items.
+      const bool may_shrink = fits && list != SearchCounts::kPairs;
+      room_.of(list) = may_shrink ? wanted : std::max(room_.of(list), wanted);
     }
     return fits;
   }

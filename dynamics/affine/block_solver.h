@@ -55,7 +55,33 @@ class BlockSolver {
   /// @param step       out, by row
   /// @param tolerance  of conjugate gradients: of the residual in the norm of the preconditioner, over that of the right-hand side
   Report solve(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance) {
-    return is_direct_ ? factorize(b, system, step) : iterate(b, system, step, tolerance);
+    if (is_direct_) return factorize(b, system, step);
+    begin(b, system, step, tolerance, result_place<GradientState>(b));
+    return end(b, system, step, take_result<GradientState>(b));
+  }
+
+  /// The same in two parts, but for factors: work that needs no host may follow the first.
+  /// @param state  how it ended, once the backend has been waited for: the host gives it to end()
+  void begin(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance,
+             GradientState* state) {
+    const Span<const RowSpace> space = space_.view(has_spaces_ ? rows_ : 0);
+    const BlockSystemView own = has_spaces_ ? restrict_system(b, system) : system;
+    if (gradients_.wants_inverse(rows_))
+      for_each(b, 12 * rows_, InvertRow{own.diagonal, space, inverse_.view()});
+    const GradientVectors v{
+        step,          r_.view(),    z_.view(),       p_.view(),           next_p_.view(),
+        image_.view(), own.diagonal, inverse_.view(), list_blocks(b, own), nullptr};
+    gradients_.run(b, v, own.right, tolerance, may_factorize() ? kFewIterations : kMostIterations,
+                   state);
+    if (has_spaces_) for_each(b, rows_, ExpandRow{space, step});
+  }
+  /// Another step, where gradients took too long.
+  Report end(B& b, const BlockSystemView& system, Span<AffineVec> step,
+             const GradientState& state) {
+    if (state.is_done || !may_factorize()) return {state.is_done, state.iterations};
+    Report report = factorize(b, system, step);
+    report.iterations += state.iterations;
+    return report;
   }
 
  private:
@@ -74,7 +100,7 @@ class BlockSolver {
     Report report;
     if constexpr (B::kIsDevice) {
       const std::vector<Dense<12>> diagonal = download(b, system.diagonal);
-      const std::vector<MixedBlock> mixed = download(b, system.mixed);
+      const std::vector<MixedBlock> mixed = download(b, listed_blocks(b, system));
       const std::vector<AffineVec> right = download(b, system.right);
       std::vector<AffineVec> x(static_cast<std::size_t>(rows_));
       report.is_solved = direct_.solve(
@@ -87,21 +113,14 @@ class BlockSolver {
     return report;
   }
 
-  Report iterate(B& b, const BlockSystemView& system, Span<AffineVec> step, double tolerance) {
-    const Span<const RowSpace> space = space_.view(has_spaces_ ? rows_ : 0);
-    const BlockSystemView own = has_spaces_ ? restrict_system(b, system) : system;
-    for_each(b, 12 * rows_, InvertRow{own.diagonal, space, inverse_.view()});
-    const GradientVectors v{
-        step,          r_.view(),    z_.view(),       p_.view(),           next_p_.view(),
-        image_.view(), own.diagonal, inverse_.view(), list_blocks(b, own), nullptr};
-    const bool may_factorize = rows_ <= kMostFactorized && method_ == LinearMethod::standard;
-    const GradientState state = gradients_.run(b, v, own.right, tolerance,
-                                               may_factorize ? kFewIterations : kMostIterations);
-    if (has_spaces_) for_each(b, rows_, ExpandRow{space, step});
-    if (state.is_done || !may_factorize) return {state.is_done, state.iterations};
-    Report report = factorize(b, system, step);
-    report.iterations += state.iterations;
-    return report;
+  Span<const MixedBlock> listed_blocks(B& b, const BlockSystemView& system) {
+    const BlockHalves& halves = system.halves;
+    if (halves.begin.empty()) return system.mixed;
+    return system.mixed.first(fetch(b, halves.begin.data + rows_) / 2);
+  }
+
+  bool may_factorize() const {
+    return rows_ <= kMostFactorized && method_ == LinearMethod::standard;
   }
 
   /// The system in the numbers that equations leave to the rows.
@@ -114,10 +133,12 @@ class BlockSolver {
              RestrictRow{space, s.diagonal, s.right, diagonal_.view(rows_), right_.view(rows_)});
     for_each(b, blocks, RestrictMixed{space, s.mixed, mixed_.view(blocks)});
     return {std::as_const(diagonal_).view(rows_), std::as_const(mixed_).view(blocks),
-            std::as_const(right_).view(rows_)};
+            std::as_const(right_).view(rows_), s.halves};
   }
 
   BlockLists list_blocks(B& b, const BlockSystemView& system) {
+    if (const BlockHalves& halves = system.halves; !halves.begin.empty())
+      return {system.mixed, halves.entry, halves.begin};
     const auto entries = static_cast<Index>(2 * system.mixed.size);
     const EntryKeys keys{static_cast<std::uint64_t>(rows_)};
     key_.reserve_discard(entries), entry_.reserve_discard(entries);

@@ -14,16 +14,30 @@ class MarkedList {
   /// Lists each place as often as its mark says; one host read. @return how many there are
   Index list(B& b, const Buffer<B, Index>& mark, Index count, Buffer<B, Index>& marked) {
     if (count == 0) return 0;
-    place_.reserve_discard(static_cast<Offset>(count) + 1);
-    const Span<const Index> marks = mark.view(count);
-    exclusive_scan(b, marks, place_.view(static_cast<Offset>(count) + 1));
+    add_up(b, mark, count);
     const auto found = static_cast<Index>(fetch(b, place_.data() + count));
-    marked.reserve_discard(found);
-    for_each(b, count, ListMarked{marks, place_.view(count), marked.view(found)});
+    write_out(b, mark, count, found, marked);
     return found;
+  }
+  /// The same where it is known how many there are: no host read.
+  void write(B& b, const Buffer<B, Index>& mark, Index count, Index found,
+             Buffer<B, Index>& marked) {
+    if (found == 0) return;
+    add_up(b, mark, count);
+    write_out(b, mark, count, found, marked);
   }
 
  private:
+  void add_up(B& b, const Buffer<B, Index>& mark, Index count) {
+    place_.reserve_discard(static_cast<Offset>(count) + 1);
+    exclusive_scan(b, mark.view(count), place_.view(static_cast<Offset>(count) + 1));
+  }
+  void write_out(B& b, const Buffer<B, Index>& mark, Index count, Index found,
+                 Buffer<B, Index>& marked) {
+    marked.reserve_discard(found);
+    for_each(b, count, ListMarked{mark.view(count), place_.view(count), marked.view(found)});
+  }
+
   Buffer<B, Offset> place_;
 };
 

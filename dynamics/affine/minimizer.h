@@ -2,7 +2,8 @@
 // Makes the potential of a step of affine bodies least: Newton's method with semidefinite second derivatives, steps that no
 // pair of features blocks, and a line search. docs/theory.md, "Barrier contact".
 //
-// Host reads of an iteration: two counts, the sums of the step, the free share of its way, and the energy of each try.
+// Host reads of an iteration: on a device one where the first try of the step is lower, see find_step(). Else, and elsewhere: the
+// number of blocks, the sums of the step, the free share of its way, and the energy of each try.
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +14,7 @@
 #include "dynamics/affine/linked_rows.h"
 #include "dynamics/affine/near_list.h"
 #include "dynamics/affine/step_damping.h"
-#include "dynamics/model_on.h"
-#include "kernels/affine/assembly.h"
+#include "dynamics/affine/system_assembly.h"
 
 namespace scree::affine {
 
@@ -55,23 +55,16 @@ class Minimizer {
         full_(b, bodies),
         middle_(b, bodies),
         trial_(b, bodies),
-        right_(b, rows),
+        assembly_(b, rows, !links.empty()),
         step_(b, rows),
-        diagonal_(b, rows),
-        begin_(b, static_cast<Offset>(rows) + 1),
-        mark_(b),
         squared_(b),
-        count_(b),
+        elements_(b),
+        share_(b, 1),
+        marks_(b),
+        mark_(b),
         marked_(b),
         active_(b),
-        elements_(b),
         slips_(b),
-        key_(b),
-        entry_(b),
-        sort_(b),
-        first_(b),
-        line_(b),
-        mixed_(b),
         space_(b) {
     if (!equations.empty()) upload(b, row_spaces(rows, equations), space_);
   }
@@ -157,13 +150,9 @@ class Minimizer {
     double last_gap = 0, last_size = 0;
     StepDamping damping;
     for (int iteration = 0;; ++iteration) {
-      StageClock<B> timer(*b_);
-      assemble(p, q, damping.value());
-      report.assembly_ms += timer.lap();
-      const bool has_step = solve(report);
-      const StepSums sums = measure(p, q);
-      report.linear_ms += timer.lap();
-      if (!has_step) break;
+      const NewtonStep found = find_step(p, q, at, damping.value(), report);
+      if (!found.is_there) break;
+      const StepSums& sums = found.sums;
       report.residual = sums.size;
       // The last step is taken too: bodies slower than the tolerance move, and free ones exactly.
       // What sticks is stiff: however much a contact lacks to hold, the step of one that sticks is short. Steps out of a barrier, or
@@ -179,7 +168,7 @@ class Minimizer {
       if (is_last && sums.size == 0) return;
       if (!is_last && (iteration >= settings.most_iterations || !(sums.size < 1e300))) break;
       ++report.iterations;
-      const Way way = go(p, q, at, sums);
+      const Way way = go(p, q, at, found);
       if (!(way.share > 0)) {
         if (is_last) return;
         break;
@@ -235,15 +224,33 @@ class Minimizer {
            at.energy + 1e-4 * share * slope + 1e-14 * std::abs(at.energy) + at.rounding;
   }
 
+  /// A Newton step, and on a device what is at the end of the share of it that the list of near pairs leaves free: to be thrown away
+  /// where that list does not serve.
+  struct NewtonStep {
+    bool is_there = false;
+    StepSums sums;
+    std::optional<Way> tried;
+  };
+  /// What is known of it when the device has come to its end.
+  struct StepNotes {
+    GradientState linear;
+    StepSums sums;
+    LeastShare share;
+    EnergySum end;
+  };
+
   /// Takes trial_ along a Newton step until it is lower there. @param at  in and out: what is known of the pairs at q
-  Way go(Potential& p, Span<const AffineVec> q, EnergySum& at, const StepSums& sums) {
+  Way go(Potential& p, Span<const AffineVec> q, EnergySum& at, const NewtonStep& found) {
+    const StepSums& sums = found.sums;
     bool may_bend = sums.bend > kLeastBend * p.barrier.reach;
-    move(p, q, 1, full_.view());
+    bool is_tried = found.tried.has_value() && near_.serves(sums.strays);
     Strays strays = list_way(p, q, at, sums.size, sums.strays);
     Way way;
-    for (double share = free_share(p, q); share > kLeastShare; share *= 0.5) {
-      move(p, q, share, trial_.view());
-      way.end = energy(p, trial_.view());
+    for (double share = is_tried ? found.tried->share : free_share(p, q); share > kLeastShare;
+         share *= 0.5) {
+      if (!is_tried) move(p, q, share, trial_.view());
+      way.end = is_tried ? found.tried->end : energy(p, trial_.view());
+      is_tried = false;
       const double expected = -sums.slope * share * (1 - 0.5 * share);
       const bool is_poor = at.energy - way.end.energy < kPoor * expected - lost_in(at, way.end);
       if (may_bend && is_poor && share > kLeastBentShare) {
@@ -321,30 +328,86 @@ class Minimizer {
   /// Also what the next system and the next way need of the pairs at q.
   EnergySum energy(const Potential& p, Span<const AffineVec> q) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
-    squared_.reserve_discard(pairs), count_.reserve_discard(pairs);
-    return reduce_to_host<EnergySum>(
-        *b_, p.terms(), EnergyOfTerm{p, q, {squared_.view(pairs), count_.view(pairs)}});
+    squared_.reserve_discard(pairs), elements_.reserve_discard(pairs);
+    return reduce_to_host<EnergySum>(*b_, p.terms(), energy_of_term(p, q));
+  }
+  EnergyOfTerm energy_of_term(const Potential& p, Span<const AffineVec> q) {
+    const Offset pairs = p.near.pairs.size;
+    return {p, q, {squared_.view(pairs), elements_.view(pairs)}};
   }
   double free_share(const Potential& p, Span<const AffineVec> q) {
     const auto pairs = static_cast<Index>(p.near.pairs.size);
     if (pairs == 0) return 1;
-    return reduce_to_host<LeastShare>(
-               *b_, pairs,
-               FreeShare{p.near, q, full_.view(), std::as_const(squared_).view(pairs),
-                         p.barrier.separation})
-        .value;
+    return reduce_to_host<LeastShare>(*b_, pairs, share_of_pair(p, q)).value;
   }
-  StepSums measure(const Potential& p, Span<const AffineVec> q) {
-    return reduce_to_host<StepSums>(*b_, MeasureStep::items(p),
-                                    MeasureStep{p, q, step_.view(), right_.view(), near_.ways()});
+  FreeShare share_of_pair(const Potential& p, Span<const AffineVec> q) {
+    return {p.near, q, full_.view(), std::as_const(squared_).view(p.near.pairs.size),
+            p.barrier.separation};
+  }
+  MeasureStep measure(const Potential& p, Span<const AffineVec> q, const BlockSystemView& system) {
+    return {p, q, step_.view(), system.right, near_.ways(), full_.view()};
+  }
+  MoveBody part_of_step(const Potential& p, Span<const AffineVec> q, double share,
+                        Span<AffineVec> moved) {
+    return {p.body_of_row, q, step_.view(), share, moved};
   }
   void move(const Potential& p, Span<const AffineVec> q, double share, Span<AffineVec> moved) {
-    for_each(*b_, p.rows(), MoveBody{p.body_of_row, q, step_.view(), share, moved});
+    for_each(*b_, p.rows(), part_of_step(p, q, share, moved));
   }
 
-  /// The Newton step of the system that was assembled. @return whether there is one
-  bool solve(MinimizerReport& report) {
-    const BlockSystemView system{diagonal_.view(), mixed_.view(block_count_), right_.view()};
+  /// The Newton step at q, where energy() was asked last. @param at  what that said; in and out
+  NewtonStep find_step(const Potential& p, Span<const AffineVec> q, EnergySum& at, double damping,
+                       MinimizerReport& report) {
+    marks_.clear();
+    marks_.mark();
+    const BlockSystemView system = assembly_.assemble(*b_, p, q, elements_, at.elements, damping);
+    marks_.mark();
+    NewtonStep found;
+    bool looks_ahead = false;
+    if constexpr (B::kIsDevice) looks_ahead = !linked_.is_on() && !solver_.is_direct();
+    if (looks_ahead) {
+      found = look_ahead(p, q, system, report);
+      if (!found.tried) at = energy(p, q);  // which are those of the try now
+    } else {
+      found.is_there = solve(system, report);
+      reduce<StepSums>(*b_, MeasureStep::items(p), measure(p, q, system),
+                       StoreResult<StepSums>{result_place<StepSums>(*b_)});
+      marks_.mark();
+      found.sums = take_result<StepSums>(*b_);
+    }
+    report.assembly_ms += marks_.ms(0);
+    report.linear_ms += marks_.ms(1);
+    return found;
+  }
+
+  /// The step, and without a word from the host what mostly comes next.
+  NewtonStep look_ahead(const Potential& p, Span<const AffineVec> q, const BlockSystemView& system,
+                        MinimizerReport& report) {
+    B& b = *b_;
+    const auto pairs = static_cast<Index>(p.near.pairs.size);
+    auto* const notes = result_place<StepNotes>(b);
+    solver_.begin(b, system, step_.view(), kLinearTolerance, &notes->linear);
+    reduce<StepSums>(b, MeasureStep::items(p), measure(p, q, system),
+                     StoreResult<StepSums>{&notes->sums});
+    marks_.mark();
+    notes->share = {};
+    MoveBody move = part_of_step(p, q, 1, trial_.view());
+    if (pairs > 0) {
+      reduce<LeastShare>(b, pairs, share_of_pair(p, q), KeepShare{share_.data(), &notes->share});
+      move.found = share_.data();
+    }
+    for_each(b, p.rows(), move);
+    reduce<EnergySum>(b, p.terms(), energy_of_term(p, trial_.view()),
+                      StoreResult<EnergySum>{&notes->end});
+    const StepNotes known = take_result<StepNotes>(b);
+    const auto solved = solver_.end(b, system, step_.view(), known.linear);
+    report.linear_iterations += solved.iterations;
+    if (known.linear.is_done) return {true, known.sums, Way{known.share.value, known.end}};
+    return {true, reduce_to_host<StepSums>(b, MeasureStep::items(p), measure(p, q, system)), {}};
+  }
+
+  /// @return whether there is a Newton step
+  bool solve(const BlockSystemView& system, MinimizerReport& report) {
     typename BlockSolver<B>::Report solved;
     if (linked_.is_on()) {
       solved = solver_.solve(*b_, linked_.carry(*b_, system), linked_.step(), kLinearTolerance);
@@ -365,96 +428,22 @@ class Minimizer {
     return marked_.list(*b_, mark_, pairs, active_);
   }
 
-  /// The linear system at q, where energy() was asked last.
-  void assemble(const Potential& p, Span<const AffineVec> q, double damping) {
-    B& b = *b_;
-    const Index rows = p.rows();
-    for_each(b, rows, BeginRows{p, q, diagonal_.view(), right_.view(), damping});
-    const Index contacts = marked_.list(b, count_, static_cast<Index>(p.near.pairs.size), active_);
-    const Index count = contacts + static_cast<Index>(p.slips.size + p.drives.size);
-    block_count_ = 0;
-    if (count == 0) return;
-    elements_.reserve_discard(count);
-    for_each(b, count, MakeElements{p, q, active_.view(contacts), elements_.view(count)});
-    const Index entries = 2 * count;
-    key_.reserve_discard(entries), entry_.reserve_discard(entries);
-    const EntryKeys keys{static_cast<std::uint64_t>(rows)};
-    for_each(b, entries,
-             NameEntries{p.bodies, elements_.view(count), keys, key_.view(entries),
-                         entry_.view(entries)});
-    sort_pairs(b, sort_, key_.view(entries), entry_.view(entries), bits_for(keys.none() + 1));
-    for_each(b, rows + 1, FindRows{keys, key_.view(entries), begin_.view()});
-    add_elements(rows, count);
-    mark_.reserve_discard(entries);
-    for_each(b, entries, MarkBlocks{keys, key_.view(entries), mark_.view(entries)});
-    block_count_ = marked_.list(b, mark_, entries, first_);
-    mixed_.reserve_discard(block_count_);
-    add_mixed(keys, count);
-  }
-
-  // A processor goes through the entries of a row once. A device has items for pieces of them: rows are few, and some have
-  // hundreds of entries.
-  void add_elements(Index rows, Index count) {
-    B& b = *b_;
-    const Index entries = 2 * count;
-    const Span<const Element> elements = elements_.view(count);
-    const Span<const Index> entry = entry_.view(entries);
-    if constexpr (!B::kIsDevice) {
-      for_each(b, rows,
-               AddElements{elements, entry, begin_.view(), diagonal_.view(), right_.view()});
-    } else {
-      const EntryRuns runs{
-          begin_.view(rows), {begin_.data() + 1, rows}, EntryRuns::piece_of(entries)};
-      const Index items = 12 * runs.piece_end(entries);
-      line_.reserve_discard(items);
-      for_each(b, items, AddPieces{elements, entry, runs, false, line_.view(items)});
-      for_each(b, PieceNumber::kCount * rows,
-               AddPiecesToRows{runs, line_.view(items), diagonal_.view(), right_.view()});
-    }
-  }
-  void add_mixed(const EntryKeys& keys, Index count) {
-    B& b = *b_;
-    const Index entries = 2 * count, blocks = block_count_;
-    if (blocks == 0) return;
-    const Span<const Element> elements = elements_.view(count);
-    const Span<const std::uint64_t> key = key_.view(entries);
-    const Span<const Index> entry = entry_.view(entries), first = first_.view(blocks);
-    if constexpr (!B::kIsDevice) {
-      for_each(b, blocks, AddMixed{elements, keys, key, entry, first, mixed_.view(blocks)});
-    } else {
-      mark_.reserve_discard(blocks);
-      for_each(b, blocks, EndBlocks{key, first, mark_.view(blocks)});
-      const EntryRuns runs{first, mark_.view(blocks), EntryRuns::piece_of(entries)};
-      const Index items = 12 * runs.piece_end(entries);
-      line_.reserve_discard(items);
-      for_each(b, items, AddPieces{elements, entry, runs, true, line_.view(items)});
-      for_each(b, PieceNumber::kCount * blocks,
-               AddPiecesToBlocks{keys, key, runs, line_.view(items), mixed_.view(blocks)});
-    }
-  }
-
   B* b_;
   BlockSolver<B> solver_;
   LinkedRows<B> linked_;
   NearList<B> near_;
   bool is_first_ = false;  ///< whether the next Newton step is the first of a step
-  Index block_count_ = 0;
   Buffer<B, AffineVec> full_, middle_, trial_;  ///< by body
-  Buffer<B, AffineVec> right_, step_;           ///< by row
-  Buffer<B, Dense<12>> diagonal_;
-  Buffer<B, Index> begin_, mark_;
-  Buffer<B, double> squared_;  ///< of near pairs, as energy() found them
-  Buffer<B, Index> count_;     ///< of their elements
+  SystemAssembly<B> assembly_;
+  Buffer<B, AffineVec> step_;    ///< by row
+  Buffer<B, double> squared_;    ///< of near pairs, as energy() found them
+  Buffer<B, Index> elements_;    ///< these too
+  Buffer<B, LeastShare> share_;  ///< see look_ahead()
+  StageMarks<B> marks_;
+  Buffer<B, Index> mark_;
   MarkedList<B> marked_;
-  Buffer<B, Index> active_;
-  Buffer<B, Element> elements_;
+  Buffer<B, Index> active_;  ///< near pairs, see remember_friction()
   Buffer<B, Slip> slips_;
-  Buffer<B, std::uint64_t> key_;
-  Buffer<B, Index> entry_;
-  SortSpace<B> sort_;
-  Buffer<B, Index> first_;
-  Buffer<B, LineSum> line_;
-  Buffer<B, MixedBlock> mixed_;
   Buffer<B, RowSpace> space_;  ///< by row, see BendWays
 };
 

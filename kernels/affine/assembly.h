@@ -48,7 +48,8 @@ struct ListMarked {
   }
 };
 
-/// Bytes: 784 written an element.
+/// Items: one an element, or two, a body each: half as much to hold for a device, which has the threads. Bytes: 784 written an
+/// element.
 struct MakeElements {
   static constexpr const char* name = "affine_elements";
   static constexpr int kBlockThreads = kWaitingThreads;
@@ -57,60 +58,70 @@ struct MakeElements {
   /// Near pairs, each as often as it has elements; slips come behind them, then driven joints.
   Span<const Index> active;
   Span<Element> elements;  ///< out
+  int parts = 1;           ///< items of an element
 
-  SCREE_HD void operator()(Index c) const {
-    if (c < active.size) {
+  SCREE_HD void operator()(Index item) const {
+    const Index c = item / parts;
+    const int own = item % parts, first = parts == 1 ? 0 : own, end = parts == 1 ? 2 : own + 1;
+    const auto contacts = static_cast<Index>(active.size);
+    const auto slips = static_cast<Index>(p.slips.size);
+    Element& to = elements[c];
+    if (c >= contacts + slips) {
+      for (int side = first; side < end; ++side) write(to, side, p.drives[c - contacts - slips]);
+      return;
+    }
+    PairKind kind;
+    Index body[2];
+    Four rest, gradient;
+    Modes modes;
+    if (c < contacts) {
       const NearPair& pair = p.near.pairs[active[c]];
-      const Four rest = p.near.rest_of(pair), x = points_of(p.near, pair, rest, q);
-      const ContactPair contact = p.contact_pair(pair.kind, rest);
+      kind = pair.kind;
+      rest = p.near.rest_of(pair);
+      for (int side = 0; side < 2; ++side) body[side] = p.near.body_of(pair, side);
+      const Four x = points_of(p.near, pair, rest, q);
+      const ContactPair contact = p.contact_pair(kind, rest);
       const int part = c > 0 && active[c - 1] == active[c] ? 1 : 0;
-      const Index body[2] = {p.near.body_of(pair, 0), p.near.body_of(pair, 1)};
-      const Four gradient = part == 0 ? contact_gradient(contact, p.barrier, x) : Four{};
-      elements[c] =
-          element(body, pair.kind, rest, gradient, contact_modes(contact, p.barrier, x, part));
-      return;
+      if (part == 0) gradient = contact_gradient(contact, p.barrier, x);
+      modes = contact_modes(contact, p.barrier, x, part);
+    } else {
+      const Slip& slip = p.slips[c - contacts];
+      kind = slip.kind;
+      rest = p.rest_of(slip);
+      for (int side = 0; side < 2; ++side) body[side] = slip.body[side];
+      const Four moved = p.moved(slip, rest, q);
+      gradient = friction_gradient(slip.contact, p.law, moved);
+      modes = friction_modes(slip.contact, p.law, moved);
     }
-    c -= static_cast<Index>(active.size);
-    if (c < p.slips.size) {
-      const Slip& slip = p.slips[c];
-      const Four rest = p.rest_of(slip), moved = p.moved(slip, rest, q);
-      elements[active.size + c] =
-          element(slip.body, slip.kind, rest, friction_gradient(slip.contact, p.law, moved),
-                  friction_modes(slip.contact, p.law, moved));
-      return;
-    }
-    elements[active.size + c] = element(p.drives[c - static_cast<Index>(p.slips.size)]);
+    for (int side = first; side < end; ++side)
+      write(to, side, body[side], kind, rest, gradient, modes);
   }
 
  private:
-  SCREE_HD Element element(const DriveTerm& drive) const {
+  SCREE_HD void write(Element& to, int side, const DriveTerm& drive) const {
     const double way = drive.way(p.start, q);
     const double push = -p.scale * drive.first(way), stiffness = p.scale * drive.second(way);
-    const double root = std::sqrt(stiffness);
-    Element e;
-    e.count = stiffness > 0 ? 1 : 0;
-    for (int side = 0; side < 2; ++side) {
-      e.body[side] = drive.body[side];
-      e.push[side] = push * drive.slope[side];
-      if (e.count > 0) e.mode[0][side] = root * drive.slope[side];
-    }
-    return e;
+    to.body[side] = drive.body[side];
+    to.push[side] = push * drive.slope[side];
+    if (stiffness > 0) to.mode[0][side] = std::sqrt(stiffness) * drive.slope[side];
+    if (side == 0) to.count = stiffness > 0 ? 1 : 0;
   }
-  SCREE_HD Element element(const Index (&body)[2], PairKind kind, const Four& rest,
-                           const Four& gradient, const Modes& modes) const {
+  SCREE_HD void write(Element& to, int side, Index body, PairKind kind, const Four& rest,
+                      const Four& gradient, const Modes& modes) const {
     const double root = std::sqrt(p.scale);
     const int split = first_points(kind);
-    Element e;
-    e.count = modes.count;
-    for (int side = 0; side < 2; ++side) {
-      e.body[side] = body[side];
-      for (int i = side == 0 ? 0 : split; i < (side == 0 ? split : 4); ++i) {
-        add_force(e.push[side], rest[i], -p.scale * gradient[i]);
-        for (int k = 0; k < modes.count; ++k)
-          add_force(e.mode[k][side], rest[i], root * modes.at[k][i]);
-      }
+    AffineVec push, mode[3];
+    for (int i = 0; i < 4; ++i) {
+      if ((i < split) != (side == 0)) continue;
+      add_force(push, rest[i], -p.scale * gradient[i]);
+      for (int k = 0; k < 3; ++k)
+        if (k < modes.count) add_force(mode[k], rest[i], root * modes.at[k][i]);
     }
-    return e;
+    to.body[side] = body;
+    to.push[side] = push;
+    for (int k = 0; k < 3; ++k)
+      if (k < modes.count) to.mode[k][side] = mode[k];
+    if (side == 0) to.count = modes.count;
   }
 };
 
@@ -202,37 +213,84 @@ SCREE_HD inline void add_row(const Element& e, int side, int to, int i, double* 
   }
 }
 
-/// Inertia and elastic energy of a row: its diagonal block and right-hand side without elements.
+/// Inertia and elastic energy of a row.
+struct RowPotential {
+  Potential p;
+  Span<const AffineVec> q;
+  double damping = 0;  ///< inertia beside that of bodies, over it, in the matrix alone
+
+  SCREE_HD double held(const BodyConstant& body) const {
+    return p.inertia_factor(body) * (1 + damping);
+  }
+  /// Minus the gradient. @param elastic  that of the elastic energy
+  SCREE_HD AffineVec force(Index row, const AffineVec& elastic) const {
+    const Index b = p.body_of_row[row];
+    const BodyConstant& body = p.bodies[b];
+    return p.inertia_factor(body) * body.mass.product(p.target[row] - q[b]) + (-p.scale) * elastic;
+  }
+  /// What the mass matrix has in the first coordinate of each node, of that of node k; it is symmetric.
+  static SCREE_HD AffineVec mass_column(const BodyConstant& body, int k) {
+    AffineVec unit;
+    unit.node[k].x = 1;
+    return body.mass.product(unit);
+  }
+};
+
+/// A row without elements: its diagonal block and right-hand side.
 struct BeginRows {
   static constexpr const char* name = "affine_begin_rows";
   static constexpr int kBlockThreads = kWaitingThreads;
-  Potential p;
-  Span<const AffineVec> q;
+  RowPotential of;
   Span<Dense<12>> diagonal;  ///< out
   Span<AffineVec> right;     ///< out
-  double damping = 0;        ///< inertia beside that of bodies, over it, in the matrix alone
 
   SCREE_HD void operator()(Index row) const {
-    const Index b = p.body_of_row[row];
-    const BodyConstant& body = p.bodies[b];
-    const double factor = p.inertia_factor(body);
+    const Index b = of.p.body_of_row[row];
+    const BodyConstant& body = of.p.bodies[b];
+    const AffineVec& q = of.q[b];
     const bool is_elastic = body.lame.is_elastic();
-    right[row] = factor * body.mass.product(p.target[row] - q[b]) +
-                 (-p.scale) * (is_elastic ? neo_hookean_gradient(body.lame, q[b])
-                                          : orthogonality_gradient(body.stiffness, q[b]));
-    const Dense<9> elastic = is_elastic ? projected_neo_hookean_hessian(body.lame, q[b])
-                                        : projected_orthogonality_hessian(body.stiffness, q[b]);
+    right[row] = of.force(row, is_elastic ? neo_hookean_gradient(body.lame, q)
+                                          : orthogonality_gradient(body.stiffness, q));
+    const Dense<9> elastic = is_elastic ? projected_neo_hookean_hessian(body.lame, q)
+                                        : projected_orthogonality_hessian(body.stiffness, q);
     Dense<12> block;
     for (int i = 0; i < 9; ++i)
-      for (int j = 0; j < 9; ++j) block(3 + i, 3 + j) = p.scale * elastic(i, j);
-    const double held = factor * (1 + damping);
+      for (int j = 0; j < 9; ++j) block(3 + i, 3 + j) = of.p.scale * elastic(i, j);
+    const double held = of.held(body);
     for (int k = 0; k < 4; ++k) {
-      AffineVec unit;
-      unit.node[k].x = 1;
-      const AffineVec column = body.mass.product(unit);
+      const AffineVec column = RowPotential::mass_column(body, k);
       for (int l = 0; l < 4; ++l) block.add_identity(l, k, held * column.node[l].x);
     }
     diagonal[row] = block;
+  }
+};
+
+/// The same of stiff bodies, a line an item: a device has more threads than rows. Items: 12 a row.
+struct BeginStiffRows {
+  static constexpr const char* name = "affine_begin_stiff_rows";
+  static constexpr int kBlockThreads = kWaitingThreads;
+  RowPotential of;
+  Span<Dense<12>> diagonal;  ///< out
+  Span<AffineVec> right;     ///< out
+
+  SCREE_HD void operator()(Index item) const {
+    const Index row = item / 12;
+    const int i = item % 12;
+    const BodyConstant& body = of.p.bodies[of.p.body_of_row[row]];
+    const AffineVec q = of.q[of.p.body_of_row[row]];
+    const AffineVec force = of.force(row, orthogonality_gradient(body.stiffness, q));
+    double elastic[9] = {};
+    if (i >= 3) projected_orthogonality_line(body.stiffness, q, i - 3, elastic);
+    const AffineVec mass = RowPotential::mass_column(body, i / 3);
+    const double held = of.held(body);
+    // Places in vectors are known when this is compiled, so that they stay in registers.
+    double push = 0;
+    for (int j = 0; j < 12; ++j) {
+      push = j == i ? entry_of(force, j) : push;
+      diagonal[row](i, j) = (j < 3 ? 0 : of.p.scale * elastic[j < 3 ? 0 : j - 3]) +
+                            (j % 3 == i % 3 ? held * mass.node[j / 3].x : 0);
+    }
+    right[row].node[i / 3][i % 3] = push;
   }
 };
 
@@ -380,6 +438,7 @@ struct PieceNumber {
 /// Adds pieces to the diagonal block and the right-hand side of their row. Items: PieceNumber::kCount a row.
 struct AddPiecesToRows {
   static constexpr const char* name = "affine_add_pieces_to_rows";
+  static constexpr int kBlockThreads = kWaitingThreads;
   EntryRuns runs;
   Span<const LineSum> sum;
   Span<Dense<12>> diagonal;
@@ -396,9 +455,10 @@ struct AddPiecesToRows {
   }
 };
 
-/// Makes blocks of pieces. Items: PieceNumber::kCount a block.
+/// Makes blocks of pieces, zeros where there are none. Items: PieceNumber::kCount a block.
 struct AddPiecesToBlocks {
   static constexpr const char* name = "affine_add_pieces_to_blocks";
+  static constexpr int kBlockThreads = kWaitingThreads;
   EntryKeys keys;
   Span<const std::uint64_t> key;
   EntryRuns runs;
@@ -411,9 +471,10 @@ struct AddPiecesToBlocks {
     if (of.number < 12) {
       block.value(of.line, of.number) = of.sum(runs, sum);
     } else if (of.line == 0) {
-      const std::uint64_t own = key[runs.begin[of.run]];
-      block.row = keys.row(own);
-      block.column = keys.other(own);
+      const Index first = runs.begin[of.run];
+      const bool is_empty = first == runs.end[of.run];
+      block.row = is_empty ? 0 : keys.row(key[first]);
+      block.column = is_empty ? 0 : keys.other(key[first]);
     }
   }
 };

@@ -1,11 +1,12 @@
 #pragma once
 // Tuned twin of conjugate gradients: one cooperative launch runs a whole solve, a warp a row. Systems of few rows go to
-// cluster_gradients.cuh.
+// cluster_gradients.cuh, those of very few to few_rows.cuh.
 //
 // Bytes of an iteration: 1,152 a diagonal block and its inverse, twice 1,152 a block above the diagonal, 8 x 96 a row; systems of some
 // thousand rows stay in the second-level cache. What an iteration takes at least are two meetings of all blocks, some 2 us each.
 
 #include "kernels/affine/cluster_gradients.cuh"
+#include "kernels/affine/few_rows.cuh"
 #include "kernels/affine/gradient_iteration.h"
 #include "kernels/backend/cuda.cuh"
 #include "kernels/backend/device_counter.cuh"
@@ -155,16 +156,21 @@ inline __global__ void __launch_bounds__(kThreads)
 template <>
 class GradientIteration<Cuda> {
  public:
-  explicit GradientIteration(Cuda& cuda)
-      : cluster_(cuda), state_(cuda, 1), arrived_(cuda, 1), partial_(cuda) {}
+  explicit GradientIteration(Cuda& cuda) : cluster_(cuda), arrived_(cuda, 1), partial_(cuda) {}
 
-  GradientState run(Cuda& cuda, GradientVectors v, Span<const AffineVec> right, double tolerance,
-                    int most) {
-    v.state = state_.data();
+  static bool wants_inverse(Index rows) { return rows > few_rows::kMost; }
+
+  void run(Cuda& cuda, GradientVectors v, Span<const AffineVec> right, double tolerance, int most,
+           GradientState* end) {
+    v.state = end;
+    if (!wants_inverse(static_cast<Index>(right.size))) {
+      factorize_few_rows(cuda, v, right);
+      return;
+    }
     const auto rows = static_cast<unsigned>(right.size);
     if (cluster_.can_run(rows, static_cast<std::size_t>(v.lists.mixed.size))) {
       cluster_.run(cuda, v, right, tolerance, most);
-      return fetch(cuda, state_.data());
+      return;
     }
     const unsigned blocks = std::min(cuda.resident_blocks(kernel(), "occupancy of block_gradients"),
                                      (rows + gradients::kWarps - 1) / gradients::kWarps);
@@ -176,14 +182,12 @@ class GradientIteration<Cuda> {
                                            cuda.stream()),
                "block_gradients");
     cuda.check_launch("block_gradients");
-    return fetch(cuda, state_.data());
   }
 
  private:
   static const void* kernel() { return reinterpret_cast<const void*>(&gradients::run_gradients); }
 
   ClusterGradients cluster_;
-  Buffer<Cuda, GradientState> state_;
   Buffer<Cuda, unsigned> arrived_;
   Buffer<Cuda, double> partial_;
 };

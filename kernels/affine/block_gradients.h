@@ -9,11 +9,10 @@
 
 namespace scree::affine {
 
-/// Blocks of a row: two entries a block above the diagonal, sorted by row and then by the other row.
+/// Blocks of rows.
 struct BlockLists {
   Span<const MixedBlock> mixed;
-  Span<const Index> entry;  ///< 2 block + 1 where the row is that of its columns
-  Span<const Index> begin;  ///< by row
+  Span<const Index> entry, begin;  ///< see BlockHalves
 };
 
 /// Names of the entries of a block.

@@ -12,11 +12,19 @@ struct MixedBlock {
   Dense<12> value;
 };
 
+/// Blocks of a row: two entries a block above the diagonal, sorted by row and then by the other row.
+struct BlockHalves {
+  Span<const Index> entry;  ///< 2 block + 1 where the row is that of its columns
+  Span<const Index> begin;  ///< by row, and the end of the last
+};
+
 /// Symmetric and positive definite, but for directions that equations hold.
 struct BlockSystemView {
   Span<const Dense<12>> diagonal;  ///< by row
   Span<const MixedBlock> mixed;    ///< rising by row, then column, each place once
   Span<const AffineVec> right;     ///< by row
+  BlockHalves halves =
+      {};  ///< empty: not listed. `mixed` may have zeros behind the blocks that are listed
 };
 
 /// A linear equation that steps keep along each of some directions: the sum of weights times nodes of one row or two is zero.

@@ -10,23 +10,24 @@ class PlainGradients {
  public:
   explicit PlainGradients(B& b) : state_(b, 1) {}
 
+  /// Whether v has to have the inverse of diagonal blocks.
+  static bool wants_inverse(Index /*rows*/) { return true; }
   /// @param v          its state is set here
   /// @param tolerance  of the residual in the norm of the preconditioner, over that of the right-hand side
   /// @param most       iterations
-  GradientState run(B& b, GradientVectors v, Span<const AffineVec> right, double tolerance,
-                    int most) {
+  /// @param end        out: how they ended, once the backend has been waited for
+  void run(B& b, GradientVectors v, Span<const AffineVec> right, double tolerance, int most,
+           GradientState* end) {
     const auto rows = static_cast<Index>(right.size);
     v.state = state_.data();
     reduce<Sums<1>>(b, rows, BeginGradients{v, right}, StartGradients{v.state});
-    GradientState state;
     for (int k = 0; k < most; ++k) {
       reduce<Sums<1>>(b, rows, MultiplyRow{v}, FindAlpha{v.state});
       reduce<Sums<1>>(b, rows, AdvanceRow{v}, FindBeta{v.state, tolerance * tolerance});
       if (k % kCheckEvery != kCheckEvery - 1) continue;
-      state = fetch(b, v.state);
-      if (state.is_done) break;
+      if (fetch(b, v.state).is_done) break;
     }
-    return state;
+    copy(b, Span<const GradientState>{v.state, 1}, Span<GradientState>{end, 1});
   }
 
  private:

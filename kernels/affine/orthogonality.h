@@ -97,11 +97,11 @@ SCREE_HD inline void nearest_rotation(const AffineVec& q, Vec3d (&column)[3]) {
   }
 }
 
-/// The positive semidefinite matrix nearest to orthogonality_hessian(). In units of 4 k its
-/// eigenvalues are 3 s_i^2 - 1 on u_i v_i^T, and s_i^2 -+ s_i s_j + s_j^2 - 1 on
-/// (u_i v_j^T -+ u_j v_i^T) / sqrt(2): at a rotation 2, 0 and 2.
-SCREE_HD inline Dense<9> projected_orthogonality_hessian(double stiffness, const AffineVec& q) {
-  Dense<9> h = orthogonality_hessian(stiffness, q);
+/// Calls visit(value, mode) for each negative eigenvalue of orthogonality_hessian() in units of 4 k, and its unit eigenvector.
+/// They are 3 s_i^2 - 1 on u_i v_i^T, and s_i^2 -+ s_i s_j + s_j^2 - 1 on (u_i v_j^T -+ u_j v_i^T) / sqrt(2): at a rotation 2, 0
+/// and 2.
+template <class Visit>
+SCREE_HD void for_each_negative_mode(const AffineVec& q, Visit&& visit) {
   const SignedSvd d = signed_svd(q);
   const auto lift = [&](double value, int i, int j, double sign, double scale) {
     if (value >= 0) return;
@@ -113,8 +113,7 @@ SCREE_HD inline Dense<9> projected_orthogonality_hessian(double stiffness, const
         mode[3 * k + m] = scale * e;
       }
     }
-    for (int a = 0; a < 9; ++a)
-      for (int b = 0; b < 9; ++b) h(a, b) -= 4 * stiffness * value * mode[a] * mode[b];
+    visit(value, mode);
   };
   const double half = std::sqrt(0.5);
   for (int i = 0; i < 3; ++i) {
@@ -124,7 +123,35 @@ SCREE_HD inline Dense<9> projected_orthogonality_hessian(double stiffness, const
     lift(si * si - si * sj + sj * sj - 1, i, j, -1, half);
     lift(si * si + si * sj + sj * sj - 1, i, j, 1, half);
   }
+}
+
+/// The positive semidefinite matrix nearest to orthogonality_hessian().
+SCREE_HD inline Dense<9> projected_orthogonality_hessian(double stiffness, const AffineVec& q) {
+  Dense<9> h = orthogonality_hessian(stiffness, q);
+  for_each_negative_mode(q, [&](double value, const double(&mode)[9]) {
+    for (int a = 0; a < 9; ++a)
+      for (int b = 0; b < 9; ++b) h(a, b) -= 4 * stiffness * value * mode[a] * mode[b];
+  });
   return h;
+}
+
+/// Line i of that matrix.
+SCREE_HD inline void projected_orthogonality_line(double stiffness, const AffineVec& q, int i,
+                                                  double (&line)[9]) {
+  const double s = 4 * stiffness;
+  const int k = i / 3, m = i % 3;
+  for (int l = 0; l < 3; ++l) {
+    for (int n = 0; n < 3; ++n) {
+      double& entry = line[3 * l + n];
+      entry = (m == n ? s * strain(q, k, l) : 0) + s * q.node[l + 1][m] * q.node[k + 1][n];
+      for (int c = 1; c < 4 && l == k; ++c) entry += s * q.node[c][m] * q.node[c][n];
+    }
+  }
+  for_each_negative_mode(q, [&](double value, const double(&mode)[9]) {
+    double own = 0;  // chosen so, the mode stays in registers
+    for (int a = 0; a < 9; ++a) own = a == i ? mode[a] : own;
+    for (int b = 0; b < 9; ++b) line[b] -= 4 * stiffness * value * own * mode[b];
+  });
 }
 
 }  // namespace scree::affine

@@ -90,10 +90,12 @@ struct EnergySum {
   double rounding = 0;
   double squared = 1e300;  ///< least squared distance of near pairs [m^2]
   Index contacts = 0;      ///< pairs that the barrier acts on
+  Index elements = 0;      ///< that these have in the linear system
   SCREE_HD void combine(const EnergySum& o) {
     energy += o.energy;
     rounding += o.rounding;
     contacts += o.contacts;
+    elements += o.elements;
     squared = o.squared < squared ? o.squared : squared;
   }
 };
@@ -155,7 +157,8 @@ struct EnergyOfTerm {
       e.rounding =
           p.scale * contact_rounding(contact, p.barrier, e.squared, m, size_of(rest) + size_of(x));
       e.contacts = 1;
-      states.elements[i] = mode_parts(m);
+      e.elements = mode_parts(m);
+      states.elements[i] = e.elements;
       return e;
     }
     i -= static_cast<Index>(p.near.pairs.size);
@@ -196,6 +199,13 @@ struct FreeShare {
     if (stays_apart(pair.kind, start, end, squared[i], separation)) return {};
     return {first_contact(pair.kind, start, end, parameters).time};
   }
+};
+
+/// Keeps a share for what comes after it on the backend, and for the host.
+struct KeepShare {
+  LeastShare* here;
+  LeastShare* for_host;
+  SCREE_HD void operator()(const LeastShare& total) const { *here = *for_host = total; }
 };
 
 /// First pair of a list that is no farther apart than a distance.
@@ -270,13 +280,14 @@ struct StepSums {
     stick = o.stick > stick ? o.stick : stick;
   }
 };
-/// Items: rows, then slips, then driven joints. Bytes: 500 a row; 240 a slip and 500 of its bodies, mostly from the caches.
+/// Also writes the ends of the ways. Items: rows, then slips, then driven joints. Bytes: 600 a row; 240 a slip and 500 of its bodies, mostly from the caches.
 struct MeasureStep {
   static constexpr const char* name = "affine_measure_step";
   Potential p;
   Span<const AffineVec> q;            ///< by body
   Span<const AffineVec> step, right;  ///< by row
   ListedWays ways;
+  Span<AffineVec> end;  ///< out, by body; fixed ones are not written
 
   static SCREE_HD Index items(const Potential& p) {
     return p.rows() + static_cast<Index>(p.slips.size + p.drives.size);
@@ -328,7 +339,8 @@ struct MeasureStep {
     s.size = corner_way(step[row], radius);
     s.bend = p.bodies[b].may_bend ? bend_of(step[row], radius) : 0;
     s.slope = -dot(right[row], step[row]);
-    s.strays = ways.strays(b, radius, q[b] + step[row]);
+    end[b] = q[b] + step[row];
+    s.strays = ways.strays(b, radius, end[b]);
     // A step that is not a number must be seen, whatever maxima make of it.
     if (!(s.size < 1e300)) s.size = s.strays.here = s.strays.from_goal = 1e300;
     return s;
@@ -380,11 +392,12 @@ struct MoveBody {
   Span<const AffineVec> q;     ///< by body
   Span<const AffineVec> step;  ///< by row
   double share = 1;
-  Span<AffineVec> moved;  ///< out, by body; fixed ones are not written
+  Span<AffineVec> moved;              ///< out, by body; fixed ones are not written
+  const LeastShare* found = nullptr;  ///< in place of the share
 
   SCREE_HD void operator()(Index row) const {
     const Index b = body_of_row[row];
-    moved[b] = q[b] + share * step[row];
+    moved[b] = q[b] + (found != nullptr ? found->value : share) * step[row];
   }
 };
 

@@ -193,6 +193,11 @@ T read_note(B& b) {
   return value;
 }
 
+/// Marks in the queue of a backend, and the time between them: to know what stages take without waiting for each.
+/// Each backend has its own: mark(), ms(k) between the mark with number k and the next, and clear(), which begins anew.
+template <class B>
+class StageMarks;
+
 /// Element program: array[i] = value.
 template <class T>
 struct FillElements {

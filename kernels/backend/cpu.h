@@ -5,6 +5,7 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -65,6 +66,21 @@ class Cpu : public InRanks {
   std::vector<unsigned char> scratch_;
   unsigned char note_[kMostNoteBytes] = {};
   alignas(kAlignment) unsigned char result_[kMostResultBytes] = {};
+};
+
+template <>
+class StageMarks<Cpu> {
+ public:
+  explicit StageMarks(Cpu&) {}
+  void clear() { marks_.clear(); }
+  void mark() { marks_.push_back(Clock::now()); }
+  double ms(std::size_t k) const {
+    return std::chrono::duration<double, std::milli>(marks_[k + 1] - marks_[k]).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::vector<Clock::time_point> marks_;
 };
 
 /// Below this many elements a parallel region costs more than it saves; programs whose elements are

@@ -111,16 +111,71 @@ void Cuda::read_note(void* destination, std::size_t bytes) {
 }
 
 namespace {
+
+/// Terms that one block adds up: CUB takes three launches, this one, which is what few terms wait for.
+constexpr Offset kFewTerms = 1 << 16;
+constexpr int kScanThreads = 1024, kScanWarps = kScanThreads / 32;
+constexpr unsigned kAllLanes = 0xffffffffu;
+
+/// Inclusive sums over the lanes of a warp.
+template <class Sum>
+__device__ Sum warp_sums(Sum mine) {
+  const int lane = static_cast<int>(threadIdx.x % 32);
+#pragma unroll
+  for (int step = 1; step < 32; step *= 2) {
+    const Sum before = __shfl_up_sync(kAllLanes, mine, step);
+    if (lane >= step) mine += before;
+  }
+  return mine;
+}
+
+/// Each warp has as many terms as the others, which it reads twice. @param out one element more than in
+template <class Sum>
+__global__ void __launch_bounds__(kScanThreads)
+    few_terms_kernel(const Index* in, Index count, Sum* out) {
+  __shared__ Sum of_warp[kScanWarps];
+  const Index lane = static_cast<Index>(threadIdx.x % 32);
+  const Index warp = static_cast<Index>(threadIdx.x / 32);
+  const Index share = (count + kScanThreads - 1) / kScanThreads * 32;
+  const Index begin = min(warp * share, count), end = min(begin + share, count);
+  Sum sum = 0;
+#pragma unroll 4
+  for (Index i = begin + lane; i < end; i += 32) sum += in[i];
+  sum = warp_sums(sum);
+  if (lane == 31) of_warp[warp] = sum;
+  __syncthreads();
+  if (warp == 0) {
+    const Sum own = of_warp[lane];
+    of_warp[lane] = warp_sums(own) - own;
+  }
+  __syncthreads();
+  Sum before = of_warp[warp];
+#pragma unroll 4
+  for (Index first = begin; first < end; first += 32) {
+    const Index i = first + lane;
+    const Sum own = i < end ? in[i] : 0, to_here = warp_sums(own);
+    if (i < end) out[i] = before + to_here - own;
+    before += __shfl_sync(kAllLanes, to_here, 31);
+  }
+  if (warp == kScanWarps - 1 && lane == 31) out[count] = before;
+}
+
 struct Widen {
   __host__ __device__ Offset operator()(Index i) const { return i; }
 };
 
-/// @param terms  iterator over `count` terms of the type of the sum
+/// @param terms  iterator over the terms, of the type of the sum
 template <class Terms, class Sum>
-void scan(Cuda& cuda, Terms terms, Offset count, Sum* out) {
+void scan(Cuda& cuda, Span<const Index> in, Terms terms, Sum* out) {
+  const Offset count = in.size;
+  if (count <= kFewTerms) {
+    few_terms_kernel<<<1, kScanThreads, 0, cuda.stream()>>>(in.data, static_cast<Index>(count),
+                                                            out);
+    cuda.check_launch("exclusive_scan");
+    return;
+  }
   // The total lands in out[n]: an inclusive scan shifted by one, behind a leading zero.
   check_cuda(cudaMemsetAsync(out, 0, sizeof(Sum), cuda.stream()), "exclusive_scan");
-  if (count == 0) return;
   std::size_t bytes = 0;
   check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, terms, out + 1, count, cuda.stream()),
              "exclusive_scan");
@@ -131,11 +186,11 @@ void scan(Cuda& cuda, Terms terms, Offset count, Sum* out) {
 }  // namespace
 
 void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Offset> out) {
-  scan(cuda, thrust::make_transform_iterator(in.data, Widen{}), in.size, out.data);
+  scan(cuda, in, thrust::make_transform_iterator(in.data, Widen{}), out.data);
 }
 
 void exclusive_scan(Cuda& cuda, Span<const Index> in, Span<Index> out) {
-  scan(cuda, in.data, in.size, out.data);
+  scan(cuda, in, in.data, out.data);
 }
 
 void sort_pairs(Cuda& cuda, SortSpace<Cuda>& space, Span<std::uint64_t> keys, Span<Index> values,

@@ -118,6 +118,37 @@ class Cuda : public InRanks {
   PeerMeetings* peers_ = nullptr;
 };
 
+template <>
+class StageMarks<Cuda> {
+ public:
+  explicit StageMarks(Cuda& cuda) : cuda_(&cuda) {}
+  ~StageMarks() {
+    for (const cudaEvent_t each : events_) cudaEventDestroy(each);
+  }
+  StageMarks(const StageMarks&) = delete;
+  StageMarks& operator=(const StageMarks&) = delete;
+
+  void clear() { used_ = 0; }
+  void mark() {
+    if (used_ == events_.size()) {
+      events_.push_back(nullptr);
+      check_cuda(cudaEventCreate(&events_.back()), "create event");
+    }
+    check_cuda(cudaEventRecord(events_[used_++], cuda_->stream()), "mark");
+  }
+  /// Once the device has come to both.
+  double ms(std::size_t k) const {
+    float between = 0;
+    check_cuda(cudaEventElapsedTime(&between, events_[k], events_[k + 1]), "time between marks");
+    return static_cast<double>(between);
+  }
+
+ private:
+  Cuda* cuda_;
+  std::vector<cudaEvent_t> events_;
+  std::size_t used_ = 0;
+};
+
 /// Blocks a multiprocessor should hold: programs that wait for memory name a number, and get as few
 /// registers as that takes.
 template <class F>

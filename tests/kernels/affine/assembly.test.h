@@ -1,9 +1,10 @@
-// Sums of elements over rows and blocks: by one item each, and by pieces.
+// Sums of elements over rows and blocks: by one item each, and by pieces. Lists of few entries beside those of all.
 
 #include <map>
 #include <random>
 
-#include "kernels/affine/assembly.h"
+#include "kernels/affine/block_gradients.h"
+#include "kernels/affine/few_entries.h"
 #include "tests/backend_fixture.h"
 
 namespace scree::affine {
@@ -160,6 +161,138 @@ TEST_F(AssemblyTest, BlocksAreTheSumsOfTheirElements) {
       ASSERT_EQ(expected.count({block.row, block.column}), 1u);
       expect_near(block.value, expected[{block.row, block.column}], 1e-11);
     }
+}
+
+/// What is listed of entries.
+struct EntryLists {
+  std::vector<std::uint64_t> key;
+  std::vector<Index> entry, row_begin, block_begin, block_end, half, half_begin;
+
+  void expect_same(const EntryLists& o) const {
+    EXPECT_EQ(key, o.key);
+    EXPECT_EQ(entry, o.entry);
+    EXPECT_EQ(row_begin, o.row_begin);
+    EXPECT_EQ(block_begin, o.block_begin);
+    EXPECT_EQ(block_end, o.block_end);
+    EXPECT_EQ(half, o.half);
+    EXPECT_EQ(half_begin, o.half_begin);
+  }
+};
+
+class FewEntriesTest : public BackendTest<double> {
+ protected:
+  /// Elements of bodies at random, of which the last few rest.
+  void make(Index rows, Index count) {
+    rows_ = rows, count_ = count;
+    const Index bodies = rows + 3;
+    std::mt19937 generator(static_cast<unsigned>(count));
+    std::vector<BodyConstant> constants(static_cast<std::size_t>(bodies));
+    for (Index k = 0; k < rows; ++k) constants[static_cast<std::size_t>(k)].row = k;
+    std::vector<Element> elements(static_cast<std::size_t>(count));
+    for (Element& e : elements) {
+      e.body[0] = static_cast<Index>(generator() % static_cast<unsigned>(bodies));
+      // Some with the next one, so that many are of the same two.
+      const bool is_next = generator() % 2 == 0;
+      e.body[1] = is_next ? (e.body[0] + 1) % bodies
+                          : static_cast<Index>(generator() % static_cast<unsigned>(bodies));
+    }
+    bodies_ = Buffer<TestBackend, BodyConstant>(backend());
+    elements_ = Buffer<TestBackend, Element>(backend());
+    upload(backend(), constants, bodies_);
+    upload(backend(), elements, elements_);
+  }
+
+  EntryLists of_all() {
+    TestBackend& b = backend();
+    const Index entries = 2 * count_;
+    Buffer<TestBackend, std::uint64_t> key(b, entries);
+    Buffer<TestBackend, Index> entry(b, entries), begin(b, rows_ + 1), mark(b, entries);
+    SortSpace<TestBackend> space(b);
+    for_each(b, entries,
+             NameEntries{bodies_.view(), elements_.view(), keys(), key.view(), entry.view()});
+    sort_pairs(b, space, key.view(), entry.view(), bits_for(keys().none() + 1));
+    for_each(b, rows_ + 1, FindRows{keys(), key.view(), begin.view()});
+    EntryLists lists{download(b, key.view()),
+                     download(b, entry.view()),
+                     download(b, begin.view()),
+                     {},
+                     {},
+                     {},
+                     {}};
+    for_each(b, entries, MarkBlocks{keys(), key.view(), mark.view()});
+    const std::vector<Index> marks = download(b, mark.view());
+    std::vector<MixedBlock> blocks;
+    for (std::size_t k = 0; k < marks.size(); ++k) {
+      if (marks[k] == 0) continue;
+      lists.block_begin.push_back(static_cast<Index>(k));
+      MixedBlock block;
+      block.row = keys().row(lists.key[k]), block.column = keys().other(lists.key[k]);
+      blocks.push_back(block);
+    }
+    const auto found = static_cast<Index>(blocks.size()), halves = 2 * found;
+    Buffer<TestBackend, Index> first(b), end(b, found), half(b, halves);
+    Buffer<TestBackend, MixedBlock> mixed(b);
+    Buffer<TestBackend, std::uint64_t> half_key(b, halves);
+    upload(b, lists.block_begin, first);
+    upload(b, blocks, mixed);
+    for_each(b, found, EndBlocks{key.view(), first.view(), end.view()});
+    lists.block_end = download(b, end.view());
+    for_each(b, halves, NameHalves{keys(), mixed.view(), half_key.view(), half.view()});
+    sort_pairs(b, space, half_key.view(), half.view(), bits_for(keys().none() + 1));
+    for_each(b, rows_ + 1, FindRows{keys(), half_key.view(), begin.view()});
+    lists.half = download(b, half.view());
+    lists.half_begin = download(b, begin.view());
+    return lists;
+  }
+
+  template <class B>
+  EntryLists of_few(B& b) {
+    EntryLists lists;
+    if constexpr (B::kIsDevice) {
+      const Index entries = 2 * count_;
+      Buffer<B, std::uint64_t> key(b, entries);
+      Buffer<B, Index> entry(b, entries), begin(b, rows_ + 1), first(b, count_), end(b, count_),
+          half(b, entries), half_begin(b, rows_ + 1);
+      list_few_entries(
+          b, FewEntries{bodies_.view(), elements_.view(), keys(), key.view(), entry.view(),
+                        begin.view(), first.view(), end.view(), half.view(), half_begin.view()});
+      lists = {download(b, key.view()),       download(b, entry.view()), download(b, begin.view()),
+               download(b, first.view()),     download(b, end.view()),   download(b, half.view()),
+               download(b, half_begin.view())};
+      const auto halves = static_cast<std::size_t>(lists.half_begin.back());
+      for (std::size_t k = halves / 2; k < lists.block_begin.size(); ++k) {
+        EXPECT_EQ(lists.block_begin[k], entries);
+        EXPECT_EQ(lists.block_end[k], entries);
+      }
+      lists.block_begin.resize(halves / 2), lists.block_end.resize(halves / 2);
+      lists.half.resize(halves);
+    }
+    return lists;
+  }
+
+  EntryKeys keys() const { return {static_cast<std::uint64_t>(rows_)}; }
+
+  Index rows_ = 0, count_ = 0;
+  Buffer<TestBackend, BodyConstant> bodies_;
+  Buffer<TestBackend, Element> elements_;
+};
+
+TEST_F(FewEntriesTest, OneLaunchListsWhatManyDo) {
+  if (!TestBackend::kIsDevice) GTEST_SKIP() << "a processor has no launches to spare";
+  for (const auto& [rows, count] :
+       std::vector<std::pair<Index, Index>>{{1, 1},
+                                            {1, 40},
+                                            {2, 3},
+                                            {101, 32},
+                                            {7, 512},
+                                            {300, 512},
+                                            {60, 513},
+                                            {700, 2048},
+                                            {FewEntries::kMostRows, 2048}}) {
+    SCOPED_TRACE(testing::Message() << rows << " rows, " << count << " elements");
+    make(rows, count);
+    of_few(backend()).expect_same(of_all());
+  }
 }
 
 }  // namespace

@@ -115,7 +115,10 @@ TEST_F(PrimitivesTest, ReduceRepeatsItsBits) {
 }
 
 TEST_F(PrimitivesTest, ExclusiveScanMatchesTheSerialSum) {
-  for (Index n : kSizes) {
+  // Also where a device goes from one block of threads to many.
+  std::vector<Index> sizes = kSizes;
+  for (Index n : {1024, 1025, 40000, 1 << 16, (1 << 16) + 1}) sizes.push_back(n);
+  for (Index n : sizes) {
     std::vector<Index> in(n);
     for (Index i = 0; i < n; ++i) in[i] = (i * 37) % 11;
     Buffer<TestBackend, Index> in_buffer(backend());

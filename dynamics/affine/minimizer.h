@@ -52,6 +52,7 @@ class Minimizer {
         solver_(b, links.empty() ? rows : static_cast<Index>(links.used.size()), equations),
         linked_(b, links),
         near_(b, bodies),
+        begun_(b, bodies),
         full_(b, bodies),
         middle_(b, bodies),
         trial_(b, bodies),
@@ -145,12 +146,13 @@ class Minimizer {
   /// Moves q to the minimum. @param report  adds to it
   void minimize(Potential& p, Span<AffineVec> q, const MinimizerSettings& settings,
                 MinimizerReport& report) {
+    copy(*b_, Span<const AffineVec>(q), begun_.view());
     EnergySum at = energy(p, q);
     report.note(at);
     double last_gap = 0, last_size = 0;
     StepDamping damping;
     for (int iteration = 0;; ++iteration) {
-      const NewtonStep found = find_step(p, q, at, damping.value(), report);
+      const NewtonStep found = find_step(p, q, at, damping.value(), iteration, report);
       if (!found.is_there) break;
       const StepSums& sums = found.sums;
       report.residual = sums.size;
@@ -357,10 +359,12 @@ class Minimizer {
 
   /// The Newton step at q, where energy() was asked last. @param at  what that said; in and out
   NewtonStep find_step(const Potential& p, Span<const AffineVec> q, EnergySum& at, double damping,
-                       MinimizerReport& report) {
+                       int iteration, MinimizerReport& report) {
     marks_.clear();
     marks_.mark();
-    const BlockSystemView system = assembly_.assemble(*b_, p, q, elements_, at.elements, damping);
+    const BlockSystemView system =
+        assembly_.assemble(*b_, p, q, elements_, at.elements, damping, begun_.view(),
+                           ExpectedForces::in_step(iteration));
     marks_.mark();
     NewtonStep found;
     bool looks_ahead = false;
@@ -433,7 +437,7 @@ class Minimizer {
   LinkedRows<B> linked_;
   NearList<B> near_;
   bool is_first_ = false;  ///< whether the next Newton step is the first of a step
-  Buffer<B, AffineVec> full_, middle_, trial_;  ///< by body
+  Buffer<B, AffineVec> begun_, full_, middle_, trial_;  ///< by body
   SystemAssembly<B> assembly_;
   Buffer<B, AffineVec> step_;    ///< by row
   Buffer<B, double> squared_;    ///< of near pairs, as energy() found them

@@ -34,9 +34,11 @@ class SystemAssembly {
   /// The system at q, valid until the next call. Host reads: none for few elements on a device, else the number of blocks.
   /// @param of_pair   elements of each near pair, as EnergyOfTerm found them at q
   /// @param contacts  their sum
-  /// @param damping   see BeginRows
+  /// @param damping   see RowPotential
+  /// @param begun, expected  see MakeElements
   BlockSystemView assemble(B& b, const Potential& p, Span<const AffineVec> q,
-                           const Buffer<B, Index>& of_pair, Index contacts, double damping) {
+                           const Buffer<B, Index>& of_pair, Index contacts, double damping,
+                           Span<const AffineVec> begun, const ExpectedForces& expected) {
     const Index rows = p.rows();
     const Index count = contacts + static_cast<Index>(p.slips.size + p.drives.size);
     const RowPotential of{p, q, damping};
@@ -46,7 +48,8 @@ class SystemAssembly {
     }
     marked_.write(b, of_pair, static_cast<Index>(p.near.pairs.size), contacts, active_);
     elements_.reserve_discard(count);
-    const MakeElements make{p, q, active_.view(contacts), elements_.view(count), kSideItems};
+    const MakeElements make{
+        p, q, active_.view(contacts), elements_.view(count), kSideItems, expected, begun};
     reserve_entries(2 * count);
     make_elements(b, rows, of, make);
     if constexpr (B::kIsDevice)

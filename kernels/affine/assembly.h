@@ -7,6 +7,7 @@
 
 #include "kernels/affine/block_system.h"
 #include "kernels/affine/contact_modes.h"
+#include "kernels/affine/expected_forces.h"
 #include "kernels/affine/potential.h"
 #include "kernels/backend/ordered_lists.h"
 
@@ -59,6 +60,8 @@ struct MakeElements {
   Span<const Index> active;
   Span<Element> elements;  ///< out
   int parts = 1;           ///< items of an element
+  ExpectedForces expected;
+  Span<const AffineVec> begun;  ///< by body, where the minimization began
 
   SCREE_HD void operator()(Index item) const {
     const Index c = item / parts;
@@ -83,7 +86,7 @@ struct MakeElements {
       const ContactPair contact = p.contact_pair(kind, rest);
       const int part = c > 0 && active[c - 1] == active[c] ? 1 : 0;
       if (part == 0) gradient = contact_gradient(contact, p.barrier, x);
-      modes = contact_modes(contact, p.barrier, x, part);
+      modes = contact_modes(contact, p.barrier, x, part, surplus(pair, rest, x));
     } else {
       const Slip& slip = p.slips[c - contacts];
       kind = slip.kind;
@@ -98,6 +101,12 @@ struct MakeElements {
   }
 
  private:
+  SCREE_HD double surplus(const NearPair& pair, const Four& rest, const Four& x) const {
+    const double squared = squared_distance(pair.kind, x);
+    if (!expected.may_have_surplus(p.barrier, squared)) return 0;
+    return expected.surplus(p.barrier, squared,
+                            squared_distance(pair.kind, points_of(p.near, pair, rest, begun)));
+  }
   SCREE_HD void write(Element& to, int side, const DriveTerm& drive) const {
     const double way = drive.way(p.start, q);
     const double push = -p.scale * drive.first(way), stiffness = p.scale * drive.second(way);

@@ -83,8 +83,9 @@ SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four
 }
 
 /// Modes of a part. @param part  0, or 1 of two
+/// @param surplus  part of the force that is not expected to stay (expected_forces.h): its share of f/g is taken off the curvature
 SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barrier, const Four& x,
-                                    int part) {
+                                    int part, double surplus = 0) {
   Modes modes;
   const Nearest n = nearest_points(pair.kind, x);
   if (!barrier.acts(n.squared)) return modes;
@@ -93,7 +94,10 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
   const double weights = square_of(n.weight);
   const double root = std::sqrt(weights);
   const Vec3d normal = normalized(n.gap);
-  const double along = pair.weight * m.value * (4 * b.second * n.squared + 2 * b.first) * weights;
+  const double distance = std::sqrt(n.squared);
+  const double less = surplus * -2 * b.first * distance / (distance - barrier.separation);
+  const double along =
+      pair.weight * m.value * (4 * b.second * n.squared + 2 * b.first - less) * weights;
   if (m.first == 0) {
     if (modes.begin(along)) modes.add(std::sqrt(along) / root, n.weight, normal);
     add_turning_modes(n, -2 * pair.weight * b.first, x, modes);

@@ -1,4 +1,5 @@
-// Newton steps that go on as a turn does (kernels/affine/bent_way.h), and those that barriers block (dynamics/affine/step_damping.h).
+// Newton steps that go on as a turn does (kernels/affine/bent_way.h), those that barriers block (dynamics/affine/step_damping.h), and
+// those out of small gaps (kernels/affine/expected_forces.h).
 
 #include <gtest/gtest.h>
 
@@ -57,6 +58,29 @@ TEST(AffineStepDamping, ABlockThatTurnsAlongATinyGapGetsAway) {
     World world(scene, cpu_options());
     for (int k = 0; k < 100; ++k) EXPECT_TRUE(world.step().converged) << "step " << k;
   }
+}
+
+/// A cube that slides on a floor at 10 m/s, and over its end.
+Scene sliding_cube() {
+  Scene scene = affine_scene(0.01, 0.05, 1);
+  scene.dynamics.parameters["reach"] = 1e-3;
+  scene.dynamics.parameters["tolerance"] = 1e-2;
+  physics::add_wall_box(scene, {4, 0, -0.5}, {5, 5, 0.5});
+  add_box(scene, {0, 0, 0.5005}, {0.5, 0.5, 0.5}, 1000).velocity = {10, 0, 0};
+  return scene;
+}
+
+// With contacts as stiff as the barrier from the first step on it takes 6.4.
+TEST(AffineExpectedForces, ACubeThatSlidesTakesFewIterations) {
+  World world(sliding_cube(), cpu_options());
+  double iterations = 0;
+  constexpr int kSteps = 120;
+  for (int k = 0; k < kSteps; ++k) {
+    const StepReport report = world.step();
+    EXPECT_TRUE(report.converged) << "step " << k;
+    iterations += report.iterations;
+  }
+  EXPECT_LT(iterations / kSteps, 6);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "kernels/affine/contact_modes.h"
+#include "kernels/affine/expected_forces.h"
 #include "tests/affine_reference/hessians.h"
 #include "tests/affine_reference/reduction.h"
 #include "tests/backend_fixture.h"
@@ -366,6 +367,50 @@ TEST_F(ContactPotentialTest, BodiesGetTheSumsOfTheirPoints) {
     add_blocks(touching_points(kind, rest, n.weight), k, short_way);
     expect_blocks(short_way, contact_hessian(pair, barrier, x, Projection::gauss_newton));
   }
+}
+
+/// The sum of the modes of a pair, without those of its mollifier.
+Dense<12> sum_of_modes(const ContactPair& pair, const Barrier& barrier, const Four& x,
+                       double surplus) {
+  Dense<12> sum;
+  const Modes modes = contact_modes(pair, barrier, x, 0, surplus);
+  for (int m = 0; m < modes.count; ++m)
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) sum.add_outer(i, j, 1, modes.at[m][i], modes.at[m][j]);
+  return sum;
+}
+
+// Where the barrier is a logarithm, its curvature is f/g; with an expected force l it is l/g.
+TEST_F(ContactPotentialTest, ForcesThatAreNotExpectedToStayAreNotStiff) {
+  constexpr double kGap = 1e-6;
+  const Barrier barrier{1, 1e-3, 0};
+  const ContactPair pair;
+  Four x;
+  x[0] = {0.2, 0.3, kGap}, x[1] = {0, 0, 0}, x[2] = {1, 0, 0}, x[3] = {0, 1, 0};
+  const double force = normal_force(pair, barrier, x);
+  for (const double surplus : {0.0, 0.5, 0.9, 0.98}) {
+    SCOPED_TRACE(surplus);
+    // The first point, across the plane of the others.
+    EXPECT_NEAR(sum_of_modes(pair, barrier, x, surplus)(2, 2) / ((1 - surplus) * force / kGap), 1,
+                0.01);
+  }
+}
+
+TEST_F(ContactPotentialTest, ForcesAreExpectedToBeAsTheyWereAndToDouble) {
+  const Barrier barrier{1, 1e-3, 0};
+  const auto squared = [](double gap) { return gap * gap; };
+  const auto surplus = [&](int iteration, double gap, double at_start) {
+    const ExpectedForces expected = ExpectedForces::in_step(iteration);
+    if (!expected.may_have_surplus(barrier, squared(gap))) return 0.0;
+    return expected.surplus(barrier, squared(gap), squared(at_start));
+  };
+  EXPECT_EQ(surplus(0, 1e-6, 1e-4), 0);            // the first step is Newton's
+  EXPECT_EQ(surplus(6, 1e-6, 1e-4), 0);            // and so are those from the seventh on
+  EXPECT_EQ(surplus(1, 2e-4, 1), 0);               // no small gap
+  EXPECT_EQ(surplus(1, 1e-6, 1.5e-6), 0);          // a force that was there
+  EXPECT_NEAR(surplus(1, 1e-5, 5e-5), 0.6, 0.01);  // a fifth of it, doubled
+  EXPECT_NEAR(surplus(1, 1e-6, 1), 1 - 1.0 / 32, 1e-12);
+  EXPECT_NEAR(surplus(5, 1e-6, 1), 0.5, 1e-12);
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ struct BlockSystemView {
   Span<const Dense<12>> diagonal;  ///< by row
   Span<const MixedBlock> mixed;    ///< rising by row, then column, each place once
   Span<const AffineVec> right;     ///< by row
-  BlockHalves halves =
-      {};  ///< empty: not listed. `mixed` may have zeros behind the blocks that are listed
+  /// Empty: not listed. `mixed` may have zeros behind the blocks that are.
+  BlockHalves halves = {};
 };
 
 /// A linear equation that steps keep along each of some directions: the sum of weights times nodes of one row or two is zero.

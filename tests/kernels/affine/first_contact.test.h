@@ -181,6 +181,34 @@ TEST_F(FirstContactTest, CommonMotionIsNoApproach) {
   EXPECT_EQ(r.steps, 1);
 }
 
+// Pairs of a plate that swings on its pin (double pendulum of rigid-ipc): a long edge slides past a corner, or past an edge, and the
+// direction between them turns by some 70 degrees. Plane by plane each takes 21 distances.
+TEST_F(FirstContactTest, FeaturesThatSlidePastAnEdgeTakeFewPlanes) {
+  const Four corner{{{-0.027716, 0.188520, -0.012750},
+                     {-0.375027, 0.179049, -0.012461},
+                     {-0.022757, 0.189145, -0.012627},
+                     {-0.376252, 0.174303, -0.012463}}};
+  const Four corner_way{{{},
+                         {0.000341, -0.006267, 0.000009},
+                         {0.000172, -0.000353, 0.000002},
+                         {0.000421, -0.006287, 0.000009}}};
+  const Four edges{{{-0.376252, 0.174303, -0.012463},
+                    {-0.022757, 0.189145, -0.012627},
+                    {-0.029424, 0.194147, -0.025250},
+                    {-0.027716, 0.188520, -0.012750}}};
+  const Four edges_way{{{0.000421, -0.006287, 0.000009}, {0.000172, -0.000353, 0.000002}, {}, {}}};
+  const auto expect_few = [&](PairKind kind, const Four& from, const Four& way) {
+    Four to;
+    for (int i = 0; i < 4; ++i) to[i] = from[i] + way[i];
+    const FirstContact r = run(kind, from, to);
+    EXPECT_FALSE(r.hit);
+    EXPECT_EQ(r.time, 1);
+    EXPECT_LT(r.steps, 15);  // 4 and 13
+  };
+  expect_few(PairKind::point_triangle, corner, corner_way);
+  expect_few(PairKind::edge_edge, edges, edges_way);
+}
+
 TEST_F(FirstContactTest, PairsThatStartInContactDoNotMove) {
   Four from, to;
   from[0] = {0.2, 0.2, 0}, from[1] = {0, 0, 0}, from[2] = {1, 0, 0}, from[3] = {0, 1, 0};

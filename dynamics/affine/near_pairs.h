@@ -13,9 +13,10 @@ namespace scree::affine {
 
 /// One host read a search. Lists are written into room for somewhat more than the last search needed; where that is not
 /// enough the search is made again with more, so that none is ever cut short.
-/// Memory: 24 bytes a near pair, 84 a part of a feature that comes near another body, 16 a block, 320 a pair of near bodies, 130 a body.
-/// Each body costs its box and two ways down the tree of bodies; each pair of near bodies costs a test for each 32 features of
-/// the smaller one, and each feature that is left a way down a tree of the other body, or two where more than sixteen are near it.
+/// Memory: 24 bytes a near pair, 530 a pair of near blocks (150 on a processor), 12 a test of blocks, 320 a pair of near bodies, 130 a body.
+/// Each body costs its box and two ways down the tree of bodies; each pair of near bodies costs tests of blocks of 32 features of
+/// the one with those of the other, on a processor two ways down a tree for each block of the smaller one; and each pair of near
+/// blocks costs boxes of the features of one, and tests of each with the leaves of the other.
 template <class B>
 class NearPairs {
  public:
@@ -30,15 +31,14 @@ class NearPairs {
         unused_(b),
         count_(b),
         bodies_(b),
+        tests_(b),
         blocks_(b),
-        features_(b),
         pairs_(b),
         touching_(b),
         candidate_(b),
         ways_(b),
-        mask_(b),
-        item_(b),
-        kept_(b),
+        block_pair_(b),
+        found_bits_(b),
         body_pair_(b),
         near_(b) {}
 
@@ -67,8 +67,8 @@ class NearPairs {
     } while (!has_room());
   }
 
-  /// Whether the last search found few pairs for the features that it looked at.
-  bool finds_few() const { return 4 * found_.pairs <= found_.features; }
+  /// Whether the last search found few pairs for what it looked at.
+  bool finds_few() const { return found_.pairs <= 2 * found_.blocks; }
 
   NearPairsView view() const {
     return {near_.view(found_.pairs), body_pair_.view(found_.touching), corners_};
@@ -78,14 +78,11 @@ class NearPairs {
   /// So few bodies are tested each with each, which is as fast as a tree and takes fewer launches.
   static constexpr Index kFew = B::kIsDevice ? 256 : 32;
   static constexpr bool is_few(Index bodies) { return bodies <= kFew; }
-  /// Items of a feature: as many as a device has threads for, if that is few features.
-  static Index parts_of(Index features) {
-    constexpr Index kMostParts = 64, kThreads = 1 << 19;
-    Index parts = 1;
-    if constexpr (B::kIsDevice)
-      while (parts < kMostParts && features <= kThreads / (2 * parts)) parts *= 2;
-    return parts;
-  }
+  /// Items of a pair of blocks: a device has one for each feature of the first.
+  static constexpr Index kSlots = B::kIsDevice ? kBlockFeatures : 1;
+  /// Tests of blocks at most, if each can be of more blocks.
+  static constexpr Offset kMostTests = 1 << 21;
+  static constexpr Index kAllBlocks = std::numeric_limits<Index>::max();
   /// Most items of one pass.
   static constexpr Offset kMostItems = std::numeric_limits<Index>::max() - 1;
 
@@ -113,49 +110,43 @@ class NearPairs {
   /// Runs the search with the room that there is.
   void search(B& b, SearchBodies at, const BodyFilter& filter) {
     const auto candidates = static_cast<Index>(room_.bodies);
+    const auto tests = static_cast<Index>(room_.tests);
     const auto blocks = static_cast<Index>(room_.blocks);
-    const auto features = static_cast<Index>(room_.features);
-    parts_ = parts_of(features);
-    const Index searches = parts_ * features;
     reserve_lists();
     find_bodies(b, at, filter);
     const SearchSums sums = this->sums(static_cast<Index>(at.boxes.size));
     for_each(b, candidates,
-             SetCandidates{at, std::as_const(number_).view(candidates), sums.bodies,
+             SetCandidates{at, std::as_const(number_).view(candidates), sums.bodies, run_,
                            candidate_.view(candidates), ways_.view(candidates),
                            count_.view(candidates)});
-    add_up(b, candidates, blocks_);
+    add_up(b, candidates, tests_);
     at.candidates = std::as_const(candidate_).view(candidates);
     at.ways = std::as_const(ways_).view(candidates);
 
-    const BlockItems items{sums.blocks};
-    for_each(b, blocks, SearchBlock{at, items, mask_.view(blocks), count_.view(blocks)});
-    add_up(b, blocks, features_);
-    constexpr int kBlockItems = B::kIsDevice ? kBlockFeatures : 1;
-    for_each(b, kBlockItems * blocks,
-             ListFeatures{at, items, std::as_const(mask_).view(blocks), sums.features,
-                          item_.view(features), kBlockItems});
+    FindBlocks find{at, {sums.tests, run_}, count_.view(tests), {}, {}};
+    for_each(b, tests, find);
+    add_up(b, tests, blocks_);
+    find.begin = sums.blocks;
+    find.found = block_pair_.view(blocks);
+    for_each(b, tests, find);
 
-    SearchFeature feature{at,
-                          sums.features,
-                          std::as_const(item_).view(features),
-                          {kept_.view(FoundFeatures::kKept * Offset{searches}), searches},
-                          count_.view(searches),
-                          {},
-                          {},
-                          {},
-                          parts_};
-    for_each(b, searches, feature);
-    add_up(b, searches, pairs_);
+    const FoundFeatures found{sums.blocks, std::as_const(block_pair_).view(blocks),
+                              found_bits_.view(kBlockFeatures * Offset{blocks})};
+    const Index items = kSlots * blocks;
+    if constexpr (B::kIsDevice) {
+      for_each(b, items, SearchBlockPair{at, found, count_.view(items)});
+    } else {
+      fill(b, count_.view(items), Index{0});
+      for_each(b, tests, SearchTest{at, found, count_.view(items)});
+    }
+    add_up(b, items, pairs_);
     for_each(b, candidates, MarkTouching{sums, count_.view(candidates)});
     add_up(b, candidates, touching_);
     const Span<const Offset> touching = running(touching_, candidates);
     for_each(b, candidates,
              PlaceTouching{sums, at.candidates, touching, body_pair_.view(candidates)});
-    feature.begin = sums.pairs;
-    feature.touching = touching;
-    feature.found = near_.view(room_.pairs);
-    for_each(b, searches, feature);
+    for_each(b, items,
+             PlacePairs{at, found, kSlots, sums.pairs, touching, near_.view(room_.pairs)});
     for_each(b, 1, SumUpSearch{sums, touching, result_place<SearchCounts>(b)});
   }
 
@@ -191,9 +182,9 @@ class NearPairs {
   }
   SearchSums sums(Index n) const {
     return {running(bodies_, is_few(n) ? n * n : n),
-            running(blocks_, static_cast<Index>(room_.bodies)),
-            running(features_, static_cast<Index>(room_.blocks)),
-            running(pairs_, parts_ * static_cast<Index>(room_.features)), parts_};
+            running(tests_, static_cast<Index>(room_.bodies)),
+            running(blocks_, static_cast<Index>(room_.tests)),
+            running(pairs_, kSlots * static_cast<Index>(room_.blocks)), kSlots};
   }
 
   void reserve_lists() {
@@ -202,20 +193,24 @@ class NearPairs {
     candidate_.reserve_discard(room_.bodies);
     ways_.reserve_discard(room_.bodies);
     body_pair_.reserve_discard(room_.bodies);
-    blocks_.reserve_discard(room_.bodies + 1);
+    tests_.reserve_discard(room_.bodies + 1);
     touching_.reserve_discard(room_.bodies + 1);
-    features_.reserve_discard(room_.blocks + 1);
-    mask_.reserve_discard(room_.blocks);
-    item_.reserve_discard(room_.features);
-    const Offset items = parts_ * room_.features;
-    kept_.reserve_discard(FoundFeatures::kKept * items);
+    blocks_.reserve_discard(room_.tests + 1);
+    block_pair_.reserve_discard(room_.blocks);
+    found_bits_.reserve_discard(kBlockFeatures * room_.blocks);
+    const Offset items = kSlots * room_.blocks;
     pairs_.reserve_discard(items + 1);
     near_.reserve_discard(room_.pairs);
-    count_.reserve_discard(std::max({bodies_.capacity(), room_.bodies, room_.blocks, items}));
+    count_.reserve_discard(std::max({bodies_.capacity(), room_.bodies, room_.tests, items}));
   }
 
   /// Whether all that was found had room. Sets the rooms for the next search, which that many and a few more will have.
   bool has_room() {
+    if (found_.tests > kMostTests && run_ < kAllBlocks) {
+      run_ =
+          static_cast<Index>(std::min<Offset>(run_ * (found_.tests / kMostTests + 1), kAllBlocks));
+      return false;
+    }
     bool fits = true;
     for (int list = 0; list < SearchCounts::kLists; ++list) {
       const Offset needed = found_.of(list);
@@ -244,17 +239,17 @@ class NearPairs {
   Buffer<B, std::uint64_t> number_;
   Buffer<B, Index> unused_;  ///< goes with the numbers as they are sorted
   Buffer<B, Index> count_;
-  Buffer<B, Offset> bodies_, blocks_, features_, pairs_, touching_;  ///< running sums
+  Buffer<B, Offset> bodies_, tests_, blocks_, pairs_, touching_;  ///< running sums
   Buffer<B, Candidate> candidate_;
   Buffer<B, RelativeWay> ways_;
-  Buffer<B, std::uint32_t> mask_;
-  Buffer<B, FeatureItem> item_;
-  Buffer<B, Index> kept_;
+  Buffer<B, BlockPair> block_pair_;
+  Buffer<B, BlockBits> found_bits_;
   Buffer<B, BodyPair> body_pair_;
   Buffer<B, NearPair> near_;
   SearchCounts found_;
-  SearchCounts room_{256, 1024, 1024, 1024, 0};
-  Index parts_ = 1;  ///< of features
+  SearchCounts room_{256, 1024, 256, 1024, 0};
+  /// Blocks that a test goes through: on a processor all, down their tree.
+  Index run_ = B::kIsDevice ? 1 : kAllBlocks;
 };
 
 }  // namespace scree::affine

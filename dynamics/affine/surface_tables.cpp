@@ -140,25 +140,30 @@ HostTables tables_of(const std::vector<std::shared_ptr<const Surface>>& surfaces
     for (const Vec3d& v : surface.vertices) r.radius = std::max(r.radius, norm(v));
     std::vector<std::array<int, 1>> points;
     for (const int v : surface.points) points.push_back({v});
-    r.block_begin = static_cast<Index>(t.blocks.size());
     r.outline_begin = static_cast<Index>(t.outline.size());
-    const auto node = [&] { return static_cast<Index>(t.nodes.size()); };
-    r.tree[0] = node();
+    const auto begin_tree = [&](int k) {
+      r.tree[k] = static_cast<Index>(t.nodes.size());
+      r.block[k] = static_cast<Index>(t.blocks.size());
+    };
+    begin_tree(0);
     const std::vector<TreeNode> outline = add_tree(t, surface, first_corner, points);
     if (surface.vertices.size() <= static_cast<std::size_t>(kOutlineBoxes)) {
       for (const Vec3d& v : surface.vertices) t.outline.push_back(node_about({v, v}));
     } else {
       t.outline.insert(t.outline.end(), outline.begin(), outline.end());
     }
-    r.tree[1] = node();
+    begin_tree(1);
     add_tree(t, surface, first_corner, surface.edges);
-    r.tree[2] = node();
+    begin_tree(2);
     add_tree(t, surface, first_corner, surface.triangles);
-    r.tree[3] = node();
-    r.block_end = static_cast<Index>(t.blocks.size());
+    begin_tree(3);
     r.outline_end = static_cast<Index>(t.outline.size());
     t.surfaces.push_back(r);
   }
+  TreeNode behind;
+  behind.begin = static_cast<Index>(t.features.size());
+  t.blocks.push_back(static_cast<Index>(t.nodes.size()));
+  t.nodes.push_back(behind);
   return t;
 }
 

@@ -67,8 +67,8 @@ inline constexpr Index kLeafFeatures = 4, kBlockFeatures = 32, kOutlineBoxes = 3
 
 /// Where things of a surface are in the tables.
 struct SurfaceRecord {
-  Index tree[4] = {};  ///< trees of corners, edges and triangles: nodes [tree[k], tree[k + 1])
-  Index block_begin = 0, block_end = 0;
+  Index tree[4] = {};   ///< trees of corners, edges and triangles: nodes [tree[k], tree[k + 1])
+  Index block[4] = {};  ///< of these trees: places [block[k], block[k + 1]) in the list of blocks
   Index outline_begin = 0, outline_end = 0;
   double radius = 0;  ///< of the farthest corner [m]
 };
@@ -78,8 +78,9 @@ struct SurfacesView {
   Span<const Vec3d> corners;     ///< surface by surface, in their order there
   Span<const Feature> features;  ///< in the order of the trees
   Span<const TreeNode> nodes;    ///< of all trees
-  Span<const Index> blocks;      ///< nodes that a search begins at: together they hold all features
-  Span<const TreeNode> outline;  ///< a few boxes that hold each surface
+  Span<const Index>
+      blocks;  ///< nodes that hold all features together; a last one that begins behind them
+  Span<const TreeNode> outline;        ///< a few boxes that hold each surface
   Span<const SurfaceRecord> surfaces;  ///< by surface
   Span<const Index> surface_of_body;
 

@@ -85,8 +85,10 @@ struct MakeElements {
       const Four x = points_of(p.near, pair, rest, q);
       const ContactPair contact = p.contact_pair(kind, rest);
       const int part = c > 0 && active[c - 1] == active[c] ? 1 : 0;
-      if (part == 0) gradient = contact_gradient(contact, p.barrier, x);
-      modes = contact_modes(contact, p.barrier, x, part, surplus(pair, rest, x));
+      const ContactPlace place = contact_place(contact, p.barrier, x);
+      if (part == 0) gradient = contact_gradient(contact, place, x);
+      modes = contact_modes(contact, p.barrier, place, x, part,
+                            surplus(pair, rest, place.nearest.squared));
     } else {
       const Slip& slip = p.slips[c - contacts];
       kind = slip.kind;
@@ -101,8 +103,7 @@ struct MakeElements {
   }
 
  private:
-  SCREE_HD double surplus(const NearPair& pair, const Four& rest, const Four& x) const {
-    const double squared = squared_distance(pair.kind, x);
+  SCREE_HD double surplus(const NearPair& pair, const Four& rest, double squared) const {
     if (!expected.may_have_surplus(p.barrier, squared)) return 0;
     return expected.surplus(p.barrier, squared,
                             squared_distance(pair.kind, points_of(p.near, pair, rest, begun)));

@@ -84,13 +84,14 @@ SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four
 
 /// Modes of a part. @param part  0, or 1 of two
 /// @param surplus  part of the force that is not expected to stay (expected_forces.h): its share of f/g is taken off the curvature
-SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barrier, const Four& x,
-                                    int part, double surplus = 0) {
+SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barrier,
+                                    const ContactPlace& place, const Four& x, int part,
+                                    double surplus = 0) {
   Modes modes;
-  const Nearest n = nearest_points(pair.kind, x);
-  if (!barrier.acts(n.squared)) return modes;
-  const Derivatives b = barrier(n.squared);
-  const Mollifier m = mollifier(pair, x);
+  if (!place.is_active) return modes;
+  const Nearest& n = place.nearest;
+  const Derivatives& b = place.barrier;
+  const Mollifier& m = place.mollifier;
   const double weights = square_of(n.weight);
   const double root = std::sqrt(weights);
   const Vec3d normal = normalized(n.gap);

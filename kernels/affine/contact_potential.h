@@ -36,20 +36,43 @@ SCREE_HD inline double contact_rounding(const ContactPair& pair, const Barrier& 
   return kPlaceRounding * size * pair.weight * m.value * force;
 }
 
-SCREE_HD inline Four contact_gradient(const ContactPair& pair, const Barrier& barrier,
+/// What all derivatives take of the places of the points.
+struct ContactPlace {
+  Nearest nearest;
+  bool is_active = false;  ///< whether the barrier acts; the rest is set where it does
+  Derivatives barrier;
+  Mollifier mollifier;
+};
+
+SCREE_HD inline ContactPlace contact_place(const ContactPair& pair, const Barrier& barrier,
+                                           const Four& x) {
+  ContactPlace c;
+  c.nearest = nearest_points(pair.kind, x);
+  c.is_active = barrier.acts(c.nearest.squared);
+  if (!c.is_active) return c;
+  c.barrier = barrier(c.nearest.squared);
+  c.mollifier = mollifier(pair, x);
+  return c;
+}
+
+SCREE_HD inline Four contact_gradient(const ContactPair& pair, const ContactPlace& place,
                                       const Four& x) {
-  const Nearest n = nearest_points(pair.kind, x);
   Four g;
-  if (!barrier.acts(n.squared)) return g;
-  const Derivatives b = barrier(n.squared);
-  const Mollifier m = mollifier(pair, x);
-  const Four d = distance_gradient(n);
+  if (!place.is_active) return g;
+  const Derivatives& b = place.barrier;
+  const Mollifier& m = place.mollifier;
+  const Four d = distance_gradient(place.nearest);
   for (int i = 0; i < 4; ++i) g[i] = (pair.weight * m.value * b.first) * d[i];
   if (m.first != 0) {
     const Four c = cross_gradient(x);
     for (int i = 0; i < 4; ++i) g[i] += (pair.weight * m.first * b.value) * c[i];
   }
   return g;
+}
+
+SCREE_HD inline Four contact_gradient(const ContactPair& pair, const Barrier& barrier,
+                                      const Four& x) {
+  return contact_gradient(pair, contact_place(pair, barrier, x), x);
 }
 
 /// Normal force of a pair [N], which friction takes: the barrier's slope with respect to the

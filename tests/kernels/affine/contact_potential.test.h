@@ -29,7 +29,8 @@ struct RunContact {
     projected[k] = contact_hessian(pair, barrier, x[k], Projection::eigenvalues);
     Dense<12> sum;
     for (int part = 0; part < mode_parts(mollifier(pair, x[k])); ++part) {
-      const Modes modes = contact_modes(pair, barrier, x[k], part);
+      const Modes modes =
+          contact_modes(pair, barrier, contact_place(pair, barrier, x[k]), x[k], part);
       for (int m = 0; m < modes.count; ++m)
         for (int i = 0; i < 4; ++i)
           for (int j = 0; j < 4; ++j) sum.add_outer(i, j, 1, modes.at[m][i], modes.at[m][j]);
@@ -373,7 +374,7 @@ TEST_F(ContactPotentialTest, BodiesGetTheSumsOfTheirPoints) {
 Dense<12> sum_of_modes(const ContactPair& pair, const Barrier& barrier, const Four& x,
                        double surplus) {
   Dense<12> sum;
-  const Modes modes = contact_modes(pair, barrier, x, 0, surplus);
+  const Modes modes = contact_modes(pair, barrier, contact_place(pair, barrier, x), x, 0, surplus);
   for (int m = 0; m < modes.count; ++m)
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j) sum.add_outer(i, j, 1, modes.at[m][i], modes.at[m][j]);

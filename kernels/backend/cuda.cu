@@ -112,8 +112,9 @@ void Cuda::read_note(void* destination, std::size_t bytes) {
 
 namespace {
 
-/// Terms that one block adds up: CUB takes three launches, this one, which is what few terms wait for.
-constexpr Offset kFewTerms = 1 << 16;
+/// Terms that one block adds up: CUB takes three launches, this one, which is what few terms wait for. On an H200 it takes 8 us of
+/// 2^14, as CUB does, and 24 us of 2^16.
+constexpr Offset kFewTerms = 1 << 14;
 constexpr int kScanThreads = 1024, kScanWarps = kScanThreads / 32;
 constexpr unsigned kAllLanes = 0xffffffffu;
 

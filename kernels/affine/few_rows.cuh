@@ -46,47 +46,85 @@ __device__ inline void load(const GradientVectors& v, Span<const AffineVec> righ
   }
 }
 
-inline __global__ void __launch_bounds__(kThreads)
+/// The solution, by the first warp, of the upper triangle that lies below the diagonal as columns.
+__device__ inline void solve_upper(const double* a, int n, int lane, const GradientVectors& v) {
+  double left[kColumns], inverse[kColumns];  // of columns lane, lane + 32 and so on
+#pragma unroll
+  for (int c = 0; c < kColumns; ++c) {
+    const int j = lane + 32 * c;
+    left[c] = j < n ? a[n * (n + 1) + j] : 0;
+    inverse[c] = j < n ? inverse_of(a[j * (n + 1) + j]) : 0;
+  }
+  for (int k = n - 1; k > 0; --k) {
+    double mine = 0;
+#pragma unroll
+    for (int c = 0; c < kColumns; ++c) mine = k / 32 == c ? left[c] * inverse[c] : mine;
+    const double x = __shfl_sync(0xffffffffu, mine, k % 32);
+#pragma unroll
+    for (int c = 0; c < kColumns; ++c) {
+      const int j = lane + 32 * c;
+      if (j < k) left[c] -= a[k * (n + 1) + j] * x;
+    }
+  }
+#pragma unroll
+  for (int c = 0; c < kColumns; ++c) {
+    const int j = lane + 32 * c;
+    if (j < n) v.x[j / 12].node[j % 12 / 3][j % 3] = left[c] * inverse[c];
+  }
+}
+
+/// Each thread keeps every kSide-th number of every kSide-th line, kTiles^2 of them. A column is finished in shared memory, where all
+/// read it, and never written again: one meeting a column.
+template <int kTiles>
+__global__ void __launch_bounds__(kThreads)
     factorize_few_rows(GradientVectors v, Span<const AffineVec> right) {
   extern __shared__ __align__(16) unsigned char storage[];
   double* const a = reinterpret_cast<double*>(storage);
   const auto n = static_cast<int>(12 * right.size), line = n + 1;
   const auto thread = static_cast<int>(threadIdx.x);
+  const int down = thread / kSide, across = thread % kSide;
   load(v, right, a);
   __syncthreads();
+  double own[kTiles][kTiles];
+#pragma unroll
+  for (int p = 0; p < kTiles; ++p) {
+#pragma unroll
+    for (int q = 0; q < kTiles; ++q) {
+      const int i = down + kSide * p, j = across + kSide * q;
+      own[p][q] = i <= n && j < n ? a[i * line + j] : 0;
+    }
+  }
   bool is_positive = true;  // the same in all threads
-  for (int k = 0; k < n; ++k) {
-    const double pivot = a[k * line + k];
-    is_positive = is_positive && pivot >= 0;
-    const double inverse = inverse_of(pivot);
-    for (int i = k + 1 + thread / kSide; i <= n; i += kSide) {
-      const double factor = a[i * line + k] * inverse;
-      const int last = i < n ? i : n - 1;
-      for (int j = k + 1 + thread % kSide; j <= last; j += kSide)
-        a[i * line + j] -= factor * a[j * line + k];
-    }
-    __syncthreads();
-  }
-  if (thread >= 32) return;
-  double left[kColumns], inverse[kColumns];  // of columns lane, lane + 32 and so on
 #pragma unroll
-  for (int c = 0; c < kColumns; ++c) {
-    const int j = thread + 32 * c;
-    left[c] = j < n ? a[n * line + j] : 0;
-    inverse[c] = j < n ? inverse_of(a[j * line + j]) : 0;
-  }
-  for (int k = n - 1; k >= 0; --k) {
-    double mine = 0;
+  for (int tile = 0; tile < kTiles;
+       ++tile) {  // of columns, so that it is known which registers hold them
+    for (int k = kSide * tile; k < kSide * (tile + 1) && k < n; ++k) {
+      if (across == k % kSide) {
 #pragma unroll
-    for (int c = 0; c < kColumns; ++c) mine = k / 32 == c ? left[c] * inverse[c] : mine;
-    const double x = __shfl_sync(0xffffffffu, mine, k % 32);
-    if (thread == 0) v.x[k / 12].node[k % 12 / 3][k % 3] = x;
+        for (int p = tile; p < kTiles; ++p) {
+          const int i = down + kSide * p;
+          if (i >= k && i <= n) a[i * line + k] = own[p][tile];
+        }
+      }
+      __syncthreads();
+      const double pivot = a[k * line + k], inverse = inverse_of(pivot);
+      is_positive = is_positive && pivot >= 0;
+      double column[kTiles];
 #pragma unroll
-    for (int c = 0; c < kColumns; ++c) {
-      const int j = thread + 32 * c;
-      if (j < k) left[c] -= a[k * line + j] * x;
+      for (int q = tile; q < kTiles; ++q) {
+        const int j = across + kSide * q;
+        column[q] = j > k && j < n ? a[j * line + k] : 0;
+      }
+#pragma unroll
+      for (int p = tile; p < kTiles; ++p) {
+        const int i = down + kSide * p;
+        const double factor = i > k && i <= n ? a[i * line + k] * inverse : 0;
+#pragma unroll
+        for (int q = tile; q < kTiles; ++q) own[p][q] -= factor * column[q];
+      }
     }
   }
+  if (thread < 32) solve_upper(a, n, thread, v);
   if (thread != 0) return;
   GradientState s;
   s.iterations = 1;
@@ -94,17 +132,25 @@ inline __global__ void __launch_bounds__(kThreads)
   *v.state = s;
 }
 
+/// Compiled for as many tiles as a system needs.
+template <int kTiles = 1>
+void launch(Cuda& cuda, const GradientVectors& v, Span<const AffineVec> right) {
+  const auto rows = static_cast<Index>(right.size);
+  if constexpr (kSide * kTiles <= 12 * kMost) {
+    if (kSide * kTiles <= 12 * rows) return launch<kTiles + 1>(cuda, v, right);
+  }
+  check_cuda(
+      cudaFuncSetAttribute(factorize_few_rows<kTiles>, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                           static_cast<int>(bytes(kMost))),
+      "shared memory of factorize_few_rows");
+  factorize_few_rows<kTiles><<<1, kThreads, bytes(rows), cuda.stream()>>>(v, right);
+}
+
 }  // namespace few_rows
 
 /// @param v  its step and state are set
 inline void factorize_few_rows(Cuda& cuda, const GradientVectors& v, Span<const AffineVec> right) {
-  const auto rows = static_cast<Index>(right.size);
-  check_cuda(cudaFuncSetAttribute(few_rows::factorize_few_rows,
-                                  cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                  static_cast<int>(few_rows::bytes(few_rows::kMost))),
-             "shared memory of factorize_few_rows");
-  few_rows::factorize_few_rows<<<1, few_rows::kThreads, few_rows::bytes(rows), cuda.stream()>>>(
-      v, right);
+  few_rows::launch(cuda, v, right);
   cuda.check_launch("factorize_few_rows");
 }
 

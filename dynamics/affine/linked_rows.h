@@ -6,6 +6,7 @@
 #include "collision/numbering.h"
 #include "dynamics/affine/marked_list.h"
 #include "kernels/affine/linked_rows.h"
+#include "kernels/backend/both.h"
 
 namespace scree::affine {
 
@@ -18,8 +19,10 @@ struct LinkTable {
   bool empty() const { return begin.empty(); }
 };
 
-/// Memory: 144 bytes a link, 24 a piece with its key and place twice: ten pieces a tetrahedron, up to sixteen a mixed block.
-template <class B>
+/// Memory: 144 bytes a link, 24 a piece with its key and place twice: ten pieces a tetrahedron, up to sixteen a mixed block. On a device
+/// also twice 104 for each of the 12 lines of a part of four pieces.
+/// @tparam kSplits  whether several items add up a block: a device has more threads than there are of these
+template <class B, bool kSplits = B::kIsDevice>
 class LinkedRows {
  public:
   LinkedRows(B& b, const LinkTable& table)
@@ -36,6 +39,10 @@ class LinkedRows {
         sort_(b),
         mark_(b),
         first_(b),
+        end_(b),
+        row_first_(b),
+        row_end_(b),
+        line_(b),
         marked_(b),
         right_(b),
         step_(b),
@@ -61,6 +68,7 @@ class LinkedRows {
     right_.reserve_discard(view_.rows());
     step_.reserve_discard(view_.rows());
     diagonal_.reserve_discard(view_.rows());
+    for (Buffer<B, Index>* each : {&row_first_, &row_end_}) each->reserve_discard(view_.rows());
   }
 
   /// Whether there are links.
@@ -84,20 +92,15 @@ class LinkedRows {
     name.key = key_.view(count), name.pieces = pieces_.view(count), name.order = order_.view(count);
     for_each(b, blocks, name);
     sort_pairs(b, sort_, key_.view(count), order_.view(count), bits_for(keys.none() + 1));
-    const PieceSums sums{view_,
-                         system.diagonal,
-                         system.mixed,
-                         key_.view(count),
-                         pieces_.view(count),
-                         order_.view(count)};
-    for_each(b, rows, CarryForce{view_, system.right, right_.view(rows)});
-    for_each(b, 12 / kLines * rows, CarryDiagonal<kLines>{sums, keys, diagonal_.view(rows)});
+    const PieceLines lines{view_,
+                           system.diagonal,
+                           system.mixed,
+                           key_.view(count),
+                           pieces_.view(count),
+                           order_.view(count)};
     mark_.reserve_discard(count);
-    for_each(b, count, MarkBlocks{keys, key_.view(count), mark_.view(count)});
-    const Index mixed = marked_.list(b, mark_, count, first_);
-    mixed_.reserve_discard(mixed);
-    for_each(b, 12 / kLines * mixed,
-             CarryMixed<kLines>{sums, keys, first_.view(mixed), mixed_.view(mixed)});
+    const MarkBlocks mark{keys, lines.key, mark_.view(count)};
+    const Index mixed = carry_lines(b, lines, mark, system.right);
     return {diagonal_.view(rows), mixed_.view(mixed), right_.view(rows)};
   }
 
@@ -108,8 +111,57 @@ class LinkedRows {
   }
 
  private:
-  /// Lines of a block that an item adds up.
-  static constexpr int kLines = B::kIsDevice ? 1 : 12;
+  /// @return blocks above the diagonal
+  Index carry_lines(B& b, const PieceLines& lines, const MarkBlocks& mark,
+                    Span<const AffineVec> force) {
+    if constexpr (kSplits) {
+      return carry_parts(b, lines, mark, force);
+    } else {
+      return carry_whole(b, lines, mark, force);
+    }
+  }
+  Index carry_whole(B& b, const PieceLines& lines, const MarkBlocks& mark,
+                    Span<const AffineVec> force) {
+    const Index rows = view_.rows(), count = static_cast<Index>(lines.key.size);
+    for_each(b, rows, CarryForce{view_, force, right_.view(rows)});
+    for_each(b, rows, CarryDiagonal{lines, mark.keys, diagonal_.view(rows)});
+    for_each(b, count, mark);
+    const Index mixed = marked_.list(b, mark_, count, first_);
+    mixed_.reserve_discard(mixed);
+    for_each(b, mixed, CarryMixed{lines, mark.keys, first_.view(mixed), mixed_.view(mixed)});
+    return mixed;
+  }
+  Index carry_parts(B& b, const PieceLines& lines, const MarkBlocks& mark,
+                    Span<const AffineVec> force) {
+    const Index rows = view_.rows(), count = static_cast<Index>(lines.key.size);
+    for_each(b, count, mark);
+    const Index mixed = marked_.list(b, mark_, count, first_);
+    mixed_.reserve_discard(mixed), end_.reserve_discard(mixed);
+    const Both<FindDiagonals, EndBlocks> find{
+        {mark.keys, lines.key, row_first_.view(rows), row_end_.view(rows)},
+        rows,
+        {lines.key, first_.view(mixed), end_.view(mixed)}};
+    for_each(b, find.items(mixed), find);
+    const Index part = EntryRuns::piece_of(count);
+    const EntryRuns of_rows{std::as_const(row_first_).view(rows),
+                            std::as_const(row_end_).view(rows), part};
+    const EntryRuns of_blocks{std::as_const(first_).view(mixed), std::as_const(end_).view(mixed),
+                              part};
+    const Index row_items = 12 * of_rows.piece_end(count);
+    const Index block_items = mixed > 0 ? 12 * of_blocks.piece_end(count) : 0;
+    line_.reserve_discard(Offset{row_items} + block_items);
+    const Span<LineSum> row_line = line_.view(row_items);
+    const Span<LineSum> block_line{line_.data() + row_items, block_items};
+    const Both<CarryParts, CarryParts> parts{
+        {lines, of_rows, force, row_line}, row_items, {lines, of_blocks, {}, block_line}};
+    for_each(b, parts.items(block_items), parts);
+    const Both<JoinPartsOfRows, AddPiecesToBlocks> join{
+        {lines, of_rows, row_line, diagonal_.view(rows), right_.view(rows)},
+        PieceNumber::kCount * rows,
+        {mark.keys, lines.key, of_blocks, block_line, mixed_.view(mixed)}};
+    for_each(b, join.items(PieceNumber::kCount * mixed), join);
+    return mixed;
+  }
 
   LinksView view_;
   Buffer<B, Link> links_;
@@ -119,7 +171,9 @@ class LinkedRows {
   Buffer<B, Piece> pieces_;
   Buffer<B, Index> order_;
   SortSpace<B> sort_;
-  Buffer<B, Index> mark_, first_;
+  Buffer<B, Index> mark_, first_, end_;   ///< of blocks above the diagonal, among pieces
+  Buffer<B, Index> row_first_, row_end_;  ///< of diagonal blocks
+  Buffer<B, LineSum> line_;
   MarkedList<B> marked_;
   Buffer<B, AffineVec> right_, step_;
   Buffer<B, Dense<12>> diagonal_;

@@ -14,6 +14,7 @@ namespace scree::affine {
 /// One host read a search. Lists are written into room for somewhat more than the last search needed; where that is not
 /// enough the search is made again with more, so that none is ever cut short.
 /// Memory: 24 bytes a near pair, 530 a pair of near blocks (150 on a processor), 12 a test of blocks, 320 a pair of near bodies, 130 a body.
+/// Items of a device that look for near bodies take 12 each, 6 MB at most.
 /// Each body costs its box and two ways down the tree of bodies; each pair of near bodies costs tests of blocks of 32 features of
 /// the one with those of the other, on a processor two ways down a tree for each block of the smaller one; and each pair of near
 /// blocks costs boxes of the features of one, and tests of each with the leaves of the other.
@@ -83,6 +84,19 @@ class NearPairs {
   /// Tests of blocks at most, if each can be of more blocks.
   static constexpr Offset kMostTests = 1 << 21;
   static constexpr Index kAllBlocks = std::numeric_limits<Index>::max();
+  static constexpr Index kThreads = 1 << 19;  ///< that a device has, twice
+  /// Level of the tree in whose nodes bodies look, in each by another item where a device has as many threads. All that some
+  /// bodies find is in a few nodes: one way down the tree takes several times as long as they take at most.
+  int search_level() const {
+    int level = tree_.top;
+    if constexpr (B::kIsDevice)
+      while (level > 1 && Offset{tree_.count[0]} * tree_.count[level - 1] <= kThreads) --level;
+    return level;
+  }
+  /// Items that look for pairs of bodies, whose levels are set if they are not few.
+  Index finders(Index bodies) const {
+    return bodies * (is_few(bodies) ? bodies : tree_.count[search_level()]);
+  }
   /// Most items of one pass.
   static constexpr Offset kMostItems = std::numeric_limits<Index>::max() - 1;
 
@@ -90,11 +104,12 @@ class NearPairs {
 
   void reserve_bodies(Index n) {
     boxes_.reserve_discard(n);
-    bodies_.reserve_discard((is_few(n) ? n * n : n) + Offset{1});
-    if (is_few(n)) return;
-    key_.reserve_discard(n);
-    order_.reserve_discard(n);
-    nodes_.reserve_discard(set_levels(tree_, n));
+    if (!is_few(n)) {
+      key_.reserve_discard(n);
+      order_.reserve_discard(n);
+      nodes_.reserve_discard(set_levels(tree_, n));
+    }
+    bodies_.reserve_discard(Offset{finders(n)} + 1);
   }
 
   void make_tree(B& b, Index n) {
@@ -155,11 +170,11 @@ class NearPairs {
     const auto n = static_cast<Index>(at.boxes.size);
     const auto room = static_cast<Index>(room_.bodies);
     if (is_few(n)) {
-      find_with(b, n * n, TryBodies{at.boxes, filter, at.reach(0), {}});
+      find_with(b, finders(n), TryBodies{at.boxes, filter, at.reach(0), {}});
       return;
     }
     fill(b, number_.view(room), ~std::uint64_t{0});  // behind all others
-    find_with(b, n, FindBodies{tree_, filter, at.reach(0), {}});
+    find_with(b, finders(n), FindBodies{tree_, search_level(), filter, at.reach(0), {}});
     sort_pairs(b, sort_, number_.view(room), unused_.view(room),
                bits_for(static_cast<std::uint64_t>(n) * static_cast<std::uint64_t>(n)));
   }
@@ -181,8 +196,7 @@ class NearPairs {
                    sums.view(static_cast<Offset>(count) + 1));
   }
   SearchSums sums(Index n) const {
-    return {running(bodies_, is_few(n) ? n * n : n),
-            running(tests_, static_cast<Index>(room_.bodies)),
+    return {running(bodies_, finders(n)), running(tests_, static_cast<Index>(room_.bodies)),
             running(blocks_, static_cast<Index>(room_.tests)),
             running(pairs_, kSlots * static_cast<Index>(room_.blocks)), kSlots};
   }

@@ -378,11 +378,21 @@ struct EntryRuns {
   SCREE_HD Index piece_count(Index run) const {
     return (end[run] - begin[run] + piece - 1) / piece;
   }
+  /// Entries of a piece; there are numbers of pieces that have none.
+  struct Piece {
+    Index run, from, to;
+  };
+  SCREE_HD Piece piece_of_run(Index number) const {
+    const Index run = run_of(number);
+    const Index from = begin[run] + (number - first_piece(run)) * piece;
+    return {run, from, from + piece < end[run] ? from + piece : end[run]};
+  }
 };
 
 /// Where the entries of blocks end.
 struct EndBlocks {
   static constexpr const char* name = "affine_end_blocks";
+  static constexpr int kBlockThreads = kWaitingThreads;
   Span<const std::uint64_t> key;
   Span<const Index> first;
   Span<Index> end;  ///< out
@@ -413,11 +423,9 @@ struct AddPieces {
   Span<LineSum> sum;      ///< out
 
   SCREE_HD void operator()(Index item) const {
-    const Index piece = item / 12, run = runs.run_of(piece);
-    const Index from = runs.begin[run] + (piece - runs.first_piece(run)) * runs.piece;
-    const Index to = from + runs.piece < runs.end[run] ? from + runs.piece : runs.end[run];
+    const EntryRuns::Piece piece = runs.piece_of_run(item / 12);
     LineSum mine;
-    for (Index k = from; k < to; ++k) {
+    for (Index k = piece.from; k < piece.to; ++k) {
       const Element& e = elements[entry[k] / 2];
       const int side = entry[k] % 2, line = item % 12;
       add_row(e, side, is_mixed ? 1 - side : side, line, mine.line);

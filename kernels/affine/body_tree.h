@@ -168,21 +168,23 @@ struct JoinBodies {
   }
 };
 
-/// Pairs of a body with those that are larger, or as large with a higher number, counted or written. Item: place on the curve.
+/// Pairs of a body with those that are larger, or as large with a higher number, counted or written. Bodies look in each node of a
+/// level. Item: node of it x bodies + place on the curve.
 struct FindBodies {
   static constexpr const char* name = "affine_find_bodies";
   static constexpr Index kSerialBelow = 64;
   BodyTree tree;
+  int from = 1;  ///< the level
   BodyFilter filter;
   double distance = 0;
   BodyPairPlaces places;
 
   SCREE_HD void operator()(Index item) const {
-    const Index own = tree.order[item];
+    const Index own = tree.order[item % tree.count[0]];
     const BodyBox body = tree.boxes[own];
     Index hits = 0;
-    int level = tree.top;
-    Index i = 0;
+    int level = from;
+    Index i = item / tree.count[0];
     for (;;) {
       const BodyNode node = tree.node(level, i);
       if (!(node.radius < body.radius) && body.box.near(node.box, distance)) {
@@ -196,11 +198,11 @@ struct FindBodies {
           places.put(item, hits++, pair_number(own, other, tree.count[0]));
       }
       ++i;
-      while (level < tree.top && (i % kBodyFan == 0 || i == tree.count[level])) {
+      while (level < from && (i % kBodyFan == 0 || i == tree.count[level])) {
         i = (i + kBodyFan - 1) / kBodyFan;
         ++level;
       }
-      if (level == tree.top) break;
+      if (level == from) break;
     }
     if (places.is_count()) places.count[item] = hits;
   }

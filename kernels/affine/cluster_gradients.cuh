@@ -6,8 +6,14 @@
 // image of the direction follows from that of z (Chronopoulos and Gear, s-step iterative methods, 1989), so directions stay with
 // their rows. Blocks meet twice an iteration.
 //
+// The entries of a long row are cut into parts, of which other warps and maybe other blocks have some: a stiff body that carries
+// soft ones has a hundred neighbors, and a warp that went through all of them would be waited for. A part has the direction of
+// its row too, so it has its share of the curvature and of the image without one more meeting; who has the row adds up the shares
+// of its image in the order of the parts.
+//
 // Bytes of an iteration, all in shared memory: 1,152 an inverse, a diagonal block and twice a block above the diagonal. What does
-// not fit is read again from the second-level cache.
+// not fit is read again from the second-level cache. 290 rows with 883 blocks are 2.7 MB, or 170 KB a block of 16, which it
+// reads in 1 us; what an iteration takes beside that are the meetings.
 
 #include <cooperative_groups.h>
 
@@ -23,8 +29,11 @@ inline constexpr int kThreads = 512;
 inline constexpr int kWarps = kThreads / 32;
 inline constexpr int kMostBlocks = 16;  ///< of a cluster; more than eight are not portable
 inline constexpr unsigned kAll = 0xffffffffu;
-/// Blocks share rows by their entries and this much a row, for the inverse, the diagonal block and what else there is to do.
-inline constexpr Index kRowWork = 8;
+/// Blocks share rows by their entries and this much a row, for the inverse, the diagonal block and what else there is to do. Less
+/// where some blocks would have no room for their share of the matrix; two is what a row takes of that.
+inline constexpr Index kRowWork = 8, kLeastRowWork = 2;
+/// Most entries of a part of a row.
+inline constexpr Index kPart = 16;
 /// Lines 2 a and 2 a + 1 of a block's product are found by lanes a, a + 6, a + 12 and a + 18, from three columns each.
 inline constexpr int kPairs = 6, kColumns = 3, kLanes = 24;
 
@@ -34,50 +43,108 @@ struct LaneBlock {
 };
 static_assert(sizeof(LaneBlock) == sizeof(Dense<12>));
 
-/// What a row keeps, two numbers a lane; and the number of its inverse among the blocks of the rows of its block. Its diagonal
-/// block and the others follow.
-struct RowVectors {
-  double2 x[kPairs], r[kPairs], p[kPairs], s[kPairs];
+/// A part of a row, two numbers a lane of vectors: the direction of the row, and the share of the part in its image. Blocks of the
+/// matrix have places in the order of rows: the inverse of a row, its diagonal block, the others.
+struct Part {
+  double2 p[kPairs], s[kPairs];
+  Index row, from;  ///< the entry of the row that it begins with
+  /// Of its blocks. The first part of a row has the diagonal block too, and the place before that is the one of the inverse.
   Index place, end;
-  unsigned wanted;  ///< bit b: block b has a row that wants z of this one
+  Index slot;      ///< where the block that has the row wants the share; below zero: it is this one
+  unsigned owner;  ///< that block
+};
+
+/// What a row keeps besides its first part.
+struct RowVectors {
+  double2 x[kPairs], r[kPairs];
+  Index tail, tail_end;  ///< its other parts in this block
+  unsigned wanted;       ///< bit b: block b has a part that wants z of this one
   unsigned unused;
+};
+
+/// A place among the parts of all rows. Part 0 is there without entries too.
+struct Cut {
+  Index row, part;
+
+  /// The first row that begins there or later.
+  __device__ Index next_row() const { return part > 0 ? row + 1 : row; }
 };
 
 /// What blocks meet with.
 struct alignas(16) Sums {
   double of_warp[kWarps];
   double of_block[2][kMostBlocks];  ///< in turn
-  Index first_row[kMostBlocks + 2];
+  Cut cut[kMostBlocks + 1];         ///< where parts of blocks begin, and their end
+  Index tails;
 };
 static_assert(kWarps == 16 && kMostBlocks == 16);  // halves of a warp
 
 /// Bytes of shared memory besides the blocks of the matrix.
 struct Needs {
-  std::size_t z, sums, row;
-  __host__ __device__ explicit Needs(std::size_t rows)
-      : z(rows * sizeof(AffineVec)), sums(sizeof(Sums)), row(sizeof(RowVectors)) {}
+  std::size_t z, sums = sizeof(Sums), row = sizeof(RowVectors) + sizeof(Part);
+  static constexpr std::size_t kBlockLists = 2 * sizeof(Index);  ///< of a block of the matrix
+  __host__ __device__ explicit Needs(std::size_t rows) : z(rows * sizeof(AffineVec)) {}
 };
 /// Most rows of a block.
-inline std::size_t most_own_rows(std::size_t rows, std::size_t mixed, unsigned blocks) {
-  return std::min(rows, (2 * mixed + kRowWork * rows) / (kRowWork * blocks) + 1);
+inline std::size_t most_own_rows(std::size_t rows, std::size_t mixed, unsigned blocks,
+                                 Index row_work) {
+  const auto work = static_cast<std::size_t>(row_work);
+  return std::min(rows, (2 * mixed + work * rows) / (work * blocks) + 1);
+}
+/// No block needs more, whatever the order of long and short rows.
+inline std::size_t most_needed(std::size_t rows, std::size_t mixed, unsigned blocks) {
+  const Needs needs(rows);
+  const std::size_t own = most_own_rows(rows, mixed, blocks, kLeastRowWork);
+  const std::size_t work = (2 * mixed + kRowWork * rows) / blocks + 1;
+  const std::size_t tails = work / kPart + 1, slots = rows / kPart + 1;
+  const std::size_t listed = work + kPart + 2 * own;
+  return needs.z + needs.sums + own * needs.row + tails * sizeof(Part) + slots * sizeof(AffineVec) +
+         listed * Needs::kBlockLists + sizeof(double2);
 }
 
-/// Where the rows of a block of the cluster begin.
-__device__ inline Index first_row(const BlockLists& lists, Index rows, unsigned block,
-                                  unsigned blocks) {
-  const auto work = [&](Index row) { return Offset{lists.begin[row]} + Offset{kRowWork} * row; };
-  const Offset wanted = work(rows) * block / blocks;
-  Index low = 0, high = rows;
-  while (low < high) {
-    const Index middle = (low + high) / 2;
-    if (work(middle) < wanted) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
+/// How the parts of rows are shared.
+struct Shares {
+  const Index* begin;  ///< of the entries of rows
+  Index rows;
+  unsigned blocks;
+  Index row_work;
+
+  __device__ Shares(const BlockLists& lists, Index all, unsigned of, unsigned bytes)
+      : begin(lists.begin.data), rows(all), blocks(of) {
+    const Needs needs(static_cast<std::size_t>(rows));
+    const auto own = static_cast<std::size_t>(rows) / blocks + 1;
+    const auto left =
+        static_cast<Offset>(bytes) - static_cast<Offset>(needs.z + needs.sums + own * needs.row);
+    constexpr Index kSpare = kPart + 8;  // a block may have that much more than its share
+    const Offset room = left / static_cast<Offset>(sizeof(LaneBlock) + Needs::kBlockLists) - kSpare;
+    const Offset work = (room * blocks - begin[rows]) / rows;
+    row_work = static_cast<Index>(
+        min(max(work, static_cast<Offset>(kLeastRowWork)), static_cast<Offset>(kRowWork)));
   }
-  return low;
-}
+
+  __device__ Offset before(Index row) const { return begin[row] + Offset{row_work} * row; }
+  /// The first part that begins no earlier than the share of a block.
+  __device__ Cut cut(unsigned block) const {
+    const Offset wanted = before(rows) * block / blocks;
+    Index low = 0, high = rows;
+    while (low < high) {
+      const Index middle = (low + high) / 2;
+      if (before(middle) < wanted) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    if (low == 0) return {0, 0};
+    const Offset missing = wanted - before(low - 1) - row_work;
+    const auto part = static_cast<Index>(missing > kPart ? (missing + kPart - 1) / kPart : 1);
+    return part < parts(low - 1) ? Cut{low - 1, part} : Cut{low, 0};
+  }
+  __device__ Index parts(Index row) const {
+    const Index entries = begin[row + 1] - begin[row];
+    return entries > kPart ? (entries + kPart - 1) / kPart : 1;
+  }
+};
 
 struct Lane {
   int lane = static_cast<int>(threadIdx.x % 32);
@@ -91,11 +158,16 @@ struct Lane {
     const int i = 2 * pair + more, j = column + k;
     return m.entry[is_turned ? 12 * j + i : 12 * i + j];
   }
-  __device__ void copy(const Dense<12>& m, bool is_turned, LaneBlock& to) const {
+  __device__ void read(const Dense<12>& m, bool is_turned, double2 (&to)[kColumns]) const {
     if (!works) return;
 #pragma unroll
     for (int k = 0; k < kColumns; ++k)
-      to.entry[k][lane] = {entry(m, is_turned, 0, k), entry(m, is_turned, 1, k)};
+      to[k] = {entry(m, is_turned, 0, k), entry(m, is_turned, 1, k)};
+  }
+  __device__ void write(const double2 (&from)[kColumns], LaneBlock& to) const {
+    if (!works) return;
+#pragma unroll
+    for (int k = 0; k < kColumns; ++k) to.entry[k][lane] = from[k];
   }
   __device__ void add(const LaneBlock& m, const double* vector, double2& sum) const {
     if (!works) return;
@@ -144,12 +216,20 @@ struct Block {
   int warp = static_cast<int>(threadIdx.x / 32);
   Lane at;
   GradientVectors v;
+  Cut start, stop;     ///< its parts
   Index first, count;  ///< its rows
-  double* z;           ///< of all rows; only those are kept up to date that rows of this block want
+  Index tails;         ///< parts of rows that are not their first
+  Index slot_count;    ///< parts of its last row that other blocks have
+  double* z;  ///< of all rows; only those are kept up to date that parts of this block want
   Sums* sums;
+  double2* slots;  ///< shares in the image of the last row
   RowVectors* rows;
-  LaneBlock* resident;  ///< the first blocks of the rows
-  Index* column;        ///< of each, which row of z it takes
+  Part* parts;    ///< the first ones of rows, row by row, then the others
+  Offset origin;  ///< the entry that the first place belongs to
+  Index* column;  ///< by place: which row of z the block takes
+  Index* source;  ///< and where it is in device memory: an entry of the lists, or one of the next
+  static constexpr Index kDiagonal = -1, kInverse = -2;
+  LaneBlock* resident;  ///< the first blocks
   Index resident_count;
 
   __device__ Block(const GradientVectors& of, Index all, unsigned char* shared, unsigned bytes)
@@ -157,95 +237,187 @@ struct Block {
     const Needs needs(static_cast<std::size_t>(all));
     z = reinterpret_cast<double*>(shared);
     sums = reinterpret_cast<Sums*>(shared + needs.z);
-    if (threadIdx.x <= blocks)
-      sums->first_row[threadIdx.x] = first_row(v.lists, all, threadIdx.x, blocks);
+    const Shares shares(v.lists, all, blocks, bytes);
+    if (threadIdx.x <= blocks) sums->cut[threadIdx.x] = shares.cut(threadIdx.x);
     __syncthreads();
-    first = sums->first_row[own];
-    count = sums->first_row[own + 1] - first;
-    rows = reinterpret_cast<RowVectors*>(shared + needs.z + needs.sums);
-    resident = reinterpret_cast<LaneBlock*>(rows + count);
-    const auto* const end = shared + bytes;
-    resident_count = static_cast<Index>((end - reinterpret_cast<unsigned char*>(resident)) /
-                                        static_cast<Offset>(sizeof(LaneBlock) + sizeof(Index)));
-    column = reinterpret_cast<Index*>(resident + resident_count);
+    start = sums->cut[own], stop = sums->cut[own + 1];
+    first = start.next_row(), count = stop.next_row() - first;
+    slot_count = stop.part > 0 && stop.row >= first ? shares.parts(stop.row) - stop.part : 0;
+    slots = reinterpret_cast<double2*>(shared + needs.z + needs.sums);
+    rows = reinterpret_cast<RowVectors*>(slots + kPairs * slot_count);
+    parts = reinterpret_cast<Part*>(rows + count);
+    tails = list_tails(shares);
+    origin = shares.begin[start.row] + Offset{kPart} * start.part;
+    const auto places =
+        static_cast<Index>(shares.begin[stop.row] + Offset{kPart} * stop.part - origin + 2 * count);
+    column = reinterpret_cast<Index*>(parts + count + tails);
+    source = column + places;
+    resident = reinterpret_cast<LaneBlock*>(column + (2 * places + 3) / 4 * 4);
+    const auto left = shared + bytes - reinterpret_cast<unsigned char*>(resident);
+    const auto room = left / static_cast<Offset>(sizeof(LaneBlock));
+    resident_count = static_cast<Index>(room < places ? max(room, Offset{0}) : places);
     load();
   }
 
-  /// Calls visit(k) for the rows of this warp.
+  /// Calls visit(k) for the rows of this warp, whose first parts have the same numbers.
   template <class F>
   __device__ void for_each_row(F&& visit) const {
     for (Index k = warp; k < count; k += kWarps) visit(k);
   }
-  /// The e-th of the other blocks of a row, and the row of z that it takes.
-  struct Other {
-    const Dense<12>* value;
-    bool is_turned;
-    Index column;
-  };
-  __device__ Other other(Index row, Index e) const {
-    const Index entry = v.lists.entry[v.lists.begin[row] + e];
-    const MixedBlock& m = v.lists.mixed[entry / 2];
-    const bool is_turned = entry % 2 != 0;
-    return {&m.value, is_turned, is_turned ? m.row : m.column};
+  template <class F>
+  __device__ void for_each_part(F&& visit) const {
+    for (Index k = warp; k < count + tails; k += kWarps) visit(k);
   }
 
-  __device__ unsigned block_of(Index row) const {
+  /// Blocks that have parts of a row, as bits.
+  __device__ unsigned holders(Index row) const {
+    unsigned b = owner_of(row), bits = 1u << b;
+    while (sums->cut[b + 1].row == row && sums->cut[b + 1].part > 0) bits |= 1u << ++b;
+    return bits;
+  }
+  /// The block that has the first part.
+  __device__ unsigned owner_of(Index row) const {
     unsigned b = 0;
-    while (sums->first_row[b + 1] <= row) ++b;
+    while (sums->cut[b + 1].next_row() <= row) ++b;
     return b;
   }
 
+  /// Lists parts that are not the first of their row. @return how many
+  __device__ Index list_tails(const Shares& shares) const {
+    const Index end = stop.next_row();
+    const auto begin_of = [&](Index row) {
+      return row == start.row && start.part > 0 ? start.part : 1;
+    };
+    const auto count_of = [&](Index row) {
+      const Index last = row == stop.row ? stop.part : shares.parts(row);
+      return max(last - begin_of(row), 0);
+    };
+    bool is_any = false;
+    for (Index row = start.row + static_cast<Index>(threadIdx.x); row < end; row += kThreads)
+      is_any = is_any || count_of(row) > 0;
+    if (__syncthreads_or(is_any ? 1 : 0) == 0) return 0;
+    if (warp == 0) {
+      Index before = count;
+      for (Index base = start.row; base < end; base += 32) {
+        const Index row = base + at.lane;
+        const Index own_count = row < end ? count_of(row) : 0;
+        Index after = own_count;
+#pragma unroll
+        for (int step = 1; step < 32; step *= 2) {
+          const Index other = __shfl_up_sync(kAll, after, step);
+          if (at.lane >= step) after += other;
+        }
+        const Index begin = before + after - own_count;
+        for (Index k = 0; k < own_count; ++k)
+          parts[begin + k].row = row, parts[begin + k].from = kPart * (begin_of(row) + k);
+        if (row >= first && row < end)
+          rows[row - first].tail = begin, rows[row - first].tail_end = begin + own_count;
+        before += __shfl_sync(kAll, after, 31);
+      }
+      if (at.lane == 0) sums->tails = before - count;
+    }
+    __syncthreads();
+    return sums->tails;
+  }
+
+  /// Blocks that follow the diagonal block of a row have a row of z each.
+  __device__ Index column_of(Index entry) const {
+    const MixedBlock& m = v.lists.mixed[entry / 2];
+    return entry % 2 != 0 ? m.row : m.column;
+  }
+  __device__ const Dense<12>& block_of(Index row, Index entry) const {
+    if (entry == kInverse) return v.inverse[row];
+    return entry == kDiagonal ? v.diagonal[row] : v.lists.mixed[entry / 2].value;
+  }
+  static __device__ bool is_turned(Index entry) { return entry >= 0 && entry % 2 != 0; }
+
   __device__ void load() const {
-    for_each_row([&](Index k) {
-      const Index row = first + k, begin = v.lists.begin[row];
-      const Index others = v.lists.begin[row + 1] - begin;
-      const Index to = begin - v.lists.begin[first] + 2 * k;
-      if (to < resident_count) at.copy(v.inverse[row], false, resident[to]);
-      if (to + 1 < resident_count) {
-        at.copy(v.diagonal[row], false, resident[to + 1]);
-        column[to + 1] = row;
+    for_each_part([&](Index k) {
+      Part& part = parts[k];
+      const bool is_first = k < count;
+      const Index row = is_first ? first + k : part.row, begin_of_part = is_first ? 0 : part.from;
+      const Index begin = v.lists.begin[row], entries = v.lists.begin[row + 1] - begin;
+      const Index end_of_part = min(begin_of_part + kPart, entries);
+      // Of entry 0, were it here.
+      const auto zero = static_cast<Index>(begin - origin) + 2 * (row - first + 1);
+      unsigned wanted = holders(row);
+      for (Index e = begin_of_part + at.lane; e < (is_first ? entries : end_of_part); e += 32) {
+        const Index entry = v.lists.entry[begin + e], other = column_of(entry);
+        wanted |= holders(other);
+        if (e < end_of_part) column[zero + e] = other, source[zero + e] = entry;
       }
-      for (Index e = 0; e < others && to + 2 + e < resident_count; ++e) {
-        const Other o = other(row, e);
-        at.copy(*o.value, o.is_turned, resident[to + 2 + e]);
-        column[to + 2 + e] = o.column;
-      }
-      unsigned wanted = 1u << own;
-      for (Index e = at.lane; e < others; e += 32) wanted |= 1u << block_of(other(row, e).column);
+      if (at.holds) part.p[at.lane] = part.s[at.lane] = {0, 0};
       wanted = __reduce_or_sync(kAll, wanted);
-      if (at.lane == 0) rows[k].place = to, rows[k].end = to + 2 + others, rows[k].wanted = wanted;
+      if (at.lane == 0) {
+        const unsigned owner = owner_of(row);
+        part.row = row, part.from = begin_of_part;
+        part.place = zero + (is_first ? -1 : begin_of_part), part.end = zero + end_of_part;
+        part.owner = owner;
+        part.slot = owner == own ? -1 : begin_of_part / kPart - sums->cut[owner + 1].part;
+        if (is_first) {
+          column[zero - 2] = column[zero - 1] = row;
+          source[zero - 2] = kInverse, source[zero - 1] = kDiagonal;
+          rows[k].wanted = wanted;
+          if (tails == 0) rows[k].tail = rows[k].tail_end = 0;
+        }
+      }
+      __syncwarp();
+      fetch(row, part.place - (is_first ? 1 : 0), part.end);
     });
     __syncwarp();
+  }
+  /// Brings the blocks of a row from a place on to shared memory, as far as there is room.
+  __device__ void fetch(Index row, Index place, Index end) const {
+    constexpr int kTogether = 4;  // that wait for the cache
+    const Index last = min(end, resident_count);
+    for (Index i = place; i < last; i += kTogether) {
+      double2 value[kTogether][kColumns];
+#pragma unroll
+      for (int k = 0; k < kTogether; ++k)
+        if (i + k < last) at.read(block_of(row, source[i + k]), is_turned(source[i + k]), value[k]);
+#pragma unroll
+      for (int k = 0; k < kTogether; ++k)
+        if (i + k < last) at.write(value[k], resident[i + k]);
+    }
   }
 
   /// M^-1 of the residual of row k.
   __device__ double2 precondition(Index k) const {
     double2 sum{0, 0};
     const double* r = &rows[k].r[0].x;
-    const Index from = rows[k].place;
-    if (from < resident_count) {
-      at.add(resident[from], r, sum);
+    const Index place = parts[k].place - 1;
+    if (place < resident_count) {
+      at.add(resident[place], r, sum);
     } else {
       at.add(v.inverse[first + k], false, r, sum);
     }
     return at.whole(sum);
   }
-  /// Row k of the matrix times z.
-  __device__ double2 product(Index k) const {
+  /// Those blocks of the matrix times z that a part has.
+  __device__ double2 product(const Part& part) const {
     double2 sum{0, 0};
-    const Index row = first + k, from = rows[k].place + 1, end = rows[k].end;
+    const Index row = part.row, place = part.place, end = part.end;
     const Index near = min(end, resident_count);
 #pragma unroll 4
-    for (Index i = from; i < near; ++i) at.add(resident[i], z + 12 * column[i], sum);
-    for (Index i = max(from, near); i < end; ++i) {
-      if (i == from) {
-        at.add(v.diagonal[row], false, z + 12 * row, sum);
-      } else {
-        const Other o = other(row, i - from - 1);
-        at.add(*o.value, o.is_turned, z + 12 * o.column, sum);
-      }
-    }
+    for (Index i = place; i < near; ++i) at.add(resident[i], z + 12 * column[i], sum);
+#pragma unroll 2
+    for (Index i = max(place, near); i < end; ++i)
+      at.add(block_of(row, source[i]), is_turned(source[i]), z + 12 * column[i], sum);
     return at.whole(sum);
+  }
+  /// Two numbers of the image of the direction of row k, once blocks have met.
+  __device__ double2 image(Index k) const {
+    double2 sum = parts[k].s[at.pair];
+    const auto add = [&](double2 share) { sum.x += share.x, sum.y += share.y; };
+    for (Index i = rows[k].tail; i < rows[k].tail_end; ++i) add(parts[i].s[at.pair]);
+    if (k == count - 1)
+      for (Index i = 0; i < slot_count; ++i) add(slots[kPairs * i + at.pair]);
+    return sum;
+  }
+  /// Gives the share of a part to the block that has its row.
+  __device__ void give(const Part& part, double2 share) const {
+    if (part.slot >= 0)
+      *cluster.map_shared_rank(slots + kPairs * part.slot + at.pair, part.owner) = share;
   }
 
   /// Gives z of row k to the blocks that want it: traffic between them is what an iteration waits for.
@@ -293,7 +465,7 @@ inline __global__ void __launch_bounds__(kThreads)
       const double* from = &right[b.first + k].node[0].x + 2 * at.pair;
       r = {from[0], from[1]};
       row.r[at.pair] = r;
-      row.x[at.pair] = row.p[at.pair] = row.s[at.pair] = {0, 0};
+      row.x[at.pair] = {0, 0};
     }
     __syncwarp();
     const double2 z = b.precondition(k);
@@ -304,15 +476,16 @@ inline __global__ void __launch_bounds__(kThreads)
   s.is_done = !(s.along > 0);
   while (!s.is_done && s.iterations < most) {
     sum = 0;
-    b.for_each_row([&](Index k) {
-      RowVectors& row = b.rows[k];
-      const double2 image = b.product(k);
+    b.for_each_part([&](Index k) {
+      Part& part = b.parts[k];
+      const double2 image = b.product(part);
       if (!at.holds) return;
-      const double2 z = reinterpret_cast<const double2*>(b.z + 12 * (b.first + k))[at.pair];
-      double2 p = row.p[at.pair], q = row.s[at.pair];
+      const double2 z = reinterpret_cast<const double2*>(b.z + 12 * part.row)[at.pair];
+      double2 p = part.p[at.pair], q = part.s[at.pair];
       p = {z.x + s.beta * p.x, z.y + s.beta * p.y};
       q = {image.x + s.beta * q.x, image.y + s.beta * q.y};
-      row.p[at.pair] = p, row.s[at.pair] = q;
+      part.p[at.pair] = p, part.s[at.pair] = q;
+      b.give(part, q);
       sum += p.x * q.x + p.y * q.y;
     });
     const double curvature = b.meet(0, sum);
@@ -326,7 +499,7 @@ inline __global__ void __launch_bounds__(kThreads)
       RowVectors& row = b.rows[k];
       double2 r{0, 0};
       if (at.holds) {
-        const double2 p = row.p[at.pair], q = row.s[at.pair], x = row.x[at.pair];
+        const double2 p = b.parts[k].p[at.pair], q = b.image(k), x = row.x[at.pair];
         r = row.r[at.pair];
         row.x[at.pair] = {x.x + s.alpha * p.x, x.y + s.alpha * p.y};
         r = {r.x - s.alpha * q.x, r.y - s.alpha * q.y};
@@ -387,10 +560,13 @@ class ClusterGradients {
   /// Whether it can solve systems with so many rows and blocks above the diagonal, and is faster than others.
   bool can_run(std::size_t rows, std::size_t mixed) const {
     if (blocks_ == 0) return false;
+    const unsigned blocks = blocks_for(static_cast<Offset>(rows));
+    if (cluster_gradients::most_needed(rows, mixed, blocks) > bytes_) return false;
     const cluster_gradients::Needs needs(rows);
-    const std::size_t own = cluster_gradients::most_own_rows(rows, mixed, blocks_);
+    const std::size_t own =
+        cluster_gradients::most_own_rows(rows, mixed, blocks, cluster_gradients::kRowWork);
     // At most half of the blocks stay in memory beyond that of the cluster.
-    const std::size_t matrix = 2 * (rows + mixed) * sizeof(Dense<12>) / blocks_;
+    const std::size_t matrix = 2 * (rows + mixed) * sizeof(Dense<12>) / blocks;
     return needs.z + needs.sums + own * needs.row + matrix / 2 <= bytes_;
   }
 

@@ -104,26 +104,38 @@ struct NamePieces {
   }
 };
 
-/// Sums pieces of a block of unknowns, some lines at a time.
-struct PieceSums {
+/// Lines of pieces of blocks of unknowns.
+struct PieceLines {
   LinksView of;
   Span<const Dense<12>> diagonal;  ///< by body
   Span<const MixedBlock> mixed;
-  Span<const std::uint64_t> key;
+  Span<const std::uint64_t> key;  ///< rising
   Span<const Piece> pieces;
-  Span<const Index> order;
+  Span<const Index> order;  ///< of these, by key
 
-  /// Adds line i of the sum of all pieces from a place on that have its key.
-  SCREE_HD void add_line(Index from, int i, double (&line)[12]) const {
-    const std::uint64_t own = key[from];
-    for (Index k = from; k < key.size && key[k] == own; ++k) {
-      const Piece& piece = pieces[order[k]];
-      const Link &first = of.links[piece.first], &second = of.links[piece.second];
-      add(piece, first, second, i, line);
-      // Two bodies that follow one row have their mixed block there once as it is and once transposed.
-      if (piece.block >= of.bodies() && first.row == second.row) add(piece, second, first, i, line);
-    }
+  /// Adds line i of the piece at a place in the order.
+  SCREE_HD void add_line(Index place, int i, double (&line)[12]) const {
+    const Piece& piece = pieces[order[place]];
+    const Link &first = of.links[piece.first], &second = of.links[piece.second];
+    add(piece, first, second, i, line);
+    // Two bodies that follow one row have their mixed block there once as it is and once transposed.
+    if (piece.block >= of.bodies() && first.row == second.row) add(piece, second, first, i, line);
   }
+  /// Number i of T^T f that goes with the piece: each link has one on the diagonal with itself.
+  SCREE_HD double push(Index place, int i, Span<const AffineVec> force) const {
+    const Piece& piece = pieces[order[place]];
+    double sum = 0;
+    if (piece.first != piece.second) return sum;
+    const Link& link = of.links[piece.first];
+    for (int j = 0; j < 4; ++j) sum += link.weight[j][i / 3] * force[link.body].node[j][i % 3];
+    return sum;
+  }
+  /// First place with a key, or with a higher one.
+  SCREE_HD Index place_of(std::uint64_t wanted) const {
+    return first_not_below(key, Index(0), static_cast<Index>(key.size), wanted);
+  }
+  /// Lines of a block on the diagonal that no unknown goes with are those of a unit matrix.
+  SCREE_HD bool is_unknown(Index row, int i) const { return i < 3 * of.used[row]; }
 
  private:
   SCREE_HD void add(const Piece& piece, const Link& first, const Link& second, int i,
@@ -146,23 +158,20 @@ struct PieceSums {
   }
 };
 
-/// Diagonal blocks of unknowns. Items: 12 / kLines a row, as of AddElements. Bytes: 12 + 2 x 136 a piece, and its block of 1,152.
-template <int kLines>
+/// Diagonal blocks of unknowns: one item goes through all pieces of a row. Bytes: 12 + 2 x 136 a piece, and its block of 1,152.
 struct CarryDiagonal {
   static constexpr const char* name = "affine_carry_diagonal";
-  PieceSums sums;
+  PieceLines lines;
   EntryKeys keys;
   Span<Dense<12>> carried;  ///< out, by row
 
-  SCREE_HD void operator()(Index item) const {
-    const Index row = item / (12 / kLines);
-    const int from = kLines * (item % (12 / kLines));
-    const Index first =
-        first_not_below(sums.key, Index(0), static_cast<Index>(sums.key.size), keys.key(row, row));
-    for (int i = from; i < from + kLines; ++i) {
+  SCREE_HD void operator()(Index row) const {
+    const std::uint64_t own = keys.key(row, row);
+    const Index first = lines.place_of(own), end = lines.place_of(own + 1);
+    for (int i = 0; i < 12; ++i) {
       double line[12] = {};
-      if (i < 3 * sums.of.used[row]) {
-        sums.add_line(first, i, line);
+      if (lines.is_unknown(row, i)) {
+        for (Index k = first; k < end; ++k) lines.add_line(k, i, line);
       } else {
         line[i] = 1;
       }
@@ -171,27 +180,86 @@ struct CarryDiagonal {
   }
 };
 
-/// Blocks of unknowns above the diagonal, as of CarryDiagonal.
-template <int kLines>
+/// Blocks of unknowns above the diagonal, in the same way.
 struct CarryMixed {
   static constexpr const char* name = "affine_carry_mixed";
-  PieceSums sums;
+  PieceLines lines;
   EntryKeys keys;
   Span<const Index> first;   ///< piece that a block begins with
   Span<MixedBlock> carried;  ///< out
 
-  SCREE_HD void operator()(Index item) const {
-    const Index block = item / (12 / kLines);
-    const int from = kLines * (item % (12 / kLines));
-    const std::uint64_t own = sums.key[first[block]];
-    if (from == 0) {
-      carried[block].row = keys.row(own);
-      carried[block].column = keys.other(own);
-    }
-    for (int i = from; i < from + kLines; ++i) {
+  SCREE_HD void operator()(Index block) const {
+    const std::uint64_t own = lines.key[first[block]];
+    carried[block].row = keys.row(own);
+    carried[block].column = keys.other(own);
+    for (int i = 0; i < 12; ++i) {
       double line[12] = {};
-      sums.add_line(first[block], i, line);
+      for (Index k = first[block]; k < lines.key.size && lines.key[k] == own; ++k)
+        lines.add_line(k, i, line);
       for (int j = 0; j < 12; ++j) carried[block].value(i, j) = line[j];
+    }
+  }
+};
+
+// On a device many items add up the pieces of a block, as they do with those of elements: a stiff body has one with each of the
+// hundreds of tetrahedra that it carries. What is called a piece of a run there is a part here.
+
+/// Where pieces of diagonal blocks begin and end.
+struct FindDiagonals {
+  static constexpr const char* name = "affine_find_diagonals";
+  static constexpr int kBlockThreads = kWaitingThreads;
+  EntryKeys keys;
+  Span<const std::uint64_t> key;
+  Span<Index> begin, end;  ///< out, by row
+
+  SCREE_HD void operator()(Index row) const {
+    const std::uint64_t own = keys.key(row, row);
+    const auto all = static_cast<Index>(key.size);
+    begin[row] = first_not_below(key, Index(0), all, own);
+    end[row] = first_not_below(key, begin[row], all, own + 1);
+  }
+};
+
+/// Adds up parts, of which a number may have no pieces. Items: 12 a part. Bytes as of CarryDiagonal, and 104 written an item.
+struct CarryParts {
+  static constexpr const char* name = "affine_carry_parts";
+  static constexpr int kBlockThreads = kWaitingThreads;
+  PieceLines lines;
+  EntryRuns runs;
+  Span<const AffineVec> force;  ///< by body; empty: blocks above the diagonal
+  Span<LineSum> sum;            ///< out
+
+  SCREE_HD void operator()(Index item) const {
+    const EntryRuns::Piece part = runs.piece_of_run(item / 12);
+    const int i = item % 12;
+    LineSum mine;
+    for (Index k = part.from; k < part.to; ++k) {
+      lines.add_line(k, i, mine.line);
+      if (!force.empty()) mine.push += lines.push(k, i, force);
+    }
+    sum[item] = mine;
+  }
+};
+
+/// Makes diagonal blocks and the right-hand side of parts. Items: PieceNumber::kCount a row. Blocks above the diagonal:
+/// AddPiecesToBlocks.
+struct JoinPartsOfRows {
+  static constexpr const char* name = "affine_join_parts_of_rows";
+  static constexpr int kBlockThreads = kWaitingThreads;
+  PieceLines lines;
+  EntryRuns runs;
+  Span<const LineSum> sum;
+  Span<Dense<12>> diagonal;  ///< out
+  Span<AffineVec> right;     ///< out
+
+  SCREE_HD void operator()(Index item) const {
+    const PieceNumber of(item);
+    const double all = of.sum(runs, sum);
+    if (of.number == 12) {
+      right[of.run].node[of.line / 3][of.line % 3] = all;
+    } else {
+      const double unit = of.number == of.line ? 1 : 0;
+      diagonal[of.run](of.line, of.number) = lines.is_unknown(of.run, of.line) ? all : unit;
     }
   }
 };

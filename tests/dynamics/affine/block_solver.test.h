@@ -4,6 +4,7 @@
 #include <array>
 #include <numeric>
 #include <random>
+#include <set>
 #include <vector>
 
 #include "dynamics/affine/block_solver.h"
@@ -78,6 +79,16 @@ class BlockSolverTest : public BackendTest<double> {
     return pairs;
   }
 
+  /// A chain, and some rows that meet so many others each, from the first on.
+  static std::vector<std::array<int, 2>> hubs(int rows, const std::vector<int>& of, int others) {
+    std::set<std::array<int, 2>> pairs;
+    for (const auto& pair : chain(rows)) pairs.insert(pair);
+    for (const int hub : of)
+      for (int k = 0, met = 0; k < rows && met < others; ++k)
+        if (k != hub) pairs.insert({std::min(k, hub), std::max(k, hub)}), ++met;
+    return {pairs.begin(), pairs.end()};
+  }
+
   /// Those of all blocks, by row and then by the other row.
   void list_halves(Buffer<TestBackend, Index>& half, Buffer<TestBackend, Index>& begin) {
     std::vector<std::array<Index, 3>> found;
@@ -97,6 +108,12 @@ class BlockSolverTest : public BackendTest<double> {
     upload(backend(), begins, begin);
   }
 
+  void expect_gradients_solve_it() {
+    const std::vector<AffineVec> x = solve({}, LinearMethod::gradients), r = residual(x);
+    EXPECT_LT(std::sqrt(product(r, r)), 1e-6 * std::sqrt(product(right_, right_)));
+    const std::vector<AffineVec> again = solve({}, LinearMethod::gradients);
+    for (std::size_t k = 0; k < x.size(); ++k) EXPECT_EQ(dot(x[k] - again[k], x[k] - again[k]), 0);
+  }
   /// @param lists_halves  whether the solver is told which blocks a row has, and gets others behind them
   std::vector<AffineVec> solve(const std::vector<NodeEquation>& equations, LinearMethod method,
                                bool lists_halves = false) {
@@ -197,10 +214,29 @@ TEST_F(BlockSolverTest, GradientsSolveSystemsOfAllSizes) {
                                    {1100, few}}) {
     SCOPED_TRACE(testing::Message() << rows << " rows, " << ways.size() << " bands");
     make(rows, bands(rows, ways));
-    const std::vector<AffineVec> x = solve({}, LinearMethod::gradients), r = residual(x);
-    EXPECT_LT(std::sqrt(product(r, r)), 1e-6 * std::sqrt(product(right_, right_)));
-    const std::vector<AffineVec> again = solve({}, LinearMethod::gradients);
-    for (std::size_t k = 0; k < x.size(); ++k) EXPECT_EQ(dot(x[k] - again[k], x[k] - again[k]), 0);
+    expect_gradients_solve_it();
+  }
+}
+
+// A device cuts rows of more than sixteen blocks into parts, and parts of the longest go to several of its processors.
+TEST_F(BlockSolverTest, GradientsSolveSystemsWithLongRows) {
+  std::vector<int> half(40);
+  std::iota(half.begin(), half.end(), 30);
+  struct Case {
+    int rows;
+    std::vector<int> of;
+    int others;
+  };
+  const Case cases[] = {
+      {20, {0, 19}, 19},         {60, {3, 30, 31, 59}, 13}, {60, {3, 30, 31, 59}, 14},
+      {60, {3, 30, 31, 59}, 15}, {60, {3, 30, 31, 59}, 16}, {60, {3, 30, 31, 59}, 17},
+      {120, {0, 1, 2, 119}, 31}, {120, {0, 1, 2, 119}, 32}, {120, {0, 1, 2, 119}, 33},
+      {300, {0}, 299},           {300, {150, 151}, 299},    {300, {299}, 299},
+      {100, half, 99},           {700, {3}, 699},           {900, {3, 400}, 899}};
+  for (const auto& [rows, of, others] : cases) {
+    SCOPED_TRACE(testing::Message() << rows << " rows, some with " << others << " others");
+    make(rows, hubs(rows, of, others));
+    expect_gradients_solve_it();
   }
 }
 

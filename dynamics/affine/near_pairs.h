@@ -81,6 +81,8 @@ class NearPairs {
   static constexpr bool is_few(Index bodies) { return bodies <= kFew; }
   /// Items of a pair of blocks: a device has one for each feature of the first.
   static constexpr Index kSlots = B::kIsDevice ? kBlockFeatures : 1;
+  /// Items of each of these that write what was found.
+  static constexpr Index kParts = B::kIsDevice ? 4 : 1;
   /// Tests of blocks at most, if each can be of more blocks.
   static constexpr Offset kMostTests = 1 << 21;
   static constexpr Index kAllBlocks = std::numeric_limits<Index>::max();
@@ -97,8 +99,11 @@ class NearPairs {
   Index finders(Index bodies) const {
     return bodies * (is_few(bodies) ? bodies : tree_.count[search_level()]);
   }
-  /// Most items of one pass.
+  /// Most items of one pass, and how many an element of a list has.
   static constexpr Offset kMostItems = std::numeric_limits<Index>::max() - 1;
+  static constexpr Offset items_of(int list) {
+    return list == SearchCounts::kBlocks ? kSlots * kParts : 1;
+  }
 
   Span<const BodyBox> boxes(Index n) const { return boxes_.view(n); }
 
@@ -160,8 +165,8 @@ class NearPairs {
     const Span<const Offset> touching = running(touching_, candidates);
     for_each(b, candidates,
              PlaceTouching{sums, at.candidates, touching, body_pair_.view(candidates)});
-    for_each(b, items,
-             PlacePairs{at, found, kSlots, sums.pairs, touching, near_.view(room_.pairs)});
+    for_each(b, kParts * items,
+             PlacePairs{at, found, kSlots, kParts, sums.pairs, touching, near_.view(room_.pairs)});
     for_each(b, 1, SumUpSearch{sums, touching, result_place<SearchCounts>(b)});
   }
 
@@ -228,13 +233,14 @@ class NearPairs {
     bool fits = true;
     for (int list = 0; list < SearchCounts::kLists; ++list) {
       const Offset needed = found_.of(list);
-      checked_index(needed, can_number(needed), "near pairs of affine bodies");
+      const Offset items = needed * items_of(list);
+      checked_index(items, items <= kMostItems, "near pairs of affine bodies");
       fits = fits && needed <= room_.of(list);
     }
     for (int list = 0; list < SearchCounts::kLists; ++list) {
       const Offset needed = found_.of(list);
       // A list that was cut short, and those behind it, only grow: their numbers are too low.
-      const Offset wanted = std::min(needed + needed / 4 + 256, kMostItems);
+      const Offset wanted = std::min(needed + needed / 4 + 256, kMostItems / items_of(list));
       // Room for pairs alone costs no items.
       const bool may_shrink = fits && list != SearchCounts::kPairs;
       room_.of(list) = may_shrink ? wanted : std::max(room_.of(list), wanted);

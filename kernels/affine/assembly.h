@@ -15,10 +15,11 @@ namespace scree::affine {
 
 /// At most three vectors of both bodies, whose outer products are its second derivatives.
 struct Element {
+  static constexpr int kMostModes = 3;
   Index body[2] = {};
-  int count = 0;
-  AffineVec push[2];     ///< minus the gradient of the potential, of each body
-  AffineVec mode[3][2];  ///< of each body
+  int count = 0;                  ///< of its vectors
+  AffineVec push[2];              ///< minus the gradient of the potential, of each body
+  AffineVec mode[kMostModes][2];  ///< of each body; zeros behind the last
 };
 
 /// Marks the near pairs that the barrier acts on.
@@ -113,6 +114,7 @@ struct MakeElements {
     const double push = -p.scale * drive.first(way), stiffness = p.scale * drive.second(way);
     to.body[side] = drive.body[side];
     to.push[side] = push * drive.slope[side];
+    for (AffineVec(&mode)[2] : to.mode) mode[side] = {};
     if (stiffness > 0) to.mode[0][side] = std::sqrt(stiffness) * drive.slope[side];
     if (side == 0) to.count = stiffness > 0 ? 1 : 0;
   }
@@ -120,17 +122,17 @@ struct MakeElements {
                       const Four& gradient, const Modes& modes) const {
     const double root = std::sqrt(p.scale);
     const int split = first_points(kind);
-    AffineVec push, mode[3];
+    constexpr int kMost = Element::kMostModes;
+    AffineVec push, mode[kMost];
     for (int i = 0; i < 4; ++i) {
       if ((i < split) != (side == 0)) continue;
       add_force(push, rest[i], -p.scale * gradient[i]);
-      for (int k = 0; k < 3; ++k)
+      for (int k = 0; k < kMost; ++k)
         if (k < modes.count) add_force(mode[k], rest[i], root * modes.at[k][i]);
     }
     to.body[side] = body;
     to.push[side] = push;
-    for (int k = 0; k < 3; ++k)
-      if (k < modes.count) to.mode[k][side] = mode[k];
+    for (int k = 0; k < kMost; ++k) to.mode[k][side] = mode[k];
     if (side == 0) to.count = modes.count;
   }
 };
@@ -215,12 +217,15 @@ struct MarkBlocks {
 };
 
 /// Adds row i of the block of an element that two of its sides have: twelve numbers.
-SCREE_HD inline void add_row(const Element& e, int side, int to, int i, double* row) {
-  for (int k = 0; k < e.count; ++k) {
+SCREE_HD inline void add_row(const Element& e, int side, int to, int i, double* row, int modes) {
+  for (int k = 0; k < modes; ++k) {
     const double own = entry_of(e.mode[k][side], i);
     for (int l = 0; l < 4; ++l)
       for (int d = 0; d < 3; ++d) row[3 * l + d] += own * e.mode[k][to].node[l][d];
   }
+}
+SCREE_HD inline void add_row(const Element& e, int side, int to, int i, double* row) {
+  add_row(e, side, to, i, row, e.count);
 }
 
 /// Inertia and elastic energy of a row.
@@ -428,7 +433,8 @@ struct AddPieces {
     for (Index k = piece.from; k < piece.to; ++k) {
       const Element& e = elements[entry[k] / 2];
       const int side = entry[k] % 2, line = item % 12;
-      add_row(e, side, is_mixed ? 1 - side : side, line, mine.line);
+      // All of them: a device would wait for their number, and then for each.
+      add_row(e, side, is_mixed ? 1 - side : side, line, mine.line, Element::kMostModes);
       mine.push += entry_of(e.push[side], line);
     }
     sum[item] = mine;

@@ -121,11 +121,12 @@ struct PieceLines {
     // Two bodies that follow one row have their mixed block there once as it is and once transposed.
     if (piece.block >= of.bodies() && first.row == second.row) add(piece, second, first, i, line);
   }
-  /// Number i of T^T f that goes with the piece: each link has one on the diagonal with itself.
+  /// Number i of T^T f that goes with the piece: each link has one of a diagonal block with itself.
   SCREE_HD double push(Index place, int i, Span<const AffineVec> force) const {
     const Piece& piece = pieces[order[place]];
     double sum = 0;
-    if (piece.first != piece.second) return sum;
+    // Blocks that are not there are zeros, of body 0 and itself.
+    if (piece.first != piece.second || piece.block >= of.bodies()) return sum;
     const Link& link = of.links[piece.first];
     for (int j = 0; j < 4; ++j) sum += link.weight[j][i / 3] * force[link.body].node[j][i % 3];
     return sum;

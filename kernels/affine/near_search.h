@@ -27,7 +27,7 @@ struct BlockPair {
 
 /// Elements that lists would have if there were room, and rooms.
 struct SearchCounts {
-  static constexpr int kLists = 4, kTests = 1, kPairs = 3;
+  static constexpr int kLists = 4, kTests = 1, kBlocks = 2, kPairs = 3;
   Offset bodies = 0;    ///< pairs of near bodies
   Offset tests = 0;     ///< of blocks of these, see BlockTests
   Offset blocks = 0;    ///< pairs of blocks that are near each other
@@ -35,7 +35,7 @@ struct SearchCounts {
   Offset touching = 0;  ///< pairs of bodies that have some, never more than `bodies`
 
   SCREE_HD Offset& of(int list) {
-    return list == 0 ? bodies : list == kTests ? tests : list == 2 ? blocks : pairs;
+    return list == 0 ? bodies : list == kTests ? tests : list == kBlocks ? blocks : pairs;
   }
 };
 
@@ -379,47 +379,63 @@ struct SearchTest {
   }
 };
 
-/// Lists near pairs. Items: as `slots` tells, a pair of blocks or its features. Bytes: 8 an item, 4 a feature; 24 written a pair.
+/// Lists near pairs. Items: as `slots` tells, a pair of blocks or its features, or `parts` of these. Bytes: 8 an item, 4 a feature;
+/// 24 written a pair.
 struct PlacePairs {
   static constexpr const char* name = "affine_place_pairs";
   SearchBodies at;
   FoundFeatures from;
-  Index slots = 1;              ///< items of a pair of blocks
-  Span<const Offset> begin;     ///< running sum of near pairs, by item
+  Index slots = 1;              ///< of a pair of blocks
+  Index parts = 1;              ///< items of a slot, if it is one feature: each has some bits of it
+  Span<const Offset> begin;     ///< running sum of near pairs, by slot
   Span<const Offset> touching;  ///< by candidate: those before it that have near pairs
   Span<NearPair> found;         ///< out
 
   SCREE_HD void operator()(Index item) const {
-    Offset place = begin[item];
-    if (place == begin[item + 1]) return;
+    const Index slot = item / parts, part = item % parts;
+    Offset place = begin[slot];
+    if (place == begin[slot + 1]) return;
     const Index features = kBlockFeatures / slots;
-    const BlockPair blocks = from.pairs[item / slots];
+    const BlockPair blocks = from.pairs[slot / slots];
+    const Index own = at.block(blocks.own).begin, other = at.block(blocks.other).begin;
+    const Index bodies = static_cast<Index>(touching[blocks.candidate]);
+    const bool is_small_first = at.candidates[blocks.candidate].small == 0;
     for (Index k = 0; k < features; ++k) {
-      const Index own = item % slots * features + k;
-      for (BlockBits bits = from.near[features * item + k]; bits != 0; bits &= bits - 1)
-        put(place++, blocks.candidate, at.block(blocks.own).begin + own,
-            at.block(blocks.other).begin + lowest_bit(bits));
+      const BlockBits all = from.near[features * slot + k];
+      BlockBits bits = all & bits_of(part);
+      place += count_bits(all & below(part));
+      if (bits == 0) continue;
+      const Feature feature = at.surfaces.features[own + slot % slots * features + k];
+      for (; bits != 0; bits &= bits - 1) {
+        const NearPair pair = pair_of(feature, at.surfaces.features[other + lowest_bit(bits)],
+                                      bodies, is_small_first);
+        if (place < found.size) found[place] = pair;
+        ++place;
+      }
     }
   }
 
  private:
+  /// Bits of a part, and those of the parts before it.
+  SCREE_HD BlockBits bits_of(Index part) const { return below(part + 1) & ~below(part); }
+  SCREE_HD BlockBits below(Index part) const {
+    const Index bits = kBlockFeatures / parts * part;
+    return bits == kBlockFeatures ? ~BlockBits{0} : (BlockBits{1} << bits) - 1;
+  }
   /// Corners come before triangles, and of two edges that of the first body before the other.
-  SCREE_HD void put(Offset place, Index candidate, Index own_feature, Index other_feature) const {
-    if (place >= found.size) return;
-    const Index small = at.candidates[candidate].small;
-    const Feature own = at.surfaces.features[own_feature];
-    const Feature other = at.surfaces.features[other_feature];
-    const bool own_first = own.count == 2 ? small == 0 : own.count == 1;
-    const Feature first = own_first ? own : other, second = own_first ? other : own;
+  static SCREE_HD NearPair pair_of(const Feature& own, const Feature& other, Index bodies,
+                                   bool is_small_first) {
+    const bool own_first = own.count == 2 ? is_small_first : own.count == 1;
+    const Feature &first = own_first ? own : other, &second = own_first ? other : own;
     NearPair pair;
     pair.kind = own.count == 2 ? PairKind::edge_edge : PairKind::point_triangle;
     pair.vertex[0] = first.corner[0];
     pair.vertex[1] = own.count == 2 ? first.corner[1] : second.corner[0];
     pair.vertex[2] = second.corner[own.count == 2 ? 0 : 1];
     pair.vertex[3] = second.corner[own.count == 2 ? 1 : 2];
-    pair.bodies = static_cast<Index>(touching[candidate]);
-    pair.is_swapped = own_first != (small == 0);
-    found[place] = pair;
+    pair.bodies = bodies;
+    pair.is_swapped = own_first != is_small_first;
+    return pair;
   }
 };
 

@@ -157,7 +157,7 @@ class NearPairs {
       for_each(b, items, SearchBlockPair{at, found, count_.view(items)});
     } else {
       fill(b, count_.view(items), Index{0});
-      for_each(b, tests, SearchTest{at, found, count_.view(items)});
+      for_each(b, tests, SearchTest{at, found, count_.view(items), SearchTest::step_of(tests)});
     }
     add_up(b, items, pairs_);
     for_each(b, candidates, MarkTouching{sums, count_.view(candidates)});

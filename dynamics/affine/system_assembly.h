@@ -7,7 +7,7 @@
 
 namespace scree::affine {
 
-/// Memory: 784 bytes an element and 24 an entry of its two; on a device 104 for each of the 12 lines of a piece of four entries.
+/// Memory: 784 bytes an element and 24 an entry of its two; on a device twice 104 for each of the 12 lines of a piece of four entries.
 template <class B>
 class SystemAssembly {
  public:
@@ -92,9 +92,6 @@ class SystemAssembly {
     key_.reserve_discard(entries);
     entry_.reserve_discard(entries);
   }
-  EntryRuns row_runs(Index rows, Index entries) {
-    return {begin_.view(rows), {begin_.data() + 1, rows}, EntryRuns::piece_of(entries)};
-  }
 
   BlockSystemView add_all(B& b, const Potential& p, Index count) {
     const Index rows = p.rows(), entries = 2 * count;
@@ -104,62 +101,50 @@ class SystemAssembly {
         NameEntries{p.bodies, elements(count), keys, key_.view(entries), entry_.view(entries)});
     sort_pairs(b, sort_, key_.view(entries), entry_.view(entries), bits_for(keys.none() + 1));
     for_each(b, rows + 1, FindRows{keys, key(count), begin_.view()});
-    add_rows(b, rows, count);
     mark_.reserve_discard(entries);
     for_each(b, entries, MarkBlocks{keys, key(count), mark_.view(entries)});
     const Index blocks = marked_.list(b, mark_, entries, first_);
     mixed_.reserve_discard(blocks);
-    if (blocks > 0) add_mixed(b, keys, count, blocks);
-    return {diagonal_.view(), mixed_.view(blocks), right_.view()};
-  }
-
-  // A processor goes through the entries of a row once. A device has items for pieces of them: rows are few, and some have
-  // hundreds of entries.
-  void add_rows(B& b, Index rows, Index count) {
-    if constexpr (!B::kIsDevice) {
+    const Span<const Index> first = first_.view(blocks);
+    if constexpr (kSplits) {
+      end_.reserve_discard(blocks);
+      for_each(b, blocks, EndBlocks{key(count), first, end_.view(blocks)});
+      add_pieces(b, rows, count, blocks);
+    } else {
       for_each(b, rows,
                AddElements{elements(count), entry(count), begin_.view(), diagonal_.view(),
                            right_.view()});
-    } else {
-      const EntryRuns runs = row_runs(rows, 2 * count);
-      const Index items = 12 * runs.piece_end(2 * count);
-      line_.reserve_discard(items);
-      for_each(b, items, AddPieces{elements(count), entry(count), runs, false, line_.view(items)});
-      for_each(b, PieceNumber::kCount * rows,
-               AddPiecesToRows{runs, line_.view(items), diagonal_.view(), right_.view()});
-    }
-  }
-  void add_mixed(B& b, const EntryKeys& keys, Index count, Index blocks) {
-    const Span<const Index> first = first_.view(blocks);
-    if constexpr (!B::kIsDevice) {
       for_each(
           b, blocks,
           AddMixed{elements(count), keys, key(count), entry(count), first, mixed_.view(blocks)});
-    } else {
-      end_.reserve_discard(blocks);
-      for_each(b, blocks, EndBlocks{key(count), first, end_.view(blocks)});
-      const EntryRuns runs{first, end_.view(blocks), EntryRuns::piece_of(2 * count)};
-      const Index items = 12 * runs.piece_end(2 * count);
-      line_.reserve_discard(items);
-      for_each(b, items, AddPieces{elements(count), entry(count), runs, true, line_.view(items)});
-      for_each(b, PieceNumber::kCount * blocks,
-               AddPiecesToBlocks{keys, key(count), runs, line_.view(items), mixed_.view(blocks)});
     }
+    return {diagonal_.view(), mixed_.view(blocks), right_.view()};
   }
 
   /// The same by three launches. There are no more blocks than elements, so their number need not be known.
   BlockSystemView add_few(B& b, const Potential& p, Index count) {
     const Index rows = p.rows(), entries = 2 * count;
-    const EntryKeys keys = keys_of(rows);
     for (Buffer<B, Index>* each : {&first_, &end_}) each->reserve_discard(count);
     half_.reserve_discard(entries), mixed_.reserve_discard(count);
-    list_few_entries(b, FewEntries{p.bodies, elements(count), keys, key_.view(entries),
+    list_few_entries(b, FewEntries{p.bodies, elements(count), keys_of(rows), key_.view(entries),
                                    entry_.view(entries), begin_.view(), first_.view(count),
                                    end_.view(count), half_.view(entries), half_begin_.view()});
-    const EntryRuns of_rows = row_runs(rows, entries);
-    const EntryRuns of_blocks{first_.view(count), end_.view(count), of_rows.piece};
+    add_pieces(b, rows, count, count);
+    return {diagonal_.view(),
+            mixed_.view(count),
+            right_.view(),
+            {half_.view(entries), half_begin_.view()}};
+  }
+
+  // A processor goes through the entries of a row once. A device has items for pieces of them: rows are few, and some have
+  // hundreds of entries.
+  void add_pieces(B& b, Index rows, Index count, Index blocks) {
+    const Index entries = 2 * count;
+    const EntryRuns of_rows{
+        begin_.view(rows), {begin_.data() + 1, rows}, EntryRuns::piece_of(entries)};
+    const EntryRuns of_blocks{first_.view(blocks), end_.view(blocks), of_rows.piece};
     const Index row_items = 12 * of_rows.piece_end(entries);
-    const Index block_items = 12 * of_blocks.piece_end(entries);
+    const Index block_items = blocks == 0 ? 0 : 12 * of_blocks.piece_end(entries);
     line_.reserve_discard(Offset{row_items} + block_items);
     const Span<LineSum> row_line = line_.view(row_items);
     const Span<LineSum> block_line{line_.data() + row_items, block_items};
@@ -171,12 +156,8 @@ class SystemAssembly {
     const Both<AddPiecesToRows, AddPiecesToBlocks> sums{
         {of_rows, row_line, diagonal_.view(), right_.view()},
         PieceNumber::kCount * rows,
-        {keys, key(count), of_blocks, block_line, mixed_.view(count)}};
-    for_each(b, sums.items(PieceNumber::kCount * count), sums);
-    return {diagonal_.view(),
-            mixed_.view(count),
-            right_.view(),
-            {half_.view(entries), half_begin_.view()}};
+        {keys_of(rows), key(count), of_blocks, block_line, mixed_.view(blocks)}};
+    for_each(b, sums.items(PieceNumber::kCount * blocks), sums);
   }
 
   bool has_elastic_;

@@ -15,11 +15,10 @@ namespace scree::affine {
 
 /// At most three vectors of both bodies, whose outer products are its second derivatives.
 struct Element {
-  static constexpr int kMostModes = 3;
   Index body[2] = {};
-  int count = 0;                  ///< of its vectors
-  AffineVec push[2];              ///< minus the gradient of the potential, of each body
-  AffineVec mode[kMostModes][2];  ///< of each body; zeros behind the last
+  int count = 0;                    ///< of its vectors, as of Modes
+  AffineVec push[2];                ///< minus the gradient of the potential, of each body
+  AffineVec mode[Modes::kMost][2];  ///< of each body; zeros behind the last
 };
 
 /// Marks the near pairs that the barrier acts on.
@@ -122,17 +121,16 @@ struct MakeElements {
                       const Four& gradient, const Modes& modes) const {
     const double root = std::sqrt(p.scale);
     const int split = first_points(kind);
-    constexpr int kMost = Element::kMostModes;
-    AffineVec push, mode[kMost];
+    AffineVec push, mode[Modes::kMost];
     for (int i = 0; i < 4; ++i) {
       if ((i < split) != (side == 0)) continue;
       add_force(push, rest[i], -p.scale * gradient[i]);
-      for (int k = 0; k < kMost; ++k)
+      for (int k = 0; k < Modes::kMost; ++k)
         if (k < modes.count) add_force(mode[k], rest[i], root * modes.at[k][i]);
     }
     to.body[side] = body;
     to.push[side] = push;
-    for (int k = 0; k < kMost; ++k) to.mode[k][side] = mode[k];
+    for (int k = 0; k < Modes::kMost; ++k) to.mode[k][side] = mode[k];
     if (side == 0) to.count = modes.count;
   }
 };
@@ -434,7 +432,7 @@ struct AddPieces {
       const Element& e = elements[entry[k] / 2];
       const int side = entry[k] % 2, line = item % 12;
       // All of them: a device would wait for their number, and then for each.
-      add_row(e, side, is_mixed ? 1 - side : side, line, mine.line, Element::kMostModes);
+      add_row(e, side, is_mixed ? 1 - side : side, line, mine.line, Modes::kMost);
       mine.push += entry_of(e.push[side], line);
     }
     sum[item] = mine;

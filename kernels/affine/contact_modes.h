@@ -18,20 +18,21 @@ SCREE_HD inline double square_of(const double (&w)[4]) {
   return w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3];
 }
 
-/// Vectors whose outer products are summed.
+/// Vectors whose outer products are summed. Each has a place that is known when this is compiled, so that they stay in registers.
 struct Modes {
-  int count = 0;
-  Four at[3];
+  static constexpr int kMost = 3;
+  int count = 0;  ///< places up to the last vector
+  Four at[kMost];
 
-  /// Adds sqrt(value) of a vector that is empty yet; nothing where the value is not positive.
-  SCREE_HD bool begin(double value) {
-    if (!(value > 0)) return false;
-    at[count++] = Four{};
+  /// Whether there is a vector of such a square; zeros are left where there is none.
+  SCREE_HD bool begin(int place, double square) {
+    if (!(square > 0)) return false;
+    count = place < count ? count : place + 1;
     return true;
   }
-  /// Adds scale w (x) direction to the last vector.
-  SCREE_HD void add(double scale, const double (&w)[4], const Vec3d& direction) {
-    for (int i = 0; i < 4; ++i) at[count - 1][i] += (scale * w[i]) * direction;
+  /// Adds scale w (x) direction.
+  SCREE_HD void add(int place, double scale, const double (&w)[4], const Vec3d& direction) {
+    for (int i = 0; i < 4; ++i) at[place][i] += (scale * w[i]) * direction;
   }
 };
 
@@ -55,12 +56,13 @@ SCREE_HD inline TwoByTwo eigen(double a, double b, double c) {
 /// Parts of the modes of a pair that the barrier acts on: one, or two with a mollifier.
 SCREE_HD inline int mode_parts(const Mollifier& m) { return m.first == 0 ? 1 : 2; }
 
-/// The terms of free parameters. @param push  -2 b', > 0
+/// The terms of free parameters, in the last two places. @param push  -2 b', > 0
 SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four& x, Modes& modes) {
   const double weights = square_of(n.weight);
   Vec3d tangent[2];
   double slope[2][4];
-  for (int k = 0; k < n.free; ++k) {
+  for (int k = 0; k < 2; ++k) {
+    if (k >= n.free) return;
     for (int i = 0; i < 4; ++i) slope[k][i] = n.slope[k][i];
     for (int i = 1; i < 4; ++i) tangent[k] += slope[k][i] * (x[i] - x[0]);
     if (k == 1) {
@@ -75,10 +77,10 @@ SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four
     const double square = square_of(slope[k]) * n.squared, c = std::sqrt(square);  // of |c|
     const double value = 0.5 * square + std::sqrt(0.25 * square * square + weights * square);
     const double size = std::sqrt(weights * square + value * value);
-    if (!(c > 0) || !modes.begin(push * value)) continue;
+    if (!(c > 0) || !modes.begin(1 + k, push * value)) continue;
     const double scale = std::sqrt(push * value) / size;
-    modes.add(scale * c, n.weight, tangent[k]);
-    modes.add(scale * value / c, slope[k], n.gap);
+    modes.add(1 + k, scale * c, n.weight, tangent[k]);
+    modes.add(1 + k, scale * value / c, slope[k], n.gap);
   }
 }
 
@@ -100,7 +102,7 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
   const double along =
       pair.weight * m.value * (4 * b.second * n.squared + 2 * b.first - less) * weights;
   if (m.first == 0) {
-    if (modes.begin(along)) modes.add(std::sqrt(along) / root, n.weight, normal);
+    if (modes.begin(0, along)) modes.add(0, std::sqrt(along) / root, n.weight, normal);
     add_turning_modes(n, -2 * pair.weight * b.first, x, modes);
     return modes;
   }
@@ -108,9 +110,9 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
   const Vec3d e = x[1] - x[0], f = x[3] - x[2], r = cross(e, f);
   const Vec3d about = normalized(r, any_orthogonal(norm2(e) > norm2(f) ? e : f));
   const double both[2][4] = {{-1, 1, 0, 0}, {0, 0, -1, 1}}, length = norm(r);
-  const auto add_of_r = [&](double scale, const Vec3d& direction) {
-    modes.add(scale, both[0], cross(f, direction));
-    modes.add(scale, both[1], cross(direction, e));
+  const auto add_of_r = [&](int place, double scale, const Vec3d& direction) {
+    modes.add(place, scale, both[0], cross(f, direction));
+    modes.add(place, scale, both[1], cross(direction, e));
   };
   const auto size_of_r = [&](const Vec3d& direction) {
     return std::sqrt(2 * norm2(cross(f, direction)) + 2 * norm2(cross(direction, e)));
@@ -119,10 +121,10 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
   const TwoByTwo two = eigen(
       along, pair.weight * b.first * m.first * 4 * length * std::sqrt(n.squared) * root * size,
       pair.weight * b.value * (2 * m.first + 4 * m.second * length * length) * size * size);
-  if (modes.begin(two.value[part])) {
+  if (modes.begin(0, two.value[part])) {
     const double scale = std::sqrt(two.value[part]);
-    modes.add(scale * two.vector[part][0] / root, n.weight, normal);
-    add_of_r(scale * two.vector[part][1] / size, about);
+    modes.add(0, scale * two.vector[part][0] / root, n.weight, normal);
+    add_of_r(0, scale * two.vector[part][1] / size, about);
   }
   if (part == 0) {
     add_turning_modes(n, -2 * pair.weight * m.value * b.first, x, modes);
@@ -130,8 +132,8 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
   }
   const double across = 2 * pair.weight * b.value * m.first;
   const Vec3d first = any_orthogonal(about);
-  if (modes.begin(across)) add_of_r(std::sqrt(across), first);
-  if (modes.begin(across)) add_of_r(std::sqrt(across), cross(about, first));
+  if (modes.begin(1, across)) add_of_r(1, std::sqrt(across), first);
+  if (modes.begin(2, across)) add_of_r(2, std::sqrt(across), cross(about, first));
   return modes;
 }
 
@@ -144,10 +146,10 @@ SCREE_HD inline Modes friction_modes(const FrictionContact& f, const SlipLaw& la
   const double y = std::sqrt(u[0] * u[0] + u[1] * u[1]);
   const double c = y > 0 ? u[0] / y : 1, s = y > 0 ? u[1] / y : 0;
   const double along = f.bound * law.stiffness(y), across = f.bound * law.force_per_slip(y);
-  if (modes.begin(along))
-    modes.add(std::sqrt(along), f.weight, c * f.tangent[0] + s * f.tangent[1]);
-  if (modes.begin(across))
-    modes.add(std::sqrt(across), f.weight, c * f.tangent[1] - s * f.tangent[0]);
+  if (modes.begin(0, along))
+    modes.add(0, std::sqrt(along), f.weight, c * f.tangent[0] + s * f.tangent[1]);
+  if (modes.begin(1, across))
+    modes.add(1, std::sqrt(across), f.weight, c * f.tangent[1] - s * f.tangent[0]);
   return modes;
 }
 

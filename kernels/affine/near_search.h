@@ -4,6 +4,8 @@
 // bodies of few, and what is done together takes about as long.
 // All lists are counted before they are written, and elements without room are left out: the counts tell how much is needed.
 
+#include <numeric>
+
 #include "kernels/affine/body_tree.h"
 #include "kernels/backend/ordered_lists.h"
 #include "kernels/math/bits.h"
@@ -329,15 +331,24 @@ struct SearchBlockPair {
 };
 
 /// The same, where one item goes through all pairs that a test has found: what is known of a feature serves for all of them, and
-/// leaves that are far from all of the other body are left out. Bytes: as of SearchBlockPair.
+/// leaves that are far from all of the other body are left out. Tests that find much lie beside each other, so items take them
+/// crosswise: a range of items has some of all. Bytes: as of SearchBlockPair.
 struct SearchTest {
   static constexpr const char* name = "affine_search_test";
   static constexpr Index kSerialBelow = 64;
   SearchBodies at;
   FoundFeatures found;
   Span<Index> count;  ///< out, by pair of blocks: those that no test has are not written
+  Index step = 1;     ///< between tests of two items: prime to their number
 
-  SCREE_HD void operator()(Index test) const {
+  /// @param tests  their number
+  static Index step_of(Index tests) {
+    auto step = static_cast<Index>(0.618 * tests);
+    while (std::gcd(step, tests) != 1) ++step;
+    return step;
+  }
+  SCREE_HD void operator()(Index item) const {
+    const auto test = static_cast<Index>(Offset{item} * step % (found.begin.size - 1));
     const Offset all = found.pairs.size;
     const auto begin = static_cast<Index>(least(found.begin[test], all));
     const auto end = static_cast<Index>(least(found.begin[test + 1], all));

@@ -18,11 +18,14 @@ namespace scree::affine {
 /// Each body costs its box and two ways down the tree of bodies; each pair of near bodies costs tests of blocks of 32 features of
 /// the one with those of the other, on a processor two ways down a tree for each block of the smaller one; and each pair of near
 /// blocks costs boxes of the features of one, and tests of each with the leaves of the other.
-template <class B>
+/// @tparam kSplits  whether features of a block have items of their own: a device has more threads than there are blocks
+template <class B, bool kSplits = B::kIsDevice>
 class NearPairs {
  public:
-  explicit NearPairs(B& b)
-      : boxes_(b),
+  /// @param most_tests  of blocks, if each can be of more blocks
+  explicit NearPairs(B& b, Offset most_tests = 1 << 21)
+      : most_tests_(most_tests),
+        boxes_(b),
         all_(b, 1),
         key_(b),
         order_(b),
@@ -77,21 +80,19 @@ class NearPairs {
 
  private:
   /// So few bodies are tested each with each, which is as fast as a tree and takes fewer launches.
-  static constexpr Index kFew = B::kIsDevice ? 256 : 32;
+  static constexpr Index kFew = kSplits ? 256 : 32;
   static constexpr bool is_few(Index bodies) { return bodies <= kFew; }
   /// Items of a pair of blocks: a device has one for each feature of the first.
-  static constexpr Index kSlots = B::kIsDevice ? kBlockFeatures : 1;
+  static constexpr Index kSlots = kSplits ? kBlockFeatures : 1;
   /// Items of each of these that write what was found.
-  static constexpr Index kParts = B::kIsDevice ? 4 : 1;
-  /// Tests of blocks at most, if each can be of more blocks.
-  static constexpr Offset kMostTests = 1 << 21;
+  static constexpr Index kParts = kSplits ? 4 : 1;
   static constexpr Index kAllBlocks = std::numeric_limits<Index>::max();
   static constexpr Index kThreads = 1 << 19;  ///< that a device has, twice
   /// Level of the tree in whose nodes bodies look, in each by another item where a device has as many threads. All that some
   /// bodies find is in a few nodes: one way down the tree takes several times as long as they take at most.
   int search_level() const {
     int level = tree_.top;
-    if constexpr (B::kIsDevice)
+    if constexpr (kSplits)
       while (level > 1 && Offset{tree_.count[0]} * tree_.count[level - 1] <= kThreads) --level;
     return level;
   }
@@ -153,7 +154,7 @@ class NearPairs {
     const FoundFeatures found{sums.blocks, std::as_const(block_pair_).view(blocks),
                               found_bits_.view(kBlockFeatures * Offset{blocks})};
     const Index items = kSlots * blocks;
-    if constexpr (B::kIsDevice) {
+    if constexpr (kSplits) {
       for_each(b, items, SearchBlockPair{at, found, count_.view(items)});
     } else {
       fill(b, count_.view(items), Index{0});
@@ -225,9 +226,9 @@ class NearPairs {
 
   /// Whether all that was found had room. Sets the rooms for the next search, which that many and a few more will have.
   bool has_room() {
-    if (found_.tests > kMostTests && run_ < kAllBlocks) {
+    if (found_.tests > most_tests_ && run_ < kAllBlocks) {
       run_ =
-          static_cast<Index>(std::min<Offset>(run_ * (found_.tests / kMostTests + 1), kAllBlocks));
+          static_cast<Index>(std::min<Offset>(run_ * (found_.tests / most_tests_ + 1), kAllBlocks));
       return false;
     }
     bool fits = true;
@@ -248,6 +249,7 @@ class NearPairs {
     return fits;
   }
 
+  Offset most_tests_;
   Span<const Vec3d> corners_;
   Buffer<B, BodyBox> boxes_;
   Buffer<B, Bounds> all_;
@@ -269,7 +271,7 @@ class NearPairs {
   SearchCounts found_;
   SearchCounts room_{256, 1024, 256, 1024, 0};
   /// Blocks that a test goes through: on a processor all, down their tree.
-  Index run_ = B::kIsDevice ? 1 : kAllBlocks;
+  Index run_ = kSplits ? 1 : kAllBlocks;
 };
 
 }  // namespace scree::affine

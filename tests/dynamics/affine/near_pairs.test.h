@@ -87,7 +87,8 @@ class AffineNearPairsTest : public BackendTest<double> {
   SurfaceTables<TestBackend> tables() {
     return SurfaceTables<TestBackend>(backend(), surfaces_, surface_, group_, held_);
   }
-  void build(NearPairs<TestBackend>& near, const SurfaceTables<TestBackend>& tables,
+  template <bool kSplits>
+  void build(NearPairs<TestBackend, kSplits>& near, const SurfaceTables<TestBackend>& tables,
              double distance) {
     TestBackend& b = backend();
     Buffer<TestBackend, AffineVec> from(b), to(b);
@@ -99,9 +100,10 @@ class AffineNearPairsTest : public BackendTest<double> {
   std::vector<NamedPair> named(const NearPairsView& view) {
     return named_pairs(backend(), view, searched());
   }
-  std::vector<NamedPair> listed(double distance) {
+  template <bool kSplits = TestBackend::kIsDevice>
+  std::vector<NamedPair> listed(double distance, Offset most_tests = 1 << 21) {
     const SurfaceTables<TestBackend> on = tables();
-    NearPairs<TestBackend> near(backend());
+    NearPairs<TestBackend, kSplits> near(backend(), most_tests);
     build(near, on, distance);
     return named(near.view());
   }
@@ -112,6 +114,9 @@ class AffineNearPairsTest : public BackendTest<double> {
   std::size_t compare(double distance) {
     const std::vector<NamedPair> found = listed(distance);
     expect_pairs(found, expected(distance));
+    // The other way to search, and with fewer tests of more blocks each.
+    EXPECT_EQ(listed<!TestBackend::kIsDevice>(distance), found);
+    for (const Offset most : {1, 300, 3000}) EXPECT_EQ(listed<true>(distance, most), found);
     return found.size();
   }
 };

@@ -205,14 +205,13 @@ struct FindBlocks {
 
  private:
   SCREE_HD Index search(Index p, const BlockTests::Test& t, Offset place) const {
-    const RelativeWay& way = at.ways[p];
-    const TreeNode own = at.block(t.own);
+    const BodySpaceBox seen = at.ways[p].around(at.block(t.own));
     const Span<const Index> blocks = at.surfaces.blocks;
     Index hits = 0, k = t.first;
     Index node = t.end == t.first + 1 ? blocks[k] : top_above(k);
     while (k < t.end) {
       const TreeNode n = at.surfaces.nodes[node];
-      const bool is_near = way.comes_near(own, n), is_block = node == blocks[k];
+      const bool is_near = seen.meets(n), is_block = node == blocks[k];
       if (is_near && is_block) {
         if (place >= 0) put(place + hits, {p, t.own, k});
         ++hits;
@@ -367,7 +366,7 @@ struct SearchTest {
         at.surfaces.nodes[other.tree[3 - at.surfaces.features[top.begin].count]];
     while (node < stop) {
       const TreeNode n = at.surfaces.nodes[node];
-      if (!way.comes_near(n, against)) {
+      if (!way.around(n).meets(against)) {
         node = n.after(node);
         continue;
       }

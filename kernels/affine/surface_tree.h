@@ -165,19 +165,6 @@ SCREE_HD inline Bounds swept(const AffineVec& from, const AffineVec& to, const T
   return b;
 }
 
-/// Whether the way of a node comes into a box; most do not along the first axis.
-SCREE_HD inline bool comes_into(const Bounds& box, const AffineVec& from, const AffineVec& to,
-                                const TreeNode& n) {
-  const Vec3d *f = from.node, *t = to.node;
-  double low, high;
-  sweep_axis(f[0].x, f[1].x, f[2].x, f[3].x, t[0].x, t[1].x, t[2].x, t[3].x, n, low, high);
-  if (low > box.high.x || high < box.low.x) return false;
-  sweep_axis(f[0].y, f[1].y, f[2].y, f[3].y, t[0].y, t[1].y, t[2].y, t[3].y, n, low, high);
-  if (low > box.high.y || high < box.low.y) return false;
-  sweep_axis(f[0].z, f[1].z, f[2].z, f[3].z, t[0].z, t[1].z, t[2].z, t[3].z, n, low, high);
-  return !(low > box.high.z || high < box.low.z);
-}
-
 /// Part of a coordinate that rounding changes at most, where boxes of corners and boxes of nodes are worked out with other sums:
 /// a few times 2^-53, and ten times as much to be sure.
 inline constexpr double kRounding = 1e-14;
@@ -324,18 +311,13 @@ struct RelativeWay {
       const double way = norm2(b - a);
       longest = way > longest ? way : longest;
     }
-    const double more = bend * std::sqrt(longest);
-    BodySpaceBox seen;
+    BodySpaceBox seen = widened(box, bend * std::sqrt(longest));
     seen.slack = slack;
-    for (int k = 0; k < 3; ++k) {
-      seen.center[k] = 0.5 * (box.low[k] + box.high[k]);
-      seen.half[k] = 0.5 * (box.high[k] - box.low[k]) + room[k] + more;
-    }
     return seen;
   }
 
-  /// Whether what is in a node may come within reach of what is in one of the other's.
-  SCREE_HD bool comes_near(const TreeNode& node, const TreeNode& other) const {
+  /// The same about all that is in a node.
+  SCREE_HD BodySpaceBox around(const TreeNode& node) const {
     double more = 0;
     if (bend > 0) {
       Vec3d way = last.node[0] - first.node[0];
@@ -347,19 +329,20 @@ struct RelativeWay {
       }
       more = bend * (norm(way) + length);
     }
-    more += slack;
-    Bounds box;
-    for (int k = 0; k < 3; ++k) {
-      const double half = other.half[k] + room[k] + more;
-      box.low[k] = other.center[k] - half;
-      box.high[k] = other.center[k] + half;
-    }
-    return comes_into(box, first, last, node);
+    return widened(swept(first, last, node), more + slack);
   }
 
  private:
   static constexpr double kMostShrunk = 0.375;  ///< lengths become half as long at most
 
+  SCREE_HD BodySpaceBox widened(const Bounds& box, double more) const {
+    BodySpaceBox seen;
+    for (int k = 0; k < 3; ++k) {
+      seen.center[k] = 0.5 * (box.low[k] + box.high[k]);
+      seen.half[k] = 0.5 * (box.high[k] - box.low[k]) + room[k] + more;
+    }
+    return seen;
+  }
   /// A bound of the largest singular value.
   static SCREE_HD double largest_stretch(const Vec3d rows[3]) {
     double most = 0;

@@ -5,6 +5,7 @@
 
 #include "collision/numbering.h"
 #include "dynamics/affine/marked_list.h"
+#include "dynamics/affine/piece_space.h"
 #include "kernels/affine/linked_rows.h"
 #include "kernels/backend/both.h"
 
@@ -42,7 +43,7 @@ class LinkedRows {
         end_(b),
         row_first_(b),
         row_end_(b),
-        line_(b),
+        parts_(b),
         marked_(b),
         right_(b),
         step_(b),
@@ -142,23 +143,16 @@ class LinkedRows {
         rows,
         {lines.key, first_.view(mixed), end_.view(mixed)}};
     for_each(b, find.items(mixed), find);
-    const Index part = EntryRuns::piece_of(count);
-    const EntryRuns of_rows{std::as_const(row_first_).view(rows),
-                            std::as_const(row_end_).view(rows), part};
-    const EntryRuns of_blocks{std::as_const(first_).view(mixed), std::as_const(end_).view(mixed),
-                              part};
-    const Index row_items = 12 * of_rows.piece_end(count);
-    const Index block_items = mixed > 0 ? 12 * of_blocks.piece_end(count) : 0;
-    line_.reserve_discard(Offset{row_items} + block_items);
-    const Span<LineSum> row_line = line_.view(row_items);
-    const Span<LineSum> block_line{line_.data() + row_items, block_items};
-    const Both<CarryParts, CarryParts> parts{
-        {lines, of_rows, force, row_line}, row_items, {lines, of_blocks, {}, block_line}};
-    for_each(b, parts.items(block_items), parts);
+    const auto [of_rows, of_blocks] = parts_.reserve(row_first_.view(rows), row_end_.view(rows),
+                                                     first_.view(mixed), end_.view(mixed), count);
+    const Both<CarryParts, CarryParts> parts{{lines, of_rows.runs, force, of_rows.sum},
+                                             of_rows.items,
+                                             {lines, of_blocks.runs, {}, of_blocks.sum}};
+    for_each(b, parts.items(of_blocks.items), parts);
     const Both<JoinPartsOfRows, AddPiecesToBlocks> join{
-        {lines, of_rows, row_line, diagonal_.view(rows), right_.view(rows)},
+        {lines, of_rows.runs, of_rows.sum, diagonal_.view(rows), right_.view(rows)},
         PieceNumber::kCount * rows,
-        {mark.keys, lines.key, of_blocks, block_line, mixed_.view(mixed)}};
+        {mark.keys, lines.key, of_blocks.runs, of_blocks.sum, mixed_.view(mixed)}};
     for_each(b, join.items(PieceNumber::kCount * mixed), join);
     return mixed;
   }
@@ -173,7 +167,7 @@ class LinkedRows {
   SortSpace<B> sort_;
   Buffer<B, Index> mark_, first_, end_;   ///< of blocks above the diagonal, among pieces
   Buffer<B, Index> row_first_, row_end_;  ///< of diagonal blocks
-  Buffer<B, LineSum> line_;
+  PieceSpace<B> parts_;
   MarkedList<B> marked_;
   Buffer<B, AffineVec> right_, step_;
   Buffer<B, Dense<12>> diagonal_;

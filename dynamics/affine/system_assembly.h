@@ -2,6 +2,7 @@
 // Makes the linear system of a Newton step: elements of contacts, slips and driven joints, added up by rows and blocks.
 
 #include "dynamics/affine/marked_list.h"
+#include "dynamics/affine/piece_space.h"
 #include "kernels/affine/few_entries.h"
 #include "kernels/backend/both.h"
 
@@ -29,7 +30,7 @@ class SystemAssembly {
         end_(b),
         half_(b),
         half_begin_(b, static_cast<Offset>(rows) + 1),
-        line_(b) {}
+        pieces_(b) {}
 
   /// The system at q, valid until the next call. Host reads: none for few elements on a device, else the number of blocks.
   /// @param of_pair   elements of each near pair, as EnergyOfTerm found them at q
@@ -139,24 +140,18 @@ class SystemAssembly {
   // A processor goes through the entries of a row once. A device has items for pieces of them: rows are few, and some have
   // hundreds of entries.
   void add_pieces(B& b, Index rows, Index count, Index blocks) {
-    const Index entries = 2 * count;
-    const EntryRuns of_rows{
-        begin_.view(rows), {begin_.data() + 1, rows}, EntryRuns::piece_of(entries)};
-    const EntryRuns of_blocks{first_.view(blocks), end_.view(blocks), of_rows.piece};
-    const Index row_items = 12 * of_rows.piece_end(entries);
-    const Index block_items = blocks == 0 ? 0 : 12 * of_blocks.piece_end(entries);
-    line_.reserve_discard(Offset{row_items} + block_items);
-    const Span<LineSum> row_line = line_.view(row_items);
-    const Span<LineSum> block_line{line_.data() + row_items, block_items};
+    const auto [of_rows, of_blocks] =
+        pieces_.reserve(begin_.view(rows), {begin_.data() + 1, rows}, first_.view(blocks),
+                        end_.view(blocks), 2 * count);
     const Both<AddPieces, AddPieces> pieces{
-        {elements(count), entry(count), of_rows, false, row_line},
-        row_items,
-        {elements(count), entry(count), of_blocks, true, block_line}};
-    for_each(b, pieces.items(block_items), pieces);
+        {elements(count), entry(count), of_rows.runs, false, of_rows.sum},
+        of_rows.items,
+        {elements(count), entry(count), of_blocks.runs, true, of_blocks.sum}};
+    for_each(b, pieces.items(of_blocks.items), pieces);
     const Both<AddPiecesToRows, AddPiecesToBlocks> sums{
-        {of_rows, row_line, diagonal_.view(), right_.view()},
+        {of_rows.runs, of_rows.sum, diagonal_.view(), right_.view()},
         PieceNumber::kCount * rows,
-        {keys_of(rows), key(count), of_blocks, block_line, mixed_.view(blocks)}};
+        {keys_of(rows), key(count), of_blocks.runs, of_blocks.sum, mixed_.view(blocks)}};
     for_each(b, sums.items(PieceNumber::kCount * blocks), sums);
   }
 
@@ -172,7 +167,7 @@ class SystemAssembly {
   SortSpace<B> sort_;
   Buffer<B, Index> mark_, first_, end_;  ///< of blocks
   Buffer<B, Index> half_, half_begin_;   ///< see BlockHalves
-  Buffer<B, LineSum> line_;
+  PieceSpace<B> pieces_;
 };
 
 }  // namespace scree::affine

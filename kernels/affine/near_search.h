@@ -43,8 +43,9 @@ struct SearchCounts {
 
 /// Last sum of a list, and all elements of it that there was room for.
 SCREE_HD inline Offset all_of(Span<const Offset> begin) { return begin[begin.size - 1]; }
+SCREE_HD inline Offset at_most(Offset x, Offset most) { return x < most ? x : most; }
 SCREE_HD inline Offset held_of(Span<const Offset> begin, Offset room) {
-  return all_of(begin) < room ? all_of(begin) : room;
+  return at_most(all_of(begin), room);
 }
 
 /// How candidates, tests, blocks and pairs hang together: running sums, each with one element more than there is room for.
@@ -61,9 +62,6 @@ struct SearchSums {
     const Offset item = at_most(blocks[test] * slots, pairs.size - 1);
     return static_cast<Index>(pairs[item]);
   }
-
- private:
-  static SCREE_HD Offset at_most(Offset x, Offset most) { return x < most ? x : most; }
 };
 
 /// What all searches read.
@@ -171,7 +169,7 @@ struct SetCandidates {
                o.radius,
                at.reach(at.boxes[own].rounding + at.boxes[other].rounding)};
     const Offset count = BlockTests{{}, run}.count(s, o);
-    tests[p] = static_cast<Index>(count < kMostTests ? count : kMostTests);
+    tests[p] = static_cast<Index>(at_most(count, kMostTests));
   }
 };
 
@@ -349,8 +347,8 @@ struct SearchTest {
   SCREE_HD void operator()(Index item) const {
     const auto test = static_cast<Index>(Offset{item} * step % (found.begin.size - 1));
     const Offset all = found.pairs.size;
-    const auto begin = static_cast<Index>(least(found.begin[test], all));
-    const auto end = static_cast<Index>(least(found.begin[test + 1], all));
+    const auto begin = static_cast<Index>(at_most(found.begin[test], all));
+    const auto end = static_cast<Index>(at_most(found.begin[test + 1], all));
     if (begin == end) return;
     for (Index k = begin; k < end; ++k) {
       count[k] = 0;
@@ -378,7 +376,6 @@ struct SearchTest {
   }
 
  private:
-  static SCREE_HD Offset least(Offset a, Offset b) { return a < b ? a : b; }
   SCREE_HD void search(Index candidate, Index feature, Index slot, Index begin, Index end) const {
     SoughtFeature sought(at, candidate, feature);
     for (Index k = begin; k < end; ++k) {

@@ -75,11 +75,10 @@ struct SurfaceRecord {
 
 /// Tables of all surfaces.
 struct SurfacesView {
-  Span<const Vec3d> corners;     ///< surface by surface, in their order there
-  Span<const Feature> features;  ///< in the order of the trees
-  Span<const TreeNode> nodes;    ///< of all trees
-  Span<const Index>
-      blocks;  ///< nodes that hold all features together; a last one that begins behind them
+  Span<const Vec3d> corners;           ///< surface by surface, in their order there
+  Span<const Feature> features;        ///< in the order of the trees
+  Span<const TreeNode> nodes;          ///< of all trees
+  Span<const Index> blocks;            ///< nodes that hold all features, and one behind them
   Span<const TreeNode> outline;        ///< a few boxes that hold each surface
   Span<const SurfaceRecord> surfaces;  ///< by surface
   Span<const Index> surface_of_body;

@@ -260,6 +260,7 @@ class Builder {
         if (is_free) mass += body.mass.mass, ++free;
         if (all_[b].body.elastic->is_on()) continue;
         body.row = static_cast<Index>(setup_.body_of_row.size());
+        body.mobility = body.mass.mobility();
         setup_.body_of_row.push_back(static_cast<Index>(b));
       }
     }

@@ -68,6 +68,20 @@ SCREE_HD inline void add_force(AffineVec& f, const Vec3d& rest, const Vec3d& for
   for (int k = 0; k < 4; ++k) f.node[k] += node_weight(rest, k) * force;
 }
 
+/// Inverse of the mass of a body: how it gives way. Zeros of one that cannot move.
+struct Mobility {
+  double center = 0;     ///< [1/kg]
+  Sym3<double> columns;  ///< S^-1 [1/(kg m^2)]
+
+  friend SCREE_HD Mobility operator*(double s, const Mobility& m) {
+    return {s * m.center, s * m.columns};
+  }
+  /// f M^-1 f of forces w_i n on points X_i, n of length one. @param sum  of w_i  @param moment  sum of w_i X_i
+  SCREE_HD double squared(double sum, const Vec3d& moment) const {
+    return center * sum * sum + dot(moment, columns * moment);
+  }
+};
+
 /// Mass of a body about its center of mass. The kinetic energy is
 /// 1/2 (mass |p'|^2 + sum of S_kl a_k'.a_l').
 struct AffineMass {
@@ -78,8 +92,10 @@ struct AffineMass {
   SCREE_HD AffineVec product(const AffineVec& q) const { return applied(mass, second, q); }
   /// M^-1 f.
   SCREE_HD AffineVec solve(const AffineVec& f) const {
-    return applied(1 / mass, inverse_on_axes(second, 7u), f);
+    const Mobility inverse = mobility();
+    return applied(inverse.center, inverse.columns, f);
   }
+  SCREE_HD Mobility mobility() const { return {1 / mass, inverse_on_axes(second, 7u)}; }
   /// Moments of inertia tr(S) I - S [kg m^2], of the body as a rigid one.
   SCREE_HD Sym3<double> inertia() const {
     const double trace = second.trace();

@@ -87,7 +87,9 @@ struct MakeElements {
       const int part = c > 0 && active[c - 1] == active[c] ? 1 : 0;
       const ContactPlace place = contact_place(contact, p.barrier, x);
       if (part == 0) gradient = contact_gradient(contact, place, x);
-      modes = contact_modes(contact, p.barrier, place, x, part,
+      const PairMobility mobility{
+          rest, first_points(kind), {p.mobility(body[0]), p.mobility(body[1])}};
+      modes = contact_modes(contact, p.barrier, place, x, mobility, part,
                             surplus(pair, rest, place.nearest.squared));
     } else {
       const Slip& slip = p.slips[c - contacts];

@@ -6,6 +6,8 @@
 //   (4 b'' D + 2 b') (w (x) n)(w (x) n)^T  -  2 b' sum of (a c^T + c a^T + c c^T)
 // and what is negative: a and c are orthogonal, so each term of the sum has one positive eigenvalue, in closed form. That of
 // each is taken for itself: what is left out is never positive, and no eigenvalues of larger matrices are needed.
+// Eigenvalues depend on what lengths are measured with. With the four points they go with 1 / size of the triangle or edge, though
+// these move with their body alone; with the mass of both bodies a term is as stiff as turning bodies of that size are.
 // The mollifier is a function of r = e x f. Its second derivatives are taken without those of r, which are small against the
 // rest where edges are nearly parallel, and along r together with the normal. docs/theory.md, "Barrier contact".
 
@@ -17,6 +19,29 @@ namespace scree::affine {
 SCREE_HD inline double square_of(const double (&w)[4]) {
   return w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3];
 }
+
+/// How the bodies of a pair give way to forces on its points.
+struct PairMobility {
+  Four rest;      ///< the points in coordinates of their bodies [m]
+  int split = 1;  ///< points of the first body
+  Mobility body[2];
+
+  /// f M^-1 f of forces w_i n, n of length one.
+  SCREE_HD double squared(const double (&w)[4]) const {
+    double all = 0;
+    for (int side = 0; side < 2; ++side) {
+      double sum = 0;
+      Vec3d moment;
+      for (int i = 0; i < 4; ++i) {
+        const double own = (i < split) == (side == 0) ? w[i] : 0;
+        sum += own;
+        moment += own * rest[i];
+      }
+      all += body[side].squared(sum, moment);
+    }
+    return all;
+  }
+};
 
 /// Vectors whose outer products are summed. Each has a place that is known when this is compiled, so that they stay in registers.
 struct Modes {
@@ -57,8 +82,9 @@ SCREE_HD inline TwoByTwo eigen(double a, double b, double c) {
 SCREE_HD inline int mode_parts(const Mollifier& m) { return m.first == 0 ? 1 : 2; }
 
 /// The terms of free parameters, in the last two places. @param push  -2 b', > 0
-SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four& x, Modes& modes) {
-  const double weights = square_of(n.weight);
+SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four& x,
+                                       const PairMobility& mobility, Modes& modes) {
+  const double weights = mobility.squared(n.weight);
   Vec3d tangent[2];
   double slope[2][4];
   for (int k = 0; k < 2; ++k) {
@@ -74,7 +100,7 @@ SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four
     if (!(length > 0)) return;
     tangent[k] *= 1 / length;
     for (int i = 0; i < 4; ++i) slope[k][i] /= length;
-    const double square = square_of(slope[k]) * n.squared, c = std::sqrt(square);  // of |c|
+    const double square = mobility.squared(slope[k]) * n.squared, c = std::sqrt(square);  // of |c|
     const double value = 0.5 * square + std::sqrt(0.25 * square * square + weights * square);
     const double size = std::sqrt(weights * square + value * value);
     if (!(c > 0) || !modes.begin(1 + k, push * value)) continue;
@@ -87,8 +113,8 @@ SCREE_HD inline void add_turning_modes(const Nearest& n, double push, const Four
 /// Modes of a part. @param part  0, or 1 of two
 /// @param surplus  part of the force that is not expected to stay (expected_forces.h): its share of f/g is taken off the curvature
 SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barrier,
-                                    const ContactPlace& place, const Four& x, int part,
-                                    double surplus = 0) {
+                                    const ContactPlace& place, const Four& x,
+                                    const PairMobility& mobility, int part, double surplus = 0) {
   Modes modes;
   if (!place.is_active) return modes;
   const Nearest& n = place.nearest;
@@ -103,7 +129,7 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
       pair.weight * m.value * (4 * b.second * n.squared + 2 * b.first - less) * weights;
   if (m.first == 0) {
     if (modes.begin(0, along)) modes.add(0, std::sqrt(along) / root, n.weight, normal);
-    add_turning_modes(n, -2 * pair.weight * b.first, x, modes);
+    add_turning_modes(n, -2 * pair.weight * b.first, x, mobility, modes);
     return modes;
   }
   // The gradient of |r|^2 is 2 |r| times that of r along its direction; in the directions across only r has one.
@@ -127,7 +153,7 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
     add_of_r(0, scale * two.vector[part][1] / size, about);
   }
   if (part == 0) {
-    add_turning_modes(n, -2 * pair.weight * m.value * b.first, x, modes);
+    add_turning_modes(n, -2 * pair.weight * m.value * b.first, x, mobility, modes);
     return modes;
   }
   const double across = 2 * pair.weight * b.value * m.first;

@@ -19,6 +19,7 @@ namespace scree::affine {
 /// What does not change of a body.
 struct BodyConstant {
   AffineMass mass;       ///< of a led body what holds it to its way
+  Mobility mobility;     ///< inverse of the mass; zeros of a fixed body
   double stiffness = 0;  ///< kappa times the volume [J]
   Lame lame;             ///< of a tetrahedron of an elastic body, in place of the stiffness
   Vec3d force, torque;   ///< world axes [N], [N m]
@@ -63,6 +64,9 @@ struct Potential {
     return c;
   }
   SCREE_HD double inertia_factor(const BodyConstant& body) const { return body.is_led ? lead : 1; }
+  SCREE_HD Mobility mobility(Index body) const {
+    return (1 / inertia_factor(bodies[body])) * bodies[body].mobility;
+  }
   SCREE_HD Four rest_of(const Slip& slip) const {
     Four rest;
     for (int i = 0; i < 4; ++i) rest[i] = near.corners[slip.vertex[i]];

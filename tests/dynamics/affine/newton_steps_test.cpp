@@ -1,8 +1,9 @@
-// Newton steps that go on as a turn does (kernels/affine/bent_way.h), those that barriers block (dynamics/affine/step_damping.h), and
-// those out of small gaps (kernels/affine/expected_forces.h).
+// Newton steps that go on as a turn does (kernels/affine/bent_way.h), those that barriers block (dynamics/affine/step_damping.h),
+// those out of small gaps (kernels/affine/expected_forces.h), and what turns about a contact (kernels/affine/contact_modes.h).
 
 #include <gtest/gtest.h>
 
+#include "host/meshes.h"
 #include "tests/dynamics/affine_scenes.h"
 #include "tests/physics/joint_scenes.h"
 
@@ -81,6 +82,51 @@ TEST(AffineExpectedForces, ACubeThatSlidesTakesFewIterations) {
     iterations += report.iterations;
   }
   EXPECT_LT(iterations / kSteps, 6);
+}
+
+/// A ring about z, of so many sides.
+TriangleMesh ring(int sides, double inner, double outer, double half) {
+  TriangleMesh m;
+  const auto corner = [&](int k, double radius, double z) {
+    const double angle = 2 * physics::kPi * k / sides;
+    m.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+  };
+  for (int k = 0; k < sides; ++k) {
+    corner(k, outer, -half), corner(k, outer, half);
+    corner(k, inner, half), corner(k, inner, -half);
+  }
+  for (int k = 0; k < sides; ++k) {
+    for (int e = 0; e < 4; ++e) {
+      const int a = 4 * k + e, b = 4 * k + (e + 1) % 4;
+      const int c = 4 * ((k + 1) % sides) + e, d = 4 * ((k + 1) % sides) + (e + 1) % 4;
+      m.triangles.push_back({a, d, b}), m.triangles.push_back({a, c, d});
+    }
+  }
+  return m;
+}
+
+// What turns about a contact is as stiff as the bodies are heavy, not as triangles there are small: with the latter it takes 15.8.
+TEST(AffineTurningTerms, AShaftOfFineTrianglesTakesFewIterations) {
+  constexpr int kSides = 200;
+  Scene scene = affine_scene(0.01, 0, 1);
+  scene.dynamics.parameters["reach"] = 1e-3;
+  scene.dynamics.parameters["tolerance"] = 1e-6;
+  scene.gravity = {-physics::kGravity, 0, -1};
+  physics::add_mesh(scene, ring(kSides, 0.105, 0.15, 0.1));
+  BodyDescription shaft;
+  shaft.angular_velocity = {0, 0, 10};
+  set_free_mesh(scene, shaft, ring(kSides, 0.05, 0.1, 0.3));
+  set_mass_from_density(shaft, 1000);
+  scene.bodies.push_back(shaft);
+  World world(scene, cpu_options());
+  double iterations = 0;
+  constexpr int kSteps = 60;
+  for (int k = 0; k < kSteps; ++k) {
+    const StepReport report = world.step();
+    EXPECT_TRUE(report.converged) << "step " << k;
+    iterations += report.iterations;
+  }
+  EXPECT_LT(iterations / kSteps, 13.5);
 }
 
 }  // namespace

@@ -16,29 +16,54 @@ struct RunContact {
   static constexpr const char* name = "run_contact";
   ContactPair pair;
   Barrier barrier;
+  PairMobility mobility;
   Span<const Four> x;
   Span<Nearest> nearest;
   Span<double> energy;
   Span<Four> gradient;
-  Span<Dense<12>> hessian, projected, parts, gauss_newton;
+  Span<Dense<12>> parts;
   SCREE_HD void operator()(Index k) const {
     nearest[k] = nearest_points(pair.kind, x[k]);
     energy[k] = contact_energy(pair, barrier, x[k]);
     gradient[k] = contact_gradient(pair, barrier, x[k]);
-    hessian[k] = contact_hessian(pair, barrier, x[k], Projection::none);
-    projected[k] = contact_hessian(pair, barrier, x[k], Projection::eigenvalues);
+    PairMobility way = mobility;
+    way.rest = x[k];
     Dense<12> sum;
     for (int part = 0; part < mode_parts(mollifier(pair, x[k])); ++part) {
       const Modes modes =
-          contact_modes(pair, barrier, contact_place(pair, barrier, x[k]), x[k], part);
+          contact_modes(pair, barrier, contact_place(pair, barrier, x[k]), x[k], way, part);
       for (int m = 0; m < modes.count; ++m)
         for (int i = 0; i < 4; ++i)
           for (int j = 0; j < 4; ++j) sum.add_outer(i, j, 1, modes.at[m][i], modes.at[m][j]);
     }
     parts[k] = sum;
+  }
+};
+
+struct RunHessians {
+  static constexpr const char* name = "run_hessians";
+  ContactPair pair;
+  Barrier barrier;
+  Span<const Four> x;
+  Span<Dense<12>> hessian, projected, gauss_newton;
+  SCREE_HD void operator()(Index k) const {
+    hessian[k] = contact_hessian(pair, barrier, x[k], Projection::none);
+    projected[k] = contact_hessian(pair, barrier, x[k], Projection::eigenvalues);
     gauss_newton[k] = contact_hessian(pair, barrier, x[k], Projection::gauss_newton);
   }
 };
+
+/// Bodies as large as what sample() makes.
+PairMobility mobility_of_both(PairKind kind) {
+  PairMobility m;
+  m.split = first_points(kind);
+  for (Mobility& body : m.body) {
+    body.center = 1;
+    body.columns.xx = 2, body.columns.yy = 3, body.columns.zz = 4;
+    body.columns.xy = 0.5, body.columns.xz = -0.3, body.columns.yz = 0.2;
+  }
+  return m;
+}
 
 constexpr PairKind kPairKinds[] = {PairKind::point_triangle, PairKind::edge_edge};
 
@@ -51,6 +76,10 @@ class ContactPotentialTest : public BackendTest<double> {
     std::vector<Dense<12>> hessian, projected, parts, gauss_newton;
   };
   Results run(const ContactPair& pair, const Barrier& barrier, const std::vector<Four>& x) {
+    return run(pair, barrier, x, mobility_of_both(pair.kind));
+  }
+  Results run(const ContactPair& pair, const Barrier& barrier, const std::vector<Four>& x,
+              const PairMobility& mobility) {
     TestBackend& b = backend();
     const auto n = static_cast<Index>(x.size());
     Buffer<TestBackend, Four> in(b), gradient(b, n);
@@ -59,9 +88,11 @@ class ContactPotentialTest : public BackendTest<double> {
     Buffer<TestBackend, Dense<12>> hessian(b, n), projected(b, n), parts(b, n), gauss_newton(b, n);
     upload(b, x, in);
     for_each(b, n,
-             RunContact{pair, barrier, std::as_const(in).view(n), nearest.view(), energy.view(),
-                        gradient.view(), hessian.view(), projected.view(), parts.view(),
-                        gauss_newton.view()});
+             RunContact{pair, barrier, mobility, std::as_const(in).view(n), nearest.view(),
+                        energy.view(), gradient.view(), parts.view()});
+    for_each(b, n,
+             RunHessians{pair, barrier, std::as_const(in).view(n), hessian.view(), projected.view(),
+                         gauss_newton.view()});
     return {download(b, nearest.view()),     download(b, energy.view()),
             download(b, gradient.view()),    download(b, hessian.view()),
             download(b, projected.view()),   download(b, parts.view()),
@@ -300,6 +331,99 @@ TEST_F(ContactPotentialTest, ProjectionsAreSemidefinite) {
   }
 }
 
+/// What turns about a contact, in coordinates in which the mass of both bodies is one: each free parameter's term has a positive and a
+/// negative eigenvalue there, and the modes have the positive one. The term here is what is left of the whole Hessian.
+TEST_F(ContactPotentialTest, TermsOfFreeParametersAreMeasuredWithTheMassOfBodies) {
+  const Barrier barrier{3, 0.1};
+  for (const PairKind kind : kPairKinds) {
+    const ContactPair pair{kind, 0.7, 0};
+    const int split = first_points(kind);
+    for (const bool is_second_fixed : {false, true}) {
+      PairMobility mobility = mobility_of_both(kind);
+      if (is_second_fixed) mobility.body[1] = {};
+      std::vector<Four> x;
+      for (int k = 0; k < 200; ++k) x.push_back(sample(kind, uniform(0.001, 0.1)));
+      const Results r = run(pair, barrier, x, mobility);
+      int tried = 0;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const Nearest& n = r.nearest[k];
+        if (n.free != 1) continue;  // with two, terms are no eigenvectors of their sum
+        ++tried;
+        // Twelve coordinates of each body, in which M is the unit matrix: J L^-T of M = L L^T.
+        Eigen::MatrixXd j = Eigen::MatrixXd::Zero(12, 24);
+        for (int side = 0; side < 2; ++side) {
+          Eigen::Matrix4d inverse = Eigen::Matrix4d::Zero();
+          const Mobility& m = mobility.body[side];
+          inverse(0, 0) = m.center;
+          for (int a = 0; a < 3; ++a) {
+            Vec3d unit;
+            unit[a] = 1;
+            const Vec3d column = m.columns * unit;
+            for (int c = 0; c < 3; ++c) inverse(1 + c, 1 + a) = column[c];
+          }
+          // M^-1 = R R^T; a body that is fixed has zeros.
+          const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> of(inverse);
+          const Eigen::Matrix4d root =
+              of.eigenvectors() * of.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+          for (int i = 0; i < 4; ++i) {
+            if ((i < split) != (side == 0)) continue;
+            const Eigen::Vector4d at(1, x[k][i].x, x[k][i].y, x[k][i].z);
+            const Eigen::Vector4d carried = root.transpose() * at;
+            for (int c = 0; c < 4; ++c)
+              for (int a = 0; a < 3; ++a) j(3 * i + a, 12 * side + 3 * c + a) = carried(c);
+          }
+        }
+        // The Hessian less b' 2 w_i w_j I, which has no free parameter, and less what acts along the normal.
+        const Derivatives b = barrier(n.squared);
+        const Eigen::Map<const Eigen::Vector4d> w(n.weight);
+        const Vec3d normal = normalized(n.gap);
+        const Eigen::Vector3d along(normal.x, normal.y, normal.z);
+        Vec3d across;
+        for (int i = 0; i < 4; ++i) across += n.slope[0][i] * x[k][i];
+        across = normalized(across);
+        const Eigen::Vector3d tangent(across.x, across.y, across.z);
+        Eigen::MatrixXd term = test::to_eigen(r.hessian[k]);
+        const Eigen::Matrix4d ww = w * w.transpose();
+        for (int i = 0; i < 4; ++i) {
+          for (int l = 0; l < 4; ++l) {
+            const double plain = 2 * pair.weight * b.first * ww(i, l);
+            term.block<3, 3>(3 * i, 3 * l) -=
+                plain * (Eigen::Matrix3d::Identity() - tangent * tangent.transpose()) +
+                4 * pair.weight * b.second * n.squared * ww(i, l) * along * along.transpose();
+          }
+        }
+        const double stiff =
+            pair.weight * (4 * b.second * n.squared + 2 * b.first);  // along the normal
+        Eigen::MatrixXd modes = test::to_eigen(r.parts[k]);
+        for (int i = 0; i < 4; ++i)
+          for (int l = 0; l < 4; ++l)
+            modes.block<3, 3>(3 * i, 3 * l) -= stiff * ww(i, l) * along * along.transpose();
+        const Eigen::MatrixXd expected = test::semidefinite(j.transpose() * term * j);
+        const Eigen::MatrixXd found = j.transpose() * modes * j;
+        const double size = (j.transpose() * test::to_eigen(r.hessian[k]) * j).norm();
+        EXPECT_LT((found - expected).norm(), 1e-9 * size) << k;
+      }
+      EXPECT_GT(tried, 40);
+    }
+  }
+}
+
+/// A triangle that does not turn pushes along its normal, wherever the point of the other body goes.
+TEST_F(ContactPotentialTest, NothingTurnsAboutAFixedTriangle) {
+  const Barrier barrier{3, 0.1};
+  const ContactPair pair;
+  PairMobility mobility = mobility_of_both(pair.kind);
+  mobility.body[1] = {};
+  Four x;
+  x[0] = {0.2, 0.3, 1e-3}, x[1] = {0, 0, 0}, x[2] = {1, 0, 0}, x[3] = {0, 1, 0};
+  const Results r = run(pair, barrier, {x}, mobility);
+  const Eigen::MatrixXd of_point = test::to_eigen(r.parts[0]).topLeftCorner(3, 3);
+  EXPECT_GT(of_point(2, 2), 0);
+  EXPECT_EQ(
+      (of_point - of_point(2, 2) * Eigen::Vector3d::UnitZ() * Eigen::RowVector3d::UnitZ()).norm(),
+      0);
+}
+
 TEST_F(ContactPotentialTest, NothingActsBeyondTheReach) {
   const Results r =
       run({PairKind::edge_edge, 1, 1e-3}, {3, 0.1}, {sample(PairKind::edge_edge, 0.1001, 0.02)});
@@ -374,7 +498,10 @@ TEST_F(ContactPotentialTest, BodiesGetTheSumsOfTheirPoints) {
 Dense<12> sum_of_modes(const ContactPair& pair, const Barrier& barrier, const Four& x,
                        double surplus) {
   Dense<12> sum;
-  const Modes modes = contact_modes(pair, barrier, contact_place(pair, barrier, x), x, 0, surplus);
+  PairMobility mobility = mobility_of_both(pair.kind);
+  mobility.rest = x;
+  const Modes modes =
+      contact_modes(pair, barrier, contact_place(pair, barrier, x), x, mobility, 0, surplus);
   for (int m = 0; m < modes.count; ++m)
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j) sum.add_outer(i, j, 1, modes.at[m][i], modes.at[m][j]);

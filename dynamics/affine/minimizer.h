@@ -13,6 +13,7 @@
 #include "dynamics/affine/block_solver.h"
 #include "dynamics/affine/linked_rows.h"
 #include "dynamics/affine/near_list.h"
+#include "dynamics/affine/slip_damping.h"
 #include "dynamics/affine/step_damping.h"
 #include "dynamics/affine/system_assembly.h"
 
@@ -151,7 +152,9 @@ class Minimizer {
     report.note(at);
     double last_gap = 0, last_size = 0;
     StepDamping damping;
+    SlipDamping slip_damping;
     for (int iteration = 0;; ++iteration) {
+      p.law.damping = slip_damping.value();
       const NewtonStep found = find_step(p, q, at, damping.value(), iteration, report);
       if (!found.is_there) break;
       const StepSums& sums = found.sums;
@@ -176,6 +179,7 @@ class Minimizer {
         break;
       }
       damping.note(way.share);
+      slip_damping.note(way.was_higher);
       const EnergySum& next = way.end;
       is_last = is_last && is_foreseen(at, next, sums.slope, shrinks);
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
@@ -207,6 +211,9 @@ class Minimizer {
   /// Where a bend pays: it is no less than that [reach], the energy falls by less than this part of what was foreseen, and not because
   /// a barrier is near, which leaves a small share of the step.
   static constexpr double kLeastBend = 0.01, kPoor = 0.7, kLeastBentShare = 0.25;
+  /// Fall of the energy, over what its slope says, from which on a place is lower. Less would take steps nearly twice as far as the
+  /// lowest place, to and fro.
+  static constexpr double kLower = 0.1;
   /// Share of a Newton step below which there is no lower place on its way.
   static constexpr double kLeastShare = 1e-12;
 
@@ -219,11 +226,12 @@ class Minimizer {
   struct Way {
     double share = 0;
     EnergySum end;
+    bool was_higher = false;  ///< farther along
   };
 
   static bool is_lower(const EnergySum& at, const EnergySum& next, double share, double slope) {
     return next.energy <=
-           at.energy + 1e-4 * share * slope + 1e-14 * std::abs(at.energy) + at.rounding;
+           at.energy + kLower * share * slope + 1e-14 * std::abs(at.energy) + at.rounding;
   }
 
   /// A Newton step, and on a device what is at the end of the share of it that the list of near pairs leaves free: to be thrown away
@@ -272,6 +280,7 @@ class Minimizer {
         way.share = share;
         break;
       }
+      way.was_higher = true;
     }
     return way;
   }

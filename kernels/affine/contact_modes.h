@@ -163,7 +163,7 @@ SCREE_HD inline Modes contact_modes(const ContactPair& pair, const Barrier& barr
   return modes;
 }
 
-/// Along the slip the stiffness is f1', across it f1 / y, both never below zero.
+/// Along the slip the stiffness is f1', or more where that is damped, across it f1 / y, both never below zero.
 SCREE_HD inline Modes friction_modes(const FrictionContact& f, const SlipLaw& law,
                                      const Four& moved) {
   Modes modes;
@@ -171,7 +171,7 @@ SCREE_HD inline Modes friction_modes(const FrictionContact& f, const SlipLaw& la
   slip_of(f, moved, u);
   const double y = std::sqrt(u[0] * u[0] + u[1] * u[1]);
   const double c = y > 0 ? u[0] / y : 1, s = y > 0 ? u[1] / y : 0;
-  const double along = f.bound * law.stiffness(y), across = f.bound * law.force_per_slip(y);
+  const double along = f.bound * law.damped_stiffness(y), across = f.bound * law.force_per_slip(y);
   if (modes.begin(0, along))
     modes.add(0, std::sqrt(along), f.weight, c * f.tangent[0] + s * f.tangent[1]);
   if (modes.begin(1, across))

@@ -30,6 +30,7 @@ SCREE_HD inline FrictionContact friction_contact(const Nearest& n, double mu, do
 /// length `slip` and stays there.
 struct SlipLaw {
   double slip = 1e-5;  ///< speed below which contacts count as sticking, times the step [m]; > 0
+  double damping = 0;  ///< of Newton steps along the slip, over f1/y
 
   SCREE_HD double energy(double y) const {
     if (y >= slip) return y;
@@ -51,6 +52,11 @@ struct SlipLaw {
   }
   /// f1'(y).
   SCREE_HD double stiffness(double y) const { return y >= slip ? 0 : 2 * (1 - y / slip) / slip; }
+  /// f1', or what damping asks for.
+  SCREE_HD double damped_stiffness(double y) const {
+    const double own = stiffness(y), least = damping * force_per_slip(y);
+    return own > least ? own : least;
+  }
 };
 
 /// How far the points of the pair slipped, in tangents. @param moved  displacements since the start

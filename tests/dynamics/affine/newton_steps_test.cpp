@@ -1,5 +1,6 @@
 // Newton steps that go on as a turn does (kernels/affine/bent_way.h), those that barriers block (dynamics/affine/step_damping.h),
-// those out of small gaps (kernels/affine/expected_forces.h), and what turns about a contact (kernels/affine/contact_modes.h).
+// those out of small gaps (kernels/affine/expected_forces.h), what turns about a contact (kernels/affine/contact_modes.h), and what
+// friction stops (dynamics/affine/slip_damping.h).
 
 #include <gtest/gtest.h>
 
@@ -127,6 +128,26 @@ TEST(AffineTurningTerms, AShaftOfFineTrianglesTakesFewIterations) {
     iterations += report.iterations;
   }
   EXPECT_LT(iterations / kSteps, 13.5);
+}
+
+// Planks that fall on each other after one is hit. Without damping, and with steps that may lower the energy by as little as they like,
+// it takes 15.9.
+TEST(AffineSlipDamping, ContactsThatStopTakeFewIterations) {
+  Scene scene = affine_scene(0.01, 0.3, 1);
+  scene.dynamics.parameters["reach"] = 1e-3;
+  scene.dynamics.parameters["tolerance"] = 1e-3;
+  physics::add_wall_box(scene, {0, 0, -0.1}, {5, 5, 0.1});
+  for (int k = 0; k < 10; ++k) add_box(scene, {0.2 * k, 0, 0.3005}, {0.02, 0.15, 0.3}, 4);
+  add_box(scene, {-0.5, 0.05, 0.5}, {0.1, 0.1, 0.1}, 8).velocity = {4, 0, 0};
+  World world(scene, cpu_options());
+  double iterations = 0;
+  constexpr int kSteps = 150;
+  for (int k = 0; k < kSteps; ++k) {
+    const StepReport report = world.step();
+    EXPECT_TRUE(report.converged) << "step " << k;
+    iterations += report.iterations;
+  }
+  EXPECT_LT(iterations / kSteps, 14.5);
 }
 
 }  // namespace

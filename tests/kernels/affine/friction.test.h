@@ -42,6 +42,25 @@ TEST(SlipLawTest, IsTheQuadraticOfTheTheory) {
   EXPECT_NEAR(law.energy(1e-3), 1e-3, 1e-18);  // where the pieces meet
 }
 
+// A mass m that slides by y, with a bound of one and a load that friction holds: without damping a step goes as far as the mass lets it.
+TEST(SlipLawTest, ADampedStepThatStopsASlipGoesNotFar) {
+  SlipLaw law{1e-3};
+  constexpr double kMass = 1e-3, kLoad = -0.9;
+  for (const double y : {1.001e-3, 2e-3, 1e-2, 1.0}) {
+    const auto end = [&] {
+      const double force = kLoad - kMass * y - law.force_per_slip(y) * y;
+      return y + force / (kMass + law.damped_stiffness(y));
+    };
+    law.damping = 0;
+    EXPECT_LT(end(), -1000 * y) << y;
+    law.damping = 0.25;
+    EXPECT_GT(end(), -7 * y) << y;
+  }
+  for (const double share : {0.0, 0.5, 0.8})  // contacts that stick have their own
+    EXPECT_EQ(law.damped_stiffness(1e-3 * share), law.stiffness(1e-3 * share));
+  EXPECT_NEAR(law.damped_stiffness(0.1), 2.5, 1e-12);
+}
+
 TEST_F(AffineFrictionTest, DerivativesAreThoseOfTheEnergyAndSemidefinite) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -80,6 +80,6 @@ add_library(scree_options INTERFACE)
 target_compile_options(scree_options INTERFACE
   "$<$<COMPILE_LANGUAGE:C,CXX>:${host_flags}>" "$<$<COMPILE_LANGUAGE:CUDA>:${cuda_flags}>")
 target_link_options(scree_options INTERFACE ${sanitizer_flags})
-# The caller decides what runs in parallel. For all units or none: those that disagree share Eigen's functions, and
-# products of matrices then go wrong now and then.
-target_compile_definitions(scree_options INTERFACE EIGEN_DONT_PARALLELIZE)
+# The caller decides what runs in parallel, and Eigen takes units of nvcc for what they are to the host, with its vectors. For all units or
+# none: those that disagree share Eigen's functions, and products of matrices then go wrong now and then.
+target_compile_definitions(scree_options INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_NO_CUDA)

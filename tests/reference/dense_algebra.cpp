@@ -24,6 +24,8 @@ Eigen::VectorXd solve_definite(const Eigen::MatrixXd& symmetric, const Eigen::Ve
   return symmetric.ldlt().solve(right);
 }
 
+int numbers_at_a_time() { return Eigen::internal::packet_traits<double>::size; }
+
 Eigen::VectorXd solve_sparse(const std::vector<SparseEntry>& entries,
                              const Eigen::VectorXd& right) {
   std::vector<Eigen::Triplet<double>> triplets;

@@ -1,10 +1,6 @@
 #pragma once
 // Dense and sparse systems by Eigen's decompositions, compiled once: each takes seconds in every source that has it.
 
-// Eigen marks defaulted functions for the device, which nvcc warns about wherever they are used.
-#ifdef __NVCC__
-#pragma nv_diag_suppress 20012
-#endif
 #include <Eigen/Core>
 #include <vector>
 
@@ -21,6 +17,9 @@ Eigen::MatrixXd semidefinite(const Eigen::MatrixXd& symmetric);
 
 /// Solution of a symmetric and definite system.
 Eigen::VectorXd solve_definite(const Eigen::MatrixXd& symmetric, const Eigen::VectorXd& right);
+
+/// How many numbers Eigen's functions take at a time in the unit of these.
+int numbers_at_a_time();
 
 struct SparseEntry {
   int row = 0, column = 0;

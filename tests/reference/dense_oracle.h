@@ -2,10 +2,6 @@
 // Contact problems written densely from the equations, and solved to rounding by an interior-point
 // method. Shares no code with kernels/: a mistake there cannot be repeated here by inclusion.
 
-// Eigen marks defaulted functions for the device, which nvcc warns about wherever they are used.
-#ifdef __NVCC__
-#pragma nv_diag_suppress 20012
-#endif
 #include <Eigen/Dense>
 #include <vector>
 

@@ -1,8 +1,8 @@
 // Eigen in units of a backend.
 
-#include "tests/reference/dense_algebra.h"
-
 #include <gtest/gtest.h>
+
+#include "tests/reference/dense_algebra.h"
 
 namespace scree::oracle {
 namespace {

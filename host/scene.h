@@ -148,7 +148,7 @@ class PerParticle {
   bool fits(std::size_t count) const { return !values_ || values_->size() == count; }
 
  private:
-  T same_;
+  T same_{};
   std::shared_ptr<const std::vector<T>> values_;
 };
 

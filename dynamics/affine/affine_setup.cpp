@@ -97,6 +97,10 @@ class Builder {
       if (all_[b].body.elastic->is_on())
         elastic.push_back({static_cast<Index>(b), static_cast<Index>(all_[b].id), &all_[b].body});
     add_solids(scene_, elastic, body_of_id_, setup_);
+    for (const Index b : setup_.body_of_row) {
+      BodyConstant& body = setup_.bodies[static_cast<std::size_t>(b)];
+      body.mobility = body.mass.mobility();
+    }
     let_bend();
     return std::move(setup_);
   }
@@ -260,7 +264,6 @@ class Builder {
         if (is_free) mass += body.mass.mass, ++free;
         if (all_[b].body.elastic->is_on()) continue;
         body.row = static_cast<Index>(setup_.body_of_row.size());
-        body.mobility = body.mass.mobility();
         setup_.body_of_row.push_back(static_cast<Index>(b));
       }
     }

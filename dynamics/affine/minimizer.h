@@ -179,7 +179,7 @@ class Minimizer {
         break;
       }
       damping.note(way.share);
-      slip_damping.note(way.was_higher);
+      slip_damping.note(way.went_too_far);
       const EnergySum& next = way.end;
       is_last = is_last && is_foreseen(at, next, sums.slope, shrinks);
       copy(*b_, Span<const AffineVec>(trial_.view()), q);
@@ -226,7 +226,7 @@ class Minimizer {
   struct Way {
     double share = 0;
     EnergySum end;
-    bool was_higher = false;  ///< farther along
+    bool went_too_far = false;  ///< the energy was not lower farther on
   };
 
   static bool is_lower(const EnergySum& at, const EnergySum& next, double share, double slope) {
@@ -280,7 +280,7 @@ class Minimizer {
         way.share = share;
         break;
       }
-      way.was_higher = true;
+      way.went_too_far = true;
     }
     return way;
   }

@@ -10,8 +10,10 @@ class SlipDamping {
  public:
   double value() const { return value_; }
 
-  /// @param was_higher  whether the energy was higher where a step had led
-  void note(bool was_higher) { value_ = was_higher ? kFirst : value_ > kLeast ? value_ / 2 : 0; }
+  /// @param went_too_far  whether the energy was not lower where a step would have led
+  void note(bool went_too_far) {
+    value_ = went_too_far ? kFirst : value_ > kLeast ? value_ / 2 : 0;
+  }
 
  private:
   static constexpr double kFirst = 0.25, kLeast = 0.01;

@@ -170,7 +170,6 @@ class SolidBuilder {
       if (holder_[at(corner[k])] == kLoose && out_.corners[v].body < 0)
         out_.corners[v] = {tet.body, x};
     }
-    c.mobility = c.mass.mobility();
     const Elasticity& elasticity = *body.elastic;
     const double young = elasticity.young_modulus, poisson = elasticity.poisson_ratio;
     c.lame.shear = volume * young / (2 * (1 + poisson));

@@ -7,12 +7,25 @@
 #include "host/meshes.h"
 #include "tests/dynamics/affine_scenes.h"
 #include "tests/physics/joint_scenes.h"
+#include "tests/turned_solid.h"
 
 namespace scree::affine {
 namespace {
 
 using namespace test;
 using physics::add_box;
+
+/// Newton iterations of a step on average, all of which are to converge.
+double iterations_a_step(const Scene& scene, int steps) {
+  World world(scene, cpu_options());
+  double iterations = 0;
+  for (int k = 0; k < steps; ++k) {
+    const StepReport report = world.step();
+    EXPECT_TRUE(report.converged) << "step " << k;
+    iterations += report.iterations;
+  }
+  return iterations / steps;
+}
 
 /// A rod on a hinge at its end that turns by 0.6 rad a step.
 Scene spinning_rod() {
@@ -74,36 +87,12 @@ Scene sliding_cube() {
 
 // With contacts as stiff as the barrier from the first step on it takes 6.4.
 TEST(AffineExpectedForces, ACubeThatSlidesTakesFewIterations) {
-  World world(sliding_cube(), cpu_options());
-  double iterations = 0;
-  constexpr int kSteps = 120;
-  for (int k = 0; k < kSteps; ++k) {
-    const StepReport report = world.step();
-    EXPECT_TRUE(report.converged) << "step " << k;
-    iterations += report.iterations;
-  }
-  EXPECT_LT(iterations / kSteps, 6);
+  EXPECT_LT(iterations_a_step(sliding_cube(), 120), 6);
 }
 
-/// A ring about z, of so many sides.
+/// Between two radii, of so many sides.
 TriangleMesh ring(int sides, double inner, double outer, double half) {
-  TriangleMesh m;
-  const auto corner = [&](int k, double radius, double z) {
-    const double angle = 2 * physics::kPi * k / sides;
-    m.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
-  };
-  for (int k = 0; k < sides; ++k) {
-    corner(k, outer, -half), corner(k, outer, half);
-    corner(k, inner, half), corner(k, inner, -half);
-  }
-  for (int k = 0; k < sides; ++k) {
-    for (int e = 0; e < 4; ++e) {
-      const int a = 4 * k + e, b = 4 * k + (e + 1) % 4;
-      const int c = 4 * ((k + 1) % sides) + e, d = 4 * ((k + 1) % sides) + (e + 1) % 4;
-      m.triangles.push_back({a, d, b}), m.triangles.push_back({a, c, d});
-    }
-  }
-  return m;
+  return turned_solid({{outer, -half}, {outer, half}, {inner, half}, {inner, -half}}, sides);
 }
 
 // What turns about a contact is as stiff as the bodies are heavy, not as triangles there are small: with the latter it takes 15.8.
@@ -119,15 +108,7 @@ TEST(AffineTurningTerms, AShaftOfFineTrianglesTakesFewIterations) {
   set_free_mesh(scene, shaft, ring(kSides, 0.05, 0.1, 0.3));
   set_mass_from_density(shaft, 1000);
   scene.bodies.push_back(shaft);
-  World world(scene, cpu_options());
-  double iterations = 0;
-  constexpr int kSteps = 60;
-  for (int k = 0; k < kSteps; ++k) {
-    const StepReport report = world.step();
-    EXPECT_TRUE(report.converged) << "step " << k;
-    iterations += report.iterations;
-  }
-  EXPECT_LT(iterations / kSteps, 13.5);
+  EXPECT_LT(iterations_a_step(scene, 60), 13.5);
 }
 
 // Planks that fall on each other after one is hit. Without damping, and with steps that may lower the energy by as little as they like,
@@ -139,15 +120,7 @@ TEST(AffineSlipDamping, ContactsThatStopTakeFewIterations) {
   physics::add_wall_box(scene, {0, 0, -0.1}, {5, 5, 0.1});
   for (int k = 0; k < 10; ++k) add_box(scene, {0.2 * k, 0, 0.3005}, {0.02, 0.15, 0.3}, 4);
   add_box(scene, {-0.5, 0.05, 0.5}, {0.1, 0.1, 0.1}, 8).velocity = {4, 0, 0};
-  World world(scene, cpu_options());
-  double iterations = 0;
-  constexpr int kSteps = 150;
-  for (int k = 0; k < kSteps; ++k) {
-    const StepReport report = world.step();
-    EXPECT_TRUE(report.converged) << "step " << k;
-    iterations += report.iterations;
-  }
-  EXPECT_LT(iterations / kSteps, 14.5);
+  EXPECT_LT(iterations_a_step(scene, 150), 14.5);
 }
 
 }  // namespace

@@ -40,6 +40,7 @@ struct RunContact {
   }
 };
 
+/// Apart from RunContact: in one program with its sums, nvcc 13 makes NaN of them (bench/results/h200/2026-11-30-turning-and-slips.md).
 struct RunHessians {
   static constexpr const char* name = "run_hessians";
   ContactPair pair;
